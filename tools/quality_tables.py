@@ -6,6 +6,13 @@
 FOLDER has lafan1/, lafan1_cuts/, dialects/ with BVH files and unitree_g1_csv/ with published motions. Prints
 Markdown: the G1's tables, then means by robot and kind of source, `--ik-config published --scale table`
 -> default where the robot has a published configuration.
+
+    tools/quality_tables.py --tool ... --dynamics
+
+prints the tables of docs/dynamics.md instead: published motions, the published method, the fit, and the fit with
+`--with dynamics`, side by side. FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
+github.com/ubisoft/ubisoft-laforge-animation-dataset, the published motions (`g1/` of them) are the data set
+LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face; neither is part of this repository.
 """
 import argparse
 import concurrent.futures
@@ -27,6 +34,10 @@ MEANS = ["limb_angle_deg", "trunk_lean_error_deg", "root_jerk_mean", "acc_p99", 
 SAMPLES = ["walk", "turn_in_place", "squat", "wave", "get_up"]
 NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root", "slimevr_hmd_root",
              "geno_stance", "soma_zero_frame0"}
+DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
+            "root_jerk_mean": 0, "stance_slip_mean": 4, "torque_over_pct": 1}
+METHODS = {"`--method gmr`": ("--method", "gmr"), "fit": (),
+           "fit `--with dynamics`": ("--with", "dynamics")}
 AS_PUBLISHED = ("--ik-config", "published", "--scale", "table")
 
 
@@ -45,6 +56,33 @@ def figures(tool, clip, robot, options=(), motion=None):
             return None
         with open(report, encoding="utf-8") as file:
             return json.load(file)["motions"][0]
+
+
+def dynamics(tool, clip, robot, options):
+    """The report with figures of inverse dynamics of a run's motion."""
+    with tempfile.TemporaryDirectory() as folder:
+        motion = os.path.join(folder, "out.csv")
+        subprocess.run([tool, "--bvh", clip, "--robot", robot, "-o", motion, "-q", *options],
+                       check=True)
+        return figures(tool, clip, robot, ("--dynamics",), motion)
+
+
+def print_dynamics(tool, pool, robot, clips, published):
+    """A table a figure: a row a clip, a column a method."""
+    reports = {}
+    if robot == "unitree_g1":
+        reports["published data"] = [
+            figures(tool, clip, robot, ("--dynamics",), published / f"{clip.stem}.csv")
+            if (published / f"{clip.stem}.csv").exists() else None for clip in clips]
+    for method, options in METHODS.items():
+        reports[method] = list(pool.map(lambda clip: dynamics(tool, clip, robot, options), clips))
+    for name, digits in DYNAMICS.items():
+        print(f"\n`{name}`, {robot}:\n\n| clip | " + " | ".join(reports) + " |")
+        print("| --- |" + " --- |" * len(reports))
+        for i, clip in enumerate(clips):
+            cells = [value(of_method[i], name) for of_method in reports.values()]
+            texts = ["" if cell is None else f"{cell:.{digits}f}" for cell in cells]
+            print(f"| {clip.stem} | " + " | ".join(texts) + " |")
 
 
 def value(report, name):
@@ -94,7 +132,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tool", required=True)
-    parser.add_argument("--data", required=True, type=pathlib.Path)
+    shared = os.environ.get("RETARGET_SHARED")
+    parser.add_argument("--data", required=shared is None, type=pathlib.Path,
+                        default=shared and pathlib.Path(shared) / "data")
+    parser.add_argument("--dynamics", action="store_true",
+                        help="print the tables of docs/dynamics.md")
     parser.add_argument("--robots", default="unitree_g1")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
@@ -105,6 +147,11 @@ def main():
                                  if clip.stem not in NO_HUMANS],
              "samples": samples}
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        if args.dynamics:
+            for robot in args.robots.split(","):
+                print_dynamics(args.tool, pool, robot, lafan1 + clips["cuts"] + samples,
+                               args.data / "unitree_g1_csv")
+            return
         for files in (lafan1, samples):
             for title, options in (("Published method, `--method gmr`:", ("--method", "gmr")),
                                    ("Ours, `--method fit`:", ())):

@@ -171,6 +171,10 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
     return usage_failure(OPTION("gate") " and " OPTION("no-quality") " cannot be combined",
                          "gates need the figures that are measured");
   }
+  if (request.of_clip.dynamics && !request.quality) {
+    return usage_failure(OPTION("dynamics") " and " OPTION("no-quality") " cannot be combined",
+                         "without " OPTION("no-quality") " the figures are measured");
+  }
   if (!merging || !request.gates.empty()) {
     TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
   }

@@ -24,6 +24,26 @@ double pull_share(const Vector6d& rest) {
   return norm > kDeadZone ? 1.0 - kDeadZone / norm : 0.0;
 }
 
+// Of what is needed: means with weights that fall to 0 at so many frames on either side.
+void average_needed(std::vector<CentroidalFrame>& frames, double reach) {
+  const auto count = static_cast<int>(frames.size());
+  const auto last = static_cast<int>(std::ceil(reach)) - 1;  // on either side, with a weight
+  if (last < 1) return;
+  std::vector<Vector6d> means;
+  means.reserve(frames.size());
+  for (int t = 0; t < count; ++t) {
+    Vector6d sum = Vector6d::Zero();
+    double weights = 0.0;
+    for (int k = std::max(-last, -t); k <= std::min(last, count - 1 - t); ++k) {
+      const double weight = 1.0 - std::abs(k) / reach;
+      sum += weight * frames[static_cast<std::size_t>(t + k)].needed;
+      weights += weight;
+    }
+    means.emplace_back(sum / weights);
+  }
+  for (std::size_t t = 0; t < frames.size(); ++t) frames[t].needed = means[t];
+}
+
 }  // namespace
 
 Vector6d CentroidalStep::value(const std::vector<Vector6d>& b, std::size_t t) {
@@ -184,7 +204,10 @@ bool CentroidalStep::step(std::vector<Vector6d>& direction) {
   return true;
 }
 
-void CentroidalStep::find_unexplained(std::vector<CentroidalFrame>& frames) {
+void CentroidalStep::find_unexplained(std::vector<CentroidalFrame>& frames,
+                                      const CentroidalScale& scale) {
+  constexpr double kMeanOver = 1.0 / 30.0;  // s
+  average_needed(frames, kMeanOver / scale.frame_time);
   unexplained_before_.clear();
   for (CentroidalFrame& frame : frames) {
     unexplained_before_.push_back(projector_.project(frame.cone, frame.needed));

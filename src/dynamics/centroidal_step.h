@@ -33,8 +33,12 @@ struct CentroidalScale {
 /// the first and the last frame stay.
 class CentroidalStep {
  public:
-  /// What contacts cannot supply of what is needed as it is; see unexplained().
-  void find_unexplained(std::vector<CentroidalFrame>& frames);
+  /// What contacts cannot supply of what is needed as it is; see unexplained(). Before solve().
+  ///
+  /// Where frames are denser than a thirtieth of a second, `needed` becomes its mean over that time (a
+  /// triangle's): how feet touch down within it is no matter of the whole body's movement, and at 120
+  /// frames a second it would drown that. At 30 and fewer nothing changes.
+  void find_unexplained(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale);
   /// @return by frame: x, metres and kg m^2.
   std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
                               int iterations);

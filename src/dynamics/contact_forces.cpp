@@ -23,9 +23,10 @@ using Edges = Eigen::Matrix<double, 3, kEdges>;
 }  // namespace
 
 ContactForces::ContactForces(const KinematicTree& tree, std::span<const double> torque_limits,
-                             double weight)
+                             double weight, double lever)
     : tree_(&tree),
       weight_(weight),
+      lever_(lever),
       levers_(kMaxPoints),
       jacobians_(kMaxPoints, RowsOfJoints::Zero(static_cast<int>(tree.links().size()), 3)),
       scaled_jacobians_(jacobians_),
@@ -95,16 +96,16 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
   hessian_ *= kForceWeight * kForceWeight;
   gradient_.setZero();
   const Vector3d force = dynamics.needed().force / weight_;
-  const Vector3d torque = dynamics.needed().torque / (weight_ * kLever);
+  const Vector3d torque = dynamics.needed().torque / (weight_ * lever_);
   for (std::size_t p = 0; p < count_; ++p) {
     const int row = kEdges * static_cast<int>(p);
-    const Matrix3d turn_p = skew(levers_[p]) / kLever;
+    const Matrix3d turn_p = skew(levers_[p]) / lever_;
     scaled_jacobians_[p].noalias() = weight_ * (scale_.asDiagonal() * jacobians_[p]);
     const Vector3d pull =
         force + turn_p.transpose() * torque + scaled_jacobians_[p].transpose() * scaled_torques_;
     gradient_.segment<kEdges>(row) = -edges.transpose() * pull;
     for (std::size_t q = 0; q <= p; ++q) {
-      const Matrix3d turn_q = skew(levers_[q]) / kLever;
+      const Matrix3d turn_q = skew(levers_[q]) / lever_;
       const Matrix3d block = Matrix3d::Identity() + turn_p.transpose() * turn_q +
                              scaled_jacobians_[p].transpose() * scaled_jacobians_[q];
       hessian_.block<kEdges, kEdges>(row, kEdges * static_cast<int>(q)) +=

@@ -12,17 +12,19 @@ namespace retarget {
 
 /// The forces at points of support that come nearest to what a movement needs: within friction
 /// pyramids (four edges inside the cone), non-negative least squares of the needed wrench about the
-/// centre of mass, torques divided by kLever, and of the joints' torques in terms of their limits
+/// centre of mass, torques divided by a lever, and of the joints' torques in terms of their limits
 /// with a small weight, which chooses among equals. Owns its scratch memory.
 class ContactForces {
  public:
   static constexpr std::size_t kMaxPoints = 10;
   static constexpr double kFriction = 0.8;
-  static constexpr double kLever = 0.3;         ///< m: a torque of W kLever counts as much as W.
+  static constexpr double kLever = 0.3;         ///< m, of a G1: W at this lever counts as W.
   static constexpr double kJointWeight = 0.02;  ///< Of a joint torque at its limit.
 
   /// @param torque_limits  by link of the tree, N m (N); infinity: none is known.
-  ContactForces(const KinematicTree& tree, std::span<const double> torque_limits, double weight);
+  /// @param lever          m: a torque of the weight times it counts as much as the weight.
+  ContactForces(const KinematicTree& tree, std::span<const double> torque_limits, double weight,
+                double lever = kLever);
 
   /// @param points  of support, at most kMaxPoints; places: their world positions.
   void solve(const InverseDynamics& dynamics, const TreeState& state,
@@ -43,7 +45,7 @@ class ContactForces {
                      const Eigen::Vector3d& place, RowsOfJoints& jacobian) const;
 
   const KinematicTree* tree_;
-  double weight_;
+  double weight_, lever_;
   std::size_t count_ = 0;
   std::vector<Eigen::Vector3d> levers_;  // from the centre of mass to the points
   std::vector<RowsOfJoints> jacobians_;  // by point: rows by link, joint torque per unit of force

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dynamics/body_size.h"
 #include "dynamics/contact_forces.h"
 #include "dynamics/motion_spline.h"
 #include "dynamics/support_points.h"
@@ -16,12 +17,21 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSamplesPerSecond = 120.0;
+// of a robot as large as a G1
 constexpr double kContactHeight = 0.02;    // m
 constexpr double kContactSpeed = 0.5;      // m/s
 constexpr double kNeighbour = 1.0 / 30.0;  // s
 constexpr double kMinHeld = 0.2;     // of the weight, for figures about where and how it is held
 constexpr double kBadForce = 0.1;    // of the weight
-constexpr double kBadTorque = 0.03;  // m x weight
+constexpr double kBadTorque = 0.03;  // m x weight, of a robot as large as a G1
+
+// What lengths and speeds of a G1 are of another robot. In a time that goes with the square root of
+// its size a body falls as many of its own lengths.
+struct Sizes {
+  double length = 1.0, speed = 1.0;
+
+  explicit Sizes(double size) : length(size), speed(std::sqrt(size)) {}
+};
 
 // Places and speeds of all points at all samples, and what of them may be pushed against.
 class SupportTracks {
@@ -43,14 +53,14 @@ class SupportTracks {
     return std::span(places_).subspan(sample * points_->size(), points_->size());
   }
 
-  void find_contacts(double floor, double rate) {
+  void find_contacts(double floor, double rate, const Sizes& sizes) {
     const std::size_t count = points_->size(), samples = places_.size() / count;
     const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));
     for (std::size_t p = 0; p < count; ++p) {
       std::size_t until = 0;  // samples before it may push
       for (std::size_t i = 0; i < samples; ++i) {
-        if (at(i, p).z() - floor >= kContactHeight ||
-            speed(i, p, samples) * rate >= kContactSpeed) {
+        if (at(i, p).z() - floor >= kContactHeight * sizes.length ||
+            speed(i, p, samples) * rate >= kContactSpeed * sizes.speed) {
           continue;
         }
         const std::size_t from = std::max(until, i < reach ? 0 : i - reach);
@@ -85,8 +95,10 @@ class SupportTracks {
 
 // median height of the soles while they stand: flat, slow and near the floor
 double standing_height(const SupportTracks& tracks, const std::vector<SupportPoint>& points,
-                       std::size_t samples, double rate) {
-  constexpr double kSlow = 0.15, kFlat = 0.02, kHigh = 0.08, kLow = -0.06;
+                       std::size_t samples, double rate, const Sizes& sizes) {
+  const double slow = 0.15 * sizes.speed;
+  const double flat = 0.02 * sizes.length, top = 0.08 * sizes.length;
+  const double bottom = -0.06 * sizes.length;
   constexpr double kMinSeconds = 0.5;
   std::vector<double> heights;
   for (std::size_t begin = 0; begin < points.size() && points[begin].of_sole;) {
@@ -104,8 +116,8 @@ double standing_height(const SupportTracks& tracks, const std::vector<SupportPoi
         low = std::min(low, tracks.at(i, p).z());
         high = std::max(high, tracks.at(i, p).z());
       }
-      if (high - low >= kFlat || low >= kHigh || low <= kLow) continue;
-      if ((middle(i + 1) - middle(i - 1)).norm() * rate / 2.0 < kSlow) {
+      if (high - low >= flat || low >= top || low <= bottom) continue;
+      if ((middle(i + 1) - middle(i - 1)).norm() * rate / 2.0 < slow) {
         heights.push_back(middle(i).z());
       }
     }
@@ -131,10 +143,12 @@ class Analyser {
         inertias_(make_inertias(clip.robot())),
         points_(make_support_points(clip.robot())),
         torque_limits_(torque_limits_of(clip.robot())),
+        sizes_(body_size(clip.robot())),
         motion_(clip.robot()),
         state_(clip.robot().tree()),
         inverse_(clip.robot().tree(), inertias_),
-        contacts_(clip.robot().tree(), torque_limits_, inertias_.mass * kGravity) {
+        contacts_(clip.robot().tree(), torque_limits_, inertias_.mass * kGravity,
+                  ContactForces::kLever * sizes_.length) {
     result_.samples_per_frame =
         std::max(1, static_cast<int>(std::lround(kSamplesPerSecond / clip.rate().fps())));
     result_.weight = inertias_.mass * kGravity;
@@ -153,8 +167,8 @@ class Analyser {
       tracks.set(i, state_);
     }
     if (!points_.empty()) {
-      result_.floor_height = standing_height(tracks, points_, samples, rate);
-      tracks.find_contacts(result_.floor_height, rate);
+      result_.floor_height = standing_height(tracks, points_, samples, rate, sizes_);
+      tracks.find_contacts(result_.floor_height, rate, sizes_);
     }
     result_.samples.resize(samples);
     for (std::size_t i = 0; i < samples; ++i) measure(i, tracks);
@@ -182,6 +196,7 @@ class Analyser {
     }
     contacts_.solve(inverse_, state_, supports_, places_);
     DynamicsSample& sample = result_.samples[index];
+    sample.size = sizes_.length;
     sample.supported = !chosen_.empty();
     sample.unexplained_force = contacts_.unexplained().force / result_.weight;
     sample.unexplained_torque = contacts_.unexplained().torque / result_.weight;
@@ -222,6 +237,7 @@ class Analyser {
   Inertias inertias_;
   std::vector<SupportPoint> points_;
   std::vector<double> torque_limits_;
+  Sizes sizes_;
   MotionState motion_;
   TreeState state_;
   InverseDynamics inverse_;
@@ -237,7 +253,12 @@ class Analyser {
 }  // namespace
 
 bool DynamicsSample::is_bad() const {
-  return unexplained_force.norm() > kBadForce || unexplained_torque.head<2>().norm() > kBadTorque;
+  return unexplained_force.norm() > kBadForce ||
+         unexplained_torque.head<2>().norm() > kBadTorque * size;
+}
+
+double DynamicsSample::torque_as_force() const {
+  return kBadForce / (kBadTorque * size) * unexplained_torque.head<2>().norm();
 }
 
 MotionDynamics analyse_dynamics(const RobotClip& clip) {

@@ -25,10 +25,13 @@ struct DynamicsSample {
   double zmp_margin = 0.0;
   /// Friction that the needed force asks for: its horizontal part by its vertical one; NaN likewise.
   double friction = 0.0;
+  double size = 1.0;  ///< Of the robot: body_size.
 
   /// Contacts cannot supply what is needed: more than a tenth of the weight is missing, or a torque
-  /// across the vertical of more than 3 cm x weight.
+  /// across the vertical of more than 3 cm x weight, of a robot as large as a G1.
   [[nodiscard]] bool is_bad() const;
+  /// The unexplained force that would be as bad as the unexplained torque across the vertical is.
+  [[nodiscard]] double torque_as_force() const;
 };
 
 /// Of a whole motion, sampled along a MotionSpline.
@@ -46,7 +49,8 @@ struct MotionDynamics {
 
 /// Inverse dynamics at about 120 samples a second, and the nearest that contacts can supply: see
 /// docs/dynamics.md. What may be pushed against is lower than 2 cm and slower than 0.5 m/s then or a
-/// 30th of a second before or after.
+/// 30th of a second before or after; lengths are a G1's, others' in proportion to their legs, and
+/// speeds to the square root of that.
 /// @return no samples of a motion with fewer than three frames, or of a robot without mass.
 [[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip);
 

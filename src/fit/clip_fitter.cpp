@@ -279,6 +279,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   // places move and their weight changes: what they cost says nothing of the step
   double cost = -costs[kTermContactPlace];
   for (const double part : costs) cost += part;
+  // targets are left for the sake of the forces: no sign of a step too long
+  if (with_dynamics_) cost -= costs[kTermPosition] + costs[kTermRotation];
   adapt_damping(t, cost);
   for (int i = 0; i < dofs_; ++i) {
     double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];

@@ -167,16 +167,9 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
 }
 
 // why the term `dynamics` does less than it could
-void note_dynamics(const FitOptions& options, const FitModel& model, double fps,
-                   FitReport& report) {
-  constexpr double kMadeFor = 60.0;  // frames per second
-  if (!options.dynamics) return;
-  if (!FitDynamics::possible(model)) {
-    report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
-  } else if (fps > kMadeFor) {
-    report.notes.emplace_back(
-        "dynamics: made for up to 60 frames a second; at higher rates the motion becomes rougher");
-  }
+void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
+  if (!options.dynamics || FitDynamics::possible(model)) return;
+  report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
 }
 
 // @return whether all targets are numbers that can be computed with
@@ -425,7 +418,7 @@ Result<FitResult> Fit::run() {
   if (limbs) model_.leg = limbs->lengths.leg;
   FitReport& report = result.report;
   note_missing_feet(*robot_, sides_, report);
-  note_dynamics(options_, model_, info.rate.fps(), report);
+  note_dynamics(options_, model_, report);
   if (model_.shapes.empty()) {
     report.notes.emplace_back("the robot has no collision shapes: no self-collision");
   }

@@ -117,7 +117,7 @@ void FitDynamics::read_frames(const FitClip& clip) {
     lend_contacts();
   }
   for (int t = 0; t < count_; ++t) fill_cone(t);
-  step_.find_unexplained(frames_);
+  step_.find_unexplained(frames_, scale_);
 }
 
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {

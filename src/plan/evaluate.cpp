@@ -5,6 +5,7 @@
 #include "human/human_clip.h"
 #include "plan/config_files.h"
 #include "plan/gates.h"
+#include "plan/measure_motion.h"
 #include "quality/measure.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
@@ -18,7 +19,7 @@ namespace retarget {
 
 namespace fs = std::filesystem;
 
-Result<QualityReport> evaluate(const Motion& motion) {
+Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   const Plan& plan = motion.plan;
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
   // what counts is what is printed, digits cut off and all
@@ -29,11 +30,16 @@ Result<QualityReport> evaluate(const Motion& motion) {
   const QualitySource source{&human, &plan.config, plan.scale};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
+  if (dynamics) add_dynamics(printed, report);
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);
   report.fit = motion.fit;
   gates.judge(report);
   return report;
+}
+
+Result<QualityReport> evaluate(const Motion& motion) {
+  return evaluate(motion, false);
 }
 
 }  // namespace retarget

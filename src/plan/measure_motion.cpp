@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "human/human_clip.h"
 #include "human/source_hands.h"
+#include "options/run_tables.h"
 #include "plan/config_files.h"
 #include "quality/measure.h"
 #include "retarget/solve.h"
@@ -71,6 +72,14 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
   measure.report.source = source->name;
   measure.report.config = source->config_file;
   return measure;
+}
+
+Option dynamics_row(bool& dynamics) {
+  return option(
+      "dynamics", dynamics, kOutputGroup, "",
+      "Measure also what the motion asks of the robot by inverse dynamics: forces that no "
+      "contact can supply, torques beyond limits, balance, friction (docs/dynamics.md)",
+      {.decides = false, .basic = true});
 }
 
 }  // namespace retarget

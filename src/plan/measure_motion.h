@@ -5,10 +5,12 @@
 #include <string>
 
 #include "retarget/clip.h"
+#include "options/option_table.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
+#include "retarget/solve.h"
 
 namespace retarget {
 
@@ -42,5 +44,11 @@ struct MotionMeasure {
 /// @param source  null: none.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
                                            const MeasuredSource* source);
+
+/// retarget::evaluate, and by inverse dynamics where it is asked for.
+[[nodiscard]] Result<QualityReport> evaluate(const Motion& motion, bool dynamics);
+
+/// The option that asks for it.
+[[nodiscard]] Option dynamics_row(bool& dynamics);
 
 }  // namespace retarget

@@ -20,8 +20,7 @@ namespace {
 std::pair<std::string, double> missing(const DynamicsSample& sample) {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
   const Eigen::Vector3d& force = sample.unexplained_force;
-  constexpr double kTorqueAsForce = 0.1 / 0.03;  // equally bad
-  if (force.norm() < kTorqueAsForce * sample.unexplained_torque.head<2>().norm()) {
+  if (force.norm() < sample.torque_as_force()) {
     return {"torque", sample.unexplained_torque.head<2>().norm()};
   }
   int axis = 0;
@@ -92,16 +91,11 @@ void measure_torques(const ReportBuilder& draft, const MotionDynamics& dynamics)
 }
 
 void measure_support(const ReportBuilder& draft, const MotionDynamics& dynamics) {
-  Series margin, friction, acceleration;
-  double squares = 0.0;
+  Series margin, friction;
   for (const DynamicsSample& sample : dynamics.samples) {
     margin.add(kInCm * sample.zmp_margin);
     friction.add(sample.friction);
-    acceleration.add(sample.com_acceleration.norm());
-    squares += sample.com_acceleration.squaredNorm();
   }
-  draft.set("com_acc_rms", std::sqrt(squares / static_cast<double>(dynamics.samples.size())));
-  draft.set("com_acc_p99", percentile(std::move(acceleration.values), 99.0));
   if (margin.values.empty()) return;
   draft.set("zmp_margin_p5_cm", percentile(std::move(margin.values), 5.0));
   draft.set("friction_p95", percentile(std::move(friction.values), 95.0));

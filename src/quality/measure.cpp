@@ -10,6 +10,7 @@
 #include "human/source_feet.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/limit_diagnosis.h"
+#include "quality/acceleration_metrics.h"
 #include "quality/at_limit_metrics.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
@@ -90,6 +91,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   report.limits = limits.name;
   const ReportBuilder draft{clip, options, report};
   measure_joints(draft, limits);
+  measure_body_accelerations(draft);
   measure_at_limits(draft, limits);
 
   const bool tracked = source != nullptr && source->config != nullptr;

@@ -48,6 +48,15 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
      "PHUMA, under 50"},
     {"root_jerk_p99", "m/s^3", "Its 99th percentile.", "PHUMA"},
+    {"root_acc_p99", "m/s^2",
+     "99th percentile over frames of the root's acceleration, of the cubic spline through its "
+     "positions.",
+     kOwn},
+    {"com_acc_rms", "m/s^2",
+     "Root mean square acceleration of the centre of mass over frames, of the cubic spline through "
+     "its positions.",
+     kOwn},
+    {"com_acc_p99", "m/s^2", "Its 99th percentile.", kOwn},
     {"root_jumps", "count",
      "Steps in which the root is faster than 10 m/s or turns faster than 20 rad/s; gymnasts and "
      "dancers of LAFAN1 stay below 5 and 13.",
@@ -163,7 +172,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"dynamics_bad_pct", "%",
      "Share of the time in which contacts cannot supply what the movement needs: more than a tenth "
-     "of the weight or a torque across the vertical of more than 3 cm x weight is unexplained.",
+     "of the weight or a torque across the vertical of more than 3 cm x weight is unexplained; "
+     "lengths are those of a G1, in proportion to the legs for other robots.",
      kDynamics},
     {"unexplained_force_pct", "%",
      "Force, in terms of the weight, that no contact supplies. Mean and 95th percentile.",
@@ -172,8 +182,6 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Torque about the centre of mass and across the vertical, divided by the weight, that no "
      "contact supplies. Mean and 95th percentile.",
      kDynamics},
-    {"com_acc_rms", "m/s^2", "Root mean square acceleration of the centre of mass.", kDynamics},
-    {"com_acc_p99", "m/s^2", "Its 99th percentile.", kDynamics},
     {"torque_over_pct", "%",
      "Share of the time in which a joint needs more torque than its limit, with the contact forces "
      "that need least.",

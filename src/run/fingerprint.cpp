@@ -135,6 +135,7 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   TRY(add_options(run, setup, print));
   print.hashed["options"]["sidecar"] = request.sidecar;
   print.hashed["options"]["measured"] = request.measure;
+  if (request.dynamics) print.hashed["options"]["dynamics"] = true;
   // a retargeting configuration that is named is scaled by otherwise than the same one that was found
   const std::string& config = run.options.solve.ik_config;
   print.hashed["options"]["ik-config-named"] = !config.empty() && config != "derived";

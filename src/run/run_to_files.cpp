@@ -13,6 +13,7 @@
 #include "base/try.h"
 #include "human/bone_map_file.h"
 #include "plan/human_in_world.h"
+#include "plan/measure_motion.h"
 #include "plan/motion_contacts.h"
 #include "plan/output_files.h"
 #include "retarget/clip.h"
@@ -125,10 +126,10 @@ Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion
 Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
                                              const RunRequest& request, const Observer& observer) {
   // who reads the summary is told its verdict, which must not make a run fail
-  const bool asked = request.measure || request.sidecar || !request.report.empty() ||
-                     !request.html.empty() || request.gates.has_value();
+  const bool asked = request.measure || request.dynamics || request.sidecar ||
+                     !request.report.empty() || !request.html.empty() || request.gates.has_value();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
-  auto report = evaluate(motion);
+  auto report = evaluate(motion, request.dynamics);
   if (!report && !asked) return std::optional<QualityReport>();
   if (!report) {
     if (report.error().location.file.empty()) report.error().location.file = run.output;

@@ -27,6 +27,7 @@ struct RunRequest {
   bool verbose = false;   ///< Say what the terms of the fit cost.
   bool mirror = false;    ///< Of the clip the mirror image is taken, left for right.
   bool hashes_only = false;    ///< Write nothing, make the hashes alone.
+  bool dynamics = false;       ///< What is measured includes figures of inverse dynamics.
   int threads = 0;             ///< Of one clip; 0: as many as serve. The result is the same.
   std::optional<Gates> gates;  ///< For the motion, which is measured then; empty: the default ones.
 };

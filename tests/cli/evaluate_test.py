@@ -1,6 +1,7 @@
 """`retarget evaluate` and --report: held against the independent judge and published figures, and as a
 command among commands."""
 
+import csv
 import json
 import os
 import pathlib
@@ -225,6 +226,19 @@ class EvaluateCommand(ToolTest):
         self.assertIn("force along", faults.stdout)
         plain = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--gate", "none")
         self.assertNotIn("dynamics_bad_pct", plain.stdout)
+        # a run and a batch measure the same
+        self.assert_done(self.run_tool("--bvh", "step.bvh", "--robot", "unitree_g1", "-o", "run.csv",
+                                       "--dynamics", "--report", "run.json"))
+        motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+        self.assertEqual(motion["dynamics_bad_pct"], bad["plain"])
+        self.assert_done(self.run_tool("batch", "step.bvh", "--robot", "unitree_g1", "-o", "out",
+                                       "--dynamics"))
+        with open(self.folder / "out/summary.csv", encoding="utf-8", newline="") as file:
+            row, = csv.DictReader(file)
+        self.assertEqual(float(row["dynamics_bad_pct"]), bad["plain"])
+        refused = self.run_tool("batch", "step.bvh", "--robot", "unitree_g1", "-o", "other",
+                                "--dynamics", "--no-quality")
+        self.assert_fails(refused, 2, "--dynamics and --no-quality cannot be combined")
         wrong = self.run_tool("--bvh", "step.bvh", "--robot", "g1", "-o", "x.csv", "--with", "dynamic")
         self.assert_fails(wrong, 2, 'did you mean "dynamics"?')
 

@@ -49,6 +49,40 @@ double missing(const std::vector<CentroidalFrame>& frames, const std::vector<Vec
   return sum;
 }
 
+// a surge that is a function of time, and a shiver of so much at half the frame rate
+std::vector<CentroidalFrame> surge(double fps, double shiver) {
+  auto frames = standing(static_cast<int>(std::lround(2.0 * fps)) + 1);
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    const double s = (static_cast<double>(t) / fps - 1.0) / 0.1;
+    frames[t].needed[0] -= 0.8 * s * std::exp(0.5 - 0.5 * s * s) + (t % 2 == 0 ? shiver : -shiver);
+  }
+  return frames;
+}
+
+// what is asked of the body is the same however often it is looked at
+TEST(CentroidalStep, FrameRatesBehaveAlike) {
+  std::vector<Vector6d> at_30;
+  for (const double fps : {30.0, 60.0, 120.0}) {
+    const CentroidalScale scale{kScale.mass, kScale.length, 1.0 / fps};
+    const auto stride = static_cast<std::size_t>(std::lround(fps / 30.0));
+    for (const double shiver : {0.0, 0.3}) {
+      if (fps <= 30.0 && shiver > 0.0) continue;
+      auto frames = surge(fps, shiver);
+      CentroidalStep step;
+      step.find_unexplained(frames, scale);
+      const std::vector<Vector6d> x = step.solve(frames, scale, 8);
+      if (at_30.empty()) at_30 = x;
+      double largest = 0.0, difference = 0.0;
+      for (std::size_t t = 0; t < at_30.size(); ++t) {
+        largest = std::max(largest, at_30[t].head<3>().norm());
+        difference = std::max(difference, (x[t * stride] - at_30[t]).head<3>().norm());
+      }
+      EXPECT_GT(largest, 0.02);
+      EXPECT_LT(difference, 0.1 * largest) << fps << " " << shiver;
+    }
+  }
+}
+
 TEST(CentroidalStep, WhatStandsIsLeftAlone) {
   auto frames = standing(40);
   CentroidalStep step;

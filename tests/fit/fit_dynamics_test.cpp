@@ -79,6 +79,29 @@ TEST_F(FitDynamicsTest, AWalkBecomesPossible) {
   EXPECT_LT(contact(with), contact(without) + 1.0);
 }
 
+double root_jerk(const RobotClip& clip) {
+  const auto root = [&clip](int t) { return Eigen::Vector3d(clip.qpos(t).data()); };
+  const double fps = clip.rate().fps();
+  double sum = 0.0;
+  for (int t = 0; t + 3 < clip.frame_count(); ++t) {
+    sum += (root(t + 3) - 3.0 * root(t + 2) + 3.0 * root(t + 1) - root(t)).norm();
+  }
+  return sum * fps * fps * fps / (clip.frame_count() - 3);
+}
+
+// at any rate a walk becomes possible, and hardly rougher than it is without the term
+TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
+  const Clip walk = sample("walk.bvh", 60, 160);
+  for (const double fps : {24.0, 50.0, 120.0}) {
+    const auto at_rate = resample(walk, frame_rate_from_fps(fps));
+    ASSERT_TRUE(at_rate.has_value());
+    const FitResult without = fitted(*at_rate, {}), with = fitted(*at_rate, with_dynamics());
+    EXPECT_GT(bad_share(without.clip), 0.1) << fps;
+    EXPECT_LT(bad_share(with.clip), 0.35 * bad_share(without.clip)) << fps;
+    EXPECT_LT(root_jerk(with.clip), 1.3 * root_jerk(without.clip)) << fps;
+  }
+}
+
 // short windows, too, whose seams have little between them
 TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
   const Clip walk = sample("walk.bvh", 60, 240);

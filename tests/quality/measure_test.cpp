@@ -37,6 +37,18 @@ TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
   EXPECT_THAT(report.faults, IsEmpty());
 }
 
+// a robot that is dropped as it is: root and centre of mass fall alike
+TEST_F(MeasureQuality, MeasuresHowTheBodyAccelerates) {
+  const QualityReport falling = measure(31, [](int frame, auto qpos) {
+    const double time = frame / 30.0;
+    qpos[kX] += 2.0 * time;
+    qpos[kZ] -= 0.5 * 9.81 * time * time;
+  });
+  EXPECT_NEAR(figure(falling, "root_acc_p99"), 9.81, 1e-8);
+  EXPECT_NEAR(figure(falling, "com_acc_p99"), 9.81, 1e-8);
+  EXPECT_NEAR(figure(falling, "com_acc_rms"), 9.81, 1e-8);
+}
+
 TEST_F(MeasureQuality, MeasuresSlipOfASlidingFoot) {
   const HumanClip human = standing_human(31);
   const QualityReport report = measure(

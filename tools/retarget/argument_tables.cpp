@@ -7,6 +7,7 @@
 #include "declare_table.h"
 #include "options/run_tables.h"
 #include "plan/gates.h"
+#include "plan/measure_motion.h"
 #include "retarget/options.h"
 #include "run/run_to_files.h"
 
@@ -43,6 +44,7 @@ OptionTable request_table(RunArguments& arguments) {
               "retarget verify checks it"),
           row("report", request.report, kOutputGroup, "FILE",
               "Write a quality report, JSON as from retarget evaluate"),
+          dynamics_row(request.dynamics),
           row("html", request.html, kOutputGroup, "FILE",
               "Write a page that plays the motion beside its source, with its quality; opens from "
               "disk (docs/viewing.md)"),
@@ -88,11 +90,7 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
-          row("dynamics", arguments.dynamics, kOutputGroup, "",
-              "Add what the motion asks of the robot by inverse dynamics: forces that no contact "
-              "can supply, torques beyond limits, balance, friction (docs/dynamics.md)",
-              {.basic = true}),
-          gate_row(arguments.gates)};
+          dynamics_row(arguments.dynamics), gate_row(arguments.gates)};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {

@@ -1,0 +1,42 @@
+// How large robots are by their legs, and what of a movement's figures goes with it.
+
+#include "dynamics/body_size.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "dynamics/motion_dynamics.h"
+#include "robot/shipped_robots.h"
+
+namespace retarget {
+namespace {
+
+TEST(BodySize, IsTheLegsInTermsOfAG1s) {
+  EXPECT_EQ(body_size(*load_shipped("unitree_g1")), 1.0);
+  EXPECT_EQ(body_size(*load_shipped("unitree_g1_with_hands")), 1.0);
+  // legs as reports measure them (docs/quality.md)
+  const std::vector<std::pair<std::string, double>> legs = {
+      {"booster_t1_29dof", 0.512}, {"engineai_pm01", 0.694}, {"fourier_n1", 0.569},
+      {"pal_talos", 0.705},        {"pnd_adam_lite", 0.793}, {"stanford_toddy", 0.231},
+      {"unitree_h1", 0.817}};
+  for (const auto& [robot, leg] : legs) {
+    EXPECT_NEAR(body_size(*load_shipped(robot)), leg / 0.632, 0.04) << robot;
+  }
+}
+
+// what a G1 hardly notices throws a robot of a third of its size over
+TEST(BodySize, TorquesCountInTermsOfTheSize) {
+  DynamicsSample sample;
+  sample.unexplained_torque << 0.02, 0.0, 0.0;
+  EXPECT_FALSE(sample.is_bad());
+  EXPECT_NEAR(sample.torque_as_force(), 0.02 / 0.3, 1e-12);
+  sample.size = 0.37;
+  EXPECT_TRUE(sample.is_bad());
+  sample.unexplained_torque.setZero();
+  sample.unexplained_force << 0.0, 0.0, 0.099;
+  EXPECT_FALSE(sample.is_bad());
+}
+
+}  // namespace
+}  // namespace retarget
