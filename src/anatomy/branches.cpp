@@ -42,9 +42,13 @@ std::optional<double> asymmetry(const TreeState& posed, const std::vector<int>& 
   return worst / size;
 }
 
-double lowest_joint(const TreeState& posed, const std::vector<int>& chain) {
-  double lowest = posed.anchor(chain.front()).z();
-  for (const int joint : chain) lowest = std::min(lowest, posed.anchor(joint).z());
+// of all joints of a branch, also those beyond where its chain ends
+double lowest_joint(const TreeState& posed, int first) {
+  const auto& links = posed.tree->links();
+  double lowest = posed.anchor(links[first].joint).z();
+  for (int link = first; link <= links[first].last_descendant; ++link) {
+    lowest = std::min(lowest, posed.anchor(links[link].joint).z());
+  }
   return lowest;
 }
 
@@ -64,7 +68,7 @@ std::optional<BranchPair> pair_of(const TreeState& posed, int first, int second)
                         first,
                         second,
                         axis,
-                        std::min(lowest_joint(posed, a), lowest_joint(posed, b)),
+                        std::min(lowest_joint(posed, first), lowest_joint(posed, second)),
                         static_cast<int>(a.size())};
       if (sign < 0.0) std::swap(best->first, best->second);
     }

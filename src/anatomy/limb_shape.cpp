@@ -5,34 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "math/trigonometry.h"
 #include "retarget/pose.h"
 #include "robot/core_points.h"
+#include "robot/limb_joints.h"
 #include "robot/model_values.h"
 
 namespace retarget {
 namespace {
 
+constexpr double kLeastLegSegment = 0.35;  // of thigh or shin: as kLeastSegment
+
 // the part of a vector across a unit axis
 Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
   return vector - vector.dot(axis) * axis;
-}
-
-struct LimbEnd {
-  Eigen::Vector3d point;
-  std::optional<int> body;
-  bool estimated = false;
-};
-
-Eigen::Vector3d centre_of_mass(const mjModel& model, const TreeState& posed, int body) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double mass = 0.0;
-  for (const int part : posed.tree->rigid_group(body)) {
-    sum += model.body_mass[part] * (posed.world_from_body(part) * vector_at(model.body_ipos, part));
-    mass += model.body_mass[part];
-  }
-  return mass > 0.0 ? Eigen::Vector3d(sum / mass) : posed.world_from_body(body).translation;
 }
 
 // root mean square distance of a point from the axes of joints
@@ -43,35 +31,6 @@ double spread_about(const Eigen::Vector3d& point, const TreeState& posed,
     sum += (point - posed.anchor(joint)).cross(posed.axis(joint)).squaredNorm();
   }
   return joints.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(joints.size()));
-}
-
-bool carries_another(const Robot& robot, int body) {
-  return std::ranges::any_of(robot.bodies(), [&](const RobotBody& b) { return b.parent == body; });
-}
-
-// where a limb ends whose last joint is its middle one: the farthest body fixed to it, else beyond
-// its centre of mass, which lies near the middle of a segment
-LimbEnd end_of_segment(const Robot& robot, const TreeState& posed, int body,
-                       const Eigen::Vector3d& middle, const Eigen::Vector3d& axis,
-                       double upper_length) {
-  constexpr double kFarEnough = 0.35;
-  constexpr double kBeyondMass = 2.0;
-  LimbEnd end;
-  end.point = middle;
-  double farthest = kFarEnough * upper_length;
-  for (const int part : posed.tree->rigid_group(body)) {
-    const Eigen::Vector3d place = posed.world_from_body(part).translation;
-    const double distance = across(place - middle, axis).norm();
-    if (part == body || distance <= farthest || carries_another(robot, part)) continue;
-    farthest = distance;
-    end.point = place;
-    end.body = part;
-  }
-  if (end.body) return end;
-  end.estimated = true;
-  const Eigen::Vector3d mass = across(centre_of_mass(*robot.model(), posed, body) - middle, axis);
-  end.point = middle + kBeyondMass * mass;
-  return end;
 }
 
 // the hinge whose axis is most like another one; none when they are far from parallel
@@ -100,9 +59,8 @@ void move_to_parallel_hinge(const TreeState& posed, const std::vector<int>& join
 
 bool all_turn_about(const TreeState& posed, const std::vector<int>& joints,
                     const Eigen::Vector3d& direction) {
-  constexpr double kNearlyAlong = 0.9;
   return std::ranges::all_of(
-      joints, [&](int joint) { return std::abs(posed.axis(joint).dot(direction)) > kNearlyAlong; });
+      joints, [&](int joint) { return std::abs(posed.axis(joint).dot(direction)) > kTurnsAlong; });
 }
 
 struct Split {
@@ -110,39 +68,85 @@ struct Split {
   double score = 0.0;
 };
 
+// a toe: the last joint of a leg, which turns as the knee does and lies ahead of where the others
+// beyond the knee meet
+bool ends_in_toe(const TreeState& posed, const std::vector<int>& beyond,
+                 const Eigen::Vector3d& knee, const Eigen::Vector3d& axis) {
+  constexpr double kAhead = 0.12;  // of the shin
+  constexpr double kAlike = 0.8;
+  if (beyond.size() < 2 || posed.slides(beyond.back())) return false;
+  const Eigen::Vector3d ankle =
+      common_point(posed, std::span(beyond).first(beyond.size() - 1));
+  const Eigen::Vector3d shin = across(ankle - knee, axis);
+  const Eigen::Vector3d foot = across(posed.anchor(beyond.back()) - ankle, axis);
+  const double along = foot.dot(shin.normalized());
+  const double ahead = (foot - along * shin.normalized()).norm();
+  return std::abs(posed.axis(beyond.back()).dot(axis)) > kAlike && ahead > std::abs(along) &&
+         ahead > kAhead * shin.norm();
+}
+
+// where the joints beyond the middle meet, or what marks the end where none of them does
+void find_end(const Robot& robot, const TreeState& posed, const std::vector<int>& beyond,
+              double upper, bool is_leg, LimbShape& shape) {
+  const int last = robot.joints()[shape.joints.back()].body;
+  const Eigen::Vector3d& anchor = posed.anchor(shape.joints[shape.middle]);
+  if (!beyond.empty()) {
+    shape.at_end = joints_at_middle(posed, beyond, shape.bend);
+    shape.end = common_point(posed, std::span(beyond).subspan(shape.at_end));
+    // a joint that turns the forearm from its elbow marks no wrist
+    const double marked = across(shape.end - anchor, shape.axis).norm();
+    const double near = kLeastSegment * upper;
+    if (is_leg || marked >= near || !all_pass(posed, beyond, shape.bend, near)) return;
+  }
+  const SegmentEnd end = segment_end(robot, posed, {last, shape.root, anchor, shape.axis, beyond});
+  shape.end = end.point;
+  shape.end_body = end.body;
+  shape.end_is_estimated = end.estimated;
+  // what bends the elbow once more, and not what turns the forearm
+  const Eigen::Vector3d forearm = (shape.end - shape.bend).normalized();
+  for (std::size_t i = 0; i < beyond.size(); ++i) {
+    if (std::abs(posed.axis(beyond[i]).dot(forearm)) < kTurnsAlong) shape.at_end = i + 1;
+  }
+}
+
 // how well the hinge at `middle` parts a chain: long segments, joints that meet in points
 std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
                               const std::vector<int>& chain, int middle, bool is_leg) {
   constexpr double kSlack = 0.1;
-  const std::vector<int> before(chain.begin(), chain.begin() + middle);
-  const std::vector<int> beyond(chain.begin() + middle + 1, chain.end());
+  std::vector<int> before(chain.begin(), chain.begin() + middle);
+  std::vector<int> beyond(chain.begin() + middle + 1, chain.end());
   Split split;
   LimbShape& shape = split.shape;
   shape.joints = chain;
   shape.middle = middle;
   shape.axis = posed.axis(chain[middle]);
-  shape.root = common_point(posed, before);
   const Eigen::Vector3d& anchor = posed.anchor(chain[middle]);
-  const double upper = across(anchor - shape.root, shape.axis).norm();
-  if (beyond.empty()) {
-    const LimbEnd end =
-        end_of_segment(robot, posed, robot.joints()[chain[middle]].body, anchor, shape.axis, upper);
-    shape.end = end.point;
-    shape.end_body = end.body;
-    shape.end_is_estimated = end.estimated;
-  } else {
-    shape.end = common_point(posed, beyond);
+  if (is_leg && ends_in_toe(posed, beyond, anchor, shape.axis)) {
+    shape.toe = beyond.back();
+    shape.joints.pop_back();
+    beyond.pop_back();
   }
+  shape.root = common_point(posed, before);
+  shape.bend = anchor + (shape.root - anchor).dot(shape.axis) * shape.axis;
+  const std::vector<int> inwards(before.rbegin(), before.rend());
+  shape.at_root = joints_at_middle(posed, inwards, shape.bend);
+  before.resize(before.size() - shape.at_root);
+  shape.root = common_point(posed, before);
+  const double upper = across(anchor - shape.root, shape.axis).norm();
+  find_end(robot, posed, beyond, upper, is_leg, shape);
+  beyond.erase(beyond.begin(), beyond.begin() + static_cast<std::ptrdiff_t>(shape.at_end));
   const double lower = across(shape.end - anchor, shape.axis).norm();
-  if (!(std::min(upper, lower) > 0.0)) return std::nullopt;
+  const double least = is_leg ? kLeastLegSegment : kLeastSegment;
+  if (!(std::min(upper, lower) > least * std::max(upper, lower))) return std::nullopt;
   const double spread =
       spread_about(shape.root, posed, before) + spread_about(shape.end, posed, beyond);
   if (is_leg) {
     move_to_parallel_hinge(posed, before, shape.axis, shape.root);
     move_to_parallel_hinge(posed, beyond, shape.axis, shape.end);
   } else if (!beyond.empty() && all_turn_about(posed, beyond, (shape.end - anchor).normalized())) {
-    const LimbEnd end =
-        end_of_segment(robot, posed, robot.joints()[beyond.back()].body, anchor, shape.axis, upper);
+    const SegmentEnd end =
+        segment_end(robot, posed, {robot.joints()[beyond.back()].body, shape.root, anchor,
+                                   shape.axis, beyond});
     if (end.body) shape.end = end.point;
   }
   // the limb's line passes through its end; what turns at its root may stand beside it
@@ -184,6 +188,12 @@ void find_flexion(const Robot& robot, const std::vector<double>& reference, Limb
   if (below > kClearly * std::max(above, 0.0)) shape.flexion = -1.0;
 }
 
+// whether a joint is the middle one of a limb or bends it there as well
+bool is_at_middle(const LimbShape& shape, int joint) {
+  return joint >= shape.middle - static_cast<int>(shape.at_root) &&
+         joint <= shape.middle + static_cast<int>(shape.at_end);
+}
+
 }  // namespace
 
 Eigen::Vector3d LimbShape::upper() const {
@@ -196,23 +206,39 @@ Eigen::Vector3d LimbShape::lower() const {
 
 std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
                                     const std::vector<double>& reference,
-                                    const std::vector<int>& chain, bool is_leg) {
-  std::optional<Split> best;
-  double second = 0.0;
+                                    const std::vector<int>& chain, bool is_leg,
+                                    std::optional<int> at) {
+  std::vector<Split> splits;
   for (int middle = 1; middle < static_cast<int>(chain.size()); ++middle) {
-    const auto split = split_at(robot, posed, chain, middle, is_leg);
-    if (!split) continue;
-    if (best && split->score <= best->score) {
-      second = std::max(second, split->score);
-      continue;
+    if (at && middle != *at) continue;
+    if (auto split = split_at(robot, posed, chain, middle, is_leg)) {
+      splits.push_back(std::move(*split));
     }
-    if (best) second = best->score;
-    best = split;
   }
-  if (!best) return std::nullopt;
-  best->shape.clarity = 1.0 - second / best->score;
-  find_flexion(robot, reference, best->shape);
-  return best->shape;
+  if (splits.empty()) return std::nullopt;
+  const Split* best = &*std::ranges::max_element(splits, {}, &Split::score);
+  // of hinges at one knee or elbow the one that bends farther
+  constexpr double kFarther = 1.2;
+  constexpr double kAsClear = 0.5;
+  const auto bends_by = [&](const Split& split) {
+    const int joint = chain[split.shape.middle];
+    return robot.model_limits().upper[joint] - robot.model_limits().lower[joint];
+  };
+  const LimbShape group = best->shape;
+  for (const Split& split : splits) {
+    if (is_at_middle(group, split.shape.middle) && split.score > kAsClear * best->score &&
+        bends_by(split) > kFarther * bends_by(*best)) {
+      best = &split;
+    }
+  }
+  double second = 0.0;
+  for (const Split& split : splits) {
+    if (!is_at_middle(group, split.shape.middle)) second = std::max(second, split.score);
+  }
+  LimbShape shape = best->shape;
+  shape.clarity = 1.0 - second / best->score;
+  find_flexion(robot, reference, shape);
+  return shape;
 }
 
 std::vector<Eigen::Vector3d> outline_points(const Robot& robot, const TreeState& posed, int body) {

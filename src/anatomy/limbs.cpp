@@ -5,8 +5,11 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "anatomy/branches.h"
 #include "anatomy/limb_shape.h"
+#include "base/number_text.h"
 #include "base/try.h"
 #include "robot/kinematic_tree.h"
 
@@ -67,6 +70,7 @@ class LimbFinder {
   Result<void> choose_pairs();
   [[nodiscard]] Failure no_legs(const std::string& found) const;
   [[nodiscard]] bool stands_on_wheels() const;
+  [[nodiscard]] Failure no_middle(int first, bool is_leg) const;
   Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
   void find_facing();
   [[nodiscard]] double foot_vote(const Eigen::Vector3d& forward) const;
@@ -102,26 +106,52 @@ bool LimbFinder::stands_on_wheels() const {
          std::ranges::any_of(limits.upper, [](double upper) { return std::isfinite(upper); });
 }
 
+// why a branch is no limb: what stands in the place of its knee or elbow
+Failure LimbFinder::no_middle(int first, bool is_leg) const {
+  const KinematicTree& tree = robot_.tree();
+  const std::vector<int> chain = joint_chain(tree, first);
+  const std::string limb = is_leg ? "leg" : "arm";
+  const std::string middle = is_leg ? "knee" : "elbow";
+  const std::string name = "the " + limb + " that begins with " + name_of(robot_, body_of(first));
+  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
+    if (!tree.links()[link].slides) continue;
+    return config_failure(file_, name + " has a slide, \"" +
+                                     robot_.joints()[tree.links()[link].joint].name +
+                                     "\", before its end: a " + middle + " must be a hinge",
+                          "replace it by the hinge that it drives");
+  }
+  return config_failure(
+      file_,
+      fmt::format("{} has no {}: none of its {} parts it into {}", name, middle,
+                  count_text(static_cast<long>(chain.size()), "joint"),
+                  is_leg ? "a thigh and a shin" : "an upper arm and a forearm"),
+      "check that no joint of the " + limb + " is fixed that should turn" +
+          (is_leg ? "" : ", and that a hand or the forearm's mass shows where the arm ends"));
+}
+
 Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const {
-  const std::string what = is_leg ? "a leg" : "an arm";
   ShapedPair shaped{pair, {}};
   const std::array<int, 2> first = {pair.first, pair.second};
+  const auto shape_side = [&](std::size_t side, std::optional<int> at) {
+    return shape_limb(robot_, posed_, reference_, joint_chain(robot_.tree(), first[side]), is_leg,
+                      at);
+  };
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto limb =
-        shape_limb(robot_, posed_, reference_, joint_chain(robot_.tree(), first[side]), is_leg);
-    if (!limb) {
-      return config_failure(file_, "the branch of " + name_of(robot_, body_of(first[side])) +
-                                       " should be " + what + " but it has no joint that bends");
-    }
+    const auto limb = shape_side(side, std::nullopt);
+    if (!limb) return no_middle(first[side], is_leg);
     shaped.limbs[side] = *limb;
   }
   // mirror images bend at the same joint; the clearer side decides
-  auto& [a, b] = shaped.limbs;
-  if (a.middle != b.middle) {
+  const std::size_t unclear = shaped.limbs[0].clarity < shaped.limbs[1].clarity ? 0 : 1;
+  if (shaped.limbs[0].middle == shaped.limbs[1].middle) return shaped;
+  const auto again = shape_side(unclear, shaped.limbs[1 - unclear].middle);
+  if (!again) {
     return config_failure(file_, "the branches of " + name_of(robot_, body_of(first[0])) + " and " +
-                                     name_of(robot_, body_of(first[1])) + " should be " + what +
+                                     name_of(robot_, body_of(first[1])) + " should be " +
+                                     (is_leg ? "a leg" : "an arm") +
                                      " each but differ in structure");
   }
+  shaped.limbs[unclear] = *again;
   return shaped;
 }
 
@@ -213,11 +243,12 @@ Eigen::Matrix3d LimbFinder::in_body(int body, const Eigen::Matrix3d& world_from_
 }
 
 void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const {
-  const std::size_t beyond = shape.joints.size() - 1 - static_cast<std::size_t>(shape.middle);
+  const std::size_t beyond =
+      shape.joints.size() - 1 - static_cast<std::size_t>(shape.middle) - shape.at_end;
   limb.end_joints = static_cast<int>(beyond);
   if (beyond == 0 && (is_leg || !shape.end_body)) return;
   LimbPart end;
-  end.body = beyond > 0 ? robot_.joints()[shape.joints.back()].body : *shape.end_body;
+  end.body = shape.end_body.value_or(robot_.joints()[shape.joints.back()].body);
   Eigen::Matrix3d world_from_bone;
   if (is_leg) {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -251,9 +282,11 @@ Limb LimbFinder::limb_of(const LimbShape& shape, bool is_leg) const {
     axes << x, z.cross(x), z;
     return axes;
   };
-  const int middle_body = robot_.joints()[shape.joints[shape.middle]].body;
-  limb.lower.body = middle_body;
-  limb.upper.body = robot_.tree().carrier(robot_.bodies()[middle_body].parent);
+  const auto body_at = [&](std::size_t joint) { return robot_.joints()[shape.joints[joint]].body; };
+  const auto middle = static_cast<std::size_t>(shape.middle);
+  limb.lower.body = body_at(middle + shape.at_end);
+  limb.upper.body =
+      robot_.tree().carrier(robot_.bodies()[body_at(middle - shape.at_root)].parent);
   limb.upper.body_from_bone = in_body(limb.upper.body, bone(shape.upper()));
   limb.upper.joint = posed_.world_from_body(limb.upper.body).inverse() * shape.root;
   limb.lower.body_from_bone = in_body(limb.lower.body, bone(shape.lower()));
@@ -298,6 +331,11 @@ void LimbFinder::note_limbs() {
     found_.notes.emplace_back(
         "nothing marks where the forearms end: their direction and length are estimated from their "
         "masses");
+  }
+  if (const auto toe = legs_.limbs[0].toe) {
+    found_.notes.push_back("\"" + robot_.joints()[*toe].name +
+                           "\" was taken for a toe, which follows nothing; the foot is " +
+                           name_of(robot_, found_.legs[0].end->body));
   }
   if (!found_.legs[0].end) {
     found_.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");

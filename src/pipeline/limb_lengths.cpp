@@ -9,11 +9,14 @@
 #include "base/try.h"
 #include "retarget/pose.h"
 #include "robot/kinematic_tree.h"
+#include "robot/limb_joints.h"
 
 namespace retarget {
 namespace {
 
 using enum LimbBone;
+
+constexpr double kNoLength = 0.05;  // of a limb's other segment: shorter is a wrong body
 
 // a limb of one side: the bones that it consists of, and what the configuration may use instead
 struct MeasuredLimb {
@@ -57,6 +60,14 @@ class RobotMeasure {
   [[nodiscard]] Result<Chain> chain(const MeasuredLimb& limb, std::size_t bones) const;
   [[nodiscard]] Result<Pair> measure_pair(const std::array<MeasuredLimb, 2>& limbs,
                                           std::size_t bones = 3);
+  // of the bodies [begin, end) of a path, from the trunk outwards
+  [[nodiscard]] std::vector<int> joints_of(const std::vector<int>& path, std::size_t begin,
+                                           std::size_t end) const;
+  [[nodiscard]] Eigen::Vector3d root_of(const std::vector<int>& path, std::size_t begin,
+                                        std::size_t lower, const Eigen::Vector3d& middle) const;
+  [[nodiscard]] Eigen::Vector3d end_of(const std::vector<int>& path, std::size_t lower,
+                                       const Eigen::Vector3d& middle,
+                                       const Eigen::Vector3d& root) const;
   [[nodiscard]] Eigen::Vector3d centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                  std::size_t end) const;
   void note(Bone bone, const Eigen::Vector3d& centre);
@@ -69,17 +80,57 @@ class RobotMeasure {
   std::vector<double> ankles_;  // heights
 };
 
+std::vector<int> RobotMeasure::joints_of(const std::vector<int>& path, std::size_t begin,
+                                         std::size_t end) const {
+  std::vector<int> joints;
+  const auto part = std::span(path).subspan(begin, end - begin);
+  for (int j = 0; j < static_cast<int>(robot_.joints().size()); ++j) {
+    if (std::ranges::find(part, robot_.joints()[j].body) != part.end()) joints.push_back(j);
+  }
+  return joints;
+}
+
 // where the axes of the joints on a part of a path meet; without joints the origin of the body before
 // which they would be
 Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                std::size_t end) const {
-  std::vector<int> joints;
-  for (int j = 0; j < static_cast<int>(robot_.joints().size()); ++j) {
-    const auto part = std::span(path).subspan(begin, end - begin);
-    if (std::ranges::find(part, robot_.joints()[j].body) != part.end()) joints.push_back(j);
-  }
+  const std::vector<int> joints = joints_of(path, begin, end);
   if (!joints.empty()) return common_point(posed_, joints);
   return posed_.world_from_body(path[std::min(begin, path.size() - 1)]).translation;
+}
+
+// as centre_of_joints, without those that bend the limb at its middle (knees and elbows of two hinges)
+Eigen::Vector3d RobotMeasure::root_of(const std::vector<int>& path, std::size_t begin,
+                                      std::size_t lower, const Eigen::Vector3d& middle) const {
+  std::vector<int> joints = joints_of(path, begin, lower);
+  std::ranges::reverse(joints);
+  const std::size_t at_middle = joints_at_middle(posed_, joints, middle);
+  if (at_middle == 0) return centre_of_joints(path, begin, lower);
+  joints.erase(joints.begin(), joints.begin() + static_cast<std::ptrdiff_t>(at_middle));
+  return common_point(posed_, joints);
+}
+
+// likewise; of an arm whose joints beyond the elbow all pass it the hand's origin, else what else tells
+Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t lower,
+                                     const Eigen::Vector3d& middle,
+                                     const Eigen::Vector3d& root) const {
+  constexpr double kFarther = 1.1;
+  const std::vector<int> joints = joints_of(path, lower + 1, path.size());
+  const std::span<const int> beyond =
+      std::span(joints).subspan(joints_at_middle(posed_, joints, middle));
+  const Eigen::Vector3d end = beyond.size() == joints.size()
+                                  ? centre_of_joints(path, lower + 1, path.size())
+                                  : common_point(posed_, beyond);
+  const double near = kLeastSegment * (middle - root).norm();
+  if (!all_pass(posed_, joints, middle, near)) return end;
+  const Eigen::Vector3d origin = posed_.world_from_body(path.back()).translation;
+  if ((origin - middle).norm() > std::max(near, kFarther * (end - middle).norm())) return origin;
+  const std::vector<int> bends = joints_of(path, lower, lower + 1);
+  if ((end - middle).norm() >= near || bends.empty()) return end;
+  return segment_end(robot_, posed_,
+                     {robot_.tree().carrier(path.back()), root, middle,
+                      posed_.axis(bends.front()), joints})
+      .point;
 }
 
 // bodies from the child of the world down to this one
@@ -145,10 +196,10 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredL
   Pair pair;
   for (std::size_t side = 0; side < 2; ++side) {
     const auto& [path, lower] = chains[side];
-    const Eigen::Vector3d first = centre_of_joints(path, common, lower);
     const Eigen::Vector3d middle = centre_of_joints(path, lower, lower + 1);
+    const Eigen::Vector3d first = root_of(path, common, lower, middle);
     const Eigen::Vector3d end =
-        bones == 3 ? centre_of_joints(path, lower + 1, path.size()) : middle;
+        bones == 3 ? end_of(path, lower, middle, first) : middle;
     note(limbs[side].bones[0], first);
     note(limbs[side].bones[1], middle);
     note(limbs[side].bones[2], end);
@@ -158,7 +209,18 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredL
     }
     pair.middle += 0.5 * first;
     pair.across += (side == 0 ? 1.0 : -1.0) * first;
-    pair.length += 0.5 * ((middle - first).norm() + (end - middle).norm());
+    const double upper = (middle - first).norm();
+    const double rest = (end - middle).norm();
+    if (!(upper > kNoLength * rest) || (bones == 3 && !(rest > kNoLength * upper))) {
+      return config_failure(config_.file,
+                            "the bodies of " + text_of(limbs[side].bones[0]) + ", " +
+                                text_of(limbs[side].bones[1]) + " and " +
+                                text_of(limbs[side].other[2]) +
+                                " leave the robot's limb without length: each must begin at the "
+                                "joint of its bone",
+                            kOtherScaleHint);
+    }
+    pair.length += 0.5 * (upper + rest);
   }
   return pair;
 }
