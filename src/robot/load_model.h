@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "retarget/error.h"
@@ -16,7 +17,9 @@ struct LoadedModel {
   std::string floated_body;          ///< The body that was given a free joint; empty: none was.
   std::vector<std::string> closed;   ///< Equalities dropped that tie two bodies, `"a" to "b"`.
   std::vector<std::string> coupled;  ///< Equalities dropped that tie joints together.
-  std::vector<ModelMesh> meshes;     ///< What bodies are drawn with, if it was asked for.
+  /// Bodies whose contact the model says is none (`<exclude>`), by name.
+  std::vector<std::pair<std::string, std::string>> excluded;
+  std::vector<ModelMesh> meshes;  ///< What bodies are drawn with, if it was asked for.
 };
 
 /// What is done to a model beyond dropping what plays no part in kinematics.
