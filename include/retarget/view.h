@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,14 +12,9 @@
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "retarget/solve.h"
+#include "retarget/triangle_mesh.h"
 
 namespace RETARGET_API retarget {
-
-/// A surface of triangles; corners are indices into the vertices.
-struct TriangleMesh {
-  std::vector<Eigen::Vector3d> vertices;  ///< Metres.
-  std::vector<std::array<int, 3>> triangles;
-};
 
 /// What a body looks like.
 struct BodyMesh {
@@ -35,7 +28,7 @@ struct RobotMeshes {
   std::vector<std::string> notes;  ///< What could not be had, a sentence each.
 };
 
-/// The meshes of a robot, STL and OBJ files, simplified so that a page stays small.
+/// The meshes of a robot, STL, OBJ and COLLADA files, simplified so that a page stays small.
 ///
 /// The files are those that a model names (MJCF: `<mesh file>` with meshdir, scale, refpos and refquat;
 /// URDF: `<visual>`, also `package://`), at the places and in the unit that it gives them. A body that is

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "retarget/error.h"
 #include "retarget/robot.h"
@@ -14,6 +15,8 @@ struct CompletedRobot {
   std::string note;      ///< Where the soles are from, for people: `from mesh vertices`.
   bool guessed = false;  ///< The soles have human proportions: nothing in the model tells them.
   int shapeless = 0;     ///< Parts that have neither a sphere, capsule or box nor a mesh.
+  /// Bodies that overlap by the model itself, for people; their contact is no fault (overlaps.h).
+  std::vector<std::string> overlaps;
 };
 
 /// Gives a robot without soles (it has no profile, or one that leaves them out) soles, and, where

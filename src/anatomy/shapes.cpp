@@ -2,15 +2,16 @@
 
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/capsules.h"
 #include "math/so3.h"
 #include "retarget/pose.h"
 #include "robot/core_points.h"
 #include "robot/kinematic_tree.h"
-#include "robot/load_model.h"
 #include "robot/model_values.h"
 
 namespace retarget {
@@ -61,45 +62,10 @@ CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
   return box;
 }
 
-// a capsule along the direction in which the points spread most
-CollisionShape capsule_around(int body, const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kInside = 0.9;  // share of the points nearer to the axis than the radius
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point : points) mean += point;
-  mean /= static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& point : points) {
-    spread += (point - mean) * (point - mean).transpose();
-  }
-  const Eigen::Vector3d axis =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
-  double lower = INFINITY;
-  double upper = -INFINITY;
-  std::vector<double> distances;
-  for (const Eigen::Vector3d& point : points) {
-    const double along = (point - mean).dot(axis);
-    lower = std::min(lower, along);
-    upper = std::max(upper, along);
-    distances.push_back((point - mean - along * axis).norm());
-  }
-  std::ranges::sort(distances);
-  CollisionShape capsule;
-  capsule.type = Type::kCapsule;
-  capsule.body = body;
-  capsule.radius = std::max(
-      distances[static_cast<std::size_t>(kInside * static_cast<double>(distances.size() - 1))],
-      1e-3);
-  capsule.half_length = std::max(0.5 * (upper - lower) - capsule.radius, 0.0);
-  capsule.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), axis).normalized(),
-                             mean + 0.5 * (lower + upper) * axis};
-  if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
-  return capsule;
-}
-
 class ShapeFinder {
  public:
-  ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh)
-      : robot_(robot), limbs_(limbs), mesh_(mesh), tree_(robot.tree()) {}
+  ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh)
+      : robot_(robot), limbs_(limbs), mesh_(mesh.bodies), mesh_files_(mesh), tree_(robot.tree()) {}
 
   RobotShapes find();
 
@@ -117,6 +83,7 @@ class ShapeFinder {
   const Robot& robot_;
   const RobotAnatomy& limbs_;
   const BodyPoints& mesh_;
+  const MeshPoints& mesh_files_;
   const KinematicTree& tree_;
   RobotShapes found_;
 };
@@ -148,16 +115,34 @@ void ShapeFinder::keep_model_shapes() {
 }
 
 void ShapeFinder::fit_meshes() {
+  constexpr double kFinest = 0.005, kCoarser = 1.3;  // metres of a cell
+  constexpr std::size_t kEnough = 1000;
   for (std::size_t b = 1; b < mesh_.size(); ++b) {
     const int body = static_cast<int>(b);
     if (mesh_[b].size() < 4 || has_shape(body)) continue;
-    CollisionShape shape = capsule_around(body, mesh_[b]);
-    if (body == limbs_.pelvis) shape = box_around(body, mesh_[b], limbs_.pelvis_from_hips);
-    if (body == limbs_.torso) shape = box_around(body, mesh_[b], limbs_.torso_from_spine2);
-    for (const Limb& leg : limbs_.legs) {
-      if (body == leg.end->body) shape = box_around(body, mesh_[b], leg.end->body_from_bone);
+    const auto add = [&](const CollisionShape& shape) {
+      found_.shapes.push_back({shape, ShapeSource::kMesh});
+    };
+    const auto foot =
+        std::ranges::find_if(limbs_.legs, [&](const Limb& leg) { return body == leg.end->body; });
+    if (foot != limbs_.legs.end()) {
+      add(box_around(body, mesh_[b], foot->end->body_from_bone));
+      continue;
     }
-    found_.shapes.push_back({shape, ShapeSource::kMesh});
+    double cell = kFinest;
+    std::vector<Eigen::Vector3d> points = thinned(mesh_[b], cell);
+    while (points.size() > kEnough) points = thinned(points, cell *= kCoarser);
+    const auto capsules = capsules_around(body, points);
+    double sum = 0.0;
+    for (const CollisionShape& capsule : capsules) sum += volume(capsule);
+    const bool is_trunk = body == limbs_.pelvis || body == limbs_.torso;
+    const CollisionShape box = box_around(
+        body, mesh_[b], body == limbs_.pelvis ? limbs_.pelvis_from_hips : limbs_.torso_from_spine2);
+    if (is_trunk && volume(box) < sum) {
+      add(box);
+    } else {
+      for (const CollisionShape& capsule : capsules) add(capsule);
+    }
   }
 }
 
@@ -268,6 +253,13 @@ RobotShapes ShapeFinder::find() {
   fit_meshes();
   estimate_segments();
   for (std::size_t side = 0; side < 2; ++side) find_sole(side);
+  found_.sole_note = source_text(found_.sole_source);
+  if (found_.sole_source == ShapeSource::kEstimated && mesh_files_.absent > 0) {
+    found_.sole_note += fmt::format(
+        " ({} of {} mesh files that the model names {} not there or cannot be read, such as {})",
+        mesh_files_.absent, mesh_files_.named, mesh_files_.absent == 1 ? "is" : "are",
+        mesh_files_.example);
+  }
   std::ranges::stable_sort(found_.shapes, {},
                            [](const RoughShape& rough) { return rough.shape.body; });
   return found_;
@@ -287,28 +279,7 @@ std::string source_text(ShapeSource source) {
   return {};
 }
 
-BodyPoints mesh_points(const std::string& model_path) {
-  ModelChanges changes;
-  changes.float_base = true;
-  changes.keep_meshes = true;
-  const auto loaded = load_model(model_path, changes);
-  if (!loaded) return {};
-  const mjModel& model = *loaded->model;
-  BodyPoints points(static_cast<std::size_t>(model.nbody));
-  for (int g = 0; g < model.ngeom; ++g) {
-    const int mesh = model.geom_dataid[g];
-    if (model.geom_type[g] != mjGEOM_MESH || mesh < 0) continue;
-    const Pose body_from_geom = pose_at(model.geom_pos, model.geom_quat, g);
-    for (int v = 0; v < model.mesh_vertnum[mesh]; ++v) {
-      const float* vertex = model.mesh_vert + 3 * (model.mesh_vertadr[mesh] + v);
-      points[model.geom_bodyid[g]].push_back(body_from_geom *
-                                             Eigen::Vector3d(vertex[0], vertex[1], vertex[2]));
-    }
-  }
-  return points;
-}
-
-RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh) {
+RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh) {
   return ShapeFinder(robot, limbs, mesh).find();
 }
 

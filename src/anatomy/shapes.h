@@ -11,6 +11,15 @@ namespace retarget {
 /// Points of a body's surface in the body's frame, by body index; empty where nothing is known.
 using BodyPoints = std::vector<std::vector<Eigen::Vector3d>>;
 
+/// What a model's meshes tell of its bodies' surfaces.
+struct MeshPoints {
+  /// Vertices, and where these are far apart points of the triangles between them. Empty without files.
+  BodyPoints bodies;
+  std::size_t named = 0;   ///< Mesh files that the model names.
+  std::size_t absent = 0;  ///< Of these, those that are not there or cannot be read.
+  std::string example;     ///< The first absent one, as the model names it.
+};
+
 /// Where a robot's soles and shapes came from.
 enum class ShapeSource : unsigned char {
   kModel,      ///< Primitive geoms of the model that take part in contacts.
@@ -32,18 +41,20 @@ struct RobotShapes {
   std::vector<RoughShape> shapes;
   std::vector<Sole> soles;  ///< Left, right: heel left, heel right, toe left, toe right.
   ShapeSource sole_source = ShapeSource::kModel;
+  /// Where the soles are from, for people: source_text, and where they are estimated why.
+  std::string sole_note;
   double ankle_height = 0.0;  ///< From the soles up to the ankles (LimbPart::joint), metres.
 };
 
-/// Vertices of a model's meshes by body; empty when one of its files cannot be read. Files that
-/// MuJoCo does not read as meshes count as missing.
-[[nodiscard]] BodyPoints mesh_points(const std::string& model_path);
+/// The meshes of a model, as far as they are there: STL, OBJ and COLLADA files (read_body_surfaces), and
+/// what MuJoCo reads besides.
+[[nodiscard]] MeshPoints mesh_points(const Robot& robot, const std::string& model_path);
 
 /// Soles and shapes. The model's own contact primitives are kept (cylinders become capsules); a
-/// body without any gets a capsule, foot and trunk a box, around its mesh's vertices; without
-/// these the limbs' segments and the feet have shapes of human proportions. A sole is what of a
+/// body without any gets up to three capsules around its mesh, a foot a box, the trunk whichever is
+/// smaller; without these the limbs' segments and the feet have shapes of human proportions. A sole is what of a
 /// foot lies lowest with the foot level, as four points: those that touch nearest to its corners.
 [[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
-                                      const BodyPoints& mesh);
+                                      const MeshPoints& mesh);
 
 }  // namespace retarget

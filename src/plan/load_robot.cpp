@@ -9,6 +9,7 @@
 #include "anatomy/bare_robot.h"
 #include "base/data_folder.h"
 #include "base/file.h"
+#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "plan/check_options.h"
@@ -35,6 +36,13 @@ Result<void> check_model_file(const std::string& path) {
           : "name the MJCF or URDF in it");
 }
 
+void warn_of_guessed_soles(LoadedRobot& loaded) {
+  loaded.warnings.push_back(
+      {0, 0,
+       "the model does not show where the soles are: they are guessed from the legs' lengths, "
+       "and feet may float or sink by centimetres"});
+}
+
 // a motion whose feet nobody knows floats or sinks, so soles are looked for in the model
 void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
   const bool may_have_profile = !choice.model.empty() && choice.profile.empty();
@@ -51,12 +59,7 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
     return;
   }
   loaded.notes.push_back({"soles", completed->note + "; " + remedy});
-  if (completed->guessed) {
-    loaded.warnings.push_back(
-        {0, 0,
-         "the model does not show where the soles are: they are guessed from the legs' lengths, "
-         "and feet may float or sink by centimetres"});
-  }
+  if (completed->guessed) warn_of_guessed_soles(loaded);
   if (const int parts = completed->shapeless; parts > 0) {
     loaded.warnings.push_back(
         {0, 0,
@@ -64,6 +67,14 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
                      "its body, and nothing keeps these out of each other and the floor; retarget "
                      "robots add makes shapes for them",
                      parts, parts == 1 ? "" : "s")});
+  }
+  if (!completed->overlaps.empty()) {
+    loaded.notes.push_back(
+        {"shapes", fmt::format("{} of the model overlap whatever the robot does, and {}: {}",
+                               count_text(completed->overlaps.size(), "pair"),
+                               completed->overlaps.size() == 1 ? "its contact is no fault"
+                                                               : "their contacts are no faults",
+                               fmt::join(completed->overlaps, "; "))});
   }
   loaded.robot = std::move(completed->robot);
 }

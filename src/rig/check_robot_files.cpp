@@ -12,6 +12,7 @@
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 #include "rig/check_robot.h"
+#include "rig/check_shapes.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"
 
@@ -61,6 +62,9 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
       findings.push_back({true, spell_options(full_message(variant.error()), spelling)});
   }
   add_findings(**robot, sources, spelling, findings);
+  for (RobotFinding& finding : check_shapes(**robot, sources.model)) {
+    findings.push_back(std::move(finding));
+  }
   std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
   return findings;
 }

@@ -90,12 +90,12 @@ std::string rest_section(const RobotFindings& findings) {
       "leg, "
       "arms likewise.\n\n## Soles, shapes, speeds\n\n* Soles: {}. The ankles stand {} above them.\n"
       "* Collision shapes: {} of the model, {} fitted to meshes, {} estimated. Neighbours in the "
-      "tree "
-      "may touch.\n* Speed limits: {} of {} joints from the model, else {} rad/s.\n",
+      "tree and what overlaps by the model itself may touch.\n* Speed limits: {} of {} joints from "
+      "the model, else {} rad/s.\n",
       number_text(rounded(scales.leg, 3)), number_text(rounded(scales.arm, 3)),
-      source_text(findings.shapes.sole_source), metres(findings.shapes.ankle_height),
-      count(ShapeSource::kModel), count(ShapeSource::kMesh), count(ShapeSource::kEstimated),
-      findings.speed_count, findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
+      findings.shapes.sole_note, metres(findings.shapes.ankle_height), count(ShapeSource::kModel),
+      count(ShapeSource::kMesh), count(ShapeSource::kEstimated), findings.speed_count,
+      findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
 }
 
 }  // namespace
@@ -128,7 +128,8 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
                     degrees_text(residual.twist)));
   }
   if (findings.shapes.sole_source == ShapeSource::kEstimated) {
-    notes.emplace_back("the soles are estimated: put the feet's outline into robot.json");
+    notes.push_back("the soles are " + findings.shapes.sole_note +
+                    ": put the feet's outline into robot.json");
   }
   if (findings.speed_count == 0) {
     notes.push_back("no speed limits are known: " + number_text(kDefaultSpeedLimit) +
@@ -151,7 +152,7 @@ std::vector<std::string> summary_of(const RobotFindings& findings) {
           "T-pose: every bone within " + degrees_text(worst) + " degrees",
           fmt::format("scales: legs {}, arms {} of a human's", number_text(rounded(scales.leg, 3)),
                       number_text(rounded(scales.arm, 3))),
-          "soles: " + source_text(findings.shapes.sole_source)};
+          "soles: " + findings.shapes.sole_note};
 }
 
 std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {

@@ -11,7 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomy/neighbours.h"
+#include "anatomy/limbs.h"
+#include "anatomy/overlaps.h"
 #include "anatomy/robot_hands.h"
 #include "anatomy/shapes.h"
 #include "base/try.h"
@@ -46,8 +47,13 @@ Result<void> check_names(const mjModel& model, const std::string& path) {
   return {};
 }
 
-Result<Robot> import_robot(const std::string& path, const std::string& name,
-                           std::vector<std::string>& notes) {
+struct ImportedRobot {
+  Robot robot;
+  std::vector<std::pair<std::string, std::string>> excluded;  // as LoadedModel's
+};
+
+Result<ImportedRobot> import_robot(const std::string& path, const std::string& name,
+                                   std::vector<std::string>& notes) {
   ModelChanges changes;
   changes.float_base = true;
   changes.name_all = true;
@@ -68,7 +74,9 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   RobotProfile profile;
   profile.name = name;
   profile.coupled_joints = std::move(loaded.couplings);
-  return Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings));
+  return ImportedRobot{
+      Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings)),
+      std::move(loaded.excluded)};
 }
 
 // Hands keep to what their models say of joints that others move; bodies do not.
@@ -99,11 +107,10 @@ Json couplings_json(const RobotProfile& profile) {
   return all;
 }
 
-// neighbours in the tree overlap by build
-Json allowed_contacts(const Robot& robot) {
+Json contacts_json(const Robot& robot, const std::vector<std::pair<int, int>>& contacts) {
   Json pairs = Json::array();
-  for (const auto& [above, body] : neighbours(robot)) {
-    pairs.push_back({robot.bodies()[above].name, robot.bodies()[body].name});
+  for (const auto& [a, b] : contacts) {
+    pairs.push_back({robot.bodies()[a].name, robot.bodies()[b].name});
   }
   return pairs;
 }
@@ -122,7 +129,7 @@ Json soles_json(const Robot& robot, const std::vector<Sole>& soles) {
 }
 
 std::string profile_text(const Robot& robot, const std::string& source, const TPose& t_pose,
-                         const std::vector<Sole>& soles,
+                         const RobotShapes& shapes, const AllowedContacts& contacts,
                          const std::map<std::string, double>& speeds) {
   Json json;
   json["name"] = robot.name();
@@ -146,8 +153,8 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
     const double position = rounded(t_pose.qpos[joint.qpos_address], 4);
     if (position != 0.0) json["t_pose"][joint.name] = position;
   }
-  json["soles"] = soles_json(robot, soles);
-  json["allowed_self_contact"] = allowed_contacts(robot);
+  json["soles"] = soles_json(robot, shapes.soles);
+  json["allowed_self_contact"] = contacts_json(robot, contacts.pairs);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -156,14 +163,23 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
 Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
   MadeRobot made;
   made.name = name;
-  TRY_ASSIGN(auto robot, import_robot(model_path, name, made.notes));
+  TRY_ASSIGN(auto imported, import_robot(model_path, name, made.notes));
+  Robot& robot = imported.robot;
   TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
   RobotProfile profile = robot.profile();
   keep_couplings_of_hands(find_hands(robot, limbs), robot, profile, made.notes);
   robot.set_profile(std::move(profile));
-  const BodyPoints mesh = mesh_points(model_path);
-  const RobotShapes shapes = find_shapes(robot, limbs, mesh);
+  const RobotShapes shapes = find_shapes(robot, limbs, mesh_points(robot, model_path));
   const TPose t_pose = solve_t_pose(robot, limbs);
+  std::vector<CollisionShape> all_shapes;
+  for (const RoughShape& rough : shapes.shapes) all_shapes.push_back(rough.shape);
+  robot.set_collision_shapes(std::move(all_shapes));
+  const std::vector<std::vector<double>> poses = {reference_configuration(robot), t_pose.qpos};
+  const AllowedContacts contacts = find_allowed_contacts(robot, limbs, imported.excluded, poses);
+  for (const ModelOverlap& overlap : contacts.overlaps) {
+    made.notes.push_back(overlap_text(robot, overlap) +
+                         " by the model itself: their contact is not counted");
+  }
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);
@@ -171,7 +187,7 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
 
   const std::string source = fs::path(model_path).filename().string();
   made.model = format_model(robot, name, shapes.shapes);
-  made.profile = profile_text(robot, source, t_pose, shapes.soles, speeds);
+  made.profile = profile_text(robot, source, t_pose, shapes, contacts, speeds);
   made.config = format_retargeting_config(config);
   const RobotFindings findings{robot, limbs, t_pose, shapes, config, speeds.size(), source};
   const std::vector<std::string> more = notes_about(findings);

@@ -228,6 +228,11 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!spec) return model_failure(path, text.data());
   LoadedModel loaded;
   note_equalities(spec.get(), loaded);
+  for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
+    const mjsExclude* exclude = mjs_asExclude(e);
+    loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),
+                                 mjs_getString(exclude->bodyname2));
+  }
   MeshGeoms mesh_geoms;
   if (changes.find_meshes) mesh_geoms.replace(spec.get());
   keep_kinematics(spec.get(), changes.keep_meshes);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "retarget/error.h"
@@ -19,6 +20,8 @@ struct LoadedModel {
   /// What the model says of joints that others move (equalities of joints, a URDF's `mimic`), by the
   /// joint that is moved. Equalities are dropped; of curved ones the slope at 0 is kept.
   std::map<std::string, JointCoupling> couplings;
+  /// Bodies whose contact the model says is none (`<exclude>`), by name.
+  std::vector<std::pair<std::string, std::string>> excluded;
   std::vector<ModelMesh> meshes;  ///< What bodies are drawn with, if it was asked for.
 };
 

@@ -80,23 +80,32 @@ class FixedLinks {
   std::map<std::string, ModelMesh::Carrier> parents_;  // with the pose of the link in it
 };
 
+// of `<visual>` or `<collision>`
+void add_meshes(const XMLElement& link, const char* kind, const FixedLinks& fixed,
+                std::vector<ModelMesh>& meshes) {
+  for (const XMLElement* shape = link.FirstChildElement(kind); shape != nullptr;
+       shape = shape->NextSiblingElement(kind)) {
+    const XMLElement* geometry = shape->FirstChildElement("geometry");
+    const XMLElement* mesh = geometry == nullptr ? nullptr : geometry->FirstChildElement("mesh");
+    ModelMesh found;
+    found.file = attribute_of(mesh, "filename");
+    if (found.file.empty()) continue;
+    found.scale = vector_of(mesh, "scale", Vector3d::Ones());
+    found.is_visual = std::string_view(kind) == "visual";
+    found.carriers = fixed.carriers(attribute_of(&link, "name"), origin_of(*shape));
+    meshes.push_back(std::move(found));
+  }
+}
+
+// a link that shows no mesh has those that it collides with
 std::vector<ModelMesh> urdf_meshes(const XMLElement& robot) {
   const FixedLinks fixed(robot);
   std::vector<ModelMesh> meshes;
   for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
        link = link->NextSiblingElement("link")) {
-    for (const XMLElement* visual = link->FirstChildElement("visual"); visual != nullptr;
-         visual = visual->NextSiblingElement("visual")) {
-      const XMLElement* geometry = visual->FirstChildElement("geometry");
-      const XMLElement* mesh = geometry == nullptr ? nullptr : geometry->FirstChildElement("mesh");
-      ModelMesh found;
-      found.file = attribute_of(mesh, "filename");
-      if (found.file.empty()) continue;
-      found.scale = vector_of(mesh, "scale", Vector3d::Ones());
-      found.is_visual = true;
-      found.carriers = fixed.carriers(attribute_of(link, "name"), origin_of(*visual));
-      meshes.push_back(std::move(found));
-    }
+    const std::size_t before = meshes.size();
+    add_meshes(*link, "visual", fixed, meshes);
+    if (meshes.size() == before) add_meshes(*link, "collision", fixed, meshes);
   }
   return meshes;
 }

@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from tool import SOURCE, ToolTest, read_rows, sample, short_clip
+from tool import SOURCE, ToolTest, read_rows, sample, short_clip, unwrapped
 
 K1 = SOURCE / "robots/unverified/booster_k1/model.xml"
 
@@ -49,6 +49,57 @@ class Robots(ToolTest):
         self.assertEqual(len(read_rows(rows.stdout)[0]), 7 + 22)
         self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
                           "--force")
+
+    def test_bodies_that_overlap_by_the_model_itself(self):
+        """They are named wherever the model is used, and in the new robot's list."""
+        thick = '<geom type="box" pos="0 0 -0.05" size="0.05 0.12 0.04" mass="0"/>'
+        text = K1.read_text()
+        for side in ("Left", "Right"):
+            head, tail = text.split(f'<body name="{side}_Hip_Yaw"', 1)
+            tag, tail = tail.split(">", 1)
+            text = f'{head}<body name="{side}_Hip_Yaw"{tag}>{thick}{tail}'
+        self.write("thick.xml", text)
+        pair = '"Left_Hip_Yaw" and "Right_Hip_Yaw" overlap by 4.8 cm at rest'
+        checked = self.output_of("check", "thick.xml")
+        self.assertIn("so their contact is not counted: ", checked)
+        self.assertIn(pair, checked)
+        added = self.run_tool("robots", "add", "thick", "--model", "thick.xml")
+        self.assert_done(added)
+        self.assertIn(pair, unwrapped(added.stderr))
+        self.assertIn(pair, (self.folder / "thick/decisions.md").read_text())
+        allowed = json.loads((self.folder / "thick/robot.json").read_text())["allowed_self_contact"]
+        self.assertIn(["Left_Hip_Yaw", "Right_Hip_Yaw"], allowed)
+        options = ("--ik-config", self.folder / "thick/ik.json", "--frames", ":60")
+        run = self.run_tool("--bvh", sample("walk"), "--robot-xml", "thick.xml", *options,
+                            "--report", "r.json", "-o", "x.csv")
+        self.assert_done(run)
+        self.assertIn(pair, unwrapped(run.stderr))
+        motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
+        self.assertEqual(motion["self_1cm_pct"], 0)
+        # a list that lacks them is spoken of
+        profile = json.loads((self.folder / "thick/robot.json").read_text())
+        profile["allowed_self_contact"].remove(["Left_Hip_Yaw", "Right_Hip_Yaw"])
+        self.write("thick/robot.json", json.dumps(profile))
+        self.assertIn("count as self-collision", self.output_of("check", "thick"))
+
+    def test_a_model_without_its_folder_moves_like_the_robot(self):
+        """The G1's own model elsewhere, without a profile: soles and contacts are found, feet stand."""
+        folder = SOURCE / "robots/unitree_g1"
+        self.write("elsewhere/scene.xml", (folder / "model.xml").read_bytes())
+        bare = self.run_tool("--bvh", sample("walk"), "--robot-xml", "elsewhere/scene.xml", "--ik-config",
+                             folder / "ik.json", "--scale", "limbs", "--gate", "default", "-o", "bare.csv",
+                             "--report", "r.json")
+        self.assert_done(bare)
+        self.assertIn("from the model's contact geoms", unwrapped(bare.stderr))
+        self.assert_done(self.retarget(bvh=sample("walk"), output="whole.csv"))
+        motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
+        self.assertEqual(motion["float_planted_pct"], 0)
+        self.assertLess(motion["contact_height_p50_cm"], 0.2)
+        found, wanted = (read_rows((self.folder / name).read_text()) for name in ("bare.csv", "whole.csv"))
+        self.assertEqual(len(found), len(wanted))
+        for row, whole in zip(found, wanted):
+            for i, (value, expected) in enumerate(zip(row, whole)):
+                self.assertAlmostEqual(value, expected, delta=0.01 if i < 3 else 0.05)
 
     def test_a_model_in_the_working_directory(self):
         self.write("model.xml", K1.read_bytes())

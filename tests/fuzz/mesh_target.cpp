@@ -1,10 +1,11 @@
-// Any bytes as a mesh of a page, STL and OBJ, read and simplified.
+// Any bytes as a mesh of a page, STL, OBJ and COLLADA, read and simplified.
 
 #include <algorithm>
 #include <string>
 #include <string_view>
 
 #include "fuzz/fuzz_target.h"
+#include "robot/read_mesh.h"
 #include "view/triangle_mesh.h"
 
 namespace retarget::fuzz {
@@ -25,7 +26,7 @@ void check_mesh(const TriangleMesh& mesh) {
 
 void fuzz_mesh(std::string_view bytes) {
   constexpr std::size_t kMost = 20;
-  for (const char* name : {"fuzz.stl", "fuzz.obj"}) {
+  for (const char* name : {"fuzz.stl", "fuzz.obj", "fuzz.dae"}) {
     const auto mesh = read_mesh(bytes, name);
     if (!good(mesh)) continue;
     require(!mesh->triangles.empty(), "meshes have triangles");

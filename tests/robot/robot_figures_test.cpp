@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 
 #include "robot_kinematics.h"
 #include "shipped_robots.h"
@@ -33,6 +34,10 @@ struct FiguresCase {
   const char* model;              // in that folder
   const char* ranges;             // in that folder: whose ranges are the model's
   bool hands_are_others = false;  // shapes of the hands are not those that were fitted
+  // metres by which the maker's present soles lie lower than those of the older meshes, boxes of the feet
+  // with them
+  double lowered_soles = 0.0;
+  std::set<std::string> other_shapes = {};  // bodies whose shapes are not those that were fitted
 };
 
 void PrintTo(const FiguresCase& figures, std::ostream* out) {
@@ -216,10 +221,20 @@ TEST_P(RobotFigures, ShapesMatchTheFit) {
   const nlohmann::json json = collision();
   for (const auto& [body, primitives] : json.at("bodies").items()) {
     if (GetParam().hands_are_others && !robot_->find_body(body)) continue;
+    if (GetParam().other_shapes.contains(body)) {
+      fitted += shapes[body].size();
+      continue;
+    }
     fitted += primitives.size();
+    const bool is_foot = json.at("soles").at("left").at("body") == body ||
+                         json.at("soles").at("right").at("body") == body;
     ASSERT_GE(shapes[body].size(), primitives.size()) << body;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const CollisionShape expected = shape_from_json(primitives[i]);
+      CollisionShape expected = shape_from_json(primitives[i]);
+      if (is_foot && expected.type == CollisionShape::Type::kBox) {
+        expected.body_from_shape.translation.z() -= 0.5 * GetParam().lowered_soles;
+        expected.half_size.z() += 0.5 * GetParam().lowered_soles;
+      }
       EXPECT_EQ(shapes[body][i].type, expected.type) << body;
       EXPECT_THAT(figures_of(shapes[body][i]),
                   Pointwise(DoubleNear(kShapeTolerance), figures_of(expected)))
@@ -240,7 +255,10 @@ TEST_P(RobotFigures, SolesAndContactsMatchTheFit) {
     ASSERT_EQ(sole.points.size(), expected.at("points").size());
     for (std::size_t i = 0; i < sole.points.size(); ++i) {
       const auto& point = expected.at("points")[i];
-      EXPECT_EQ(sole.points[i], Eigen::Vector3d(point[0], point[1], point[2]));
+      const Eigen::Vector3d fitted(point[0], point[1], point[2]);
+      EXPECT_LT(
+          (sole.points[i] + GetParam().lowered_soles * Eigen::Vector3d::UnitZ() - fitted).norm(),
+          1e-12);
     }
   }
   auto found = nlohmann::json::array();
@@ -267,17 +285,24 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         FiguresCase{"unitree_g1", "unitree_g1", kG1Mocap, kG1},
         FiguresCase{"unitree_g1_with_hands", "unitree_g1", kG1Hands, kG1Hands, true},
-        FiguresCase{"booster_t1_29dof", "booster_t1_29dof", "t1_mocap.xml", "t1_mocap.xml"},
+        FiguresCase{"booster_t1_29dof", "booster_t1_29dof", "t1_mocap.xml", "t1_mocap.xml", false,
+                    0.0123},
         FiguresCase{"fourier_n1", "fourier_n1", "n1_mocap.xml", "n1_mocap.xml"},
         FiguresCase{"stanford_toddy", "stanford_toddy", "toddy_mocap.xml", "toddy_mocap.xml"},
         FiguresCase{"engineai_pm01", "engineai_pm01", "pm_v2.xml", "pm_v2.xml"},
         FiguresCase{"unitree_h1", "unitree_h1", "h1.xml", "h1.xml"},
         FiguresCase{"unitree_h1_2", "unitree_h1_2", "h1_2_handless.xml", "h1_2_handless.xml"},
-        FiguresCase{"booster_t1", "booster_t1", "t1_mocap.xml", "t1_mocap.xml"},
-        FiguresCase{"booster_k1", "booster_k1", "K1_serial.xml", "K1_serial.xml"},
+        FiguresCase{"booster_t1", "booster_t1", "t1_mocap.xml", "t1_mocap.xml", false, 0.0123},
+        FiguresCase{"booster_k1", "booster_k1", "K1_serial.xml", "K1_serial.xml", false, 0.0111},
         FiguresCase{"hightorque_hi", "hightorque_hi", "hi_25dof.xml", "hi_25dof.xml"},
         FiguresCase{"kuavo_s45", "kuavo_s45", "biped_s45_collision.xml", "biped_s45_collision.xml"},
-        FiguresCase{"pal_talos", "pal_talos", "talos.xml", "talos.xml"},
+        FiguresCase{"pal_talos",
+                    "pal_talos",
+                    "talos.xml",
+                    "talos.xml",
+                    false,
+                    0.0,
+                    {"leg_left_3_link", "leg_right_3_link", "arm_left_7_link", "arm_right_7_link"}},
         FiguresCase{"pnd_adam_lite", "pnd_adam_lite", "adam_lite.xml", "adam_lite.xml"},
         FiguresCase{"tienkung", "tienkung", "tienkung.xml", "tienkung.xml"},
         FiguresCase{"berkeley_humanoid_lite", "berkeley_humanoid_lite",

@@ -12,6 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "robot/read_mesh.h"
+
 namespace retarget {
 namespace {
 

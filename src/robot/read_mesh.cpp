@@ -1,3 +1,5 @@
+#include "robot/read_mesh.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,7 +9,6 @@
 #include "base/lower_case.h"
 #include "base/number_text.h"
 #include "base/try.h"
-#include "view/triangle_mesh.h"
 
 namespace retarget {
 namespace {
@@ -142,6 +143,8 @@ Result<TriangleMesh> read_mesh_as_written(std::string_view bytes, const std::str
   TriangleMesh mesh;
   if (is_binary_stl(bytes)) {
     mesh = read_binary_stl(bytes);
+  } else if (lower_case(file).ends_with(".dae")) {
+    TRY_ASSIGN(mesh, read_collada(bytes, file));
   } else if (lower_case(file).ends_with(".obj")) {
     TRY_ASSIGN(mesh, read_obj(bytes, file));
   } else {

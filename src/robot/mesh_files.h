@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
+#include "retarget/error.h"
+
 namespace retarget {
 
-/// An STL or OBJ file.
+/// An STL, OBJ or COLLADA file.
 struct MeshFile {
   std::string stem;  ///< Of its name, lower case.
   std::filesystem::path path;
@@ -26,5 +29,8 @@ struct MeshFile {
 /// `package://` are looked for with and without the package's name.
 [[nodiscard]] std::optional<std::filesystem::path> find_mesh_file(
     const std::string& named, const std::filesystem::path& model, const std::string& folder);
+
+/// The bytes of a mesh file, if it is not larger than any robot's need be. Errors: read_file's.
+[[nodiscard]] Result<FileContent> read_mesh_file(const std::string& path);
 
 }  // namespace retarget

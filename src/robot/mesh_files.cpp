@@ -1,4 +1,4 @@
-#include "view/mesh_files.h"
+#include "robot/mesh_files.h"
 
 #include <array>
 #include <string_view>
@@ -15,13 +15,15 @@ namespace fs = std::filesystem;
 
 // what a file may be called below a folder: the name as written, without its scheme, without the package
 std::vector<fs::path> names_of(std::string_view named) {
-  constexpr std::array<std::string_view, 3> kSchemes = {"package://", "model://", "file://"};
+  // MuJoCo takes one of two slashes away
+  constexpr std::array<std::string_view, 4> kSchemes = {"package://", "package:/", "model://",
+                                                        "file://"};
   for (const std::string_view scheme : kSchemes) {
     if (!named.starts_with(scheme)) continue;
     named.remove_prefix(scheme.size());
     std::vector<fs::path> names = {fs::path(named)};
     const std::size_t slash = named.find('/');
-    if (scheme != kSchemes[2] && slash != std::string_view::npos) {
+    if (scheme != kSchemes.back() && slash != std::string_view::npos) {
       names.emplace_back(named.substr(slash + 1));
     }
     return names;
@@ -46,7 +48,7 @@ std::vector<MeshFile> mesh_files(const std::string& folder) {
   std::vector<MeshFile> files;
   for (const fs::path& path : files_in_folder(folder)) {
     const std::string ending = lower_case(path.extension().string());
-    if (ending != ".stl" && ending != ".obj") continue;
+    if (ending != ".stl" && ending != ".obj" && ending != ".dae") continue;
     files.push_back({lower_case(path.stem().string()), path});
   }
   return files;
@@ -87,6 +89,11 @@ std::optional<fs::path> find_mesh_file(const std::string& named, const fs::path&
   const fs::path root = fs::canonical(fs::absolute(model, error).parent_path(), error);
   if (error) return std::nullopt;
   return first_below({root, root.parent_path()}, names, root.parent_path());
+}
+
+Result<FileContent> read_mesh_file(const std::string& path) {
+  constexpr std::size_t kMost = std::size_t{64} << 20U;  // bytes
+  return read_file(path, ErrorKind::kInput, kMost, "a robot's meshes need not be that fine");
 }
 
 }  // namespace retarget

@@ -1,0 +1,165 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/bare_robot.h"
+#include "anatomy/shapes.h"
+#include "robot/core_points.h"
+#include "support/humanoids.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+std::string write_below(const TemporaryFolder& folder, const std::string& name,
+                        const std::string& text) {
+  fs::create_directories((folder.path() / name).parent_path());
+  return folder.write(name, text);
+}
+
+// a box as an OBJ file: from lower to upper corner, all faces as two triangles
+std::string box_obj(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
+  std::string text;
+  for (const double x : {lower.x(), upper.x()}) {
+    for (const double y : {lower.y(), upper.y()}) {
+      for (const double z : {lower.z(), upper.z()}) {
+        text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+      }
+    }
+  }
+  for (const char* face : {"1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"}) {
+    text += std::string("f ") + face + "\n";
+  }
+  return text;
+}
+
+// the tiny humanoid with feet and thighs that are meshes in millimetres, and a head whose file is nowhere
+std::string with_mesh_feet() {
+  std::string text = tiny_humanoid(true);
+  const std::string box = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
+  for (std::size_t at = text.find(box); at != std::string::npos; at = text.find(box)) {
+    text.replace(at, box.size(), "<geom type=\"mesh\" mesh=\"foot\"/>");
+  }
+  text.insert(text.find("<worldbody>"),
+              "<asset><mesh name=\"foot\" file=\"foot.obj\" scale=\".001 .001 .001\"/>"
+              "<mesh name=\"head\" file=\"head.stl\"/></asset>");
+  const std::string torso = "<body name=\"torso\" pos=\"0 0 0.05\">";
+  text.insert(text.find(torso) + torso.size(), "<geom type=\"mesh\" mesh=\"head\"/>");
+  text.replace(text.find("<compiler"), 9, "<compiler meshdir=\"assets\"");
+  return text;
+}
+
+CompletedRobot completed_from(const std::string& model) {
+  const auto bare = load_robot_files(model);
+  EXPECT_TRUE(bare) << describe(bare.error());
+  auto completed = complete_bare_robot(**bare, model);
+  EXPECT_TRUE(completed) << describe(completed.error());
+  return *completed;
+}
+
+void expect_mesh_soles(const Robot& robot) {
+  ASSERT_EQ(robot.profile().soles.size(), 2U);
+  for (const Sole& sole : robot.profile().soles) {
+    double heel = INFINITY, toe = -INFINITY;
+    for (const Eigen::Vector3d& point : sole.points) {
+      EXPECT_NEAR(point.z(), -0.07, 1e-6);
+      heel = std::min(heel, point.x());
+      toe = std::max(toe, point.x());
+    }
+    EXPECT_NEAR(heel, -0.06, 1e-6);
+    EXPECT_NEAR(toe, 0.13, 1e-6);
+  }
+}
+
+// the head's file is missing, which MuJoCo would take for an error of the whole model
+TEST(MeshPoints, GiveSolesThoughOtherMeshesAreMissing) {
+  const TemporaryFolder folder;
+  write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));
+  const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
+  EXPECT_FALSE(completed.guessed);
+  EXPECT_EQ(completed.note, "from mesh vertices");
+  expect_mesh_soles(*completed.robot);
+}
+
+TEST(MeshPoints, SayWhichFilesTheyLack) {
+  const TemporaryFolder folder;
+  const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
+  EXPECT_TRUE(completed.guessed);
+  EXPECT_THAT(completed.note,
+              HasSubstr("estimated from the limbs' lengths (3 of 3 mesh files that "
+                        "the model names are not there or cannot be read, such as"));
+  EXPECT_THAT(completed.note, HasSubstr("foot.obj"));
+}
+
+TEST(MeshPoints, FollowPackagesAndCollada) {
+  const TemporaryFolder folder;
+  // a foot in centimetres that its node puts in place
+  std::string positions;
+  for (const char* x : {"-1", "1"}) {
+    for (const char* y : {"-1", "1"}) {
+      for (const char* z : {"-1", "1"}) positions += std::string(x) + " " + y + " " + z + " ";
+    }
+  }
+  write_below(folder, "tiny/meshes/foot.dae",
+              "<COLLADA><asset><unit meter=\"0.01\"/><up_axis>Y_UP</up_axis></asset>"
+              "<library_geometries><geometry id=\"g\"><mesh>"
+              "<source id=\"p\"><float_array count=\"24\">" +
+                  positions +
+                  "</float_array></source>"
+                  "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
+                  "<polylist count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+                  "<input semantic=\"NORMAL\" source=\"#n\" offset=\"1\"/>"
+                  "<vcount>4</vcount><p>0 0 1 0 3 0 2 0</p></polylist>"
+                  "<triangles><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+                  "<p>0 4 6 1 5 7</p></triangles></mesh></geometry></library_geometries>"
+                  "<library_visual_scenes><visual_scene><node><translate>3.5 0 -4.5</translate>"
+                  "<node><scale>9.5 3.5 2.5</scale><instance_geometry url=\"#g\"/></node>"
+                  "</node></visual_scene></library_visual_scenes></COLLADA>");
+  std::string text = with_mesh_feet();
+  text.replace(text.find("foot.obj\" scale=\".001 .001 .001\""), 32,
+               "package://tiny/meshes/foot.dae\"");
+  text.replace(text.find(" meshdir=\"assets\""), 17, "");
+  // MJCF names no packages: this is read from a URDF's kind of name by the same code
+  const std::string model = write_below(folder, "tiny/robot.xml", text);
+  const CompletedRobot completed = completed_from(model);
+  EXPECT_FALSE(completed.guessed) << completed.note;
+  expect_mesh_soles(*completed.robot);
+}
+
+// what the thigh touches beside its motor is not in it, as a single shape around the mesh would have it
+TEST(MeshPoints, GiveBodiesTheirOwnShapes) {
+  const TemporaryFolder folder;
+  write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));
+  write_below(folder, "assets/head.stl",
+              "solid\nfacet\nvertex 0 0 0\nvertex 0 .1 .3\nvertex .1 0 .3\nendfacet\n");
+  std::string text = with_mesh_feet();
+  for (const char* side : {"left", "right"}) {
+    const std::string thigh = std::string("<body name=\"") + side + "_thigh\">";
+    text.insert(text.find(thigh) + thigh.size(), "<geom type=\"mesh\" mesh=\"thigh\"/>");
+  }
+  text.insert(text.find("<mesh name=\"head\""), "<mesh name=\"thigh\" file=\"thigh.obj\"/>");
+  write_below(folder, "assets/thigh.obj", box_obj({-0.03, -0.03, -0.2}, {0.03, 0.03, 0.0}));
+  const CompletedRobot completed = completed_from(folder.write("robot.xml", text));
+  const int thigh = completed.robot->find_body("left_thigh").value();
+  int count = 0;
+  for (const CollisionShape& shape : completed.robot->collision_shapes()) {
+    if (shape.body != thigh) continue;
+    ++count;
+    EXPECT_NE(shape.type, CollisionShape::Type::kBox);
+    for (const Eigen::Vector3d& point : core_points(shape)) {
+      EXPECT_GT(point.z(), -0.2);
+      EXPECT_LT(point.z(), 0.0);
+      EXPECT_LT(point.head<2>().norm(), 0.03);
+    }
+    EXPECT_LT(shape.radius, 0.05);
+  }
+  EXPECT_GE(count, 1);
+}
+
+}  // namespace
+}  // namespace retarget
