@@ -124,6 +124,8 @@ struct RobotProfile {
   std::map<std::string, JointCoupling> coupled_joints;
   std::map<std::string, double> t_pose;  ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
+  std::string soles_source;      ///< Where they are from, for people.
+  bool soles_estimated = false;  ///< Nothing measured tells them: feet may float or sink.
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
   std::vector<RobotVariant> variants;
 };

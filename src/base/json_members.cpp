@@ -34,6 +34,11 @@ std::string JsonMembers::text(const std::string& key) const {
   return value == nullptr ? std::string() : value->get<std::string>();
 }
 
+bool JsonMembers::flag(const std::string& key) const {
+  const Json* value = member(key, Json::value_t::boolean, "true or false");
+  return value != nullptr && value->get<bool>();
+}
+
 const Json* JsonMembers::list(const std::string& key) const {
   return member(key, Json::value_t::array, "a list");
 }

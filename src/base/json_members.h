@@ -59,6 +59,8 @@ class JsonMembers {
   /// Of any type; null where it is left out.
   [[nodiscard]] const Json* find(const std::string& key) const;
   [[nodiscard]] std::string text(const std::string& key) const;
+  /// False where it is left out.
+  [[nodiscard]] bool flag(const std::string& key) const;
   /// Null where it is left out.
   [[nodiscard]] const Json* list(const std::string& key) const;
   /// Empty where it is left out.

@@ -99,6 +99,10 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
   }
   TRY_ASSIGN(loaded.robot, load_robot_files(loaded.model, loaded.profile));
   if (soles == Soles::kFound && loaded.robot->profile().soles.empty()) find_soles(choice, loaded);
+  if (loaded.robot->profile().soles_estimated) {
+    loaded.notes.push_back({"soles", loaded.robot->profile().soles_source + ": " + loaded.profile});
+    warn_of_guessed_soles(loaded);
+  }
   if (!choice.variant.empty()) {
     TRY_ASSIGN(loaded.robot, robot_variant(loaded.robot, choice.variant));
   }

@@ -49,6 +49,7 @@ constexpr const char* kNotCounted =
 std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& model_path) {
   std::vector<RobotFinding> findings;
   const RobotProfile& profile = robot.profile();
+  if (profile.soles_estimated) findings.push_back({false, "the soles are " + profile.soles_source});
   if (profile.soles.empty()) {
     const auto completed = complete_bare_robot(robot, model_path);
     if (!completed) return findings;

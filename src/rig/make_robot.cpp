@@ -154,6 +154,8 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
     if (position != 0.0) json["t_pose"][joint.name] = position;
   }
   json["soles"] = soles_json(robot, shapes.soles);
+  json["soles_source"] = shapes.sole_note;
+  json["soles_estimated"] = shapes.sole_source == ShapeSource::kEstimated;
   json["allowed_self_contact"] = contacts_json(robot, contacts.pairs);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

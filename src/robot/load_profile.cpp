@@ -36,6 +36,8 @@ const std::vector<std::string> kKeys = {"name",
                                         "coupled_joints",
                                         "t_pose",
                                         "soles",
+                                        "soles_source",
+                                        "soles_estimated",
                                         "allowed_self_contact",
                                         "variants"};
 
@@ -265,6 +267,8 @@ class ProfileReader {
   }
 
   void read_soles() {
+    profile_.soles_source = members_.text("soles_source");
+    profile_.soles_estimated = members_.flag("soles_estimated");
     for (const auto& [side, entry] : members_.object("soles").items()) {
       const std::string what = "sole " + quoted(side);
       if (std::ranges::find(kSides, side) == kSides.end()) {

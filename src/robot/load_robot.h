@@ -37,8 +37,10 @@ namespace retarget {
 /// | `rotor_inertias_source` | text |
 /// | `t_pose` | joint: rad or m; joints not named are at 0 |
 /// | `soles` | `left`, `right`: `{"body": name, "points": [[x, y, z], ...], "labels": [text,
-/// ...]}`, metres in the body's frame; labels may be left out | | `allowed_self_contact` | pairs of
-/// bodies whose contact is no fault |
+/// ...]}`, metres in the body's frame; labels may be left out |
+/// | `soles_source` | text |
+/// | `soles_estimated` | true: nothing measured tells the soles (default: false) |
+/// | `allowed_self_contact` | pairs of bodies whose contact is no fault |
 /// | `variants` | name: `{"locked": {joint: position}, "description": text, "model": file, "bodies":
 /// [name, ...]}`; see variant.h |
 ///

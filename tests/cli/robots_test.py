@@ -82,6 +82,27 @@ class Robots(ToolTest):
         self.write("thick/robot.json", json.dumps(profile))
         self.assertIn("count as self-collision", self.output_of("check", "thick"))
 
+    def test_estimated_soles_are_said_to_be(self):
+        """Wherever a robot is used whose feet nothing tells of, and which file would."""
+        text = K1.read_text().replace("<worldbody>", '<asset><mesh name="foot" file="foot.stl"/></asset><worldbody>')
+        for side in ("left", "right"):
+            head, tail = text.split(f'<body name="{side}_foot_link">', 1)
+            foot, tail = tail.split("</body>", 1)
+            foot = "\n".join(line for line in foot.splitlines() if "<geom" not in line)
+            text = f'{head}<body name="{side}_foot_link">{foot}<geom type="mesh" mesh="foot"/></body>{tail}'
+        self.write("feet.xml", text)
+        words = "estimated from the limbs' lengths (2 of 2 mesh files that the model names are not there"
+        self.assertIn(words, self.output_of("check", "feet.xml"))
+        added = self.run_tool("robots", "add", "feet", "--model", "feet.xml")
+        self.assert_done(added)
+        self.assertIn(words, unwrapped(added.stderr))
+        self.assertIn(words, self.output_of("check", "feet"))
+        for robot in (("--robot", "feet"), ("--robot-xml", "feet.xml", "--ik-config", "feet/ik.json")):
+            run = self.run_tool("--bvh", sample("walk"), "--frames", ":30", *robot, "-o", "x.csv")
+            self.assert_done(run)
+            self.assertIn(words, unwrapped(run.stderr))
+            self.assertIn("feet may float or sink", unwrapped(run.stderr))
+
     def test_a_model_without_its_folder_moves_like_the_robot(self):
         """The G1's own model elsewhere, without a profile: soles and contacts are found, feet stand."""
         folder = SOURCE / "robots/unitree_g1"

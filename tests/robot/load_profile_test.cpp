@@ -48,6 +48,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
     "method_limits": {"gmr": "model"},
     "speed_limits": {"left_elbow": 7.5},
     "speed_limits_source": "a sheet",
+    "soles_source": "a ruler",
+    "soles_estimated": true,
     "default_speed_limit": 12,
     "coupled_joints": {"left_elbow": {"joint": "left_shoulder", "ratio": -0.5, "offset": 0.1},
                        "left_twist": {"joint": "left_shoulder"}},
@@ -71,6 +73,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_EQ(robot.limits_for("fit"), "narrow");
   EXPECT_THAT(robot.profile().speed_limits, ElementsAre(Pair("left_elbow", 7.5)));
   EXPECT_EQ(robot.profile().speed_limits_source, "a sheet");
+  EXPECT_EQ(robot.profile().soles_source, "a ruler");
+  EXPECT_TRUE(robot.profile().soles_estimated);
   EXPECT_EQ(robot.speed_limit(0), 12.0);
   EXPECT_EQ(robot.speed_limit(1), 7.5);
   EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // a slide
@@ -203,7 +207,8 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
                                            "\"labels\": \"x\"}}"};
   for (const char* key : {"name", "description", "joint_order", "limit_sets", "default_limits",
                           "method_limits", "speed_limits", "speed_limits_source", "coupled_joints",
-                          "t_pose", "soles", "allowed_self_contact", "variants"}) {
+                          "t_pose", "soles", "soles_source", "soles_estimated",
+                          "allowed_self_contact", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {
