@@ -21,8 +21,7 @@ def measured(tool: str, robot: str, clip: pathlib.Path, motion: pathlib.Path) ->
     """The figures of a motion beside its clip, and which gates it missed."""
     done = subprocess.run([tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--fps", str(FPS), "--json", "-"],
                           capture_output=True, text=True, check=False)
-    report = json.loads(done.stdout)
-    return report["motions"][0] if "motions" in report else report[0]
+    return json.loads(done.stdout)["motions"][0]
 
 
 def live(tool: str, robot: str, clip: pathlib.Path, output: pathlib.Path, lag_ms: int | None) -> None:
@@ -38,8 +37,8 @@ def live(tool: str, robot: str, clip: pathlib.Path, output: pathlib.Path, lag_ms
 
 def figure(report: dict, key: str) -> float:
     """A figure of a report as JSON has it."""
-    value = report["metrics"][key]
-    return value["value"] if isinstance(value, dict) else value
+    value = report[key]
+    return value[0] if isinstance(value, list) else value
 
 
 def main() -> None:

@@ -63,7 +63,25 @@ void FootHolder::hold(std::span<const LiveFoot> feet, double floor, const Eigen:
     const double length = held.shift.norm();
     if (length > kMaxShift) held.shift *= kMaxShift / length;
     target += held.shift;
+    if (!held.on) {
+      held.stood.reset();
+      held.back *= release_;
+    }
+    target.head<2>() += held.back;
   }
+}
+
+// The passes leave a part of every error: a target beyond the place brings the sole to it.
+void FootHolder::bring_back(const LiveFoot& foot, HeldFoot& held) const {
+  constexpr double kGain = 0.5;  // of what the sole is off
+  const FitFoot& sole = model_.feet[static_cast<std::size_t>(foot.foot())];
+  const Pose& world = pose_.world_from_link[static_cast<std::size_t>(sole.link)];
+  const Eigen::Vector2d now =
+      0.5 * (world * sole.ends[0].middle + world * sole.ends[1].middle).head<2>();
+  if (!held.stood) held.stood = now;
+  held.back += kGain * (*held.stood - now);
+  const double length = held.back.norm();
+  if (length > kMaxShift) held.back *= kMaxShift / length;
 }
 
 void FootHolder::stand(std::span<const LiveFoot> feet, std::span<double> qpos) {
@@ -71,6 +89,7 @@ void FootHolder::stand(std::span<const LiveFoot> feet, std::span<double> qpos) {
   double gap = HUGE_VAL;  // of the lowest sole that stands, metres above the floor
   for (std::size_t i = 0; i < feet.size(); ++i) {
     if (!held_[i].on) continue;
+    bring_back(feet[i], held_[i]);
     const FitFoot& foot = model_.feet[static_cast<std::size_t>(feet[i].foot())];
     for (const FitFoot::End& end : foot.ends) {
       for (const Eigen::Vector3d& point : end.points) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,7 @@ class FootHolder {
   /// @param floor  height of the floor, metres above the source's origin.
   void hold(std::span<const LiveFoot> feet, double floor, const Eigen::Vector3d& path,
             std::span<Pose> world_from_target);
-  /// Brings soles that stand to the floor, and nothing below it.
+  /// Brings soles that stand to the floor, and nothing below it; sees where they slide.
   /// @param qpos  its root is raised or lowered.
   void stand(std::span<const LiveFoot> feet, std::span<double> qpos);
   void restart();
@@ -34,7 +35,10 @@ class FootHolder {
     bool on = false;
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the target
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    std::optional<Eigen::Vector2d> stood;            // where the robot's sole came to stand
+    Eigen::Vector2d back = Eigen::Vector2d::Zero();  // what brings it back there
   };
+  void bring_back(const LiveFoot& foot, HeldFoot& held) const;
 
   const FitModel& model_;
   const FitOptions& options_;

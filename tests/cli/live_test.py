@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from tool import TOOL, ToolTest, difference, read_rows, sample, short_clip, unwrapped
+from tool import MEGABYTE, TOOL, ToolTest, difference, is_sanitized, read_rows, sample, short_clip, unwrapped
 
 
 class LiveTest(ToolTest):
@@ -100,6 +100,27 @@ class Pipes(LiveTest):
                           "gmr")
         self.assert_fails(self.run_tool(*g1, "--replay", "nothing"), 4, "live.json")
         self.assert_fails(self.run_tool("live", "--play", "none.bvh"), 3, "none.bvh")
+
+    def test_memory_does_not_grow_with_a_stream(self):
+        rows = sample("walk").read_text().split("Frame Time:")[1].splitlines()[1:]
+        there_and_back = rows + rows[-2:0:-1]
+        peaks = []
+        for seconds in (20, 160):
+            frames = 50 * seconds
+            # row by row: a child is taken for as large as its parent was
+            with open(self.folder / "rows.txt", "w") as stream:
+                for frame in range(frames):
+                    stream.write(there_and_back[frame % len(there_and_back)] + "\n")
+            with open(self.folder / "rows.txt") as stream:
+                result = self.run_measured("live", "-q", "--robot", "unitree_g1", "--input",
+                                           "stdin?format=bvh&fps=50", "--skeleton", sample("walk"), "--mode", "lag",
+                                           "-o", "live.csv", seconds=240, stdin=stream)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(self.folder / "live.csv") as written:
+                self.assertEqual(sum(1 for _ in written), frames)
+            peaks.append(result.peak)
+        if not is_sanitized():
+            self.assertLess(peaks[1] - peaks[0], 4 * MEGABYTE, peaks)
 
     def test_a_stream_without_frames_is_no_error(self):
         result = self.live("")
