@@ -2,7 +2,7 @@
 #
 #   bin/retarget                   the tool
 #   lib/libretarget.a              the library; include/retarget/ its headers
-#   lib/libretarget_*.a            edit, rig, batch (Library.cmake)
+#   lib/libretarget_*.a            edit, rig, live, batch (Library.cmake)
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
 #   share/retarget/                robots/ and configs/

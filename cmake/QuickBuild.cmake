@@ -1,7 +1,7 @@
 # What RETARGET_PRECOMPILE_HEADERS and RETARGET_UNITY_BUILD do for libraries and tool alike, where much
 # is compiled at a time.
 
-foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_batch retarget_cli)
+foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarget_batch retarget_cli)
   if(NOT TARGET ${target})
     continue()
   endif()

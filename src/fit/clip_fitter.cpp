@@ -39,18 +39,20 @@ constexpr double kPairsWithin = 0.04;  // metres
 constexpr double kFirstHold = 0.12;
 
 // the solver of one window
-class WindowFitter {
+class WindowFitter final : public MovingFit {
  public:
   WindowFitter(const FitModel& model, const FitOptions& options, const FitWindow& window,
                FitClip& clip);
 
   FitStatus run(const std::function<bool()>& keep_going);
 
+  void move(int begin, int forgotten) override;
+  void step() override;
+
  private:
-  // a variable that is held at its limit, with its row of the system
+  // a variable that is held at its limit; its row of the frame's Hessian is in held_rows_
   struct Held {
     int frame, dof;
-    std::vector<double> row;  // the frame's Hessian
     double gradient, before, after;
   };
 
@@ -81,13 +83,17 @@ class WindowFitter {
   void push_anchors_apart(int frame);
   void place_own_anchors();
   [[nodiscard]] bool owns(int phase) const;
+  [[nodiscard]] double hold_after(int steps) const {
+    const double left = options_.anchor_iterations - steps;
+    return left <= 0.0 ? 1.0 : 1.0 - (1.0 - kFirstHold) * left / options_.anchor_iterations;
+  }
   [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
   BoundSide& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
   bool is_held(int frame, int dof) { return held(frame, dof) != BoundSide::kFree; }
 
   const FitModel& model_;
   const FitOptions& options_;
-  const FitWindow& window_;
+  FitWindow window_;
   FitClip& clip_;
   int dofs_;
   bool before_, after_;  // whether a fixed frame lies next to the window
@@ -101,6 +107,8 @@ class WindowFitter {
   std::vector<double> damping_, cost_;             // by frame
   std::vector<BoundSide> held_;                    // by frame and dof: at which limit
   std::vector<Held> rows_;
+  std::vector<double> held_rows_;
+  std::vector<int> ages_;  // of a window that moves, by frame: its steps so far
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
   std::vector<double> applied_;                       // to a frame by a step, by dof
   double anchor_hold_ = 1.0;
@@ -174,8 +182,7 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
     anchor_hold_ = 1.0;
     if (move_anchors) {
       place_own_anchors();
-      anchor_hold_ =
-          1.0 - (1.0 - kFirstHold) * (options_.anchor_iterations - i) / options_.anchor_iterations;
+      anchor_hold_ = hold_after(i);
     }
     if (with_dynamics_) dynamics_->plan(clip_);
     iterate(move_anchors, i % kPairsEvery == 0);
@@ -232,6 +239,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
   rows_.clear();
+  held_rows_.clear();
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   const auto decrease = eliminate(move_anchors, look_for_pairs);
   status_.predicted_decrease = decrease.value_or(1.0);
@@ -266,14 +274,15 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
 double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
   pose_.update(clip_.frame(frame, model_.configuration_size));
-  if (look_for_pairs && options_.self_collision) {
+  const int age = ages_.empty() ? -1 : ages_[at(t)];
+  if (options_.self_collision && (age < 0 ? look_for_pairs : age % kPairsEvery == 0)) {
     terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
   }
   double* const h = chain_.block(t);
   double* const g = chain_.right(t);
   TermCosts costs{};
   FrameGoals goals = clip_.goals(frame, model_.tasks.size());
-  goals.anchor_hold = anchor_hold_;
+  goals.anchor_hold = age < 0 ? anchor_hold_ : hold_after(age);
   terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
   if (move_anchors) push_anchors_apart(frame);
   // places move and their weight changes: what they cost says nothing of the step
@@ -328,7 +337,7 @@ void WindowFitter::add_steps(int frame, double* h, double* g) {
 }
 
 // Variables at a limit stay there for this step; their rows tell afterwards which way they want. What
-// one row has lost to another that is held counts for nothing, for that does not move.
+// one row has lost to another that is held counts for nothing.
 void WindowFitter::hold_limits(int frame, double* h, double* g) {
   const int stride = chain_.stride();
   const bool from = frame > window_.begin, to = frame + 1 < window_.end;
@@ -336,13 +345,14 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
   for (int i = kBase; i < dofs_; ++i) {
     if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
     if (!is_held(frame, i)) continue;
-    Held row{frame, i, std::vector<double>(at(dofs_)), g[i], 0.0, 0.0};
+    Held row{frame, i, g[i], 0.0, 0.0};
     for (int j = 0; j < dofs_; ++j) {
-      row.row[at(j)] = h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)];
+      held_rows_.push_back(
+          h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)]);
     }
     row.before = from ? -steps_before_[at(i)].weight : 0.0;
     row.after = to ? -steps_after_[at(i)].weight : 0.0;
-    rows_.push_back(std::move(row));
+    rows_.push_back(row);
     double* const own = h + static_cast<std::ptrdiff_t>(i) * stride;
     std::fill_n(own, i, 0.0);
     for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
@@ -355,10 +365,11 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
 // ActiveSet's rule, but not its loop, which would factorise the whole clip again for each of the many
 // bounds that change: here each step is one round.
 void WindowFitter::release_limits() {
+  const double* of_row = held_rows_.data();
   for (const Held& row : rows_) {
     const auto x = chain_.solution(local(row.frame));
     double force = row.gradient;
-    for (int j = 0; j < dofs_; ++j) force += row.row[at(j)] * x[at(j)];
+    for (int j = 0; j < dofs_; ++j) force += *of_row++ * x[at(j)];
     if (row.before != 0.0) {
       force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
     }
@@ -457,7 +468,41 @@ void WindowFitter::place_own_anchors() {
   std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
 }
 
+void WindowFitter::move(int begin, int forgotten) {
+  const auto gone = std::min(at(begin + forgotten - window_.begin), damping_.size());
+  const std::size_t kept = damping_.size() - gone, size = at(clip_.frame_count - begin);
+  window_.begin = begin;
+  window_.end = clip_.frame_count;
+  before_ = begin > 0;
+  const auto take = [&](auto& values, std::size_t each, const auto& value) {
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(gone * each));
+    values.resize(size * each, value);
+  };
+  take(damping_, 1, 0.0);
+  take(cost_, 1, 1e300);
+  take(held_, at(dofs_), BoundSide::kFree);
+  take(ages_, 1, 0);
+  // lists keep their memory
+  std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
+  pairs_.resize(size);
+  for (std::size_t i = kept; i < size; ++i) pairs_[i].clear();
+  anchor_sums_.resize(clip_.anchors.size());
+  anchor_counts_.resize(clip_.anchors.size());
+  anchor_pushes_.assign(clip_.anchors.size(), Eigen::Vector2d::Zero());
+}
+
+void WindowFitter::step() {
+  iterate(true, false);
+  for (int& age : ages_) ++age;
+  place_own_anchors();
+}
+
 }  // namespace
+
+std::unique_ptr<MovingFit> make_moving_fit(const FitModel& model, const FitOptions& options,
+                                           FitClip& clip, int context) {
+  return std::make_unique<WindowFitter>(model, options, FitWindow{0, 0, true, context}, clip);
+}
 
 FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
                      FitClip& clip, const std::function<bool()>& keep_going) {

@@ -57,6 +57,23 @@ struct FitWindow {
 FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
                      FitClip& clip, const std::function<bool()>& keep_going);
 
+/// The same steps on a window that moves along a clip while the clip grows at its end: what is known
+/// of frames from earlier steps stays with them. Allocates nothing once vectors have their size.
+class MovingFit {
+ public:
+  virtual ~MovingFit() = default;
+  /// The window is frames [begin, clip.frame_count) from now on; those before stay as they are and
+  /// count. Call it whenever the clip or its contact phases changed.
+  /// @param forgotten  frames that the clip has lost at its beginning.
+  virtual void move(int begin, int forgotten) = 0;
+  /// One step over the window. Contacts that lie in it are placed anew after it; each frame comes to
+  /// hold its feet as hard as fit_window's last steps do.
+  virtual void step() = 0;
+};
+[[nodiscard]] std::unique_ptr<MovingFit> make_moving_fit(const FitModel& model,
+                                                         const FitOptions& options, FitClip& clip,
+                                                         int context);
+
 /// The change from one configuration to the next by degree of freedom: metres, the rotation vector
 /// in the root's axes, joints.
 void configuration_step(const FitModel& model, std::span<const double> from,

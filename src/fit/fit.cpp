@@ -18,6 +18,7 @@
 #include "fit/clip_fitter.h"
 #include "fit/fit_dynamics.h"
 #include "fit/fit_model.h"
+#include "fit/fit_setup.h"
 #include "fit/fit_windows.h"
 #include "fit/foot_plan.h"
 #include "fit/frame_terms.h"
@@ -33,12 +34,7 @@
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
-namespace {
 
-// scales of the root's and the feet's paths, by what the targets do when bones are lifted
-struct PathScales {
-  double root = 1.0, foot = 1.0;
-};
 PathScales path_scales(const TargetBuilder& targets) {
   HumanPose low, high, all;
   for (Pose& pose : all) pose.translation.z() = 1.0;
@@ -62,8 +58,6 @@ PathScales path_scales(const TargetBuilder& targets) {
   return scales;
 }
 
-// The limits of the first stage: where the robot has a narrower set for the published method,
-// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
 LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
   LimitSet result = limits;
   const auto own = load_limits(robot, robot.limits_for("gmr"));
@@ -78,9 +72,6 @@ LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
   return result;
 }
 
-// Weights per metre are those of a robot with legs (hip to knee to ankle, metres) as long as the
-// G1's; of one half as large, whose limbs move half as far for the same angles, they count twice.
-// Contacts, floor and overlaps, whose amounts matter in metres, never count less.
 FitOptions sized_options(FitOptions options, double leg) {
   const double size = kUsualLeg / leg;
   TrackingWeights& w = options.weights;
@@ -98,6 +89,17 @@ FitOptions sized_options(FitOptions options, double leg) {
   }
   return options;
 }
+
+SourceSides sides_with_feet(const HumanClipInfo& info) {
+  const auto has_foot = [&](Side side) {
+    return std::ranges::all_of(
+        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
+        [&](LimbBone part) { return info.has(side_bone(side, part)); });
+  };
+  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
+}
+
+namespace {
 
 // one clip on its way through all stages
 class Fit {
@@ -138,21 +140,6 @@ class Fit {
   SourceFeet feet_;
   std::vector<Eigen::Vector3d> path_;  // by frame: what is added to the published targets
 };
-
-// the source's foot that one of the robot's goes after
-int source_foot(const FitFoot& foot) {
-  return foot.left ? 0 : 1;
-}
-
-// the sides on which the source has what foot contacts are found from
-SourceSides sides_with_feet(const HumanClipInfo& info) {
-  const auto has_foot = [&](Side side) {
-    return std::ranges::all_of(
-        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
-        [&](LimbBone part) { return info.has(side_bone(side, part)); });
-  };
-  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
-}
 
 // why the robot's feet have less to hold on to than they could
 void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {

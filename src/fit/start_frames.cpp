@@ -9,6 +9,26 @@
 
 namespace retarget {
 
+double lowest_below_floor(const FitModel& model, const TreeState& pose) {
+  double lowest = 0.0;
+  for (std::size_t link = 0; link < model.tree.links().size(); ++link) {
+    const Pose& world = pose.world_from_link[link];
+    const Eigen::Matrix3d rotation = world.rotation.toRotationMatrix();
+    for (const FloorPoint& point : model.floor_points[link]) {
+      const double height = world.translation.z() + rotation.row(2).dot(point.position);
+      lowest = std::min(lowest, height - point.radius);
+    }
+  }
+  for (const FitFoot& foot : model.feet) {
+    for (const FitFoot::End& end : foot.ends) {
+      for (const auto& point : end.points) {
+        lowest = std::min(lowest, (pose.world_from_link[at(foot.link)] * point).z());
+      }
+    }
+  }
+  return lowest;
+}
+
 StartFrames::StartFrames(const FitModel& model, std::span<const Eigen::Vector3d> path, bool lift,
                          FitClip& clip)
     : model_(model), path_(path), lift_(lift), clip_(clip), pose_(model.tree) {
@@ -22,30 +42,9 @@ void StartFrames::take(int frame, std::span<const double> qpos) {
   for (std::size_t k = 0; k < 3; ++k) now[k] += path_[at(frame)][static_cast<int>(k)];
   if (lift_) {
     pose_.update(now);
-    now[2] -= below_floor();
+    now[2] -= lowest_below_floor(model_, pose_);
   }
   add_to_anchors(frame);
-}
-
-// height of the lowest point, negative, or 0
-double StartFrames::below_floor() const {
-  double lowest = 0.0;
-  for (std::size_t link = 0; link < model_.tree.links().size(); ++link) {
-    const Pose& world = pose_.world_from_link[link];
-    const Eigen::Matrix3d rotation = world.rotation.toRotationMatrix();
-    for (const FloorPoint& point : model_.floor_points[link]) {
-      const double height = world.translation.z() + rotation.row(2).dot(point.position);
-      lowest = std::min(lowest, height - point.radius);
-    }
-  }
-  for (const FitFoot& foot : model_.feet) {
-    for (const FitFoot::End& end : foot.ends) {
-      for (const auto& point : end.points) {
-        lowest = std::min(lowest, (pose_.world_from_link[at(foot.link)] * point).z());
-      }
-    }
-  }
-  return lowest;
 }
 
 void StartFrames::add_to_anchors(int frame) {

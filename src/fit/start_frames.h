@@ -9,6 +9,9 @@
 
 namespace retarget {
 
+/// Height of the robot's lowest point, soles and shapes, where it is below the floor: negative, or 0.
+[[nodiscard]] double lowest_below_floor(const FitModel& model, const TreeState& pose);
+
 /// Takes the start of a clip's frames, one after the other, as the first stage solves them: raises
 /// the root until nothing is below the floor, and finds the place of each contact, the mean of the
 /// heel or toe over its phase, with the phase's last frame.
@@ -22,7 +25,6 @@ class StartFrames {
   void take(int frame, std::span<const double> qpos);
 
  private:
-  [[nodiscard]] double below_floor() const;
   void add_to_anchors(int frame);
 
   const FitModel& model_;

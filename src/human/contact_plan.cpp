@@ -201,7 +201,8 @@ class FootContactFinder {
         0, frames_, [&](int frame) { return stands_on(frame, end); },
         [&](int begin, int last) {
           const int under = stands_on(begin, end);
-          if (under == kUnsupported || !lasts(last - begin, options_.shortest)) return;
+          const bool goes_on = options_.goes_on && last == frames_;
+          if (under == kUnsupported || !(goes_on || lasts(last - begin, options_.shortest))) return;
           contacts.phases.push_back({begin, last, support(under, end)});
           for (int frame = begin; frame < last; ++frame) {
             const SourceFoot& foot = source_.at(frame, foot_);

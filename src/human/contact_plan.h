@@ -25,6 +25,7 @@ struct ContactOptions {
   double shortest = 0.1;        ///< Shorter contacts are none, seconds.
   double support_time = 0.15;   ///< A foot above the floor stands when it is slow for so long,
   double support_drift = 0.02;  ///< and moves no farther than this, metres.
+  bool goes_on = false;         ///< More is to come: what lasts to the end may be shorter so far.
 };
 
 /// Those that stand on the floor, not on something above it.

@@ -30,6 +30,8 @@ MAY_INCLUDE = {
     "fit": ["pipeline", "dynamics"],
     "quality": ["fit", "dynamics", "hands"],
     "plan": ["anatomy", "quality", "io"],
+    "live": ["fit", "options"],
+    "stream": ["live", "plan"],
     "provenance": ["io"],
     "run": ["plan", "provenance", "view", "edit"],
     "batch": ["run"],

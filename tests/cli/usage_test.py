@@ -6,7 +6,7 @@ import unittest
 
 from tool import SOURCE, ToolTest, sample, short_clip
 
-COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "robots", "verify")
+COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
 
 
 class Words(ToolTest):

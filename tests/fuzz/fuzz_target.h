@@ -68,5 +68,8 @@ void fuzz_line(std::string_view bytes);
 void fuzz_fbx(std::string_view bytes);
 void fuzz_gltf(std::string_view bytes);
 void fuzz_mvnx(std::string_view bytes);
+void fuzz_stream_lines(std::string_view bytes);
+void fuzz_stream_bvh(std::string_view bytes);
+void fuzz_stream_record(std::string_view bytes);
 
 }  // namespace retarget::fuzz

@@ -42,6 +42,9 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"fbx", fuzz_fbx},
     {"gltf", fuzz_gltf},
     {"mvnx", fuzz_mvnx},
+    {"stream_lines", fuzz_stream_lines},
+    {"stream_bvh", fuzz_stream_bvh},
+    {"stream_record", fuzz_stream_record},
 });
 
 }  // namespace

@@ -343,8 +343,25 @@ def robot_motions():
     write("csv", "decimal_commas.csv", "\ufeff1,5;2,5\n3;4\n")
 
 
+def streams():
+    """Packets of streams, as the tool's own player sends them, and a recording."""
+    with tempfile.TemporaryDirectory() as folder:
+        clip = pathlib.Path(folder) / "short.bvh"
+        clip.write_text(short_bvh("wave.bvh", 2))
+        for form in ("lines", "bvh"):
+            played = subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to",
+                                     f"stdout?format={form}"], check=True, capture_output=True)
+            write(f"stream_{form}", "wave.txt", played.stdout)
+    pose = "[0.5, 0.9, 0, 1, 0, 0, 0]"
+    write("stream_lines", "odd.txt", "noise\n" + '{"skeleton": {"pose": "t-pose", "up": "y", "unit": 0.01, "height": 1.8, '
+          f'"joints": [{{"name": "a", "parent": null, "rest": {pose}}}, {{"name": "b", "parent": "a"}}]}}}}\n'
+          f'{{"time": 1, "joints": {{"a": {pose}, "b": {pose}}}}}\nrestart\n{{"joints": {{"b": [1]}}}}\n')
+    write("stream_record", "two.stream", "S 5 0\n\nP 7 3\na\nb\nC 9 0\n\nE 10 0\n\n")
+
+
 if __name__ == "__main__":
     lines_of_bvh()
+    streams()
     arrays()
     body_model()
     pickles()

@@ -169,6 +169,7 @@ std::set<std::string> advanced_option_names() {
   ConvertArguments convert;
   CompareArguments compare;
   ViewArguments view;
+  LiveArguments live;
   OptionTable all = run_command_table(run);
   append(all, batch_table(batch));
   append(all, evaluate_table(evaluate));
@@ -176,6 +177,7 @@ std::set<std::string> advanced_option_names() {
   append(all, convert_table(convert));
   append(all, compare_table(compare));
   append(all, view_table(view));
+  append(all, live_command_table(live));
   std::set<std::string> names;
   for (const Option& each : all) names.insert(each.name);
   for (const Option& each : all) {

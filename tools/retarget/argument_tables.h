@@ -19,6 +19,9 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
+/// All of a live run that a recording keeps; and what else there is.
+[[nodiscard]] OptionTable live_run_table(LiveArguments& arguments);
+[[nodiscard]] OptionTable live_command_table(LiveArguments& arguments);
 
 /// Names of the options that a command's short help leaves out; of a command's parts (`edit trim`)
 /// those that are the same for all.

@@ -9,6 +9,7 @@
 #include "io/reading_table.h"
 #include "retarget/options.h"
 #include "run/run_to_files.h"
+#include "stream/serve.h"
 
 namespace retarget::cli {
 
@@ -106,6 +107,17 @@ struct RobotsArguments {
   std::string output = ".";  ///< Folder that a new robot's folder goes into.
   bool force = false;        ///< Replace an existing folder.
   bool json = false;
+};
+
+/// `retarget live`: a stream in, a robot's frames out; or a clip that is played as a stream.
+struct LiveArguments {
+  RunArguments run;    ///< Robot, method, how the human is recognised.
+  ServeOptions serve;  ///< But for its pipeline's options of a run, and the skeleton.
+  bool plain = false;  ///< The published method alone.
+  std::string skeleton;
+  std::string play;  ///< A clip's file; empty: nothing is played.
+  PlayOptions player;
+  bool list = false;
 };
 
 }  // namespace retarget::cli

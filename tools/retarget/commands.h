@@ -17,6 +17,7 @@ namespace retarget::cli {
 [[nodiscard]] Result<void> convert(const ConvertArguments& arguments, Console& console);
 [[nodiscard]] Result<void> compare(const CompareArguments& arguments, Console& console);
 [[nodiscard]] Result<void> verify(const VerifyArguments& arguments, Console& console);
+[[nodiscard]] Result<void> live(const LiveArguments& arguments, Console& console);
 [[nodiscard]] Result<void> view(const ViewArguments& arguments, Console& console);
 [[nodiscard]] Result<ExitCode> robots(const RobotsArguments& arguments, Console& console);
 

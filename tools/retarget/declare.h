@@ -22,6 +22,7 @@ CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments);
 CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments);
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments);
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments);
+CLI::App* add_live_command(CLI::App& app, LiveArguments& arguments);
 CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments);
 
 }  // namespace retarget::cli

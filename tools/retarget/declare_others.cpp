@@ -30,8 +30,8 @@ CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
 }
 
 CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "compare", "Compare two motions column by column; exit code 1 if they differ");
+  CLI::App* command =
+      app.add_subcommand("compare", "Compare two motions; exit code 1 if they differ");
   declare(*command, {word("a", arguments.a, "A", "CSV, NPZ or pickle"),
                      word("b", arguments.b, "B", "The other")});
   declare(*command, compare_table(arguments));

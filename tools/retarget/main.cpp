@@ -40,7 +40,7 @@ Examples:
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
 // what calls of a command look like
-constexpr std::array<std::pair<const char*, const char*>, 7> kExamples = {{
+constexpr std::array<std::pair<const char*, const char*>, 8> kExamples = {{
     {"batch",
      "  retarget batch clips/ -o out/ --robot g1\n"
      "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
@@ -53,6 +53,9 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kExamples = {{
      "  retarget convert walk.csv walk.npz --robot g1 --format npz-mjlab"},
     {"compare", "  retarget compare golden.csv walk.csv --tolerance 1e-6"},
     {"verify", "  retarget verify walk.csv.json"},
+    {"live",
+     "  retarget live --robot g1 --input udp:1118?format=bvh --skeleton walk.bvh\n"
+     "  retarget live --play walk.bvh --to udp:1118?format=bvh"},
     {"view", "  retarget view walk.csv --robot g1 --bvh walk.bvh -o walk.svg"},
 }};
 
@@ -151,6 +154,8 @@ int main_with(int argc, char** argv) {
   commands.add(add_verify_command(app, verify_of), verify_of, verify_of.common, verify);
   ViewArguments view_of;
   commands.add(add_view_command(app, view_of), view_of, view_of.run.common, view);
+  LiveArguments live_of;
+  commands.add(add_live_command(app, live_of), live_of, live_of.run.common, live);
   RobotsArguments robots_of;
   commands.add(add_robots_command(app, robots_of), robots_of, robots_of.common, robots);
   commands.add(&app, run_of, run_of.common, run);

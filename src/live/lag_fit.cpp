@@ -1,0 +1,169 @@
+#include "live/lag_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "fit/fit_setup.h"
+#include "fit/foot_plan.h"
+#include "fit/frame_costs.h"
+#include "fit/shorthand.h"
+#include "fit/start_frames.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kKeptTime =
+    6.0;  // seconds of frames that left: contacts and floors are learned there
+constexpr int kMostAtATime = 50;  // frames of a step for every frame; with more, every second, ...
+
+template <typename Value>
+void erase_first(std::vector<Value>& values, std::size_t count) {
+  values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+}  // namespace
+
+LagFit::LagFit(const LiveTargets& stage, double frame_time, int lag_frames)
+    : stage_(stage),
+      model_(stage.model()),
+      lag_frames_(lag_frames),
+      kept_frames_(
+          std::max(static_cast<int>(kKeptTime / frame_time), smoothing_context(frame_time) + 1)),
+      feet_(stage.human()),
+      pose_(model_.tree) {
+  const int window = lag_frames + 1;
+  steps_ = std::max(1, (stage.options().iterations + window - 1) / window);
+  turn_ = (window + kMostAtATime - 1) / kMostAtATime;
+  clip_.frame_time = frame_time;
+  feet_.frame_time = frame_time;
+  for (const FitFoot& foot : model_.feet) source_feet_.push_back(source_foot(foot));
+  fit_ = make_moving_fit(model_, stage.options(), clip_, smoothing_context(frame_time));
+}
+
+void LagFit::restart() {
+  const double frame_time = clip_.frame_time;
+  clip_ = FitClip();
+  clip_.frame_time = frame_time;
+  feet_.feet.clear();
+  feet_.legs.clear();
+  feet_.hips.clear();
+  sent_ = forgotten_ = wait_ = 0;
+  finished_ = false;
+  fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
+}
+
+void LagFit::push(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
+                  std::span<const double> qpos, const Eigen::Vector3d& path, double floor) {
+  if (sent_ >= 2 * kept_frames_) forget_old_frames();
+  if (clip_.frame_count == 0) floor_ = floor;
+  for (const FitTask& task : model_.tasks) {
+    const Pose& pose = world_from_target[at(task.target)];
+    const Eigen::Vector3d place = pose.translation + path - Eigen::Vector3d(0.0, 0.0, floor_);
+    clip_.targets.push_back({place, pose.rotation.normalized() * task.link_from_body.conjugate()});
+  }
+  feet_.add(world_from_bone);
+  ++clip_.frame_count;
+  lower_targets(floor);
+  start_frame(qpos, path);
+  plan_contacts();
+  fit_->move(window_begin(), std::exchange(forgotten_, 0));
+  if (++wait_ < turn_) return;
+  wait_ = 0;
+  for (int i = 0; i < steps_; ++i) fit_->step();
+}
+
+void LagFit::finish() {
+  finished_ = true;
+  if (clip_.frame_count <= sent_) return;
+  plan_contacts();
+  fit_->move(window_begin(), std::exchange(forgotten_, 0));
+  for (int i = 0; i < stage_.options().iterations; ++i) fit_->step();
+}
+
+std::span<const double> LagFit::next() {
+  return std::as_const(clip_).frame(sent_++, model_.configuration_size);
+}
+
+void LagFit::forget_old_frames() {
+  const int count = sent_ - kept_frames_;
+  erase_first(clip_.targets, at(count) * model_.tasks.size());
+  erase_first(clip_.qpos, at(count) * at(model_.configuration_size));
+  erase_first(feet_.feet, std::min(feet_.feet.size(), at(count) * at(feet_.foot_count)));
+  erase_first(feet_.legs, std::min(feet_.legs.size(), at(count)));
+  erase_first(feet_.hips, std::min(feet_.hips.size(), at(count)));
+  for (PlantedPhase& phase : clip_.feet.phases) {
+    phase.begin -= count;
+    phase.end -= count;
+  }
+  clip_.frame_count -= count;
+  sent_ -= count;
+  forgotten_ += count;
+}
+
+// the floor is one for all frames that are fitted
+void LagFit::lower_targets(double floor) {
+  const double lower = floor - std::exchange(floor_, floor);
+  const std::size_t tasks = model_.tasks.size();
+  for (std::size_t i = at(window_begin()) * tasks; i < clip_.targets.size(); ++i) {
+    clip_.targets[i].position.z() -= lower;
+  }
+}
+
+void LagFit::start_frame(std::span<const double> qpos, const Eigen::Vector3d& path) {
+  clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
+  const auto now = clip_.frame(clip_.frame_count - 1, model_.configuration_size);
+  for (std::size_t k = 0; k < 3; ++k) now[k] += path[static_cast<int>(k)];
+  now[2] -= floor_;
+  if (!stage_.options().floor) return;
+  pose_.update(now);
+  now[2] -= lowest_below_floor(model_, pose_);
+}
+
+void LagFit::plan_contacts() {
+  if (model_.feet.empty()) return;
+  ContactOptions options = contact_options(stage_.options());
+  options.goes_on = !finished_;
+  const ContactPlan contacts = find_contacts(feet_, options);
+  const std::vector<PlantedPhase> old_phases = std::move(clip_.feet.phases);
+  const std::vector<Eigen::Vector2d> old_anchors = std::move(clip_.anchors);
+  clip_.feet = plan_feet(feet_, contacts, source_feet_, stage_.foot_scale());
+  keep_anchors(old_phases, old_anchors);
+}
+
+// a contact stays where it was, however its plan has changed
+void LagFit::keep_anchors(const std::vector<PlantedPhase>& old_phases,
+                          const std::vector<Eigen::Vector2d>& old_anchors) {
+  clip_.anchors.clear();
+  for (const PlantedPhase& phase : clip_.feet.phases) {
+    int best = -1, longest = 0;
+    for (std::size_t i = 0; i < old_phases.size(); ++i) {
+      const PlantedPhase& old = old_phases[i];
+      if (old.foot != phase.foot || old.foot_end != phase.foot_end) continue;
+      const int shared = std::min(old.end, phase.end) - std::max(old.begin, phase.begin);
+      if (shared <= longest) continue;
+      longest = shared;
+      best = static_cast<int>(i);
+    }
+    clip_.anchors.push_back(best >= 0 ? old_anchors[at(best)] : place_of(phase));
+  }
+}
+
+// Of a new contact: where the foot is on average, or was when the first of its frames left.
+Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
+  int begin = std::max(phase.begin, window_begin()), end = phase.end;
+  if (phase.begin < window_begin()) {
+    begin = std::min(phase.end, window_begin()) - 1;
+    end = begin + 1;
+  }
+  const FitFoot& foot = model_.feet[at(phase.foot)];
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int frame = begin; frame < end; ++frame) {
+    pose_.update(clip_.frame(frame, model_.configuration_size));
+    sum += (pose_.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle).head<2>();
+  }
+  return sum / std::max(1, end - begin);
+}
+
+}  // namespace retarget

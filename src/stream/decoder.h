@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "stream/stream_address.h"
+
+namespace retarget {
+
+/// A frame of a stream: what a Clip has of a frame, for the skeleton that was told last.
+struct StreamFrame {
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< Of the sender, s; NaN: it has none.
+  std::vector<Eigen::Quaterniond> rotations;  ///< Of all joints, parent_from_joint, unit length.
+  std::vector<Eigen::Vector3d> translations;  ///< By Skeleton::translation_slot.
+};
+
+/// Takes what a decoder finds.
+class StreamSink {
+ public:
+  virtual ~StreamSink() = default;
+  /// From now on frames are of this clip's skeleton. Its frames, where it has any, are poses of the
+  /// body for calibration; its origin may tell unit, up axis and height.
+  /// @param has_rest  its first frame is the rest pose.
+  virtual void take_skeleton(Clip clip, bool has_rest) = 0;
+  virtual void take_frame(const StreamFrame& frame) = 0;
+};
+
+/// Bytes of one protocol to skeletons and frames. Never trusts them: what cannot be understood is an
+/// error, and the next bytes are read as if it had not come.
+class Decoder {
+ public:
+  virtual ~Decoder() = default;
+  /// Takes a datagram, a line (is_text), or the next bytes of a connection.
+  [[nodiscard]] virtual Result<void> take(std::string_view bytes, StreamSink& sink) = 0;
+  /// The skeleton of a file that the user names, before the first bytes: for senders that tell none.
+  virtual void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
+    static_cast<void>(skeleton);
+  }
+  /// The sender has gone and another one begins.
+  virtual void restart() {}
+};
+
+/// A clip to the bytes of a protocol.
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+  /// What a receiver must know first; empty: nothing.
+  [[nodiscard]] virtual std::string begin(const Clip& clip) = 0;
+  [[nodiscard]] virtual Result<std::string> frame(const Clip& clip, int frame) = 0;
+};
+
+/// A protocol by which humans come: a file of this folder, and a row in stream_formats.cpp.
+struct StreamFormat {
+  std::string_view name;         ///< `bvh`, `lines`
+  std::string_view description;  ///< For people, a line.
+  int port = 0;                  ///< Where its senders send by default; 0: anywhere.
+  bool is_text = true;           ///< Lines: a connection's bytes are cut at line ends.
+  std::unique_ptr<Decoder> (*decoder)(const StreamAddress& from) = nullptr;
+  std::unique_ptr<Encoder> (*encoder)() = nullptr;  ///< Null: nothing plays it.
+};
+
+/// All of them, the default first.
+[[nodiscard]] std::span<const StreamFormat> stream_formats();
+
+/// The format of a name, the default for an empty one; kUsage error with the nearest name.
+[[nodiscard]] Result<const StreamFormat*> find_stream_format(const std::string& name);
+
+[[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
+
+}  // namespace retarget

@@ -1,0 +1,234 @@
+#include "stream/serve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "base/try.h"
+#include "stream/byte_sink.h"
+#include "stream/byte_source.h"
+#include "stream/robot_frame_writer.h"
+#include "stream/stream_record.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecordedInput = "input.stream";
+constexpr const char* kRecordedOutput = "output.jsonl";
+
+// microseconds since it was made, by a clock that never goes back
+class Stopwatch {
+ public:
+  [[nodiscard]] std::int64_t now() const {
+    const auto passed = std::chrono::steady_clock::now() - begin_;
+    return std::chrono::duration_cast<std::chrono::microseconds>(passed).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+double seconds_of(std::int64_t microseconds) {
+  return 1e-6 * static_cast<double>(microseconds);
+}
+
+// the places that robot frames go to
+class Outputs {
+ public:
+  Result<void> add(const StreamAddress& to, const std::shared_ptr<const Robot>& robot, double fps) {
+    TRY_ASSIGN(auto writer, make_frame_writer(to.format, to.file, robot, fps));
+    TRY_ASSIGN(ByteSink sink, ByteSink::open(to));
+    const std::string header = writer->header();
+    if (!header.empty()) TRY(sink.write(header));
+    all_.push_back({std::move(sink), std::move(writer)});
+    return {};
+  }
+  void take(const RobotFrame& frame) {
+    constexpr int kHeaderEvery = 100;  // frames: receivers of datagrams may begin at any time
+    ++frames_;
+    for (Output& output : all_) {
+      bytes_.clear();
+      const bool datagrams = output.sink.address().transport == Transport::kUdp;
+      if (datagrams && frame.index % kHeaderEvery == kHeaderEvery - 1) {
+        keep(output.sink.write(output.writer->header()));
+      }
+      output.writer->append(frame, bytes_);
+      keep(output.sink.write(bytes_));
+    }
+  }
+  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  // the first failure, if there was one
+  Result<void> check() { return std::exchange(failed_, {}); }
+
+ private:
+  struct Output {
+    ByteSink sink;
+    std::unique_ptr<RobotFrameWriter> writer;
+  };
+  void keep(Result<void> written) {
+    if (!written && failed_) failed_ = std::move(written);
+  }
+  std::vector<Output> all_;
+  std::string bytes_;
+  std::int64_t frames_ = 0;
+  Result<void> failed_;
+};
+
+class Server {
+ public:
+  Server(const RobotSetup& robot, const ServeOptions& options, const ServeControl& control)
+      : robot_(robot), options_(options), control_(control) {}
+
+  Result<ServeSummary> run();
+
+ private:
+  Result<void> open_outputs();
+  Result<void> open_record();
+  Result<void> make_pipeline();
+  Result<void> take(StreamEvent event, std::int64_t time, std::string_view bytes);
+  Result<void> listen();
+  Result<void> replay();
+  [[nodiscard]] bool is_over(std::int64_t now, std::int64_t latest) const;
+
+  const RobotSetup& robot_;
+  const ServeOptions& options_;
+  const ServeControl& control_;
+  StreamAddress from_;
+  Outputs outputs_;
+  std::optional<StreamRecorder> recorder_;
+  std::unique_ptr<LivePipeline> pipeline_;
+  Stopwatch watch_;
+  ServeSummary summary_;
+};
+
+Result<void> Server::open_outputs() {
+  const double fps = options_.pipeline.live.fps;
+  std::vector<std::string> places = options_.outputs;
+  if (places.empty()) places.emplace_back("stdout");
+  for (const std::string& place : places) {
+    TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    TRY(outputs_.add(to, robot_.loaded.robot, fps));
+  }
+  return {};
+}
+
+Result<void> Server::open_record() {
+  if (options_.record.empty()) return {};
+  std::error_code failed;
+  fs::create_directories(options_.record, failed);
+  const fs::path folder(options_.record);
+  if (fs::exists(folder / kRecordedInput, failed)) {
+    return usage_failure(options_.record + " holds a recording already", "name another folder");
+  }
+  TRY_ASSIGN(recorder_, StreamRecorder::create((folder / kRecordedInput).string()));
+  StreamAddress to;
+  to.transport = Transport::kFile;
+  to.file = (folder / kRecordedOutput).string();
+  return outputs_.add(to, robot_.loaded.robot, options_.pipeline.live.fps);
+}
+
+Result<void> Server::make_pipeline() {
+  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  pipeline_ = std::make_unique<LivePipeline>(
+      robot_, options_.pipeline, format->decoder(from_),
+      [this](const RobotFrame& frame) { outputs_.take(frame); }, control_.tell);
+  if (options_.skeleton) TRY(pipeline_->know_skeleton(*options_.skeleton));
+  return {};
+}
+
+Result<void> Server::take(StreamEvent event, std::int64_t time, std::string_view bytes) {
+  if (recorder_) recorder_->add(event, time, bytes);
+  const double now = seconds_of(time);
+  switch (event) {
+    case StreamEvent::kPacket:
+      TRY(pipeline_->packet(bytes, now));
+      break;
+    case StreamEvent::kNewSender:
+      pipeline_->restart_sender(now);
+      break;
+    case StreamEvent::kRecalibrate:
+      pipeline_->recalibrate(now);
+      break;
+    case StreamEvent::kEnd:
+      pipeline_->finish(now);
+      break;
+  }
+  return outputs_.check();
+}
+
+bool Server::is_over(std::int64_t now, std::int64_t latest) const {
+  if (control_.is_stopped && control_.is_stopped()) return true;
+  if (options_.seconds > 0.0 && seconds_of(now) >= options_.seconds) return true;
+  return options_.silent_s > 0.0 && seconds_of(now - latest) >= options_.silent_s;
+}
+
+Result<void> Server::listen() {
+  constexpr double kWait = 0.002;  // seconds: how late a held frame may be
+  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  TRY_ASSIGN(ByteSource source, ByteSource::open(from_, format->is_text));
+  if (from_.transport != Transport::kStdin) {
+    StreamAddress had = from_;
+    had.port = source.port();
+    control_.tell("input", "listening at " + had.text());
+  }
+  std::int64_t latest = watch_.now(), now = latest;
+  while (!is_over(now, latest)) {
+    const ByteSource::Event event = source.wait(kWait);
+    now = watch_.now();
+    if (control_.is_recalibrated && control_.is_recalibrated()) {
+      TRY(take(StreamEvent::kRecalibrate, now, {}));
+    }
+    if (event == ByteSource::Event::kEnd) break;
+    if (event == ByteSource::Event::kNewSender) TRY(take(StreamEvent::kNewSender, now, {}));
+    if (event == ByteSource::Event::kPacket) {
+      latest = now;
+      const std::int64_t before = outputs_.frames();
+      TRY(take(StreamEvent::kPacket, now, source.packet()));
+      if (outputs_.frames() > before) summary_.latency.add(seconds_of(watch_.now() - now));
+    } else {
+      pipeline_->tick(seconds_of(now));
+      TRY(outputs_.check());
+    }
+  }
+  return take(StreamEvent::kEnd, std::max(now, watch_.now()), {});
+}
+
+Result<void> Server::replay() {
+  TRY_ASSIGN(StreamReplay recorded,
+             StreamReplay::open((fs::path(options_.replay) / kRecordedInput).string()));
+  StreamReplay::Entry entry;
+  for (;;) {
+    TRY_ASSIGN(const bool is_there, recorded.next(entry));
+    if (!is_there || (control_.is_stopped && control_.is_stopped())) break;
+    TRY(take(entry.event, entry.microseconds, entry.bytes));
+  }
+  return {};
+}
+
+Result<ServeSummary> Server::run() {
+  TRY_ASSIGN(from_, parse_address(options_.input));
+  TRY(make_pipeline());
+  TRY(open_outputs());
+  TRY(open_record());
+  const Result<void> ran = options_.replay.empty() ? listen() : replay();
+  if (recorder_) TRY(recorder_->finish());
+  if (!ran) return failure(ran.error());
+  summary_.live = pipeline_->statistics();
+  summary_.packets = pipeline_->packets();
+  return std::move(summary_);
+}
+
+}  // namespace
+
+Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
+                           const ServeControl& control) {
+  return Server(robot, options, control).run();
+}
+
+}  // namespace retarget

@@ -1,0 +1,103 @@
+#include "stream/socket.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+sockaddr_in socket_address(const StreamAddress& address) {
+  sockaddr_in result{};
+  result.sin_family = AF_INET;
+  result.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  inet_pton(AF_INET, address.host.c_str(), &result.sin_addr);
+  return result;
+}
+
+Failure socket_failure(const StreamAddress& address, const char* what, std::string hint = {}) {
+  return run_failure(address.text(), std::string(what) + ": " + std::strerror(errno),
+                     std::move(hint));
+}
+
+Result<Descriptor> open_socket(const StreamAddress& address) {
+  const bool udp = address.transport == Transport::kUdp;
+  Descriptor made(::socket(AF_INET, (udp ? SOCK_DGRAM : SOCK_STREAM) | SOCK_CLOEXEC, 0));
+  if (!made.is_open()) return socket_failure(address, "no socket can be had");
+  const int yes = 1;
+  if (!udp) {
+    // each frame leaves at once
+    ::setsockopt(made.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  }
+  return made;
+}
+
+}  // namespace
+
+void Descriptor::close() {
+  if (is_open()) ::close(number_);
+  number_ = -1;
+}
+
+Result<Descriptor> bind_socket(const StreamAddress& address) {
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const bool tcp = address.transport == Transport::kTcp;
+  const int yes = 1;
+  if (tcp) ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  const sockaddr_in place = socket_address(address);
+  if (::bind(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
+    return socket_failure(address, "the port cannot be had", "is another program listening there?");
+  }
+  if (tcp && ::listen(made.number(), 1) != 0) {
+    return socket_failure(address, "connections cannot be had");
+  }
+  return made;
+}
+
+int bound_port(const Descriptor& socket) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  ::getsockname(socket.number(), reinterpret_cast<sockaddr*>(&place), &size);
+  return ntohs(place.sin_port);
+}
+
+Result<Descriptor> connect_socket(const StreamAddress& address) {
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const sockaddr_in place = socket_address(address);
+  if (::connect(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
+    return socket_failure(address, "nobody answers", "start the receiver first");
+  }
+  return made;
+}
+
+int wait_for(const Descriptor& first, const Descriptor& second, double seconds) {
+  std::array<pollfd, 2> waiting = {{{first.number(), POLLIN, 0}, {second.number(), POLLIN, 0}}};
+  const auto milliseconds = static_cast<int>(std::ceil(1e3 * std::clamp(seconds, 0.0, 1e3)));
+  if (::poll(waiting.data(), waiting.size(), milliseconds) <= 0) return -1;
+  if (waiting[0].revents != 0) return 0;
+  return waiting[1].revents != 0 ? 1 : -1;
+}
+
+std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended) {
+  const ssize_t count = ::read(from.number(), room.data(), room.size());
+  ended = count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED);
+  return {room.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
+}
+
+Descriptor accept_connection(const Descriptor& listener) {
+  return Descriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+}
+
+}  // namespace retarget

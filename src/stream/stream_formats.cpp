@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/suggest.h"
+#include "stream/decoder.h"
+
+namespace retarget {
+namespace {
+
+constexpr auto kFormats = std::to_array<StreamFormat>({
+    {"lines", "JSON, one object a line: time, named joints with position and quaternion", 0, true,
+     make_line_decoder, make_line_encoder},
+    {"bvh", "rows of a BVH file's motion, a line each, as text; ?fps=N: they have no other time",
+     1118, true, make_bvh_row_decoder, make_bvh_row_encoder},
+});
+
+}  // namespace
+
+std::span<const StreamFormat> stream_formats() {
+  return kFormats;
+}
+
+Result<const StreamFormat*> find_stream_format(const std::string& name) {
+  if (name.empty()) return &kFormats.front();
+  const auto* const found = std::ranges::find(kFormats, name, &StreamFormat::name);
+  if (found != kFormats.end()) return found;
+  std::vector<std::string> names;
+  for (const StreamFormat& format : kFormats) names.emplace_back(format.name);
+  return usage_failure("there is no format of streams called \"" + name + "\"",
+                       did_you_mean(name, names));
+}
+
+}  // namespace retarget

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "human/human_clip.h"
+#include "retarget/live.h"
+#include "retarget/retarget.h"
+
+namespace retarget {
+
+/// Plans for the samples and the G1, as a stream of them has.
+inline const LoadedRobot& sample_robot() {
+  static const LoadedRobot robot =
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+  return robot;
+}
+
+inline Plan sample_plan(const std::string& name, Method method) {
+  auto clip = load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh");
+  EXPECT_TRUE(clip) << describe(clip.error());
+  Options options;
+  options.solve.method = method;
+  options.time.fps = std::nullopt;
+  auto plan = make_plan(std::move(*clip), sample_robot(), options);
+  EXPECT_TRUE(plan) << describe(plan.error());
+  return std::move(*plan);
+}
+
+/// The human of a plan's clip, frame by frame.
+inline HumanClip human_of(const Plan& plan) {
+  return to_human(*plan.clip, plan.human.calibration);
+}
+
+/// What a session gives for a clip that comes frame by frame, without any delay on its way.
+inline std::vector<std::vector<double>> streamed(LiveSession& session, const HumanClip& human,
+                                                 double begin = 0.0) {
+  std::vector<std::vector<double>> frames;
+  const auto take = [&](double now) {
+    while (const auto frame = session.pull(now)) {
+      frames.emplace_back(frame->qpos.begin(), frame->qpos.end());
+    }
+  };
+  for (int i = 0; i < human.frame_count; ++i) {
+    const double time = begin + human.rate.time_of(i);
+    session.push({time, human.frame(i)}, time);
+    take(time);
+  }
+  session.finish();
+  take(begin + human.rate.time_of(human.frame_count));
+  return frames;
+}
+
+}  // namespace retarget

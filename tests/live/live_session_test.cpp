@@ -1,0 +1,162 @@
+// A stream gives what whole clips give where it may, and its guarantees hold.
+
+#include "retarget/live.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "live/live_sample.h"
+#include "support/counted_allocations.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLongLag = 30.0;  // seconds, longer than any sample
+
+LiveOptions plain_frames(double fps) {
+  LiveOptions options;
+  options.fps = fps;
+  options.limit_speeds = options.floor = options.hold_feet = false;
+  return options;
+}
+
+LiveOptions with_lag(double fps, double lag_s) {
+  LiveOptions options;
+  options.mode = LiveMode::kLag;
+  options.fps = fps;
+  options.lag_s = lag_s;
+  return options;
+}
+
+LiveSession session_of(const Plan& plan, const LiveOptions& options) {
+  auto session = LiveSession::make(plan, options);
+  EXPECT_TRUE(session) << describe(session.error());
+  return std::move(*session);
+}
+
+// the motion that a stream's frames make, to be measured as any other
+Motion motion_of(const Plan& plan, const std::vector<std::vector<double>>& frames) {
+  Motion motion;
+  motion.source = plan.clip;
+  motion.plan = plan;
+  motion.clip = RobotClip(plan.robot.robot, plan.rate, static_cast<int>(frames.size()));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::ranges::copy(frames[i], motion.clip.qpos(static_cast<int>(i)).begin());
+  }
+  return motion;
+}
+
+TEST(LiveFrames, AreThoseOfThePublishedMethod) {
+  for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
+    const Plan plan = sample_plan(name, Method::kGmr);
+    const auto offline = solve(plan);
+    ASSERT_TRUE(offline) << describe(offline.error());
+    LiveSession session = session_of(plan, plain_frames(plan.rate.fps()));
+    const auto frames = streamed(session, human_of(plan));
+    ASSERT_EQ(static_cast<int>(frames.size()), offline->clip.frame_count()) << name;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const auto expected = offline->clip.qpos(static_cast<int>(i));
+      for (std::size_t j = 0; j < expected.size(); ++j) {
+        ASSERT_NEAR(frames[i][j], expected[j], 1e-9) << name << ", frame " << i << ", value " << j;
+      }
+    }
+    EXPECT_EQ(session.statistics().held, 0);
+  }
+}
+
+TEST(LiveFrames, AllocateNothing) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  LiveOptions options;
+  options.fps = 50.0;
+  LiveSession session = session_of(plan, options);
+  const HumanClip human = human_of(plan);
+  long before = 0;
+  for (int i = 0; i < human.frame_count; ++i) {
+    const HumanFrame frame{human.rate.time_of(i), human.frame(i)};
+    // the first frame is looked for from several starts
+    if (i == 10) before = allocations;
+    session.push(frame, frame.time);
+    while (session.pull(frame.time)) {
+    }
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(session.statistics().robot_frames, 100);
+}
+
+double figure(const QualityReport& report, const char* key) {
+  const MetricValue* value = report.find(key);
+  EXPECT_NE(value, nullptr) << key;
+  return value == nullptr ? 0.0 : value->value;
+}
+
+QualityReport measured(const Plan& plan, const std::vector<std::vector<double>>& frames) {
+  auto report = evaluate(motion_of(plan, frames));
+  EXPECT_TRUE(report) << describe(report.error());
+  return std::move(*report);
+}
+
+TEST(LiveFrames, KeepFeetAndFloor) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  const HumanClip human = human_of(plan);
+  LiveOptions options = plain_frames(plan.rate.fps());
+  LiveSession plain = session_of(plan, options);
+  options.limit_speeds = options.floor = options.hold_feet = true;
+  LiveSession held = session_of(plan, options);
+  const QualityReport without = measured(plan, streamed(plain, human));
+  const QualityReport with = measured(plan, streamed(held, human));
+  EXPECT_LT(figure(with, "stance_slip_mean"), 0.7 * figure(without, "stance_slip_mean"));
+  EXPECT_LT(figure(with, "stance_drift_p95_cm"), 0.7 * figure(without, "stance_drift_p95_cm"));
+  EXPECT_GT(figure(without, "stance_height_p50_cm"), 1.0);
+  EXPECT_NEAR(figure(with, "stance_height_p50_cm"), 0.0, 0.1);
+  EXPECT_LT(figure(with, "foot_pen_max_cm"), 0.01);
+  EXPECT_EQ(figure(with, "speed_limit_pct"), 0.0);
+}
+
+TEST(LiveLag, LongerThanAClipKeepsTheGatesOfItsFit) {
+  for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
+    const Plan plan = sample_plan(name, Method::kFit);
+    LiveSession session = session_of(plan, with_lag(plan.rate.fps(), kLongLag));
+    const auto frames = streamed(session, human_of(plan));
+    ASSERT_EQ(static_cast<int>(frames.size()), plan.clip->frame_count()) << name;
+    const auto offline = solve(plan);
+    ASSERT_TRUE(offline) << describe(offline.error());
+    const QualityReport live = measured(plan, frames), whole = evaluate(*offline).value();
+    for (std::size_t i = 0; i < whole.gates.size(); ++i) {
+      if (!whole.gates[i].passed) continue;
+      EXPECT_TRUE(live.gates[i].passed)
+          << name << ": " << live.gates[i].metric << " is " << live.gates[i].value.value_or(-1.0)
+          << ", of the whole clip " << whole.gates[i].value.value_or(-1.0);
+    }
+  }
+}
+
+TEST(LiveLag, IsSmootherThanSingleFrames) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  const HumanClip human = human_of(plan);
+  LiveOptions options;
+  options.fps = plan.rate.fps();
+  LiveSession frames = session_of(plan, options);
+  LiveSession lagging = session_of(plan, with_lag(plan.rate.fps(), 0.2));
+  const QualityReport at_once = measured(plan, streamed(frames, human));
+  const QualityReport later = measured(plan, streamed(lagging, human));
+  EXPECT_TRUE(later.passed());
+  for (const char* key : {"acc_rms", "root_jerk_mean", "stance_slip_mean", "self_1cm_pct"}) {
+    EXPECT_LT(figure(later, key), 0.7 * figure(at_once, key)) << key;
+  }
+}
+
+TEST(Live, RefusesWhatCannotBe) {
+  const Plan plan = sample_plan("wave", Method::kGmr);
+  EXPECT_EQ(LiveSession::make(plan, with_lag(50.0, 0.2)).error().kind, ErrorKind::kUsage);
+  LiveOptions options;
+  options.fps = 0.0;
+  EXPECT_EQ(LiveSession::make(plan, options).error().kind, ErrorKind::kUsage);
+  Plan empty = plan;
+  empty.clip = nullptr;
+  EXPECT_EQ(LiveSession::make(empty).error().kind, ErrorKind::kUsage);
+}
+
+}  // namespace
+}  // namespace retarget

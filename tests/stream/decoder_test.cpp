@@ -1,0 +1,194 @@
+// What decoders make of bytes: frames, skeletons, refusals; and what players send comes back.
+
+#include "stream/decoder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "motion/forward_kinematics.h"
+#include "retarget/load.h"
+
+namespace retarget {
+namespace {
+
+using testing::HasSubstr;
+
+class Kept final : public StreamSink {
+ public:
+  void take_skeleton(Clip clip, bool has_rest) override {
+    skeletons.push_back(std::move(clip));
+    rests.push_back(has_rest);
+  }
+  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
+
+  std::vector<Clip> skeletons;
+  std::vector<bool> rests;
+  std::vector<StreamFrame> frames;
+};
+
+Clip walk() {
+  return load_clip(RETARGET_SOURCE_DIR "/data/walk.bvh").value();
+}
+
+// as a source gives them: a line at a time
+Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sink) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    if (end > 0) {
+      if (auto taken = decoder.take(text.substr(0, end), sink); !taken) return taken;
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+std::string refusal(Decoder& decoder, std::string_view line) {
+  Kept kept;
+  const auto taken = decoder.take(line, kept);
+  EXPECT_FALSE(taken) << line;
+  EXPECT_TRUE(kept.frames.empty());
+  return taken ? "" : taken.error().message;
+}
+
+TEST(StreamFormats, WhatIsPlayedComesBack) {
+  const Clip clip = walk();
+  for (const StreamFormat& format : stream_formats()) {
+    if (format.encoder == nullptr) continue;
+    const auto encoder = format.encoder();
+    const auto decoder = format.decoder(parse_address("udp:1?fps=60").value());
+    Kept kept;
+    ASSERT_TRUE(take_lines(*decoder, encoder->begin(clip), kept)) << format.name;
+    ASSERT_EQ(kept.skeletons.size(), 1U) << format.name;
+    const Skeleton& skeleton = kept.skeletons[0].skeleton();
+    EXPECT_EQ(skeleton.names(), clip.skeleton().names()) << format.name;
+    for (int frame = 0; frame < 10; ++frame) {
+      const auto bytes = encoder->frame(clip, frame);
+      ASSERT_TRUE(bytes);
+      ASSERT_TRUE(take_lines(*decoder, *bytes, kept)) << format.name;
+    }
+    ASSERT_EQ(kept.frames.size(), 10U) << format.name;
+    Clip back(kept.skeletons[0].shared_skeleton(), clip.rate(), 10);
+    std::vector<Pose> expected(static_cast<std::size_t>(skeleton.joint_count())), found = expected;
+    for (int frame = 0; frame < 10; ++frame) {
+      const StreamFrame& streamed = kept.frames[static_cast<std::size_t>(frame)];
+      std::ranges::copy(streamed.rotations, back.rotations(frame).begin());
+      std::ranges::copy(streamed.translations, back.translations(frame).begin());
+      forward_kinematics(clip, frame, expected);
+      forward_kinematics(back, frame, found);
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_LT((expected[i].translation - found[i].translation).norm(), 1e-6) << format.name;
+        EXPECT_LT(expected[i].rotation.angularDistance(found[i].rotation), 1e-6) << format.name;
+      }
+    }
+  }
+}
+
+TEST(StreamFormats, AreFoundByName) {
+  EXPECT_EQ((*find_stream_format(""))->name, "lines");
+  EXPECT_EQ((*find_stream_format("bvh"))->name, "bvh");
+  const auto unknown = find_stream_format("bhv");
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(describe(unknown.error()), HasSubstr("bvh"));
+}
+
+TEST(Lines, SayWhatTheyAreLike) {
+  const auto decoder = make_line_decoder({});
+  Kept kept;
+  ASSERT_TRUE(decoder->take(
+      R"({"skeleton": {"up": "y", "unit": 0.01, "height": 1.8, "joints": [
+          {"name": "Hips", "parent": null, "rest": [0, 100, 0, 1, 0, 0, 0]},
+          {"name": "Spine", "parent": "Hips", "rest": [0, 120, 0, 0, 1, 0, 0]}]}})",
+      kept));
+  ASSERT_EQ(kept.skeletons.size(), 1U);
+  EXPECT_TRUE(kept.rests[0]);
+  const Clip& clip = kept.skeletons[0];
+  EXPECT_EQ(clip.origin().metres_per_unit, 0.01);
+  EXPECT_EQ(clip.origin().body_height, 1.8);
+  EXPECT_EQ(clip.origin().up, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(clip.skeleton().joint(1).offset, Eigen::Vector3d(0, 20, 0));
+  ASSERT_TRUE(decoder->take(
+      R"({"time": 2.5, "joints": {"Spine": [1, 120, 0, 2, 0, 0, 0], "Hips": [1, 100, 0, 1, 0, 0, 0],
+          "Hat": [0, 0, 0, 1, 0, 0, 0]}})",
+      kept));
+  ASSERT_EQ(kept.frames.size(), 1U);
+  EXPECT_EQ(kept.frames[0].time, 2.5);
+  EXPECT_EQ(kept.frames[0].translations[1], Eigen::Vector3d(0, 20, 0));
+  EXPECT_EQ(kept.frames[0].rotations[1].w(), 1.0);
+}
+
+TEST(Lines, AreRefusedWithAReason) {
+  const auto decoder = make_line_decoder({});
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
+  EXPECT_THAT(refusal(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
+  EXPECT_THAT(refusal(*decoder, "[1, 2]"), HasSubstr("object"));
+  EXPECT_THAT(refusal(*decoder, R"({"skeleton": 3})"), HasSubstr("joints"));
+  EXPECT_THAT(refusal(*decoder, R"({"skeleton": {"joints": [{"name": "a"}, {"name": "a"}]}})"),
+              HasSubstr("twice"));
+  EXPECT_THAT(refusal(*decoder,
+                      R"({"skeleton": {"joints": [{"name": "a"}, {"name": "b", "parent": "c"}]}})"),
+              HasSubstr("before it"));
+  EXPECT_THAT(refusal(*decoder, R"({"skeleton": {"up": "w", "joints": [{"name": "a"}]}})"),
+              HasSubstr("up"));
+  Kept kept;
+  ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", kept));
+  EXPECT_FALSE(kept.rests[0]);
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("missing"));
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3]}})"), HasSubstr("seven"));
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3, 0, 0, 0, 0]}})"), HasSubstr("zeros"));
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1e99, 2, 3, 1, 0, 0, 0]}})"),
+              HasSubstr("seven"));
+  EXPECT_THAT(refusal(*decoder, R"({"time": "now", "joints": {"a": [1, 2, 3, 1, 0, 0, 0]}})"),
+              HasSubstr("time"));
+}
+
+TEST(BvhRows, NeedASkeleton) {
+  const auto decoder = make_bvh_row_decoder({});
+  EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("skeleton"));
+  decoder->know_skeleton(walk().shared_skeleton());
+  EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("numbers"));
+  std::string row;
+  for (int i = 0; i < walk().skeleton().channel_count(); ++i) row += i == 0 ? "0" : " 0";
+  Kept kept;
+  ASSERT_TRUE(decoder->take(row + "\r\n", kept));
+  EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
+  EXPECT_THAT(refusal(*decoder, row + " 0"), HasSubstr("numbers"));
+  EXPECT_THAT(refusal(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
+}
+
+TEST(BvhRows, ASkeletonOfTheUsersFileStays) {
+  const Clip clip = walk();
+  const auto decoder = make_bvh_row_decoder({});
+  decoder->know_skeleton(clip.shared_skeleton());
+  Kept kept;
+  ASSERT_TRUE(take_lines(*decoder, make_bvh_row_encoder()->begin(clip), kept));
+  EXPECT_TRUE(kept.skeletons.empty());
+}
+
+TEST(Addresses, AreRead) {
+  const auto udp = parse_address("udp:1118?format=bvh&fps=60");
+  ASSERT_TRUE(udp);
+  EXPECT_EQ(udp->transport, Transport::kUdp);
+  EXPECT_EQ(udp->host, "127.0.0.1");
+  EXPECT_EQ(udp->port, 1118);
+  EXPECT_EQ(udp->format, "bvh");
+  EXPECT_EQ(udp->extra("fps"), "60");
+  EXPECT_EQ(udp->extra("rate"), "");
+  EXPECT_EQ(parse_address("tcp:0.0.0.0:9763")->host, "0.0.0.0");
+  EXPECT_EQ(parse_address("tcp:localhost:1")->host, "127.0.0.1");
+  EXPECT_EQ(parse_address("-")->transport, Transport::kStdout);
+  EXPECT_EQ(parse_address("stdin?format=lines")->transport, Transport::kStdin);
+  EXPECT_EQ(parse_address("out/walk.csv")->file, "out/walk.csv");
+  for (const char* bad : {"udp:", "udp:x", "udp:70000", "udp:1.2.3:4", "udp:1.2.3.400:4", "udp:1?x",
+                          "tcp:1?=2", "", "?format=bvh"}) {
+    const auto refused = parse_address(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+  }
+}
+
+}  // namespace
+}  // namespace retarget

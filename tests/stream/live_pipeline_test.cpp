@@ -1,0 +1,226 @@
+// Packets in, robot frames out, without sockets: the same at every run.
+
+#include "stream/live_pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "human/canonical_pose.h"
+#include "retarget/load.h"
+#include "stream/latency.h"
+#include "stream/stream_record.h"
+#include "support/lafan1_map.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+const LoadedRobot& g1() {
+  static const LoadedRobot robot =
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+  return robot;
+}
+
+Clip sample(const std::string& name) {
+  return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
+}
+
+struct StreamRun {
+  explicit StreamRun(LivePipelineOptions options = {}, const char* format = "lines")
+      : pipeline(
+            set_up_robot(g1(), options.run).value(), options,
+            (*find_stream_format(format))->decoder(parse_address("udp:1?fps=30").value()),
+            [this](const RobotFrame& frame) {
+              states.push_back(frame.state);
+              frames.emplace_back(frame.qpos.begin(), frame.qpos.end());
+            },
+            [this](std::string_view label, std::string_view text) {
+              told.push_back(std::string(label) + ": " + std::string(text));
+            }) {}
+
+  // all lines of a text at one time
+  void lines(std::string_view text, double now) {
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      const auto taken = pipeline.packet(text.substr(0, end), now);
+      EXPECT_TRUE(taken) << describe(taken.error());
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+  }
+
+  std::vector<std::vector<double>> frames;
+  std::vector<LiveState> states;
+  std::vector<std::string> told;
+  LivePipeline pipeline;
+};
+
+// plays a sample to a run
+void play_to(StreamRun& run, const Clip& clip, const char* format, double begin = 0.0,
+             bool ticks = false) {
+  const auto encoder = (*find_stream_format(format))->encoder();
+  run.lines(encoder->begin(clip), begin);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double now = begin + clip.rate().time_of(frame);
+    for (double time = now - 0.03; ticks && time < now; time += 0.002) run.pipeline.tick(time);
+    run.lines(encoder->frame(clip, frame).value(), now);
+  }
+}
+
+TEST(LivePipeline, FollowsAStreamThatTellsItsSkeleton) {
+  for (const char* format : {"lines", "bvh"}) {
+    StreamRun run({}, format);
+    play_to(run, sample("walk"), format);
+    run.pipeline.finish(6.0);
+    EXPECT_GT(run.frames.size(), 400U) << format;
+    EXPECT_EQ(run.pipeline.packets().skeletons, 1);
+    EXPECT_EQ(run.pipeline.packets().malformed, 0);
+  }
+}
+
+TEST(LivePipeline, HowOftenItIsAskedChangesNothing) {
+  StreamRun seldom, often;
+  play_to(seldom, sample("wave"), "lines");
+  play_to(often, sample("wave"), "lines", 0.0, true);
+  EXPECT_EQ(seldom.frames, often.frames);
+}
+
+TEST(LivePipeline, LeavesMalformedPacketsOut) {
+  StreamRun run;
+  const Clip clip = sample("wave");
+  const auto encoder = make_line_encoder();
+  run.lines(encoder->begin(clip), 0.0);
+  for (int frame = 0; frame < 60; ++frame) {
+    const double now = clip.rate().time_of(frame);
+    run.lines("{\"joints\": 7}\nnoise", now);
+    run.lines(encoder->frame(clip, frame).value(), now);
+  }
+  EXPECT_EQ(run.pipeline.packets().malformed, 120);
+  EXPECT_GT(run.frames.size(), 80U);
+  EXPECT_EQ(
+      std::ranges::count_if(
+          run.told, [](const std::string& line) { return line.starts_with("stream: a packet"); }),
+      1);
+}
+
+TEST(LivePipeline, TakesAnotherSkeletonOnTheWay) {
+  StreamRun run;
+  play_to(run, sample("squat"), "lines");
+  const std::size_t first = run.frames.size();
+  // the same joints, a smaller body, and a clock that begins anew
+  Clip small = sample("walk");
+  std::vector<Joint> joints = small.skeleton().joints();
+  for (Joint& joint : joints) joint.offset *= 0.9;
+  Clip other(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
+  for (int frame = 0; frame < small.frame_count(); ++frame) {
+    std::ranges::copy(small.rotations(frame), other.rotations(frame).begin());
+    for (std::size_t i = 0; i < other.translations(frame).size(); ++i) {
+      other.translations(frame)[i] = 0.9 * small.translations(frame)[i];
+    }
+  }
+  play_to(run, other, "lines", 20.0);
+  EXPECT_EQ(run.pipeline.packets().skeletons, 2);
+  EXPECT_GT(run.frames.size(), first + 400);
+  EXPECT_EQ(run.states.back(), LiveState::kFollowing);
+}
+
+// a frame of a sample's body in its T-pose
+Clip t_pose_of(const Clip& clip) {
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
+  Clip pose = clip.empty_like(clip.rate(), 1);
+  copy_frame(clip, 0, pose, 0);
+  const int joints = clip.skeleton().joint_count();
+  std::vector<Eigen::Quaterniond> world(static_cast<std::size_t>(joints),
+                                        Eigen::Quaterniond::Identity());
+  for (const Bone bone : kMappedBones) {
+    const int joint = calibration.bones[bone].rotation_joint;
+    if (joint < 0) continue;
+    world[static_cast<std::size_t>(joint)] = Eigen::Quaterniond(
+        Eigen::Matrix3d(calibration.human_from_source.transpose() * canonical_t_pose(bone)));
+  }
+  for (int joint = 0; joint < joints; ++joint) {
+    const int parent = clip.skeleton().joint(joint).parent;
+    const auto& own = world[static_cast<std::size_t>(joint)];
+    pose.rotations(0)[static_cast<std::size_t>(joint)] =
+        parent < 0 ? own : world[static_cast<std::size_t>(parent)].conjugate() * own;
+  }
+  return pose;
+}
+
+TEST(LivePipeline, CalibratesByThePoseThatThePerformerHas) {
+  LivePipelineOptions options;
+  options.calibrate = LiveCalibration::kTpose;
+  options.calibrate_after_s = 1.0;
+  const Clip clip = sample("wave"), pose = t_pose_of(clip);
+  StreamRun known, posed(options);
+  play_to(known, clip, "lines");
+  const auto encoder = make_line_encoder();
+  posed.lines(encoder->begin(clip), 0.0);
+  for (int frame = 0; frame < 29; ++frame) {
+    posed.lines(encoder->frame(pose, 0).value(), frame / 30.0);
+  }
+  EXPECT_FALSE(posed.pipeline.has_begun());
+  EXPECT_TRUE(posed.frames.empty());
+  posed.lines(encoder->frame(pose, 0).value(), 1.01);
+  EXPECT_TRUE(posed.pipeline.has_begun());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    posed.lines(encoder->frame(clip, frame).value(), 1.02 + clip.rate().time_of(frame));
+  }
+  // the same motion as by what is known of such skeletons
+  ASSERT_GT(posed.frames.size(), 200U);
+  for (std::size_t i = 7; i < known.frames.back().size(); ++i) {
+    EXPECT_NEAR(posed.frames.back()[i], known.frames.back()[i], 0.1) << i;
+  }
+}
+
+TEST(LivePipeline, ABodyThatCannotBeRecognisedEndsTheStream) {
+  StreamRun run;
+  const auto taken = run.pipeline.packet(
+      R"({"skeleton": {"joints": [{"name": "a", "rest": [0, 0, 0, 1, 0, 0, 0]},
+                                  {"name": "b", "parent": "a", "rest": [0, 0, 1, 1, 0, 0, 0]}]}})",
+      0.0);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().kind, ErrorKind::kInput);
+}
+
+TEST(StreamRecord, ComesBack) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "input.stream";
+  auto recorder = StreamRecorder::create(file);
+  ASSERT_TRUE(recorder);
+  recorder->add(StreamEvent::kNewSender, 5);
+  recorder->add(StreamEvent::kPacket, 7, std::string("a\nb\0c", 5));
+  recorder->add(StreamEvent::kEnd, 1000000);
+  ASSERT_TRUE(recorder->finish());
+  auto replay = StreamReplay::open(file);
+  ASSERT_TRUE(replay);
+  StreamReplay::Entry entry;
+  ASSERT_TRUE(*replay->next(entry));
+  EXPECT_EQ(entry.event, StreamEvent::kNewSender);
+  ASSERT_TRUE(*replay->next(entry));
+  EXPECT_EQ(entry.bytes, std::string("a\nb\0c", 5));
+  EXPECT_EQ(entry.microseconds, 7);
+  ASSERT_TRUE(*replay->next(entry));
+  EXPECT_FALSE(*replay->next(entry));
+  for (const char* bad : {"X 1 0\n\n", "P 1\n", "P 2 99999999999\n", "P 1 5\nab\n", "P -1 0\n\n"}) {
+    auto broken = StreamReplay::open(folder.write("bad", bad));
+    ASSERT_TRUE(broken);
+    EXPECT_FALSE(broken->next(entry)) << bad;
+  }
+}
+
+TEST(LatencyTest, KnowsPercentiles) {
+  Latency latency;
+  EXPECT_EQ(latency.percentile(99.0), 0.0);
+  for (int i = 1; i <= 1000; ++i) latency.add(1e-6 * i);
+  EXPECT_NEAR(latency.percentile(50.0), 500e-6, 30e-6);
+  EXPECT_NEAR(latency.percentile(99.0), 990e-6, 50e-6);
+  EXPECT_EQ(latency.max(), 1e-3);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,168 @@
+// `retarget live`: a stream in, a robot's frames out, until Ctrl-C; or a motion played as a stream.
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "argument_tables.h"
+#include "arguments.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/number_text.h"
+#include "base/try.h"
+#include "commands.h"
+#include "console.h"
+#include "interrupt.h"
+#include "options/options_json.h"
+#include "plan/check_options.h"
+#include "retarget/load.h"
+#include "shared_arguments.h"
+#include "stream/decoder.h"
+#include "stream/serve.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecordedOptions = "live.json";
+
+// a signal handler can reach nothing but a global
+volatile std::sig_atomic_t recalibration_asked = 0;
+
+class RecalibrationSignal {
+ public:
+  RecalibrationSignal() {
+    recalibration_asked = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { recalibration_asked = 1; };
+    sigemptyset(&action.sa_mask);
+    ::sigaction(SIGUSR1, &action, &old_);
+  }
+  ~RecalibrationSignal() { ::sigaction(SIGUSR1, &old_, nullptr); }
+  RecalibrationSignal(const RecalibrationSignal&) = delete;
+  RecalibrationSignal& operator=(const RecalibrationSignal&) = delete;
+
+  [[nodiscard]] static bool take() {
+    if (recalibration_asked == 0) return false;
+    recalibration_asked = 0;
+    return true;
+  }
+
+ private:
+  struct sigaction old_ {};
+};
+
+Result<void> list_formats() {
+  std::string text;
+  for (const StreamFormat& format : stream_formats()) {
+    const std::string port = format.port > 0 ? fmt::format("usual port {}", format.port) : "";
+    text += fmt::format("{:<8} {}{}{}\n", format.name, format.description, port.empty() ? "" : "; ",
+                        port);
+  }
+  return write_file("-", text);
+}
+
+Result<void> play_clip(const LiveArguments& arguments, Console& console) {
+  TRY_ASSIGN(const Clip clip, load_clip(arguments.play));
+  const InterruptGuard guard;
+  TRY_ASSIGN(const int frames,
+             play(clip, arguments.player, [] { return InterruptGuard::interrupted(); }));
+  console.line("sent", fmt::format("{} of {}", frames, count_text(clip.frame_count(), "frame")));
+  return {};
+}
+
+// the options of a recording, and the skeleton that it keeps
+Result<void> take_recorded(LiveArguments& arguments) {
+  const fs::path folder(arguments.serve.replay);
+  const std::string file = (folder / kRecordedOptions).string();
+  TRY_ASSIGN(const auto json, load_json(file));
+  TRY(read_options(json, live_run_table(arguments), file, "the options of a live run"));
+  if (!arguments.skeleton.empty()) {
+    arguments.skeleton = (folder / fs::path(arguments.skeleton).filename()).string();
+  }
+  return {};
+}
+
+Result<void> record_options(const LiveArguments& given) {
+  LiveArguments arguments = given;
+  const fs::path folder(arguments.serve.record);
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (!arguments.skeleton.empty()) {
+    const fs::path copy = folder / fs::path(arguments.skeleton).filename();
+    TRY_ASSIGN(const auto bytes, read_file(arguments.skeleton));
+    TRY(write_file(copy.string(), bytes.view()));
+  }
+  return write_file((folder / kRecordedOptions).string(),
+                    printable_dump(options_json(live_run_table(arguments))));
+}
+
+Result<void> check_usage(const LiveArguments& arguments) {
+  const Run& run = arguments.run.run;
+  if (run.robot.name.empty() && run.robot.model.empty()) {
+    return usage_failure("a live run needs a robot: --robot NAME or --robot-xml FILE",
+                         "as in retarget live --robot g1 --input udp:1118?format=bvh");
+  }
+  if (!arguments.serve.record.empty() && !arguments.serve.replay.empty()) {
+    return usage_failure("--record and --replay exclude each other");
+  }
+  return check_robot_choice(run.robot);
+}
+
+void summarise(const ServeSummary& summary, Console& console) {
+  const LiveStatistics& live = summary.live;
+  const PipelineStatistics& packets = summary.packets;
+  console.line(
+      "packets",
+      fmt::format("{}, {} malformed; frames {} lost, {} late, {} doubled, {} bad", packets.packets,
+                  packets.malformed, live.lost, live.late, live.doubled, live.bad));
+  console.line("robot", fmt::format("{}: {} held, {} kept back by limits of speed; {}",
+                                    count_text(live.robot_frames, "frame"), live.held, live.limited,
+                                    count_text(live.interruptions, "interruption")));
+  const Latency& latency = summary.latency;
+  console.line("latency", fmt::format("packet to robot frame p50 {} ms, p99 {} ms, max {} ms",
+                                      number_text(1e3 * latency.percentile(50.0), 3),
+                                      number_text(1e3 * latency.percentile(99.0), 3),
+                                      number_text(1e3 * latency.max(), 3)));
+}
+
+}  // namespace
+
+Result<void> live(const LiveArguments& given, Console& console) {
+  LiveArguments arguments = given;
+  if (arguments.list) return list_formats();
+  if (!arguments.play.empty()) return play_clip(arguments, console);
+  if (!arguments.serve.replay.empty()) TRY(take_recorded(arguments));
+  TRY(check_usage(arguments));
+  TRY_ASSIGN(const RobotSetup robot,
+             set_up_robot(arguments.run.run, arguments.run.common, console));
+  ServeOptions& serve_options = arguments.serve;
+  LivePipelineOptions& pipeline = serve_options.pipeline;
+  pipeline.run = arguments.run.run.options;
+  if (arguments.plain) {
+    pipeline.live.limit_speeds = pipeline.live.floor = pipeline.live.hold_feet = false;
+  }
+  if (!arguments.skeleton.empty()) {
+    TRY_ASSIGN(serve_options.skeleton, load_skeleton(arguments.skeleton));
+  }
+  if (!serve_options.record.empty()) TRY(record_options(arguments));
+  ServeControl control;
+  control.is_stopped = [] { return InterruptGuard::interrupted(); };
+  control.is_recalibrated = &RecalibrationSignal::take;
+  control.tell = [&console](std::string_view label, std::string_view text) {
+    console.line(label, text);
+  };
+  const InterruptGuard guard;
+  const RecalibrationSignal recalibration;
+  TRY_ASSIGN(const ServeSummary summary, serve(robot, serve_options, control));
+  summarise(summary, console);
+  return {};
+}
+
+}  // namespace retarget::cli
