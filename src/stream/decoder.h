@@ -78,5 +78,6 @@ struct StreamFormat {
 [[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
 [[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
 
 }  // namespace retarget

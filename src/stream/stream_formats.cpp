@@ -14,6 +14,9 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      make_line_decoder, make_line_encoder},
     {"bvh", "rows of a BVH file's motion, a line each, as text; ?fps=N: they have no other time",
      1118, true, make_bvh_row_decoder, make_bvh_row_encoder},
+    {"vmc",
+     "VMC over OSC: bones of a VRM avatar, as Virtual Motion Capture, Waidayo, ... send them",
+     39539, false, make_vmc_decoder, nullptr},
 });
 
 }  // namespace

@@ -44,6 +44,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"mvnx", fuzz_mvnx},
     {"stream_lines", fuzz_stream_lines},
     {"stream_bvh", fuzz_stream_bvh},
+    {"stream_vmc", fuzz_stream_vmc},
     {"stream_record", fuzz_stream_record},
 });
 

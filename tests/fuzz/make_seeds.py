@@ -356,6 +356,17 @@ def streams():
     write("stream_lines", "odd.txt", "noise\n" + '{"skeleton": {"pose": "t-pose", "up": "y", "unit": 0.01, "height": 1.8, '
           f'"joints": [{{"name": "a", "parent": null, "rest": {pose}}}, {{"name": "b", "parent": "a"}}]}}}}\n'
           f'{{"time": 1, "joints": {{"a": {pose}, "b": {pose}}}}}\nrestart\n{{"joints": {{"b": [1]}}}}\n')
+    def osc(address, types, *values):
+        def text(word):
+            return word.encode() + bytes(4 - len(word) % 4)
+        packed = b"".join(text(value) if isinstance(value, str) else struct.pack(">f", value) for value in values)
+        return text(address) + text("," + types) + packed
+
+    bones = ("Hips", "Spine", "Head", "LeftUpperArm", "LeftHand", "Hips")
+    messages = [osc("/VMC/Ext/T", "f", 1.5), osc("/VMC/Ext/Root/Pos", "sfffffff", "root", 0, 0, 0, 0, 0, 0, 1),
+                *(osc("/VMC/Ext/Bone/Pos", "sfffffff", bone, 0.1, 0.2, 0.3, 0, 0, 0.6, 0.8) for bone in bones)]
+    bundle = b"#bundle\0" + bytes(8) + b"".join(struct.pack(">i", len(each)) + each for each in messages)
+    write("stream_vmc", "frames.bin", b"".join(struct.pack(">H", len(each)) + each for each in (*messages, bundle)))
     write("stream_record", "two.stream", "S 5 0\n\nP 7 3\na\nb\nC 9 0\n\nE 10 0\n\n")
 
 

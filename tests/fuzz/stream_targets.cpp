@@ -1,7 +1,9 @@
 // Any bytes as the packets of a stream, one a line: whatever a decoder accepts must be sound, and what
 // it refuses must not change how it takes the next.
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -67,6 +69,19 @@ void fuzz_stream_lines(std::string_view bytes) {
 
 void fuzz_stream_bvh(std::string_view bytes) {
   fuzz_decoder("bvh", bytes);
+}
+
+// binary packets, each behind two bytes of its size
+void fuzz_stream_vmc(std::string_view bytes) {
+  const auto decoder = make_vmc_decoder({});
+  CheckedSink sink;
+  while (bytes.size() >= 2) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    const std::size_t size =
+        std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
+    (void)good(decoder->take(bytes.substr(2, size), sink));
+    bytes.remove_prefix(2 + size);
+  }
 }
 
 void fuzz_stream_record(std::string_view bytes) {

@@ -1,0 +1,128 @@
+#include "stream/osc.h"
+
+#include <bit>
+#include <cstdint>
+
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::string_view kBundle("#bundle\0", 8);
+constexpr int kMaxDepth = 4;  // of bundles in bundles
+
+Failure bad_osc(const char* what) {
+  return input_failure({}, std::string("no packet of Open Sound Control: ") + what);
+}
+
+// reads a packet from its beginning
+class OscReader {
+ public:
+  explicit OscReader(std::string_view bytes) : rest_(bytes) {}
+
+  [[nodiscard]] bool empty() const { return rest_.empty(); }
+  Result<std::string_view> bytes(std::size_t size) {
+    if (size > rest_.size()) return bad_osc("it ends too early");
+    const std::string_view taken = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return taken;
+  }
+  // ended by a zero, filled up to a whole number of four bytes
+  Result<std::string_view> text() {
+    const std::size_t size = rest_.find('\0');
+    if (size == std::string_view::npos) return bad_osc("a text without an end");
+    TRY_ASSIGN(const std::string_view taken, bytes((size / 4 + 1) * 4));
+    return taken.substr(0, size);
+  }
+  Result<std::uint64_t> big_endian(std::size_t size) {
+    TRY_ASSIGN(const std::string_view taken, bytes(size));
+    std::uint64_t value = 0;
+    for (const char byte : taken) value = value << 8 | static_cast<unsigned char>(byte);
+    return value;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+Result<void> read_argument(char type, OscReader& reader, OscMessage& message) {
+  switch (type) {
+    case 'i': {
+      TRY_ASSIGN(const auto bits, reader.big_endian(4));
+      message.numbers.push_back(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits)));
+      return {};
+    }
+    case 'f': {
+      TRY_ASSIGN(const auto bits, reader.big_endian(4));
+      message.numbers.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+      return {};
+    }
+    case 'd': {
+      TRY_ASSIGN(const auto bits, reader.big_endian(8));
+      message.numbers.push_back(std::bit_cast<double>(bits));
+      return {};
+    }
+    case 's':
+    case 'S': {
+      TRY_ASSIGN(const std::string_view text, reader.text());
+      message.texts.push_back(text);
+      return {};
+    }
+    case 'h':
+    case 't':
+      TRY(reader.bytes(8));
+      return {};
+    case 'c':
+    case 'r':
+    case 'm':
+      TRY(reader.bytes(4));
+      return {};
+    case 'b': {
+      TRY_ASSIGN(const auto size, reader.big_endian(4));
+      TRY(reader.bytes((size + 3) / 4 * 4));
+      return {};
+    }
+    case 'T':
+    case 'F':
+    case 'N':
+    case 'I':
+      return {};
+    default:
+      return bad_osc("an argument of a type that it does not have");
+  }
+}
+
+Result<void> read_packet(std::string_view packet, int depth, std::vector<OscMessage>& messages) {
+  OscReader reader(packet);
+  if (packet.starts_with(kBundle)) {
+    if (depth == kMaxDepth) return bad_osc("bundles in bundles in bundles");
+    TRY(reader.bytes(kBundle.size() + 8));  // and when it should count
+    while (!reader.empty()) {
+      TRY_ASSIGN(const auto size, reader.big_endian(4));
+      TRY_ASSIGN(const std::string_view element, reader.bytes(size));
+      TRY(read_packet(element, depth + 1, messages));
+    }
+    return {};
+  }
+  OscMessage message;
+  TRY_ASSIGN(message.address, reader.text());
+  if (!message.address.starts_with('/')) return bad_osc("an address begins with /");
+  // old senders leave the types out where there are no arguments
+  if (!reader.empty()) {
+    TRY_ASSIGN(const std::string_view types, reader.text());
+    if (!types.starts_with(',')) return bad_osc("types begin with a comma");
+    for (const char type : types.substr(1)) TRY(read_argument(type, reader, message));
+  }
+  messages.push_back(std::move(message));
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<OscMessage>> read_osc(std::string_view packet) {
+  std::vector<OscMessage> messages;
+  TRY(read_packet(packet, 0, messages));
+  return messages;
+}
+
+}  // namespace retarget

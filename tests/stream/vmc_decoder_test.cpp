@@ -1,0 +1,185 @@
+// VMC: packets as a performer sends them, put together here byte by byte; sides, axes and frames.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "retarget/load.h"
+#include "retarget/pose.h"
+#include "stream/live_pipeline.h"
+#include "stream/osc.h"
+
+namespace retarget {
+namespace {
+
+std::string big_endian(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+  return bytes;
+}
+
+std::string osc_text(std::string text) {
+  text.append(4 - text.size() % 4, '\0');
+  return text;
+}
+
+std::string osc_message(const std::string& address, const std::string& name,
+                        const std::vector<float>& numbers) {
+  std::string bytes = osc_text(address);
+  bytes += osc_text("," + std::string(name.empty() ? "" : "s") + std::string(numbers.size(), 'f'));
+  if (!name.empty()) bytes += osc_text(name);
+  for (const float number : numbers) bytes += big_endian(std::bit_cast<std::uint32_t>(number));
+  return bytes;
+}
+
+std::string bundle_of(const std::vector<std::string>& messages) {
+  std::string bytes("#bundle\0\0\0\0\0\0\0\0\1", 16);
+  for (const std::string& message : messages) {
+    bytes += big_endian(static_cast<std::uint32_t>(message.size())) + message;
+  }
+  return bytes;
+}
+
+struct UnityPose {
+  const char* name;
+  std::vector<float> position;
+  std::vector<float> rotation = {0, 0, 0, 1};
+};
+
+// an avatar in its T-pose: Unity's axes, it faces z, its left is -x
+std::vector<UnityPose> avatar() {
+  return {{"Hips", {0, 0.95F, 0}},
+          {"Spine", {0, 0.1F, 0}},
+          {"Chest", {0, 0.12F, 0}},
+          {"Neck", {0, 0.25F, 0}},
+          {"Head", {0, 0.1F, 0}},
+          {"LeftShoulder", {-0.05F, 0.2F, 0}},
+          {"LeftUpperArm", {-0.12F, 0, 0}},
+          {"LeftLowerArm", {-0.27F, 0, 0}},
+          {"LeftHand", {-0.25F, 0, 0}},
+          {"RightShoulder", {0.05F, 0.2F, 0}},
+          {"RightUpperArm", {0.12F, 0, 0}},
+          {"RightLowerArm", {0.27F, 0, 0}},
+          {"RightHand", {0.25F, 0, 0}},
+          {"LeftUpperLeg", {-0.09F, -0.05F, 0}},
+          {"LeftLowerLeg", {0, -0.42F, 0}},
+          {"LeftFoot", {0, -0.4F, 0}},
+          {"LeftToes", {0, -0.06F, 0.12F}},
+          {"RightUpperLeg", {0.09F, -0.05F, 0}},
+          {"RightLowerLeg", {0, -0.42F, 0}},
+          {"RightFoot", {0, -0.4F, 0}},
+          {"RightToes", {0, -0.06F, 0.12F}}};
+}
+
+std::vector<std::string> messages_of(const std::vector<UnityPose>& bones, float time) {
+  std::vector<std::string> messages = {
+      osc_message("/VMC/Ext/OK", "", {1}), osc_message("/VMC/Ext/T", "", {time}),
+      osc_message("/VMC/Ext/Root/Pos", "root", {0, 0, 0, 0, 0, 0, 1})};
+  for (const UnityPose& bone : bones) {
+    std::vector<float> numbers = bone.position;
+    numbers.insert(numbers.end(), bone.rotation.begin(), bone.rotation.end());
+    messages.push_back(osc_message("/VMC/Ext/Bone/Pos", bone.name, numbers));
+  }
+  return messages;
+}
+
+// the robot's last frame after two seconds of a pose, a frame in a bundle or each message alone
+std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, int* frames) {
+  const LoadedRobot robot =
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+  LivePipelineOptions options;
+  std::vector<double> last;
+  *frames = 0;
+  LivePipeline pipeline(
+      set_up_robot(robot, options.run).value(), options, make_vmc_decoder({}),
+      [&](const RobotFrame& frame) {
+        ++*frames;
+        last.assign(frame.qpos.begin(), frame.qpos.end());
+      },
+      [](std::string_view, std::string_view) {});
+  for (int frame = 0; frame < 120; ++frame) {
+    const double now = frame / 60.0;
+    std::vector<std::string> packets = messages_of(bones, static_cast<float>(now) + 100.0F);
+    if (bundles) packets = {bundle_of(packets)};
+    for (const std::string& packet : packets) {
+      const auto taken = pipeline.packet(packet, now);
+      EXPECT_TRUE(taken) << describe(taken.error());
+    }
+  }
+  EXPECT_EQ(pipeline.packets().malformed, 0);
+  EXPECT_EQ(pipeline.packets().skeletons, 1);
+  EXPECT_EQ(pipeline.statistics().lost, 0);
+  return last;
+}
+
+TEST(Vmc, TheLeftArmOfTheAvatarIsThatOfTheRobot) {
+  std::vector<UnityPose> bones = avatar();
+  // 80 degrees about z: the left arm hangs down, the right one stays
+  for (UnityPose& bone : bones) {
+    if (std::string(bone.name) == "LeftUpperArm") bone.rotation = {0, 0, 0.6427876F, 0.7660444F};
+  }
+  for (const bool bundles : {true, false}) {
+    int frames = 0;
+    const std::vector<double> qpos = followed(bones, bundles, &frames);
+    EXPECT_NEAR(frames, 97, 4) << bundles;
+    const LoadedRobot loaded =
+        load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+    const Robot& robot = *loaded.robot;
+    std::vector<Pose> world_from_body(robot.bodies().size());
+    forward_kinematics(robot, qpos, world_from_body);
+    const auto hand = [&](const char* body) {
+      return world_from_body[static_cast<std::size_t>(robot.find_body(body).value())].translation;
+    };
+    const Eigen::Vector3d left = hand("left_wrist_yaw_link"), right = hand("right_wrist_yaw_link");
+    EXPECT_LT(left.z(), right.z() - 0.2);
+    // the avatar faces its z, which is -y here, so its left is x
+    EXPECT_GT(left.x(), 0.05);
+    EXPECT_LT(right.x(), -0.2);
+    const Eigen::Quaterniond root(qpos[3], qpos[4], qpos[5], qpos[6]);
+    EXPECT_LT((root * Eigen::Vector3d::UnitX()).y(), -0.95);
+    EXPECT_NEAR((root * Eigen::Vector3d::UnitZ()).z(), 1.0, 0.05);
+  }
+}
+
+TEST(Vmc, WhatIsNoPacketIsRefused) {
+  const auto decoder = make_vmc_decoder({});
+  class Nothing final : public StreamSink {
+    void take_skeleton(Clip, bool) override { ADD_FAILURE(); }
+    void take_frame(const StreamFrame&) override { ADD_FAILURE(); }
+  } nothing;
+  const std::string bone = osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, 0, 0, 0, 0, 0, 1});
+  for (const std::string& bad :
+       {std::string("x"), std::string("/a"), std::string("/abc\0abc\0", 9),
+        bone.substr(0, bone.size() - 2), osc_text("/a") + osc_text(",z"),
+        osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, 0, 0}),
+        osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, 0, 0, 0, 0, 0, 0}),
+        osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, NAN, 0, 0, 0, 0, 1}),
+        bundle_of({bundle_of({bundle_of({bundle_of({bundle_of({bone})})})})}),
+        osc_text("/a") + osc_text(",b") + big_endian(0xFFFFFFFF)}) {
+    EXPECT_FALSE(decoder->take(bad, nothing));
+  }
+  EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Blend/Val", "Joy", {0.5F}), nothing));
+  EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Bone/Pos", "Tail", {1}), nothing));
+}
+
+TEST(Osc, HasTextsAndNumbersInTheirOrder) {
+  const std::string bytes = osc_text("/a") + osc_text(",ihsTfd") + big_endian(0xFFFFFFFEU) +
+                            std::string(8, '\1') + osc_text("word") +
+                            big_endian(std::bit_cast<std::uint32_t>(0.5F)) +
+                            std::string("\x40\x00\0\0\0\0\0\0", 8);
+  const auto messages = read_osc(bundle_of({bytes, osc_text("/b")}));
+  ASSERT_TRUE(messages);
+  ASSERT_EQ(messages->size(), 2U);
+  EXPECT_EQ((*messages)[0].address, "/a");
+  EXPECT_THAT((*messages)[0].texts, testing::ElementsAre("word"));
+  EXPECT_THAT((*messages)[0].numbers, testing::ElementsAre(-2.0, 0.5, 2.0));
+  EXPECT_EQ((*messages)[1].address, "/b");
+}
+
+}  // namespace
+}  // namespace retarget
