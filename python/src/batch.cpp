@@ -14,6 +14,7 @@
 #include "handles.h"
 #include "keywords.h"
 #include "options/run_tables.h"
+#include "plan/measure_motion.h"
 #include "raise.h"
 #include "solving_table.h"
 #include "watcher.h"
@@ -28,6 +29,7 @@ OptionTable batch_keywords(BatchRequest& request) {
   append(table, without(source_table(request.run.options.source), {"memory"}));
   append(table, without(solving_table(request.run.options), {"memory"}));
   append(table, without(robot_table(request.run.robot), {"robot"}));
+  table.push_back(dynamics_row(request.of_clip.dynamics));
   return table;
 }
 

@@ -15,6 +15,7 @@
 #include "options/run_tables.h"
 #include "plan/gates.h"
 #include "plan/measure_motion.h"
+#include "quality/measure.h"
 #include "raise.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -24,11 +25,12 @@ namespace retarget::python {
 
 using namespace nb::literals;
 
-OptionTable evaluate_table(Options& options) {
+OptionTable evaluate_table(Options& options, bool& dynamics) {
   OptionTable table = only(solve_table(options.solve), {"limits", "ik-config"});
   append(table, human_table(options.human));
   append(table, only(part_table(options.part), {"start", "lead-in"}));
   append(table, only(time_table(options.time), {"fps"}));
+  table.push_back(dynamics_row(dynamics));
   return table;
 }
 
@@ -74,30 +76,40 @@ Gates gates_of(const nb::object& given, const std::string& data_folder) {
   return gates;
 }
 
-Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip, Options options) {
+Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip, Options options,
+                              bool dynamics) {
   const Robot& robot = *motion.robot;
   std::string& limits_name = options.solve.limits;
   if (limits_name.empty()) limits_name = robot.limits_for({});
   TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
-  if (clip == nullptr) return measure_motion(*motion.clip, limits, nullptr).report;
+  if (clip == nullptr) {
+    QualityReport report = measure_motion(*motion.clip, limits, nullptr).report;
+    if (dynamics) add_dynamics(*motion.clip, report);
+    return report;
+  }
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
   TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
   // as the command does: what a body without some bones lacks is measured, too
   plan.config = setup.config_for(plan.human);
   TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
   TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
-  return measure_motion(at_rate, limits, &source).report;
+  QualityReport report = measure_motion(at_rate, limits, &source).report;
+  if (dynamics) add_dynamics(at_rate, report);
+  return report;
 }
 
 // beside the clip it was made from only limits may be others: what else is given must be as it was
 void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   options.time.fps = plan.rate.fps();
-  const OptionTable table = without(evaluate_table(options), {"limits"});
+  bool dynamics = false;
+  const OptionTable table = without(evaluate_table(options, dynamics), {"limits", "dynamics"});
   std::vector<std::string> before;
   for (const Option& row : table) before.push_back(to_text(row.get()));
   nb::dict given;
   for (const auto& [key, value] : keywords) given[key] = value;
-  if (given.contains("limits")) nb::del(given["limits"]);
+  for (const char* name : {"limits", "dynamics"}) {
+    if (given.contains(name)) nb::del(given[name]);
+  }
   // it may be called the source's rate as well
   if (!plan.options.time.fps && given.contains("fps") &&
       nb::str(given["fps"]).equal(nb::str("source"))) {
@@ -113,11 +125,14 @@ void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   }
 }
 
-Result<QualityReport> measure_as_solved(const MotionHandle& handle, const std::string& limits) {
-  if (limits == handle.solved->plan.options.solve.limits) return retarget::evaluate(*handle.solved);
+Result<QualityReport> measure_as_solved(const MotionHandle& handle, const std::string& limits,
+                                        bool dynamics) {
+  if (limits == handle.solved->plan.options.solve.limits) {
+    return retarget::evaluate(*handle.solved, dynamics);
+  }
   Motion motion = *handle.solved;
   TRY_ASSIGN(motion.plan.limits, load_limits(*handle.robot, limits));
-  return retarget::evaluate(motion);
+  return retarget::evaluate(motion, dynamics);
 }
 
 // text, JSON and whether the motion passed
@@ -132,10 +147,11 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
   Options options = motion.solved ? motion.solved->plan.options : Options{};
   if (motion.solved) options.time.fps = motion.clip->rate().fps();
   if (is_own) check_kept(options, motion.solved->plan, keywords);
-  apply_keywords(evaluate_table(options), keywords);
+  bool dynamics = false;
+  apply_keywords(evaluate_table(options, dynamics), keywords);
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
-    if (is_own) return measure_as_solved(motion, options.solve.limits);
-    return measure(motion, source, options);
+    if (is_own) return measure_as_solved(motion, options.solve.limits, dynamics);
+    return measure(motion, source, options, dynamics);
   });
   report.file = std::filesystem::path(motion.name).filename().string();
   gates.judge(report);

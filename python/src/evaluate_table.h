@@ -5,7 +5,8 @@
 
 namespace retarget::python {
 
-/// The options of evaluate: limits, and how the source is read.
-[[nodiscard]] OptionTable evaluate_table(Options& options);
+/// The options of evaluate: limits, how the source is read, and whether inverse dynamics are
+/// measured.
+[[nodiscard]] OptionTable evaluate_table(Options& options, bool& dynamics);
 
 }  // namespace retarget::python

@@ -25,6 +25,7 @@ nb::dict option_tables() {
   BatchRequest batch;
   ReadingOptions reading;
   FitOptions fit;
+  bool dynamics = false;
   nb::dict tables;
   tables["SourceOptions"] = described(source_table(options.source));
   tables["HumanOptions"] = described(human_table(options.human));
@@ -37,7 +38,7 @@ nb::dict option_tables() {
   OptionTable read = reading_table(reading);
   read.push_back(memory_row(options.source.memory_gb));
   tables["ReadingOptions"] = described(read);
-  tables["EvaluateOptions"] = described(evaluate_table(options));
+  tables["EvaluateOptions"] = described(evaluate_table(options, dynamics));
   tables["BatchOptions"] = described(batch_keywords(batch));
   EditOptions edit;
   EditSettings own;

@@ -62,6 +62,16 @@ def test_gates_and_faults(data: Path, walk: retarget.Clip, g1: retarget.Robot) -
         retarget.evaluate(motion, gates={"peak_speed": "high"})
 
 
+def test_inverse_dynamics(data: Path, walk: retarget.Clip, walked: retarget.Motion,
+                          tmp_path: Path, command) -> None:
+    assert "dynamics_bad_pct" not in retarget.evaluate(walked).figures
+    report = retarget.evaluate(walked, dynamics=True)
+    walked.save(tmp_path / "walk.csv")
+    expected = evaluated(command, tmp_path, tmp_path / "walk.csv", "--robot", "unitree_g1",
+                         "--bvh", data / "walk.bvh", "--dynamics")
+    assert report.figures["dynamics_bad_pct"] == expected["dynamics_bad_pct"]
+
+
 def test_the_metrics_are_explained() -> None:
     metrics = {key: definition for key, unit, definition in retarget.metrics()}
     assert "peak_speed" in metrics and all(metrics.values())

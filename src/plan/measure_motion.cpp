@@ -79,7 +79,7 @@ Option dynamics_row(bool& dynamics) {
       "dynamics", dynamics, kOutputGroup, "",
       "Measure also what the motion asks of the robot by inverse dynamics: forces that no "
       "contact can supply, torques beyond limits, balance, friction (docs/dynamics.md)",
-      {.decides = false, .basic = true});
+      {.decides = false});
 }
 
 }  // namespace retarget

@@ -84,13 +84,15 @@ OptionTable batch_table(BatchArguments& arguments) {
 }
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
+  Option dynamics = dynamics_row(arguments.dynamics);
+  dynamics.info.basic = true;
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
               "Rate of motions whose files give none, in frames per second, or `source`; the "
               "source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
-          dynamics_row(arguments.dynamics), gate_row(arguments.gates)};
+          std::move(dynamics), gate_row(arguments.gates)};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {
