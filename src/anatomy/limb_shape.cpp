@@ -75,8 +75,7 @@ bool ends_in_toe(const TreeState& posed, const std::vector<int>& beyond,
   constexpr double kAhead = 0.12;  // of the shin
   constexpr double kAlike = 0.8;
   if (beyond.size() < 2 || posed.slides(beyond.back())) return false;
-  const Eigen::Vector3d ankle =
-      common_point(posed, std::span(beyond).first(beyond.size() - 1));
+  const Eigen::Vector3d ankle = common_point(posed, std::span(beyond).first(beyond.size() - 1));
   const Eigen::Vector3d shin = across(ankle - knee, axis);
   const Eigen::Vector3d foot = across(posed.anchor(beyond.back()) - ankle, axis);
   const double along = foot.dot(shin.normalized());
@@ -144,9 +143,8 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
     move_to_parallel_hinge(posed, before, shape.axis, shape.root);
     move_to_parallel_hinge(posed, beyond, shape.axis, shape.end);
   } else if (!beyond.empty() && all_turn_about(posed, beyond, (shape.end - anchor).normalized())) {
-    const SegmentEnd end =
-        segment_end(robot, posed, {robot.joints()[beyond.back()].body, shape.root, anchor,
-                                   shape.axis, beyond});
+    const SegmentEnd end = segment_end(
+        robot, posed, {robot.joints()[beyond.back()].body, shape.root, anchor, shape.axis, beyond});
     if (end.body) shape.end = end.point;
   }
   // the limb's line passes through its end; what turns at its root may stand beside it

@@ -115,9 +115,10 @@ Failure LimbFinder::no_middle(int first, bool is_leg) const {
   const std::string name = "the " + limb + " that begins with " + name_of(robot_, body_of(first));
   for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
     if (!tree.links()[link].slides) continue;
-    return config_failure(file_, name + " has a slide, \"" +
-                                     robot_.joints()[tree.links()[link].joint].name +
-                                     "\", before its end: a " + middle + " must be a hinge",
+    return config_failure(file_,
+                          name + " has a slide, \"" +
+                              robot_.joints()[tree.links()[link].joint].name +
+                              "\", before its end: a " + middle + " must be a hinge",
                           "replace it by the hinge that it drives");
   }
   return config_failure(
@@ -285,8 +286,7 @@ Limb LimbFinder::limb_of(const LimbShape& shape, bool is_leg) const {
   const auto body_at = [&](std::size_t joint) { return robot_.joints()[shape.joints[joint]].body; };
   const auto middle = static_cast<std::size_t>(shape.middle);
   limb.lower.body = body_at(middle + shape.at_end);
-  limb.upper.body =
-      robot_.tree().carrier(robot_.bodies()[body_at(middle - shape.at_root)].parent);
+  limb.upper.body = robot_.tree().carrier(robot_.bodies()[body_at(middle - shape.at_root)].parent);
   limb.upper.body_from_bone = in_body(limb.upper.body, bone(shape.upper()));
   limb.upper.joint = posed_.world_from_body(limb.upper.body).inverse() * shape.root;
   limb.lower.body_from_bone = in_body(limb.lower.body, bone(shape.lower()));

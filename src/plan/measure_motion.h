@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "retarget/clip.h"
 #include "options/option_table.h"
+#include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/plan.h"

@@ -205,10 +205,10 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
                                            "{\"a\": {\"ranges\": 1, \"source\": 1}}",
                                            "{\"left\": {\"body\": \"base\", \"points\": [1], "
                                            "\"labels\": \"x\"}}"};
-  for (const char* key : {"name", "description", "joint_order", "limit_sets", "default_limits",
-                          "method_limits", "speed_limits", "speed_limits_source", "coupled_joints",
-                          "t_pose", "soles", "soles_source", "soles_estimated",
-                          "allowed_self_contact", "variants"}) {
+  for (const char* key :
+       {"name", "description", "joint_order", "limit_sets", "default_limits", "method_limits",
+        "speed_limits", "speed_limits_source", "coupled_joints", "t_pose", "soles", "soles_source",
+        "soles_estimated", "allowed_self_contact", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {
