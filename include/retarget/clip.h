@@ -133,6 +133,9 @@ struct ClipOrigin {
   /// Joints that have a rotation because all have one: the file has places of joints, which do not
   /// tell how these turn.
   std::vector<std::string> unknown_rotations = {};
+  /// The robot that moved so: the clip is its motion as a canonical human (human/robot_human.h). Empty:
+  /// a human, or whatever else.
+  std::string robot = {};
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,

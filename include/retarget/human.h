@@ -166,6 +166,28 @@ struct BoneMap {
   [[nodiscard]] int mapped_count() const;
 };
 
+/// One end of a sole that is known, in the axes of the bone FootMod from where it stands, metres.
+struct SoleEnd {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Of its corners.
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< How far the sole reaches, beyond them.
+};
+
+/// What a foot stands on, where that is known: of robots.
+struct FootSole {
+  SoleEnd heel, toe;
+};
+
+/// A body as it is built, metres; of limbs the mean of both sides.
+struct BodyLengths {
+  double leg = 0.0;  ///< Hip to knee to ankle.
+  double upper_arm = 0.0;
+  double forearm = 0.0;
+  /// As it stands straight, x forward, y left, z up: from the middle of the hips to the middle of the
+  /// shoulders, and from the right shoulder to the left one.
+  Eigen::Vector3d trunk = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shoulders = Eigen::Vector3d::Zero();
+};
+
 /// The joints of a skeleton that give a canonical bone its pose.
 struct BoneSource {
   int position_joint = -1;  ///< Joint whose origin is the bone's; -1: the bone is missing.
@@ -190,6 +212,11 @@ struct Calibration {
   /// Height of a body of average proportions with legs like these, metres: used to compare bodies
   /// of different sizes, since feet and hips must fit the robot's legs.
   double size = 1.75;
+  /// Left, right: contacts are found by them. Empty: a heel goes as its ankle goes.
+  std::array<std::optional<FootSole>, 2> soles;
+  /// Of a robot, whose joints are hinges and which stands straight in its T-pose. Empty: a human, of
+  /// whom all of that is found in the movement.
+  std::optional<BodyLengths> built;
   std::string description;      ///< What was assumed, human-readable.
   std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: no doubts.
 
@@ -207,10 +234,12 @@ struct Calibration {
 struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
-  double height = 1.75;                    ///< Of the body, metres.
-  double size = 1.75;                      ///< As in Calibration.
-  BoneArray<std::string> sources;          ///< The joint each bone came from; empty: missing.
-  std::vector<std::string> source_joints;  ///< All joints of the source, for messages.
+  double height = 1.75;                          ///< Of the body, metres.
+  double size = 1.75;                            ///< As in Calibration.
+  std::array<std::optional<FootSole>, 2> soles;  ///< The same.
+  std::optional<BodyLengths> built;              ///< The same.
+  BoneArray<std::string> sources;                ///< The joint each bone came from; empty: missing.
+  std::vector<std::string> source_joints;        ///< All joints of the source, for messages.
 
   [[nodiscard]] bool has(Bone bone) const { return !sources[bone].empty(); }
 };

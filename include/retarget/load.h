@@ -7,6 +7,7 @@
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/export.h"
+#include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
 
@@ -37,11 +38,16 @@ struct DataFolder {
 /// Reads a motion file, by its content: BVH; SMPL or SMPL-X as NPZ, as a file of PyTorch, as a
 /// pickle or as a single array (docs/smpl.md); places of joints in such files (docs/positions.md); FBX, glTF, VRM and MVNX (docs/scenes.md).
 ///
+/// With SourceOptions::from_robot a robot's motion, in any format of docs/formats.md, as the
+/// canonical human that moves so (docs/robot_to_robot.md).
+///
 /// Errors (kInput): errors in the file with line and column; a clip that needs more than
-/// `memory_gb`.
-/// @param file  `-` reads standard input.
+/// `memory_gb`. kConfig: an unknown robot.
+/// @param file         `-` reads standard input.
+/// @param data_folder  with robots/, for from_robot.
 /// @return the motion in the file's units and axes; its origin() has the reader's warnings.
-[[nodiscard]] Result<Clip> load_clip(const std::string& file, const SourceOptions& options = {});
+[[nodiscard]] Result<Clip> load_clip(const std::string& file, const SourceOptions& options = {},
+                                     const DataFolder& data_folder = {});
 
 /// The same for a skeleton, which need not have frames.
 [[nodiscard]] Result<Clip> load_skeleton(const std::string& file,
@@ -73,5 +79,12 @@ enum class Soles : unsigned char { kFound, kAsTheyAre };
 
 /// The same by name or folder, or by a model file (.xml, .urdf).
 [[nodiscard]] Result<LoadedRobot> load_robot(const std::string& name_or_file);
+
+/// The motion of a robot as a clip, which retargets like any other: the canonical human that stands
+/// as the robot does, whose bones turn as its bodies and are as long, its soles' heels and toes for
+/// contacts. In metres, Z up; the zero pose is the T-pose.
+/// Errors (kConfig): no retargeting configuration beside the robot's model, or no limbs by it.
+[[nodiscard]] Result<Clip> clip_of_robot(const RobotClip& motion, const LoadedRobot& robot,
+                                         const std::string& name = {});
 
 }  // namespace retarget

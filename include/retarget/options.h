@@ -202,6 +202,16 @@ struct FitOptions {
   int decimals = 6;           ///< Digits at which limits hold for the numbers as printed.
 };
 
+/// What the file of a robot's motion does not say; what is not given is found in it.
+struct MotionFileOptions {
+  std::optional<MotionFormat> from;  ///< Format in place of what the content says.
+  std::optional<QuaternionOrder> quaternion;
+  std::string angles;  ///< `rad`, `deg`.
+  std::string unit;    ///< `m`, `cm`, `mm`.
+  std::string dof;     ///< Variant of the robot that the columns are of.
+  bool ignore_header = false;
+};
+
 /// How a motion file is read.
 struct SourceOptions {
   bool smpl = false;        ///< Read as SMPL or SMPL-X whatever the content; else detected.
@@ -210,6 +220,9 @@ struct SourceOptions {
   std::string root;         ///< Which of several ROOTs, or of several skeletons of a scene.
   std::string take;         ///< Which of several motions in a file, by name or number from 1.
   std::string joint_names;  ///< List of joints' names, for places of joints; empty: not given.
+  std::string
+      from_robot;  ///< The robot whose motion the file has, by name or folder; empty: a human's.
+  MotionFileOptions robot_file;  ///< Of a robot's motion.
   double source_fps = 0.0;  ///< Frames per second; 0: the file's own. A scene is sampled so often.
   double memory_gb = 0.0;   ///< Limit for one clip; 0: three quarters of what is available.
 };

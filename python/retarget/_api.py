@@ -25,18 +25,22 @@ Bounds = float | tuple[float | None, float | None] | list[float | None] | None
 
 
 @with_options("SourceOptions")
-def load(file: StrPath, *, skeleton_only: bool = False,
+def load(file: StrPath, *, skeleton_only: bool = False, data_dir: StrPath | None = None,
          **options: Unpack[_options.SourceOptions]) -> _retarget.Clip:
     """Reads a motion file, by its content: BVH, or an NPZ of SMPL or SMPL-X.
+
+    With `from_robot` a robot's motion, as the human that moves so (docs/robot_to_robot.md).
 
     Args:
         file: its path; "-" reads standard input.
         skeleton_only: accept a file with a skeleton but no motion.
+        data_dir: folder with robots/ and configs/, of `from_robot`.
 
     Raises:
         InputError: errors in the file, with line and column.
+        ConfigError: an unknown robot.
     """
-    return _retarget.load(file, dict(options), skeleton_only)
+    return _retarget.load(file, dict(options), skeleton_only, data_dir)
 
 
 @with_options("SolvingOptions", "RobotOptions", "SourceOptions")
@@ -68,7 +72,7 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
     of_robot = _taken(given, names_of("RobotOptions"))
     if not isinstance(clip, _retarget.Clip):
         source["memory"] = given.get("memory")
-    clip = _clip(clip, source)
+    clip = _clip(clip, source, data_dir)
     robot = _robot(robot, data_dir, of_robot)
     return _retarget.to_robot(clip, robot, given, dict(fit or {}), threads, progress)
 
@@ -129,7 +133,7 @@ def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
     """
     given: dict[str, Any] = dict(options)
     source = _taken(given, names_of("SourceOptions") - names_of("HumanOptions"))
-    return Inspection(*_retarget.inspect(_clip(clip, source), given, data_dir))
+    return Inspection(*_retarget.inspect(_clip(clip, source, data_dir), given, data_dir))
 
 
 @with_options("BatchOptions")
@@ -180,10 +184,11 @@ def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
     return {name: options.pop(name) for name in sorted(names & options.keys())}
 
 
-def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any]) -> _retarget.Clip:
+def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any],
+          data_dir: StrPath | None = None) -> _retarget.Clip:
     """A clip, or that of a path, read with options."""
     if clip is not None and not isinstance(clip, _retarget.Clip):
-        return load(clip, **options)
+        return load(clip, data_dir=data_dir, **options)
     if options:
         raise UsageError(f"{min(options)} is an option of load(), and the clip is read already")
     assert clip is not None

@@ -184,12 +184,18 @@ ClipHandle from_positions(nb::object positions, const nb::list& names, double fp
   return clip;
 }
 
-ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_only) {
+ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_only,
+                const nb::object& data_dir) {
+  const std::string chosen = bytes_of_folder(data_dir);
   SourceOptions source;
   apply_keywords(source_table(source), options);
   const std::string path = bytes_of_path(file, "file");
-  ClipHandle clip(without_gil(
-      [&] { return skeleton_only ? load_skeleton(path, source) : load_clip(path, source); }));
+  ClipHandle clip(without_gil([&]() -> Result<Clip> {
+    if (skeleton_only) return load_skeleton(path, source);
+    if (source.from_robot.empty()) return load_clip(path, source);
+    TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
+    return load_clip(path, source, DataFolder{folder, {}});
+  }));
   warn(clip->origin().warnings, clip->name());
   return clip;
 }
@@ -326,13 +332,23 @@ void bind_clip(nb::module_& module) {
           "name: what messages call the clip.\n\n"
           "What was found and assumed are warnings. Raises UsageError: wrong shapes, numbers that "
           "are not finite; InputError: no human in the joints.")
+      .def_static(
+          "from_motion",
+          [](const MotionHandle& motion) {
+            return ClipHandle(without_gil(
+                [&] { return clip_of_robot(*motion.clip, motion.robot.loaded, motion.name); }));
+          },
+          "motion"_a, nb::sig("def from_motion(motion: Motion) -> Clip"),
+          "A robot's motion as the human that moves so, for another robot "
+          "(docs/robot_to_robot.md).\n\n"
+          "Raises ConfigError: a robot without a retargeting configuration.")
       .def("__len__", [](const ClipHandle& clip) { return clip->frame_count(); })
       .def("__repr__", &shown);
   module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),
              "rotations"_a.none(), "scalar_first"_a, "local"_a, "fps"_a, "name"_a);
   module.def("clip_from_positions", &from_positions, "positions"_a.none(), "names"_a, "fps"_a,
              "name"_a);
-  module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a);
+  module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a, "data_dir"_a.none());
   module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a.none());
 }
 

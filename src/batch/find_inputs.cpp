@@ -19,6 +19,8 @@
 #include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "batch/file_facts.h"
+#include "io/raw_motion.h"
 
 namespace retarget {
 namespace {
@@ -33,6 +35,21 @@ constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 // of motions' files, in any letter case; pickles are as often a robot's, and are named one by one
 constexpr std::array<std::string_view, 10> kEndings = {".bvh", ".npz",  ".pt",  ".npy",  ".fbx",
                                                        ".glb", ".gltf", ".vrm", ".vrma", ".mvnx"};
+
+// of robots' motions
+constexpr std::array<std::string_view, 7> kRobotEndings = {".csv",    ".npz",    ".pkl", ".pickle",
+                                                           ".joblib", ".motion", ".pt"};
+
+// the ones that no file of a human has; pickles keep theirs, whoever's they are
+constexpr std::array<std::string_view, 2> kOfRobotsAlone = {".csv", ".motion"};
+constexpr const char* kMaybeOfRobots =
+    OPTION("from-robot") " NAME takes motions of a robot: .csv, .pkl, ...";
+
+template <std::size_t kCount>
+bool ends_in_one_of(const std::string& name, const std::array<std::string_view, kCount>& endings) {
+  const std::string end = lower_case(fs::path(name).extension().string());
+  return std::ranges::find(endings, end) != endings.end();
+}
 
 // also of one that ends in a slash
 std::string name_of_folder(const fs::path& folder) {
@@ -58,7 +75,9 @@ class InputFinder {
   Result<void> add_existing(const std::string& path, const std::string& base, bool must_exist);
   void add_folder(const fs::path& folder, const std::string& relative);
   void add_entry(const fs::directory_entry& entry, const std::string& relative);
-  void add_input(const std::string& path, const std::string& relative, const struct stat* info);
+  void add_input(const std::string& path, const std::string& relative,
+                 const std::optional<FileFacts>& facts);
+  [[nodiscard]] bool is_motion(const std::string& name) const;
   [[nodiscard]] bool is_excluded(const std::string& relative) const;
   [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
 
@@ -78,18 +97,22 @@ bool InputFinder::is_excluded(const std::string& relative) const {
 }
 
 void InputFinder::add_input(const std::string& path, const std::string& relative,
-                            const struct stat* info) {
+                            const std::optional<FileFacts>& facts) {
   if (is_excluded(relative)) {
     ++excluded_;
     return;
   }
   BatchInput input{path, relative, 0, 0, {}, {}};
-  if (info != nullptr) {
-    input.bytes = static_cast<std::uint64_t>(info->st_size);
-    input.modified_ns =
-        std::int64_t{info->st_mtim.tv_sec} * 1'000'000'000 + std::int64_t{info->st_mtim.tv_nsec};
+  if (facts) {
+    input.bytes = facts->bytes;
+    input.modified_ns = facts->modified_ns;
   }
   found_.inputs.push_back(std::move(input));
+}
+
+bool InputFinder::is_motion(const std::string& name) const {
+  if (!search_.of_robots) return has_motion_ending(name);
+  return ends_in_one_of(name, kRobotEndings) && !lower_case(name).ends_with(".contacts.csv");
 }
 
 void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {
@@ -101,12 +124,12 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
     add_folder(entry.path(), below_root);
     return;
   }
-  if (!has_motion_ending(name)) return;
+  if (!is_motion(name)) return;
   if (name.starts_with("._")) {
     ++hidden_;
   } else if (!there || S_ISREG(info.st_mode)) {
     // a link to nothing too: who put it there misses a clip, and its reading says so
-    add_input(entry.path().string(), below_root, there ? &info : nullptr);
+    add_input(entry.path().string(), below_root, facts_of(entry.path().string()));
   } else {
     found_.notes.push_back("skipped " + entry.path().string() + ": not a file");
   }
@@ -125,6 +148,11 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
                            ": a link back to one of its parent folders");
     return;
   }
+  if (search_.of_robots && is_sonic_folder(folder.string())) {
+    add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative,
+              facts_of(folder.string()));
+    return;
+  }
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   above_.push_back(id);
@@ -137,7 +165,7 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
                          std::generic_category().message(error.value()));
   // whose clips must not be missed unnoticed: it counts as one that fails
-  add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative, nullptr);
+  add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative, std::nullopt);
 }
 
 // what a file that is named keeps of its path
@@ -180,7 +208,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
                          "retarget " OPTION("bvh") " reads one");
   }
   TRY_ASSIGN(const auto relative, below(path, base));
-  add_input(path, relative, there ? &info : nullptr);
+  add_input(path, relative, facts_of(path));
   return {};
 }
 
@@ -242,9 +270,13 @@ Result<FoundInputs> InputFinder::run() {
                            " files by " OPTION("exclude"));
   }
   if (found_.inputs.empty()) {
-    return input_failure(
-        search_.names.empty() ? "" : search_.names.front(),
-        "there is no .bvh, .fbx, .glb, .gltf, .vrm, .mvnx, .npz, .pt or .npy file to retarget");
+    return input_failure(search_.names.empty() ? "" : search_.names.front(),
+                         search_.of_robots ? "there is no .csv, .npz, .pkl, .pickle, .joblib, "
+                                             ".motion or .pt file, nor a folder of "
+                                             "SONIC's, with a robot's motion"
+                                           : "there is no .bvh, .fbx, .glb, .gltf, .vrm, .mvnx, "
+                                             ".npz, .pt or .npy file to retarget",
+                         search_.of_robots ? "" : kMaybeOfRobots);
   }
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);
@@ -262,8 +294,7 @@ Result<FoundInputs> InputFinder::run() {
 }  // namespace
 
 bool has_motion_ending(const std::string& name) {
-  const std::string end = lower_case(fs::path(name).extension().string());
-  return std::ranges::find(kEndings, end) != kEndings.end();
+  return ends_in_one_of(name, kEndings);
 }
 
 Result<FoundInputs> find_inputs(const InputSearch& search) {
@@ -272,7 +303,8 @@ Result<FoundInputs> find_inputs(const InputSearch& search) {
 
 std::string output_stem(const std::string& relative) {
   const std::size_t ending = fs::path(relative).extension().string().size();
-  return has_motion_ending(fs::path(relative).filename().string())
+  const std::string name = fs::path(relative).filename().string();
+  return has_motion_ending(name) || ends_in_one_of(name, kOfRobotsAlone)
              ? relative.substr(0, relative.size() - ending)
              : relative;
 }

@@ -37,6 +37,7 @@ struct InputSearch {
   std::vector<std::string> exclude;
   /// A folder of outputs, in which nothing is an input; may be empty.
   std::string output_folder;
+  bool of_robots = false;  ///< Motions of robots are looked for, not of humans.
 };
 
 struct FoundInputs {
@@ -46,7 +47,8 @@ struct FoundInputs {
 
 /// Finds the motion files: in folders all whose name ends in .bvh, .fbx, .glb, .gltf,
 /// .vrm, .vrma, .mvnx, .npz, .pt or .npy in any letter
-/// case, else those that are named. A folder that cannot be read is an input itself, whose reading fails.
+/// case, else those that are named. Of robots: .csv (but for .contacts.csv, which a run writes beside
+/// motions), .npz, .pkl, .pickle, .joblib, .motion, .pt, and folders of SONIC's. A folder that cannot be read is an input itself, whose reading fails.
 ///
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
 /// folders, and the `._NAME` files of macOS archives, are skipped. A file of a list that is not

@@ -4,19 +4,22 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
+#include <filesystem>
 #include <set>
 #include <system_error>
 
 #include "base/plain_name.h"
 #include "base/try.h"
+#include "batch/file_facts.h"
 #include "provenance/hash.h"
+#include "run/folder_hash.h"
 
 namespace retarget {
 namespace {
 
-std::int64_t modified_ns(const struct stat& info) {
-  return std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + std::int64_t{info.st_mtim.tv_nsec};
+Result<std::string> hash_motion(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? folder_hash(path, "") : hash_file(path);
 }
 
 }  // namespace
@@ -26,23 +29,22 @@ Result<FileRecord> record_file(const std::string& path, std::string name) {
   if (::stat(path.c_str(), &info) != 0) {
     return input_failure(path, "cannot read the file: " + std::generic_category().message(errno));
   }
-  if (S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
-  if (!S_ISREG(info.st_mode)) return input_failure(path, "cannot read the file: not a file");
-  TRY_ASSIGN(auto hash, hash_file(path));
-  return FileRecord{std::move(name), static_cast<std::uint64_t>(info.st_size), modified_ns(info),
-                    std::move(hash)};
+  const auto facts = facts_of(path);
+  if (!facts && S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
+  if (!facts) return input_failure(path, "cannot read the file: not a file");
+  TRY_ASSIGN(auto hash, hash_motion(path));
+  return FileRecord{std::move(name), facts->bytes, facts->modified_ns, std::move(hash)};
 }
 
 RecordState look_at(const FileRecord& record, const std::string& path) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return RecordState::kChanged;
-  if (static_cast<std::uint64_t>(info.st_size) != record.bytes) return RecordState::kChanged;
-  return modified_ns(info) == record.modified_ns ? RecordState::kSame : RecordState::kUnsure;
+  const auto facts = facts_of(path);
+  if (!facts || facts->bytes != record.bytes) return RecordState::kChanged;
+  return facts->modified_ns == record.modified_ns ? RecordState::kSame : RecordState::kUnsure;
 }
 
 bool has_recorded_content(const FileRecord& record, const std::string& path) {
   if (look_at(record, path) == RecordState::kChanged) return false;
-  const auto hash = hash_file(path);
+  const auto hash = hash_motion(path);
   return hash && *hash == record.hash;
 }
 

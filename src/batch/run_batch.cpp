@@ -176,7 +176,9 @@ Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
 
 // every clip: files, or parts of them, and mirror images
 Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer& observer) {
-  InputSearch search{request.inputs, request.lists, request.base, request.exclude, request.output};
+  InputSearch search{request.inputs, request.lists,
+                     request.base,   request.exclude,
+                     request.output, !request.run.options.source.from_robot.empty()};
   std::vector<ClipRow> rows;
   if (!request.clips.empty()) {
     TRY_ASSIGN(rows, read_clip_table(request.clips));

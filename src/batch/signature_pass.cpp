@@ -13,6 +13,7 @@
 #include "human/motion_signature.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
+#include "run/recorded_motion.h"
 
 namespace retarget {
 namespace {
@@ -21,7 +22,8 @@ namespace {
 std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double memory_gb) {
   try {
     const Run run = run_of_clip(robot, clip, memory_gb);
-    auto loaded = load_clip(run.motion, run.options.source);
+    auto loaded = load_clip(run.motion, recorded_source(run.motion, run.options.source),
+                            DataFolder{robot.setup.loaded.data_folder, {}});
     if (!loaded) return {};
     const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
     if (!plan) return {};

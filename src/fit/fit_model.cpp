@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "retarget/pose.h"
 #include "robot/core_points.h"
+#include "robot/sole_ends.h"
 
 namespace retarget {
 namespace {
@@ -159,53 +159,14 @@ void ModelMaker::add_tasks() {
   }
 }
 
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
-  const Eigen::Vector3d sum =
-      std::accumulate(points.begin(), points.end(), Eigen::Vector3d(0.0, 0.0, 0.0));
-  return sum / static_cast<double>(points.size());
-}
-
-// the points of one end of a sole, in the body's frame
-FitFoot::End make_end(const std::vector<Eigen::Vector3d>& corners,
-                      const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& outwards,
-                      const Pose& link_from_body) {
+// the points of one end of a sole as the link carries them
+FitFoot::End make_end(const SolePoints& sole, const Pose& link_from_body) {
   FitFoot::End end;
-  end.middle = mean_of(corners);
-  double reach = 0.0;
-  for (const auto& point : all) reach = std::max(reach, outwards.dot(point - end.middle));
-  end.tip = link_from_body * (end.middle + reach * outwards);
-  end.middle = link_from_body * end.middle;
-  for (const auto& point : all) end.points.push_back(link_from_body * point);
+  end.middle = link_from_body * sole.middle;
+  end.tip = link_from_body * sole.tip;
+  end.half_width = sole.half_width;
+  for (const auto& point : sole.points) end.points.push_back(link_from_body * point);
   return end;
-}
-
-// which end of a sole each of its points belongs to: by its label, else by where it lies
-std::vector<int> ends_of_points(const Sole& sole) {
-  std::vector<int> ends;
-  if (sole.labels.size() == sole.points.size()) {
-    for (const std::string& label : sole.labels) {
-      const bool heel = label.starts_with("heel"), toe = label.starts_with("toe");
-      ends.push_back(heel ? kHeelEnd : toe ? kToeEnd : -1);
-    }
-    if (std::ranges::count(ends, kHeelEnd) > 0 && std::ranges::count(ends, kToeEnd) > 0)
-      return ends;
-  }
-  // the sole's longest line runs from heel to toe, and the ankle stands nearer to the heel
-  ends.assign(sole.points.size(), kHeelEnd);
-  double longest = 0.0;
-  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = from;
-  for (const auto& a : sole.points) {
-    for (const auto& b : sole.points) {
-      if ((b - a).norm() <= longest) continue;
-      longest = (b - a).norm();
-      from = a.norm() <= b.norm() ? a : b;
-      to = a.norm() <= b.norm() ? b : a;
-    }
-  }
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if ((sole.points[i] - 0.5 * (from + to)).dot(to - from) > 0.0) ends[i] = kToeEnd;
-  }
-  return ends;
 }
 
 void ModelMaker::add_feet() {
@@ -214,41 +175,18 @@ void ModelMaker::add_feet() {
   for (const Sole& sole : robot_.profile().soles) {
     const KinematicTree::Attachment& attached = attachment(sole.body);
     const bool followed = sole.side == "left" ? sides_.left : sides_.right;
-    if (!followed || attached.link < 0 || sole.points.size() < 2) continue;
-    const std::vector<int> ends = ends_of_points(sole);
-    std::array<std::vector<Eigen::Vector3d>, 2> all, corners;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      if (ends[i] < 0) continue;
-      const auto end = ends[i];
-      all[end].push_back(sole.points[i]);
-      const bool tip = i < sole.labels.size() && sole.labels[i].ends_with("_tip");
-      if (!tip) corners[end].push_back(sole.points[i]);
-    }
-    FitFoot foot;
-    if (all[kHeelEnd].empty() || all[kToeEnd].empty()) continue;
-    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
-      if (corners[end].empty()) corners[end] = all[end];
-    }
-    const Eigen::Vector3d forward =
-        (mean_of(corners[kToeEnd]) - mean_of(corners[kHeelEnd])).normalized();
+    if (!followed || attached.link < 0) continue;
+    const auto shape = sole_shape(sole);
+    if (!shape) continue;
     const Pose& link_from_body = attached.link_from_body;
+    FitFoot foot;
     foot.link = attached.link;
     foot.left = sole.side == "left";
     foot.body = sole.body;
-    foot.ends[kHeelEnd] = make_end(corners[kHeelEnd], all[kHeelEnd], -forward, link_from_body);
-    foot.ends[kToeEnd] = make_end(corners[kToeEnd], all[kToeEnd], forward, link_from_body);
-    // distance of the origin from the heel-toe line is its height, for ankles stand above it
-    const Eigen::Vector3d heel = mean_of(corners[kHeelEnd]);
-    const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
-    const Eigen::Vector3d sideways = above.cross(forward).normalized();
-    foot.sideways = link_from_body.rotation * sideways;
-    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
-      for (const auto& corner : corners[end]) {
-        foot.ends[end].half_width = std::max(
-            foot.ends[end].half_width, std::abs(sideways.dot(corner - mean_of(corners[end]))));
-      }
-    }
-    foot.body_height = (heel - forward * forward.dot(heel)).norm();
+    foot.ends[kHeelEnd] = make_end(shape->ends[kSoleHeel], link_from_body);
+    foot.ends[kToeEnd] = make_end(shape->ends[kSoleToe], link_from_body);
+    foot.sideways = link_from_body.rotation * shape->sideways;
+    foot.body_height = shape->body_height;
     for (FitTask& task : model_.tasks) {
       if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
     }

@@ -104,8 +104,9 @@ FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       plan.upright.push_back(upright);
       for (const int end : {kHeelEnd, kToeEnd}) {
         FootEndGoal goal;
-        goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end))) +
-                         kHalfWidth * scale * std::abs(foot.side);
+        goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end)));
+        // the middle of a sole that is known has risen itself
+        if (!foot.heel) goal.clearance += kHalfWidth * scale * std::abs(foot.side);
         goal.importance = std::sqrt(upright);
         plan.ends.push_back(goal);
       }

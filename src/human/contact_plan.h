@@ -35,8 +35,9 @@ struct ContactOptions {
 struct StandingHeights {
   double ankle = 0.0, toe = 0.0;  ///< World, metres.
   bool found = false;             ///< False: no foot stands long enough; a guess.
+  double ankle_over_heel = 0.0;   ///< Metres, of feet whose soles are known; else ankles are heels.
 
-  [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle : toe; }
+  [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle - ankle_over_heel : toe; }
 };
 
 /// When one end of a foot is in contact.

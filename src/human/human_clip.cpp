@@ -34,6 +34,8 @@ HumanClipInfo HumanPoser::info() const {
   info.frame_count = clip_.frame_count();
   info.height = calibration_.height;
   info.size = calibration_.size;
+  info.soles = calibration_.soles;
+  info.built = calibration_.built;
   info.source_joints = skeleton.names();
   for (const Bone bone : kAllBones) {
     const BoneSource& source = calibration_.bones[bone];

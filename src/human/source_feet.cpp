@@ -29,10 +29,18 @@ double short_speed(const SourceFeet& source, int frame, const PlaceAt& place_at)
   return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, half, place_at));
 }
 
+// Where the end of a sole is: as high as what of it is lowest, so that a foot that rolls stands on its
+// tip, but always at one place of the foot.
+Eigen::Vector3d lower_end(const Pose& world_from_sole, const SoleEnd& end) {
+  Eigen::Vector3d place = world_from_sole * end.middle;
+  place.z() = std::min(place.z(), (world_from_sole * end.tip).z());
+  return place;
+}
+
 }  // namespace
 
 SourceFeet::SourceFeet(const HumanClipInfo& human)
-    : frame_time(human.rate.frame_time()), has_hips_(human.has(Bone::kHips)) {
+    : frame_time(human.rate.frame_time()), soles(human.soles), has_hips_(human.has(Bone::kHips)) {
   for (std::size_t foot = kSides.size(); foot-- > 0;) {
     const auto has_part = [&](LimbBone part) { return human.has(side_bone(kSides[foot], part)); };
     has_ankle[foot] = has_part(LimbBone::kFoot);
@@ -57,17 +65,36 @@ void SourceFeet::add(const HumanPose& pose) {
   const auto joint = [&](LimbBone part) { return pose[side_bone(leg_, part)].translation; };
   legs.push_back((joint(LimbBone::kUpLeg) - joint(LimbBone::kLeg)).norm() +
                  (joint(LimbBone::kLeg) - joint(LimbBone::kFoot)).norm());
-  for (const Side side : kSides) {
+  for (std::size_t foot = 0; foot < kSides.size(); ++foot) {
+    const Side side = kSides[foot];
     const Bone bone = side_bone(side, LimbBone::kFoot);
     const Pose &ankle = pose[bone], &toe = pose[side_bone(side, LimbBone::kToe)];
     const Eigen::Vector3d up_in_foot =
         canonical_t_pose(bone).transpose() * Eigen::Vector3d::UnitZ();
     // the y axis of toes points up and their z axis sideways while they stand
-    feet.push_back(
-        {ankle.translation, toe.translation, (toe.rotation * Eigen::Vector3d::UnitY()).z(),
-         (toe.rotation * Eigen::Vector3d::UnitZ()).z(), (ankle.rotation * up_in_foot).z()});
+    feet.push_back({ankle.translation, toe.translation,
+                    (toe.rotation * Eigen::Vector3d::UnitY()).z(),
+                    (toe.rotation * Eigen::Vector3d::UnitZ()).z(),
+                    (ankle.rotation * up_in_foot).z(), std::nullopt});
+    if (!soles[foot]) continue;
+    const Pose& sole = pose[side_bone(side, LimbBone::kFootMod)];
+    feet.back().heel = lower_end(sole, soles[foot]->heel);
+    feet.back().toe = lower_end(sole, soles[foot]->toe);
+    feet.back().down = -(ankle.rotation * Eigen::Vector3d::UnitX()).z();
   }
   for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
+}
+
+double SourceFeet::ankle_over_heel() const {
+  // the y axis of FootMod points up
+  double sum = 0.0;
+  int known = 0;
+  for (const auto& sole : soles) {
+    if (!sole) continue;
+    sum -= sole->heel.middle.y();
+    ++known;
+  }
+  return known == 0 ? 0.0 : sum / known;
 }
 
 double SourceFeet::leg_length() const {

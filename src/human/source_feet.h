@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,9 +31,17 @@ struct SourceFoot {
   double up = 1.0;       ///< Height of the unit vector that points up from toes that stand.
   double side = 0.0;     ///< The same of the one to their side.
   double sole_up = 1.0;  ///< The same of the one that points up from a foot that stands.
+  std::optional<Eigen::Vector3d> heel;  ///< Of a sole that is known, whose toe `toe` is then.
+  double down = 0.0;                    ///< Of such a foot: how far its bone points down.
 
-  /// @param end  kHeelEnd (the ankle) or kToeEnd.
-  [[nodiscard]] const Eigen::Vector3d& end(int end) const { return end == kHeelEnd ? ankle : toe; }
+  /// @param end  kHeelEnd (the heel, else the ankle) or kToeEnd.
+  [[nodiscard]] const Eigen::Vector3d& end(int end) const {
+    return end == kToeEnd ? toe : heel ? *heel : ankle;
+  }
+  /// How far down the bone from ankle to toe points, by its length.
+  [[nodiscard]] double steepness() const {
+    return heel ? down : (ankle.z() - toe.z()) / (ankle - toe).norm();
+  }
 };
 
 /// Feet, legs and hips of the source over a clip, and what else may carry it.
@@ -46,6 +55,7 @@ struct SourceFeet {
   /// Places of kSupportBones, frame-major; world, metres. Empty: not known.
   std::vector<Eigen::Vector3d> supports;
   std::array<bool, kSupportBones.size()> has_support{};
+  std::array<std::optional<FootSole>, 2> soles;  ///< By foot, where they are known.
 
   SourceFeet() = default;
   /// Of a human, without frames yet. A body without a whole leg has no feet.
@@ -69,6 +79,8 @@ struct SourceFeet {
   /// Of the left leg, of the right one where the left is incomplete; median over the frames,
   /// metres.
   [[nodiscard]] double leg_length() const;
+  /// How high ankles stand above heels: of feet that stand, metres; 0 where soles are not known.
+  [[nodiscard]] double ankle_over_heel() const;
   /// Speed of one end of a foot over a short time about the frame, m/s.
   [[nodiscard]] double speed(int frame, int foot, int end) const;
   /// @param support  index into kSupportBones.

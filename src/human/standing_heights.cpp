@@ -24,7 +24,8 @@ constexpr double kSunk = 0.25;         // metres that a body may be too low for 
 // a foot in a frame in which it is as slow and as steep as feet are that carry a body
 struct StandingFoot {
   int frame = 0;
-  double ankle = 0.0, toe = 0.0;  // heights
+  double ankle = 0.0,
+         toe = 0.0;  // heights; of a sole that is known its heel's in place of the ankle's
 };
 
 // feet with toes that are slow, and as far as `is_like_standing` says
@@ -38,7 +39,7 @@ std::vector<StandingFoot> slow_feet(const SourceFeet& source, double speed,
       if (source.has_toe[foot] && is_like_standing(now) &&
           source.speed(frame, foot, kToeEnd) < speed &&
           source.speed(frame, foot, kHeelEnd) < speed) {
-        slow.push_back({frame, now.ankle.z(), now.toe.z()});
+        slow.push_back({frame, now.end(kHeelEnd).z(), now.toe.z()});
       }
     }
   }
@@ -48,7 +49,7 @@ std::vector<StandingFoot> slow_feet(const SourceFeet& source, double speed,
 // by the height of their toes
 std::vector<StandingFoot> feet_that_stand(const SourceFeet& source, double speed) {
   std::vector<StandingFoot> standing = slow_feet(source, speed, [](const SourceFoot& foot) {
-    const double steep = (foot.ankle.z() - foot.toe.z()) / (foot.ankle - foot.toe).norm();
+    const double steep = foot.steepness();
     return steep > kFlattestFoot && steep < kMaxFootPitch;
   });
   std::ranges::stable_sort(standing, {}, &StandingFoot::toe);
@@ -130,10 +131,8 @@ double guessed_rise(const SourceFeet& source, double floor, double size,
   return kCommonFoot * (first.ankle - first.toe).norm();
 }
 
-}  // namespace
-
-StandingHeights find_standing_heights(const SourceFeet& source, const ContactOptions& options) {
-  if (source.frame_count() == 0) return {};
+// heights of the ends of feet: of soles that are known the heel's in place of the ankle's
+StandingHeights heights_of_ends(const SourceFeet& source, const ContactOptions& options) {
   const double size = source.leg_length() / kUsualSourceLeg;
   const double floor = low_height(source, kToeEnd);
   if (std::isinf(floor)) {
@@ -147,7 +146,19 @@ StandingHeights find_standing_heights(const SourceFeet& source, const ContactOpt
     return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
             true};
   }
+  // a sole is flat
+  if (source.soles[0] || source.soles[1]) return {floor, floor, false};
   return {floor + guessed_rise(source, floor, size, options), floor, false};
+}
+
+}  // namespace
+
+StandingHeights find_standing_heights(const SourceFeet& source, const ContactOptions& options) {
+  if (source.frame_count() == 0) return {};
+  StandingHeights heights = heights_of_ends(source, options);
+  heights.ankle_over_heel = source.ankle_over_heel();
+  heights.ankle += heights.ankle_over_heel;
+  return heights;
 }
 
 }  // namespace retarget

@@ -83,26 +83,56 @@ Option output_row(std::string& output) {
                 {.basic = true, .letter = "o"});
 }
 
+OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
+  constexpr const char* group = kMotionFileGroup;
+  const OptionInfo info{.decides = decides};
+  OptionTable table = {
+      option("from", options.from, group, "", "NPZ: joint order of the file", info),
+      option("source-quat", options.quaternion, group, "",
+             "Order of the root quaternion in the file", info),
+      option("source-angles", options.angles, group, "", "Unit of the joints in a CSV or pickle",
+             info),
+      option("source-unit", options.unit, group, "", "Unit of the root position in a CSV or pickle",
+             info),
+      option("source-dof", options.dof, group, "NAME",
+             "Variant of the robot whose joints the file has", info),
+      option("ignore-header", options.ignore_header, group, "",
+             "Read the columns of a CSV by position, whatever its header says", info)};
+  table[0].choices = {"npz-mjlab", "npz-beyondmimic"};
+  table[2].choices = {"rad", "deg"};
+  table[3].choices = {"m", "cm", "mm"};
+  // nothing is found in the file
+  table[2].is_optional = table[3].is_optional = true;
+  return table;
+}
+
 OptionTable source_table(SourceOptions& options) {
-  return {option("smpl-model", options.smpl_model, kInputGroup, "FILE",
-                 "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
-                 "of the same height)",
-                 {.file = OptionFile::kContent}),
-          option("lenient", options.lenient, kInputGroup, "",
-                 "Keep the complete frames of a damaged file and report what was dropped"),
-          option("root", options.root, kInputGroup, "NAME",
-                 "Which tree to read, when a file holds several ROOTs or skeletons"),
-          option("take", options.take, kInputGroup, "NAME|N",
-                 "Which motion to read, when a file holds several: its name or number from 1 (FBX, "
-                 "glTF: default the longest that moves)"),
-          option("joint-names", options.joint_names, kInputGroup, "FILE",
-                 "Names of the joints, a line each or a JSON list, of a file with places of joints "
-                 "in an order of its own",
-                 {.file = OptionFile::kContent}),
-          option("source-fps", options.source_fps, kInputGroup, "N",
-                 "Frames per second of the source, whatever its header says",
-                 {.min = kMinRate, .max = kMaxRate}),
-          memory_row(options.memory_gb)};
+  OptionTable table = {
+      option("smpl-model", options.smpl_model, kInputGroup, "FILE",
+             "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
+             "of the same height)",
+             {.file = OptionFile::kContent}),
+      option("lenient", options.lenient, kInputGroup, "",
+             "Keep the complete frames of a damaged file and report what was dropped"),
+      option("root", options.root, kInputGroup, "NAME",
+             "Which tree to read, when a file holds several ROOTs or skeletons"),
+      option("take", options.take, kInputGroup, "NAME|N",
+             "Which motion to read, when a file holds several: its name or number from 1 (FBX, "
+             "glTF: default the longest that moves)"),
+      option("joint-names", options.joint_names, kInputGroup, "FILE",
+             "Names of the joints, a line each or a JSON list, of a file with places of joints "
+             "in an order of its own",
+             {.file = OptionFile::kContent}),
+      option("source-fps", options.source_fps, kInputGroup, "N",
+             "Frames per second of the source, whatever its header says",
+             {.min = kMinRate, .max = kMaxRate}),
+      option("from-robot", options.from_robot, kInputGroup, "NAME",
+             "The motion is that of this robot, by name or folder: CSV, NPZ, pickle, ... as "
+             "retarget convert reads them (docs/robot_to_robot.md)",
+             {.basic = true})};
+  append(table, motion_file_table(options.robot_file, true));
+  table.push_back(memory_row(options.memory_gb));
+  return table;
 }
 
 OptionTable human_table(HumanOptions& options) {

@@ -11,6 +11,8 @@ namespace retarget {
 
 /// Groups of options in help and docs.
 inline constexpr const char* kInputGroup = "Input";
+inline constexpr const char* kMotionFileGroup =
+    "Motion files (detected and printed; these options override it)";
 inline constexpr const char* kHumanGroup =
     "Human (detected and printed; these options override it)";
 inline constexpr const char* kRobotGroup = "Robot and method";
@@ -21,6 +23,11 @@ inline constexpr const char* kGeneralGroup = "General";
 /// Rows that several commands have.
 [[nodiscard]] Option memory_row(double& memory_gb);
 [[nodiscard]] Option output_row(std::string& output);
+
+/// Rows of how a robot's motion is read, of the commands that are about such and of runs from one
+/// robot to another.
+/// @param decides  whether the bytes of what is made depend on them.
+[[nodiscard]] OptionTable motion_file_table(MotionFileOptions& options, bool decides);
 
 /// The rows of each struct of options; they are bound to the struct, which must outlive them.
 [[nodiscard]] OptionTable source_table(SourceOptions& options);

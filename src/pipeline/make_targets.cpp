@@ -42,6 +42,10 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
         {}, fmt::format("limbs cannot be measured: no joint found for {}", bone_name(bone)),
         kOtherScaleHint);
   }
+  if (const auto& built = human.built) {
+    return LimbLengths{built->leg, built->upper_arm + (forearms ? built->forearm : 0.0),
+                       built->trunk.norm()};
+  }
   HumanPose world_from_bone;
   poses(0, world_from_bone);
   const LimbLengths lengths = human_limb_lengths(world_from_bone, forearms);
@@ -55,7 +59,9 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
   auto trunk = robot_trunk(robot, config, limbs, limits);
   const ConfigTask* const hips = config.find_task(Bone::kHips);
   if (!trunk || hips == nullptr) return std::nullopt;
-  return TrunkAim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
+  TrunkAim aim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
+  if (human.built) aim.follow_robot();
+  return aim;
 }
 
 }  // namespace
@@ -69,11 +75,13 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   if (scale != ScaleRule::kLimbs || human.frame_count == 0) return targets;
   TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
   TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));
-  return TargetBuilder(config, limbs, body,
-                       trunk == TrunkRule::kLines
-                           ? make_trunk_aim(human, poses, robot, config, limbs,
-                                            limits == nullptr ? robot.model_limits() : *limits)
-                           : std::nullopt);
+  TargetBuilder by_limbs(config, limbs, body,
+                         trunk == TrunkRule::kLines
+                             ? make_trunk_aim(human, poses, robot, config, limbs,
+                                              limits == nullptr ? robot.model_limits() : *limits)
+                             : std::nullopt);
+  if (human.built) by_limbs.keep_bones();
+  return by_limbs;
 }
 
 }  // namespace retarget

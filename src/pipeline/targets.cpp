@@ -85,7 +85,7 @@ Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule, const HumanPose&
                                               const std::optional<TrunkAim::Aimed>& aimed) const {
   if (aimed && rule.part == Part::kPelvis) return aimed->world_from_pelvis;
   if (aimed && rule.part == Part::kTorso) return aimed->world_from_torso;
-  if (rule.part == Part::kUpperLimb || rule.part == Part::kLowerLimb) {
+  if (aims_limbs_ && (rule.part == Part::kUpperLimb || rule.part == Part::kLowerLimb)) {
     const auto& [upper, lower, end] = rule.limb;
     if (const auto limb =
             aim_limb(world_from_bone[upper], world_from_bone[lower], world_from_bone[end])) {

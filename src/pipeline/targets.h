@@ -52,6 +52,10 @@ class TargetBuilder {
   TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot, const LimbLengths& human,
                 std::optional<TrunkAim> trunk = std::nullopt);
 
+  /// Arms and legs turn as their bones from now on: those of a robot, whose elbows and knees are
+  /// hinges already, and whose bones know more of them than the lines between joints.
+  void keep_bones() { aims_limbs_ = false; }
+
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
   /// Bone of each target; the root first.
   [[nodiscard]] std::vector<Bone> bones() const;
@@ -85,6 +89,7 @@ class TargetBuilder {
   std::vector<Rule> rules_;  // the root first
   // limb by limb
   bool by_limbs_ = false;
+  bool aims_limbs_ = true;  // with a TrunkAim
   double leg_scale_ = 1.0, trunk_scale_ = 1.0;
   double lift_ = 0.0;  // metres
   std::optional<TrunkAim> trunk_;

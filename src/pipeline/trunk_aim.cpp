@@ -31,10 +31,12 @@ using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
 // the search for one frame: pelvis rotation and waist positions
 class Search {
  public:
-  Search(const RobotTrunk& robot, const Eigen::Matrix3d& turn, const Eigen::Quaterniond& hips)
+  /// @param across  the wanted line between the shoulders; nothing: turned as the chord is.
+  Search(const RobotTrunk& robot, const Eigen::Matrix3d& turn,
+         const std::optional<Eigen::Vector3d>& across, const Eigen::Quaterniond& hips)
       : robot_(robot),
         wanted_chord_((turn * robot.lines.chord).normalized()),
-        wanted_across_((turn * robot.lines.across).normalized()),
+        wanted_across_(across.value_or(turn * robot.lines.across).normalized()),
         hips_(hips),
         pelvis_(hips) {
     for (std::size_t i = 0; i < robot.waist.size(); ++i) {
@@ -249,12 +251,24 @@ TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
   if (usable_) standing_from_world_ = frame->transpose();
 }
 
+void TrunkAim::follow_robot() {
+  of_robot_ = true;
+  for (Waist& waist : robot_.waist) {
+    const double spare = kSpare / (1.0 - 2.0 * kSpare) * (waist.upper - waist.lower);
+    if (!std::isfinite(spare)) continue;
+    waist.lower -= spare;
+    waist.upper += spare;
+  }
+}
+
 std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) const {
   if (!usable_) return std::nullopt;
-  const auto frame = trunk_frame(trunk_lines(world_from_bone));
+  const TrunkLines lines = trunk_lines(world_from_bone);
+  const auto frame = trunk_frame(lines);
   if (!frame) return std::nullopt;
   const Eigen::Quaterniond t_pose(canonical_t_pose(Bone::kHips));
   Search search(robot_, *frame * standing_from_world_,
+                of_robot_ ? std::optional(lines.across) : std::nullopt,
                 world_from_bone[Bone::kHips].rotation.normalized() * t_pose.conjugate());
   search.run();
   return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,

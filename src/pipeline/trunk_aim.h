@@ -57,6 +57,11 @@ class TrunkAim {
   /// @param hips_to_pelvis  rotation of the pelvis in the Hips bone's axes: the configuration's offset.
   TrunkAim(RobotTrunk robot, const TrunkLines& standing, const Eigen::Quaterniond& hips_to_pelvis);
 
+  /// The human is a robot's: its shoulders are as they are, not square to a chord that a hinge far
+  /// from the hips has tilted, and its waist uses the whole of its ranges. So a robot is asked for
+  /// its own waist.
+  void follow_robot();
+
   struct Aimed {
     Eigen::Quaterniond world_from_pelvis, world_from_torso;
     /// Of the robot, metres: middle of the hips to middle of the shoulders, right hip to left hip.
@@ -69,6 +74,7 @@ class TrunkAim {
   RobotTrunk robot_;  // in the axes of the canonical T-pose
   Eigen::Matrix3d standing_from_world_ = Eigen::Matrix3d::Identity();
   bool usable_ = false;
+  bool of_robot_ = false;
 };
 
 }  // namespace retarget

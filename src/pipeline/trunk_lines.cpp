@@ -120,6 +120,7 @@ std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
 }
 
 TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSource& poses) {
+  if (human.built) return {human.built->trunk, human.built->shoulders};
   constexpr int kMaxFrames = 100;
   const int step = std::max(1, (human.frame_count + kMaxFrames - 1) / kMaxFrames);
   const TrunkChain chain(human);

@@ -31,7 +31,7 @@ struct TrunkLines {
 /// joints is no posture. A T-pose of a straight spine is not how people stand, though; where a clip's
 /// spine is bent as people's are (10 degrees from Hips to Spine2 in the lower quarter of the frames in
 /// which hips and trunk are upright, nothing at 3), a chord that leans back in the T-pose counts as
-/// upright when it is vertical.
+/// upright when it is vertical. A robot's is upright as it is in the T-pose.
 /// @pre the human has Hips, and UpLeg and Arm of both sides
 /// @param poses  asked for some hundred frames at most.
 [[nodiscard]] TrunkLines standing_trunk_lines(const HumanClipInfo& human,

@@ -10,8 +10,10 @@
 #include "human/calibrate.h"
 #include "human/limb_directions.h"
 #include "human/recognise.h"
+#include "human/robot_human.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
+#include "plan/robot_source.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/options.h"
@@ -52,6 +54,13 @@ Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
 
 Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
                                const std::string& data_folder) {
+  if (is_of_robot(clip)) {
+    // nothing has to be found
+    TRY(check_human_of_robot(options));
+    BoneMap map = bone_map_of_robot(clip);
+    Calibration calibration = calibration_of_robot(clip, map);
+    return HumanInClip{std::move(map), std::move(calibration)};
+  }
   TRY_ASSIGN(const CalibrationOptions how, calibration_options(options, clip));
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
   // what the file says of itself is nearer than what files of its kind are like

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "bvh/foreign_file.h"
@@ -18,6 +20,7 @@
 #include "motion/clip_size.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "plan/robot_source.h"
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
@@ -166,7 +169,30 @@ Result<void> check_kind(const std::string& name, const SourceOptions& options, b
   return {};
 }
 
+// what is no human's motion may be a robot's: a table of numbers, or arrays of joints under their names
+bool may_be_of_robot(const std::string& name, std::string_view bytes) {
+  constexpr std::array<std::string_view, 5> kArrays = {"joint_pos", "dof_pos", "root_trans_offset",
+                                                       "loop_mode", "rigid_body_pos"};
+  const std::string_view start = bytes.substr(0, bytes.find('\n'));
+  constexpr auto kNone = std::string_view::npos;
+  const bool is_table = lower_case(name).ends_with(".csv") ||
+                        (start.find_first_of("0123456789") != kNone &&
+                         start.find_first_not_of("0123456789+-.eE, \t;\r") == kNone);
+  return is_table || std::ranges::any_of(kArrays, [&](std::string_view array) {
+           return bytes.find(array) != std::string_view::npos;
+         });
+}
+
+Result<Clip> hinting_at_robots(Result<Clip> clip, const std::string& name, std::string_view bytes) {
+  if (!clip && clip.error().kind == ErrorKind::kInput && !bytes.empty() &&
+      may_be_of_robot(name, bytes)) {
+    clip.error().hint = std::string(kFromRobotHint) + "; retarget convert changes its format alone";
+  }
+  return clip;
+}
+
 Result<Clip> load(const std::string& file, const SourceOptions& options, bool skeleton_only) {
+  TRY(check_robot_source(options));
   const std::string name = file == "-" ? "standard input" : file;
   TRY(check_no_folder(file));
   TRY_ASSIGN(const auto bytes,
@@ -175,9 +201,12 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
       options.smpl || (looks_like_motion_file(bytes.view()) && !is_usd_archive(bytes.view()));
   const bool is_scene = !has_arrays && looks_like_scene(bytes.view());
   TRY(check_kind(name, options, has_arrays, is_scene));
-  if (has_arrays) return load_array_clip(bytes.view(), name, options);
+  if (has_arrays) {
+    return hinting_at_robots(load_array_clip(bytes.view(), name, options), name, bytes.view());
+  }
   if (is_scene) return load_scene_clip(bytes.view(), name, options, skeleton_only);
-  return load_bvh_clip(bytes.view(), name, options, skeleton_only);
+  return hinting_at_robots(load_bvh_clip(bytes.view(), name, options, skeleton_only), name,
+                           bytes.view());
 }
 
 }  // namespace
@@ -190,11 +219,18 @@ Result<void> check_no_folder(const std::string& path) {
       "retarget batch " + path + " -o OUT " OPTION("robot") " NAME takes a folder of clips");
 }
 
-Result<Clip> load_clip(const std::string& file, const SourceOptions& options) {
+Result<Clip> load_clip(const std::string& file, const SourceOptions& options,
+                       const DataFolder& data_folder) {
+  if (!options.from_robot.empty()) return load_robot_clip(file, options, data_folder);
   return load(file, options, false);
 }
 
 Result<Clip> load_skeleton(const std::string& file, const SourceOptions& options) {
+  if (!options.from_robot.empty()) {
+    return usage_failure(
+        OPTION("from-robot") " is for a robot's motion, and a skeleton is asked for",
+        "leave it out");
+  }
   return load(file, options, true);
 }
 

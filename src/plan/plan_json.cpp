@@ -14,6 +14,7 @@
 #include "base/try.h"
 #include "base/utf8.h"
 #include "human/limb_directions.h"
+#include "human/robot_human.h"
 #include "options/enum_names.h"
 #include "options/fit_options.h"
 #include "options/options_json.h"
@@ -271,13 +272,19 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   TRY(read_options(member(json, "run"), run_table(run), file, "the plan's run"));
   plan.options = run.options;
   TRY_ASSIGN(plan.robot, load_robot(run.robot, data_folder));
-  TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source));
+  TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source, data_folder));
   Faults faults;
   read_human(member(json, "human"), plan, clip.skeleton(), faults);
   if (!faults.empty()) return faults.failure_in(file, "the plan");
   // positions that rotations do not carry: as the plan's own clip was mended
   BoneMap map = plan.human.map;
-  static_cast<void>(let_directions_win(clip, map));
+  if (is_of_robot(clip)) {
+    const Calibration own = calibration_of_robot(clip, map);
+    plan.human.calibration.soles = own.soles;
+    plan.human.calibration.built = own.built;
+  } else {
+    static_cast<void>(let_directions_win(clip, map));
+  }
   plan.clip = std::make_shared<const Clip>(std::move(clip));
   read_decisions(json, plan, faults);
   plan.limits = plan.robot.robot->model_limits();

@@ -15,6 +15,7 @@
 #include "options/option_table.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
+#include "plan/robot_source.h"
 #include "provenance/hash.h"
 #include "retarget/robot.h"
 #include "retarget/version.h"
@@ -98,6 +99,18 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
   return {};
 }
 
+// of the robot whose motions are the source
+Result<void> add_source_robot(const Run& run, const RobotSetup& setup, Fingerprint& print) {
+  const std::string& name = run.options.source.from_robot;
+  if (name.empty()) return {};
+  TRY_ASSIGN(const SourceRobot source, load_source_robot(name, {setup.loaded.data_folder, {}}));
+  print.hashed["source_robot"] = source.loaded.robot->name();
+  TRY_ASSIGN(print.hashed["source_model"], model_hash(*source.loaded.robot));
+  TRY_ASSIGN(print.hashed["source_soles"], soles_hash(*source.loaded.robot));
+  TRY(print.add_file("source_profile", source.loaded.profile));
+  return print.add_file("source_mapping", source.config.file);
+}
+
 Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
   const Robot& robot = *setup.loaded.robot;
   print.hashed["robot"] = robot.name();
@@ -140,6 +153,7 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   const std::string& config = run.options.solve.ik_config;
   print.hashed["options"]["ik-config-named"] = !config.empty() && config != "derived";
   TRY(add_robot(setup, print));
+  TRY(add_source_robot(run, setup, print));
   const fs::path configs = fs::path(setup.loaded.data_folder) / "configs";
   TRY_ASSIGN(print.hashed["skeletons"], folder_hash(configs / "skeletons", ""));
   TRY_ASSIGN(print.hashed["quality"], folder_hash(configs / "quality", ""));

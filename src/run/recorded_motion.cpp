@@ -35,6 +35,15 @@ std::optional<Sidecar> sidecar_beside(const std::string& path) {
   return *std::move(sidecar);
 }
 
+// the same where it is of what the file holds now
+std::optional<Sidecar> own_sidecar(const std::string& path) {
+  auto sidecar = sidecar_beside(path);
+  if (!sidecar || !is_file(path)) return std::nullopt;
+  const auto hash = hash_file(path);
+  if (!hash || *hash != sidecar->hash) return std::nullopt;
+  return sidecar;
+}
+
 bool has_variant(const Robot& robot, const std::string& name) {
   return std::ranges::find(robot.profile().variants, name, &RobotVariant::name) !=
          robot.profile().variants.end();
@@ -57,11 +66,24 @@ ReadMotionOptions completed(ReadMotionOptions options, const Sidecar& sidecar, c
 
 }  // namespace
 
+SourceOptions recorded_source(const std::string& path, SourceOptions options) {
+  if (options.from_robot.empty()) return options;
+  const auto sidecar = own_sidecar(path);
+  if (!sidecar) return options;
+  const SaveOptions& csv = sidecar->run.options.save;
+  MotionFileOptions& file = options.robot_file;
+  if (options.source_fps == 0.0) options.source_fps = sidecar->fps;
+  if (file.angles.empty()) file.angles = csv.degrees ? "deg" : "rad";
+  if (file.unit.empty()) file.unit = csv.centimetres ? "cm" : "m";
+  // a header tells it itself
+  if (!file.quaternion && (!csv.header || file.ignore_header)) file.quaternion = csv.quaternion;
+  if (file.dof.empty()) file.dof = sidecar->run.robot.variant;
+  return options;
+}
+
 std::string recorded_variant(const std::string& path) {
-  const auto sidecar = sidecar_beside(path);
-  if (!sidecar || !is_file(path)) return {};
-  const auto hash = hash_file(path);
-  return hash && *hash == sidecar->hash ? sidecar->run.robot.variant : std::string();
+  const auto sidecar = own_sidecar(path);
+  return sidecar ? sidecar->run.robot.variant : std::string();
 }
 
 Result<RobotMotion> load_recorded_motion(const std::string& path,

@@ -5,6 +5,7 @@
 
 #include "retarget/error.h"
 #include "retarget/motion_io.h"
+#include "retarget/options.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -17,6 +18,10 @@ namespace retarget {
 [[nodiscard]] Result<RobotMotion> load_recorded_motion(const std::string& path,
                                                        const std::shared_ptr<const Robot>& robot,
                                                        const ReadMotionOptions& options);
+
+/// How a run's motion is read: where it is a robot's (SourceOptions::from_robot), what the sidecar
+/// beside a CSV records goes in where the options leave it open.
+[[nodiscard]] SourceOptions recorded_source(const std::string& path, SourceOptions options);
 
 /// The robot's variant that the sidecar beside a CSV records; empty: none, or the sidecar does not
 /// count.

@@ -20,6 +20,7 @@
 #include "retarget/edit.h"
 #include "retarget/load.h"
 #include "retarget/view.h"
+#include "run/recorded_motion.h"
 #include "run/run_lines.h"
 #include "run/sidecar.h"
 #include "view/strip.h"
@@ -220,7 +221,9 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
 
 Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
                            Observer& observer) {
-  TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source));
+  const DataFolder data_folder{robot.loaded.data_folder, {}};
+  TRY_ASSIGN(Clip clip,
+             load_clip(run.motion, recorded_source(run.motion, run.options.source), data_folder));
   observer.warn(clip.origin().warnings, clip.name());
   const SummaryLine read = clip_line(clip);
   observer.line(read.label, read.text);

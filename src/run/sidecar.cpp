@@ -14,6 +14,7 @@
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/config_files.h"
+#include "plan/robot_source.h"
 #include "provenance/hash.h"
 #include "retarget/human.h"
 #include "retarget/plan.h"
@@ -41,6 +42,16 @@ Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
     TRY_ASSIGN(file.hash, hash_file(path));
   }
   files.push_back(std::move(file));
+  return {};
+}
+
+// a robot's may be a folder
+Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
+                        const std::string& data_folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(motion, ignored)) return add_file(files, "motion", motion, data_folder);
+  TRY_ASSIGN(std::string hash, folder_hash(motion, ""));
+  files.push_back({"motion", recorded_name(motion, data_folder), motion, std::move(hash)});
   return {};
 }
 
@@ -90,7 +101,13 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
                                          const std::string& config) {
   const std::string& data_folder = robot.data_folder;
   std::vector<ReadFile> files;
-  TRY(add_file(files, "motion", run.motion, data_folder));
+  TRY(add_motion(files, run.motion, data_folder));
+  if (const std::string& source = run.options.source.from_robot; !source.empty()) {
+    TRY_ASSIGN(const SourceRobot from, load_source_robot(source, {data_folder, {}}));
+    TRY(add_file(files, "source_model", from.loaded.model, data_folder));
+    TRY(add_file(files, "source_profile", from.loaded.profile, data_folder));
+    TRY(add_file(files, "source_mapping", from.config.file, data_folder));
+  }
   TRY(add_file(files, "model", robot.model, data_folder));
   TRY(add_file(files, "variant_model", robot.robot->variant().model, data_folder));
   TRY(add_file(files, "profile", robot.profile, data_folder));

@@ -108,6 +108,7 @@ std::vector<std::string> files_of(const Run& run, const std::string& data_folder
   }
   if (data_folder.empty()) return files;
   append_robot(files, run.robot.name, data_folder);
+  append_robot(files, run.options.source.from_robot, data_folder);
   for (const char* name : {"skeletons", "quality"}) {
     for (const fs::path& file : files_in_folder(fs::path(data_folder) / "configs" / name)) {
       files.push_back(file.string());

@@ -153,12 +153,12 @@ OptionTable view_table(ViewArguments& arguments) {
           "`source`; the source is resampled to it (default: 30; SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
   append(table, only(run_command_table(arguments.run),
-                     {"output",        "strip",       "png",        "bvh",    "smpl",
-                      "smpl-model",    "start",       "lead-in",    "map",    "partial",
-                      "rest",          "tpose-frame", "tpose-file", "unit",   "up",
-                      "forward",       "height",      "write-map",  "robot",  "robot-xml",
-                      "robot-profile", "dof",         "ik-config",  "limits", "scale",
-                      "quiet",         "data-dir",    "mirror"}));
+                     {"output",        "strip",       "png",        "bvh",       "smpl",
+                      "smpl-model",    "start",       "lead-in",    "map",       "partial",
+                      "rest",          "tpose-frame", "tpose-file", "unit",      "up",
+                      "forward",       "height",      "write-map",  "robot",     "robot-xml",
+                      "robot-profile", "dof",         "ik-config",  "limits",    "scale",
+                      "quiet",         "data-dir",    "mirror",     "from-robot"}));
   append(table, reading_table(arguments.reading));
   return table;
 }

@@ -97,7 +97,9 @@ OptionTable edit_table(Edit edit, EditArguments& arguments) {
   if (edit >= Edit::kResample && edit != Edit::kConcat) {
     append(table, only(part_table(arguments.part), {"start", "end", "frames"}));
   }
-  append(table, without(source_table(arguments.source), {"smpl-model"}));
+  append(table, without(source_table(arguments.source),
+                        {"smpl-model", "from", "source-quat", "source-angles", "source-unit",
+                         "source-dof", "ignore-header"}));
   if (edit != Edit::kRest && edit != Edit::kResample && edit != Edit::kTrim) {
     append(table, human_table(arguments.human));
     table.push_back(write_map_row(arguments.write_map));

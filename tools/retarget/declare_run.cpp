@@ -4,18 +4,23 @@
 #include "arguments.h"
 #include "declare.h"
 #include "declare_table.h"
+#include "options/run_tables.h"
 
 namespace retarget::cli {
 
 void add_run_options(CLI::App& app, RunArguments& arguments) {
   declare(app, run_command_table(arguments));
+  // a robot's motion is no BVH
+  declare(app, {option("motion", arguments.run.motion, kInputGroup, "FILE", "The same as --bvh",
+                       {.decides = false})});
+  app.get_option("--motion")->group("");
   for (const char* terms : {"--with", "--without"}) app.get_option(terms)->allow_extra_args();
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
   declare(app, {word("motion", arguments.words[0], "[MOTION]",
                      "Motion to retarget: BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as "
-                     "NPZ, .npy, .pt, .pkl",
+                     "NPZ, .npy, .pt, .pkl; a robot's with --from-robot",
                      false),
                 word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
 }
@@ -47,7 +52,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
                           "up",      "forward",     "height",        "start",      "lead-in",
                           "robot",   "robot-xml",   "robot-profile", "ik-config",  "limits",
                           "scale",   "write-map",   "quiet",         "data-dir",   "mirror",
-                          "dof"}));
+                          "dof",     "from-robot"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));

@@ -96,8 +96,9 @@ class EditRun {
 
   // says what was odd about the file
   Result<Clip> read_clip(const std::string& file, bool skeleton_only = false) {
-    TRY_ASSIGN(Clip clip, skeleton_only ? load_skeleton(file, options_.source)
-                                        : load_clip(file, options_.source));
+    TRY_ASSIGN(Clip clip, skeleton_only
+                              ? load_skeleton(file, options_.source)
+                              : load_clip(file, options_.source, {options_.common.data_dir, {}}));
     console_.warn(clip.origin().warnings, clip.name());
     return clip;
   }

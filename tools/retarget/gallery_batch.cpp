@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // what the options of a batch say about its sources, and about how its motions are measured
-constexpr std::array<std::string_view, 21> kOfSources = {"lenient",
+constexpr std::array<std::string_view, 28> kOfSources = {"lenient",
                                                          "root",
                                                          "take",
                                                          "source-fps",
@@ -39,7 +39,14 @@ constexpr std::array<std::string_view, 21> kOfSources = {"lenient",
                                                          "method",
                                                          "normalize-start",
                                                          "interpolation",
-                                                         "no-antialias"};
+                                                         "no-antialias",
+                                                         "from-robot",
+                                                         "from",
+                                                         "source-quat",
+                                                         "source-angles",
+                                                         "source-unit",
+                                                         "source-dof",
+                                                         "ignore-header"};
 
 // options that are files, and what the batch calls them
 struct FileRole {

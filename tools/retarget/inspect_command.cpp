@@ -59,9 +59,10 @@ Result<void> inspect(const InspectArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
   TRY(check_written({arguments.positions, arguments.html, arguments.run.request.write_map},
                     files_read(run, arguments.run.common)));
+  const DataFolder data_folder{arguments.run.common.data_dir, {}};
   TRY_ASSIGN(const Clip clip, arguments.skeleton_only
                                   ? load_skeleton(run.motion, run.options.source)
-                                  : load_clip(run.motion, run.options.source));
+                                  : load_clip(run.motion, run.options.source, data_folder));
   console.warn(clip.origin().warnings, clip.name());
   const auto human = understand(clip, arguments);
   // what the user asked for must be possible; what was only looked at need not be a human

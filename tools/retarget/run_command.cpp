@@ -89,7 +89,8 @@ Result<void> check_all_given(const Run& run) {
 Result<void> check_usage(const RunArguments& arguments, const std::string& data_folder) {
   const Run& run = arguments.run;
   const RunRequest& request = arguments.request;
-  TRY(check_no_folder(run.motion));
+  // some motions of robots are folders
+  if (run.options.source.from_robot.empty()) TRY(check_no_folder(run.motion));
   TRY(check_all_given(run));
   TRY(check_robot_choice(run.robot));
   TRY(check_config_choice(run.robot, run.options.solve));

@@ -87,6 +87,7 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
   }
   find_moved(run.motion, beside);
   find_moved(run.robot.name, beside);
+  find_moved(run.options.source.from_robot, beside);
   for (const Option& row : run_table(run)) {
     if (row.info.file == OptionFile::kNone) continue;
     std::string named = to_text(row.get());

@@ -1,0 +1,134 @@
+#include "plan/robot_source.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "base/try.h"
+#include "human/robot_human.h"
+#include "io/reading_table.h"
+#include "options/run_tables.h"
+#include "pipeline/robot_as_human.h"
+#include "plan/config_files.h"
+#include "plan/memory.h"
+#include "retarget/motion_io.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<ResolvedConfig> config_of(const LoadedRobot& robot) {
+  TRY_ASSIGN(const ConfigFiles files,
+             find_configs({}, Method::kFit, fs::path(robot.model).parent_path(), robot.data_folder,
+                          fs::path(robot.robot->name()).filename().string()));
+  return load_config(files.of_lafan1, *robot.robot);
+}
+
+Result<Clip> clip_of(const RobotClip& motion, const SourceRobot& robot, const std::string& name) {
+  TRY_ASSIGN(const RobotAsHuman as_human, RobotAsHuman::make(*robot.loaded.robot, robot.config));
+  if (motion.shared_robot() == robot.loaded.robot) {
+    return clip_of_robot_human(as_human.human_of(motion), name);
+  }
+  const RobotClip whole = with_robot(motion, robot.loaded.robot);
+  return clip_of_robot_human(as_human.human_of(whole), name);
+}
+
+// the options that differ from what nobody gave
+template <typename Table, typename Value>
+std::string given(Table table, const Value& value) {
+  Value given = value, none;
+  const OptionTable rows = table(given), defaults = table(none);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].get() != defaults[i].get()) return rows[i].name;
+  }
+  return {};
+}
+
+// an option that is known by its row; as OPTION has it
+std::string marked(const std::string& option) {
+  return "\x0e" + option + "\x0f";
+}
+
+Failure not_of_robots(const std::string& option) {
+  return usage_failure(marked(option) + " is for motions of humans, and " OPTION(
+                                            "from-robot") " says that this is a robot's",
+                       "leave one of them out");
+}
+
+// a human's motion needs no robot to come from
+Error about_source(Error error) {
+  if (error.message.find("BVH, a human motion") != std::string::npos) {
+    error.hint = "leave out " OPTION("from-robot");
+  }
+  return error;
+}
+
+}  // namespace
+
+Result<void> check_robot_source(const SourceOptions& options) {
+  if (options.from_robot.empty()) {
+    const std::string name = given(
+        [](MotionFileOptions& each) { return motion_file_table(each, true); }, options.robot_file);
+    if (name.empty()) return {};
+    return usage_failure(marked(name) + " is for motions of robots",
+                         "add " OPTION("from-robot") " NAME, or leave it out");
+  }
+  if (options.smpl) return not_of_robots("smpl");
+  if (!options.smpl_model.empty()) return not_of_robots("smpl-model");
+  if (!options.joint_names.empty()) return not_of_robots("joint-names");
+  if (!options.root.empty()) return not_of_robots("root");
+  if (options.lenient) return not_of_robots("lenient");
+  return {};
+}
+
+Result<void> check_human_of_robot(const HumanOptions& options) {
+  const std::string name = given([](HumanOptions& each) { return human_table(each); }, options);
+  if (!name.empty()) return not_of_robots(name);
+  return {};
+}
+
+Result<SourceRobot> load_source_robot(const std::string& name, const DataFolder& data_folder) {
+  RobotChoice choice;
+  choice.name = name;
+  SourceRobot robot;
+  auto loaded = load_robot(choice, data_folder);
+  if (!loaded) {
+    Error error = loaded.error();
+    if (error.location.file.empty()) error.message += " (" OPTION("from-robot") ")";
+    return failure(std::move(error));
+  }
+  robot.loaded = *std::move(loaded);
+  TRY_ASSIGN(robot.config, config_of(robot.loaded));
+  return robot;
+}
+
+Result<Clip> load_robot_clip(const std::string& file, const SourceOptions& options,
+                             const DataFolder& data_folder) {
+  TRY(check_robot_source(options));
+  TRY_ASSIGN(const SourceRobot robot, load_source_robot(options.from_robot, data_folder));
+  ReadMotionOptions read =
+      read_motion_options(options.robot_file, options.source_fps, options.take);
+  read.max_bytes = memory_share(options.memory_gb);
+  auto motion = load_robot_motion(file, robot.loaded.robot, read);
+  if (!motion) return failure(about_source(std::move(motion).error()));
+  TRY_ASSIGN(Clip clip, clip_of(motion->clip, robot, file == "-" ? "standard input" : file));
+  ClipOrigin origin = clip.origin();
+  origin.bytes = motion->bytes;
+  origin.choices = fmt::format(
+      "{} of the robot {}{}", format_name(motion->format), robot.loaded.robot->name(),
+      motion->rate_known ? "" : ", which gives no rate: " OPTION("source-fps") " sets another");
+  for (const std::string& warning : motion->warnings) origin.warnings.push_back({0, 0, warning});
+  clip.set_origin(std::move(origin));
+  return clip;
+}
+
+Result<Clip> clip_of_robot(const RobotClip& motion, const LoadedRobot& robot,
+                           const std::string& name) {
+  TRY_ASSIGN(ResolvedConfig config, config_of(robot));
+  return clip_of(motion, {robot, std::move(config)}, name);
+}
+
+}  // namespace retarget
