@@ -127,8 +127,7 @@ OptionTable source_table(SourceOptions& options) {
              "Frames per second of the source, whatever its header says",
              {.min = kMinRate, .max = kMaxRate}),
       option("from-robot", options.from_robot, kInputGroup, "NAME",
-             "The motion is that of this robot, by name or folder: CSV, NPZ, pickle, ... as "
-             "retarget convert reads them (docs/robot_to_robot.md)",
+             "The motion is this robot's: CSV, NPZ, pickle, ... (docs/robot_to_robot.md)",
              {.basic = true})};
   append(table, motion_file_table(options.robot_file, true));
   table.push_back(memory_row(options.memory_gb));

@@ -46,8 +46,7 @@ OptionTable request_table(RunArguments& arguments) {
               "Write a quality report, JSON as from retarget evaluate"),
           dynamics_row(request.dynamics),
           row("html", request.html, kOutputGroup, "FILE",
-              "Write a page that plays the motion beside its source, with its quality; opens from "
-              "disk (docs/viewing.md)"),
+              "Write a page that plays the motion beside its source (docs/viewing.md)"),
           row("png", request.png, kOutputGroup, "FILE",
               "Also write a picture, a strip of poses, as PNG"),
           row("strip", request.strip, kOutputGroup, "N",
@@ -84,15 +83,13 @@ OptionTable batch_table(BatchArguments& arguments) {
 }
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
-  Option dynamics = dynamics_row(arguments.dynamics);
-  dynamics.info.basic = true;
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
               "Rate of motions whose files give none, in frames per second, or `source`; the "
               "source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
-          std::move(dynamics), gate_row(arguments.gates)};
+          dynamics_row(arguments.dynamics), gate_row(arguments.gates)};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {

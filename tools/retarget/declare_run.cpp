@@ -20,14 +20,13 @@ void add_run_options(CLI::App& app, RunArguments& arguments) {
 void add_run_words(CLI::App& app, RunArguments& arguments) {
   declare(app, {word("motion", arguments.words[0], "[MOTION]",
                      "Motion to retarget: BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as "
-                     "NPZ, .npy, .pt, .pkl; a robot's with --from-robot",
+                     "NPZ, .npy, .pt, .pkl",
                      false),
                 word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
 }
 
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "batch", "Retarget folders of clips, all processors, resumable (docs/batch.md)");
+  CLI::App* command = app.add_subcommand("batch", "Retarget folders of clips (docs/batch.md)");
   declare(*command, {word("inputs", arguments.request.inputs, "IN...",
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
