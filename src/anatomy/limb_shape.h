@@ -22,9 +22,9 @@ struct LimbShape {
   double straight = 0.0;  ///< Its position with the limb straight.
   double flexion = 0.0;   ///< Sign of the positions that bend the limb; 0: the range is even.
   double clarity = 0.0;
-  std::size_t at_root = 0;      ///< Joints right before the middle one that bend the limb there too.
-  std::size_t at_end = 0;       ///< Likewise, of those right beyond it.
-  std::optional<int> toe;       ///< A joint that was left out at the end of a leg.
+  std::size_t at_root = 0;  ///< Joints right before the middle one that bend the limb there too.
+  std::size_t at_end = 0;   ///< Likewise, of those right beyond it.
+  std::optional<int> toe;   ///< A joint that was left out at the end of a leg.
   bool end_is_estimated = false;
   std::optional<int> end_body;  ///< Fixed to the last body, at the limb's end.
 

@@ -127,9 +127,9 @@ Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t l
   if ((origin - middle).norm() > std::max(near, kFarther * (end - middle).norm())) return origin;
   const std::vector<int> bends = joints_of(path, lower, lower + 1);
   if ((end - middle).norm() >= near || bends.empty()) return end;
-  return segment_end(robot_, posed_,
-                     {robot_.tree().carrier(path.back()), root, middle,
-                      posed_.axis(bends.front()), joints})
+  return segment_end(
+             robot_, posed_,
+             {robot_.tree().carrier(path.back()), root, middle, posed_.axis(bends.front()), joints})
       .point;
 }
 
@@ -198,8 +198,7 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredL
     const auto& [path, lower] = chains[side];
     const Eigen::Vector3d middle = centre_of_joints(path, lower, lower + 1);
     const Eigen::Vector3d first = root_of(path, common, lower, middle);
-    const Eigen::Vector3d end =
-        bones == 3 ? end_of(path, lower, middle, first) : middle;
+    const Eigen::Vector3d end = bones == 3 ? end_of(path, lower, middle, first) : middle;
     note(limbs[side].bones[0], first);
     note(limbs[side].bones[1], middle);
     note(limbs[side].bones[2], end);

@@ -1,74 +1,30 @@
 #include "retarget/rig.h"
 
-#include <mujoco/mujoco.h>
-
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "anatomy/neighbours.h"
 #include "anatomy/shapes.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
+#include "rig/import_robot.h"
 #include "rig/number_text.h"
 #include "rig/t_pose.h"
 #include "rig/urdf_speeds.h"
-#include "robot/load_model.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// profiles and configurations name parts of the model in JSON, which is UTF-8
-Result<void> check_names(const mjModel& model, const std::string& path) {
-  const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
-  for (std::size_t at = 0; at < names.size();) {
-    const std::string_view name = names.substr(at, names.find('\0', at) - at);
-    if (valid_utf8(name) != name) {
-      return config_failure(path, "the name \"" + valid_utf8(name) + "\" is not UTF-8",
-                            "save the model as UTF-8, or give its parts names in ASCII");
-    }
-    at += name.size() + 1;
-  }
-  return {};
-}
-
-Result<Robot> import_robot(const std::string& path, const std::string& name,
-                           std::vector<std::string>& notes) {
-  ModelChanges changes;
-  changes.float_base = true;
-  changes.name_all = true;
-  TRY_ASSIGN(auto loaded, load_model(path, changes));
-  if (!loaded.closed.empty()) {
-    return config_failure(
-        path,
-        "the model has a closed chain, which a kinematic tree cannot represent: an equality ties " +
-            loaded.closed.front(),
-        "remove the equality if the rest of the tree moves without it");
-  }
-  TRY(check_robot_joints(*loaded.model, path));
-  TRY(check_names(*loaded.model, path));
-  if (!loaded.floated_body.empty()) {
-    notes.push_back("the model had no free joint: \"" + loaded.floated_body +
-                    "\" was made to float");
-  }
-  for (const std::string& pair : loaded.coupled) {
-    notes.push_back("a coupling of joints is dropped, each moves freely: " + pair);
-  }
-  RobotProfile profile;
-  profile.name = name;
-  return Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings));
-}
 
 // neighbours in the tree overlap by build
 Json allowed_contacts(const Robot& robot) {
@@ -124,11 +80,21 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
 Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
   MadeRobot made;
   made.name = name;
-  TRY_ASSIGN(auto robot, import_robot(model_path, name, made.notes));
+  TRY_ASSIGN(auto imported, import_robot(model_path, name));
+  const Robot& robot = *imported.robot;
+  made.notes = std::move(imported.notes);
+  for (RobotFinding& finding : model_findings(robot)) {
+    if (finding.fault) return config_failure(model_path, std::move(finding.text));
+    made.notes.push_back(std::move(finding.text));
+  }
   TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
+  TRY(check_closed_chains(imported, limbs, model_path, made.notes));
   const BodyPoints mesh = mesh_points(model_path);
   const RobotShapes shapes = find_shapes(robot, limbs, mesh);
   const TPose t_pose = solve_t_pose(robot, limbs);
+  if (const auto fault = t_pose_fault(robot, t_pose)) {
+    return config_failure(model_path, *fault, kTPoseHint);
+  }
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);

@@ -36,7 +36,7 @@ struct SegmentEnd {
 struct SegmentStart {
   int body = 0;  ///< The last that a joint of the limb moves.
   Eigen::Vector3d root, middle;
-  Eigen::Vector3d axis;        ///< Of the knee or elbow; the segment lies across it.
+  Eigen::Vector3d axis;         ///< Of the knee or elbow; the segment lies across it.
   std::span<const int> beyond;  ///< Joints that pass the middle.
 };
 

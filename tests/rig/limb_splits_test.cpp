@@ -65,7 +65,8 @@ std::vector<LimbSplit> arms() {
       {"three and one, fixed hand", arm_of({pitch, roll, yaw, elbow}), {"el"}},
       {"two and one", arm_of({pitch, roll, elbow}), {"el"}},
       {"roll, pitch, yaw", arm_of({roll, pitch, yaw, elbow}), {"el"}},
-      {"yaw at the elbow", arm_of({pitch, roll, moved(yaw, {0, 0, -0.18}), moved(elbow, on_elbow)}),
+      {"yaw at the elbow",
+       arm_of({pitch, roll, moved(yaw, {0, 0, -0.18}), moved(elbow, on_elbow)}),
        {"el"}},
       {"yaw in the upper arm",
        arm_of({pitch, roll, moved(yaw, {0, 0, -0.09}), moved(elbow, {0, 0, -0.09})}),
@@ -74,23 +75,36 @@ std::vector<LimbSplit> arms() {
       {"elbow of two hinges", arm_of({pitch, roll, elbow, side}), {"el"}},
       {"elbow of two hinges after a yaw", arm_of({pitch, roll, yaw, elbow, side}), {"el"}},
       {"elbow of two hinges, the lesser first",
-       arm_of({pitch, roll, moved(side, {0, 0, -0.18}), moved(elbow, on_elbow)}), {"el"}},
-      {"parallel hinges", arm_of({pitch, roll, yaw, elbow,
-                                  {"e2", -kAxisY, {0, 0, -0.02}, 0, 2.2}}),
+       arm_of({pitch, roll, moved(side, {0, 0, -0.18}), moved(elbow, on_elbow)}),
+       {"el"}},
+      {"parallel hinges",
+       arm_of({pitch, roll, yaw, elbow, {"e2", -kAxisY, {0, 0, -0.02}, 0, 2.2}}),
        {"el", "e2"}},
-      {"twist halfway", arm_of({pitch, roll, yaw, elbow, moved(twist, {0, 0, -0.075})},
-                               {0, 0, -0.075}), {"el"}, 0.075},
+      {"twist halfway",
+       arm_of({pitch, roll, yaw, elbow, moved(twist, {0, 0, -0.075})}, {0, 0, -0.075}),
+       {"el"},
+       0.075},
       {"twist halfway and a wrist",
-       arm_of({pitch, roll, yaw, elbow, moved(twist, {0, 0, -0.075}),
-               {"wp", kAxisY, {0, 0, -0.075}}, {"wr", kAxisX}}, {0, 0, 0}),
+       arm_of({pitch,
+               roll,
+               yaw,
+               elbow,
+               moved(twist, {0, 0, -0.075}),
+               {"wp", kAxisY, {0, 0, -0.075}},
+               {"wr", kAxisX}},
+              {0, 0, 0}),
        {"el"}},
       {"elbow of two hinges and a wrist",
        arm_of({pitch, roll, elbow, side, {"wp", kAxisY, {0, 0, -0.15}}, {"wr", kAxisX}}, {0, 0, 0}),
        {"el"}},
-      {"one wrist joint", arm_of({pitch, roll, yaw, elbow, {"wp", kAxisY, {0, 0, -0.15}}}, {0, 0, 0}),
+      {"one wrist joint",
+       arm_of({pitch, roll, yaw, elbow, {"wp", kAxisY, {0, 0, -0.15}}}, {0, 0, 0}),
        {"el"}},
       {"a collar bone",
-       arm_of({{"cy", kAxisZ, {0, -0.06, 0}, -0.3, 0.3}, moved(pitch, {0, 0.06, 0}), roll, yaw,
+       arm_of({{"cy", kAxisZ, {0, -0.06, 0}, -0.3, 0.3},
+               moved(pitch, {0, 0.06, 0}),
+               roll,
+               yaw,
                elbow}),
        {"el"}},
   };
@@ -110,12 +124,12 @@ std::vector<LimbSplit> arms() {
   BuiltJoint along = twist;
   along.axis = kAxisX;
   all.push_back({"bent, fixed hand", arm_of({pitch, roll, yaw, bent}, {0.15, 0, 0}), {"el"}});
-  all.push_back({"bent, elbow and twist", arm_of({pitch, roll, yaw, bent, along}, {0.15, 0, 0}),
-                 {"el"}});
-  all.push_back({"bent, yaw and elbow in one place",
-                 arm_of({pitch, roll, moved(yaw, {0, 0, -0.18}), moved(bent, on_elbow), along},
-                        {0.15, 0, 0}),
-                 {"el"}});
+  all.push_back(
+      {"bent, elbow and twist", arm_of({pitch, roll, yaw, bent, along}, {0.15, 0, 0}), {"el"}});
+  all.push_back(
+      {"bent, yaw and elbow in one place",
+       arm_of({pitch, roll, moved(yaw, {0, 0, -0.18}), moved(bent, on_elbow), along}, {0.15, 0, 0}),
+       {"el"}});
   return all;
 }
 
@@ -221,7 +235,8 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   const auto measured = robot_limbs(*robot, *config);
   ASSERT_TRUE(measured) << describe(measured.error());
   if (measured->forearms) {
-    EXPECT_NEAR(is_leg ? measured->lengths.leg : measured->lengths.arm, upper + lower - split.shorter, lower_tolerance);
+    EXPECT_NEAR(is_leg ? measured->lengths.leg : measured->lengths.arm,
+                upper + lower - split.shorter, lower_tolerance);
   }
   const auto solved = solve_frames(human_, robot, *config, robot->model_limits(), {});
   ASSERT_TRUE(solved) << describe(solved.error());
@@ -229,7 +244,7 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   const BuiltLimb& limb = is_leg ? built.leg : built.arm;
   const Vector3d root = is_leg ? Vector3d(0, 0.1, 0.95) : Vector3d(0, 0.15, 1.4);
   const Vector3d middle = root - upper * kAxisZ;
-  const Vector3d end = is_leg ? Vector3d(middle - lower * kAxisZ)
+  const Vector3d end = is_leg               ? Vector3d(middle - lower * kAxisZ)
                        : limb.end.x() > 0.1 ? Vector3d(middle + lower * kAxisX)
                                             : Vector3d(middle - lower * kAxisZ);
   double mean = 0.0;
@@ -261,12 +276,12 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
         return kDegrees * angle_between(a, b);
       };
       using enum LimbBone;
-      const double thigh = angle(at(points.middle) - at(points.root),
-                                 is_leg ? Vector3d(bone(kLeg) - bone(kUpLeg))
-                                        : Vector3d(bone(kForeArm) - bone(kArm)));
-      const double shin = angle(at(points.end) - at(points.middle),
-                                is_leg ? Vector3d(bone(kFoot) - bone(kLeg))
-                                       : Vector3d(bone(kHand) - bone(kForeArm)));
+      const double thigh = angle(
+          at(points.middle) - at(points.root),
+          is_leg ? Vector3d(bone(kLeg) - bone(kUpLeg)) : Vector3d(bone(kForeArm) - bone(kArm)));
+      const double shin = angle(
+          at(points.end) - at(points.middle),
+          is_leg ? Vector3d(bone(kFoot) - bone(kLeg)) : Vector3d(bone(kHand) - bone(kForeArm)));
       mean += 0.25 * (thigh + shin) / solved->clip.frame_count();
     }
   }

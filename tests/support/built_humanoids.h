@@ -22,9 +22,9 @@ struct BuiltJoint {
 struct BuiltLimb {
   std::vector<BuiltJoint> joints;
   Eigen::Vector3d end = Eigen::Vector3d::Zero();  ///< From the last joint to wrist or ankle.
-  bool marked = true;  ///< A body is fixed at the end.
-  bool heavy = true;   ///< The last segment's mass lies in its middle; else it has next to none.
-  std::string more;    ///< MJCF inside the last body.
+  bool marked = true;                             ///< A body is fixed at the end.
+  bool heavy = true;  ///< The last segment's mass lies in its middle; else it has next to none.
+  std::string more;   ///< MJCF inside the last body.
 };
 
 inline const Eigen::Vector3d kAxisX{1, 0, 0}, kAxisY{0, 1, 0}, kAxisZ{0, 0, 1};
@@ -72,7 +72,8 @@ inline std::string limb_text(const BuiltLimb& limb, const std::string& side,
         "range=\"{5} {6}\"/>",
         side, joint.name, text_of(i == 0 ? mirrored(place + joint.at) : mirrored(joint.at)),
         joint.type, text_of(axis), joint.lower, joint.upper);
-    text += last && !limb.heavy ? mass(Eigen::Vector3d::Zero(), 1e-6) : mass(0.5 * mirrored(next), 1);
+    text +=
+        last && !limb.heavy ? mass(Eigen::Vector3d::Zero(), 1e-6) : mass(0.5 * mirrored(next), 1);
   }
   text += limb.more;
   if (limb.marked) {
