@@ -23,9 +23,11 @@ struct MadeRobot {
 };
 
 /// Makes a robot's folder from a model: MJCF, or URDF as MuJoCo reads it. Meshes are not needed
-/// (package:// paths do not matter). A model without a free joint gets one.
+/// (package:// paths do not matter). A model without a free joint gets one, in the place of slides
+/// at its root as well.
 ///
-/// kConfig errors, one sentence each: what load_robot rejects, closed chains, and robots that are
+/// kConfig errors, one sentence each: what load_robot rejects, closed chains, lengths and ranges in
+/// other units, limbs without knee or elbow, a T-pose that cannot be reached, and robots that are
 /// not humanoid: an arm, a quadruped, wheels.
 [[nodiscard]] Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name);
 
@@ -74,7 +76,8 @@ struct RobotFinding {
 ///
 /// Errors: files that cannot be read; bodies and bones of a retargeting configuration that do not
 /// exist; offsets that leave a limb more than 75 degrees off the T-pose; feet more than a quarter
-/// of a leg out of reach; no legs or arms to map to. Notes: offsets more than 8 degrees off,
+/// of a leg out of reach; no legs or arms to map to; what make_robot rejects. A model without profile
+/// and configuration is read as make_robot reads it. Notes: joints without a range, offsets more than 8 degrees off,
 /// targets slightly out of reach, joints that no task moves, differences between left and right
 /// (weights, scales, offsets, ranges), limit sets tighter than the model's ranges, joints without a
 /// speed limit, missing soles or T-pose.

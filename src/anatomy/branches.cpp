@@ -1,25 +1,65 @@
 #include "anatomy/branches.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
 
 namespace retarget {
 
-std::vector<int> joint_chain(const KinematicTree& tree, int first) {
+namespace {
+
+// the link of which the others beside it are but rods; none where they weigh alike
+std::optional<int> heaviest(const Robot& robot, const std::vector<int>& links) {
+  constexpr double kOutweighs = 4.0;
+  const auto mass = [&](int link) {
+    return robot.model()->body_subtreemass[robot.tree().links()[link].body];
+  };
+  const int first = *std::ranges::max_element(links, {}, mass);
+  double others = -mass(first);
+  for (const int link : links) others += mass(link);
+  return mass(first) > kOutweighs * others ? std::optional(first) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<int> joint_chain(const Robot& robot, int first) {
   constexpr std::size_t kWholeLimb = 4;
+  const KinematicTree& tree = robot.tree();
   std::vector<int> chain;
   for (int link = first;;) {
     if (tree.links()[link].slides) return chain;
     chain.push_back(tree.links()[link].joint);
     const std::vector<int> next = tree.children(link);
-    if (next.empty() || (next.size() > 1 && chain.size() >= kWholeLimb)) return chain;
-    link = *std::ranges::max_element(
+    if (next.empty()) return chain;
+    const int most = *std::ranges::max_element(
         next, {}, [&](int child) { return tree.links()[child].last_descendant - child; });
+    if (next.size() == 1 || chain.size() < kWholeLimb) {
+      link = most;
+      continue;
+    }
+    const auto heavy = heaviest(robot, next);
+    if (!heavy) return chain;
+    link = *heavy;
   }
 }
 
 namespace {
+
+// how far a branch reaches, which begins with a joint
+double reach(const TreeState& posed, int joint) {
+  const KinematicTree& tree = *posed.tree;
+  const int first = tree.link_of_joint(joint);
+  double farthest = 0.0;
+  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
+    for (const int body : tree.rigid_group(tree.links()[link].body)) {
+      const Eigen::Vector3d place = posed.world_from_body(body).translation;
+      farthest = std::max(farthest, (place - posed.anchor(joint)).norm());
+    }
+  }
+  return farthest;
+}
 
 // how far two chains are from mirror images about a plane across an axis, in their own size; none
 // when they are not on two sides
@@ -38,6 +78,7 @@ std::optional<double> asymmetry(const TreeState& posed, const std::vector<int>& 
     apart += along / static_cast<double>(first.size());
     size = std::max(size, (posed.anchor(first[i]) - posed.anchor(first[0])).norm());
   }
+  if (!(size > 0.0)) size = reach(posed, first[0]);
   if (!(apart > 0.02 * size) || !(size > 0.0)) return std::nullopt;
   return worst / size;
 }
@@ -52,17 +93,34 @@ double lowest_joint(const TreeState& posed, int first) {
   return lowest;
 }
 
-std::optional<BranchPair> pair_of(const TreeState& posed, int first, int second) {
+// the level direction from one chain to another; zero where they are one above the other
+Eigen::Vector3d level_way(const TreeState& posed, const std::vector<int>& to,
+                          const std::vector<int>& from) {
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  for (const int joint : to) way += posed.anchor(joint);
+  for (const int joint : from) way -= posed.anchor(joint);
+  way.z() = 0.0;
+  return way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
+}
+
+std::optional<BranchPair> pair_of(const Robot& robot, const TreeState& posed, int first,
+                                  int second) {
   constexpr double kMirrored = 0.25;
-  const std::vector<int> a = joint_chain(*posed.tree, first);
-  const std::vector<int> b = joint_chain(*posed.tree, second);
+  constexpr double kAslant = 0.1;  // sine: 6 degrees off the axes
+  constexpr double kClearer = 0.3;
+  const std::vector<int> a = joint_chain(robot, first);
+  const std::vector<int> b = joint_chain(robot, second);
   if (a.size() != b.size() || a.size() < 2) return std::nullopt;
   std::optional<BranchPair> best;
   double min = kMirrored;
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0)}) {
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), level_way(posed, a, b)}) {
+    // a model that faces no axis is the exception: it must be clearer so
+    const bool oblique = std::abs(axis.x()) > kAslant && std::abs(axis.y()) > kAslant;
+    if (!oblique && axis.cwiseAbs().maxCoeff() < 1.0) continue;
     for (const double sign : {1.0, -1.0}) {
       const auto found = asymmetry(posed, a, b, sign * axis);
-      if (!found || !(*found < min)) continue;
+      if (!found || !(*found < (oblique ? std::min(kMirrored, kClearer * min) : min))) continue;
       min = *found;
       best = BranchPair{0,
                         first,
@@ -76,11 +134,12 @@ std::optional<BranchPair> pair_of(const TreeState& posed, int first, int second)
   return best;
 }
 
-void collect_pairs(const TreeState& posed, int trunk, std::vector<BranchPair>& pairs) {
+void collect_pairs(const Robot& robot, const TreeState& posed, int trunk,
+                   std::vector<BranchPair>& pairs) {
   std::vector<int> rest = posed.tree->children(trunk);
   for (std::size_t i = 0; i < rest.size(); ++i) {
     for (std::size_t k = i + 1; k < rest.size(); ++k) {
-      auto pair = pair_of(posed, rest[i], rest[k]);
+      auto pair = pair_of(robot, posed, rest[i], rest[k]);
       if (!pair) continue;
       pair->parent = trunk;
       pairs.push_back(*pair);
@@ -90,14 +149,14 @@ void collect_pairs(const TreeState& posed, int trunk, std::vector<BranchPair>& p
       break;
     }
   }
-  for (const int child : rest) collect_pairs(posed, child, pairs);
+  for (const int child : rest) collect_pairs(robot, posed, child, pairs);
 }
 
 }  // namespace
 
-std::vector<BranchPair> branch_pairs(const TreeState& posed) {
+std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed) {
   std::vector<BranchPair> pairs;
-  collect_pairs(posed, 0, pairs);
+  collect_pairs(robot, posed, 0, pairs);
   return pairs;
 }
 

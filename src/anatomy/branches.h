@@ -3,14 +3,15 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
 
 /// Joints of a branch from its first link outwards. Where it forks, the side with more joints is
-/// followed, but a branch of four joints or more ends there (a hand with fingers), and so it does
-/// at a slide (a gripper).
-[[nodiscard]] std::vector<int> joint_chain(const KinematicTree& tree, int first);
+/// followed, but a branch of four joints or more ends there (a hand with fingers) unless one side
+/// outweighs the others (rods beside a shin), and so it does at a slide (a gripper).
+[[nodiscard]] std::vector<int> joint_chain(const Robot& robot, int first);
 
 /// Two branches of one body that are mirror images of each other.
 struct BranchPair {
@@ -22,6 +23,6 @@ struct BranchPair {
 };
 
 /// The pairs that hang from the trunk: from the root, or from what hangs from it and carries pairs.
-[[nodiscard]] std::vector<BranchPair> branch_pairs(const TreeState& posed);
+[[nodiscard]] std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed);
 
 }  // namespace retarget

@@ -16,6 +16,7 @@
 namespace retarget {
 namespace {
 
+constexpr double kLeastShare = 0.05;       // of a limb: what is less is no segment
 constexpr double kLeastLegSegment = 0.35;  // of thigh or shin: as kLeastSegment
 
 // the part of a vector across a unit axis
@@ -135,6 +136,9 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
   find_end(robot, posed, beyond, upper, is_leg, shape);
   beyond.erase(beyond.begin(), beyond.begin() + static_cast<std::ptrdiff_t>(shape.at_end));
   const double lower = across(shape.end - anchor, shape.axis).norm();
+  // a hinge along a limb, or at the end of it, bends nothing
+  const double whole = (anchor - shape.root).norm() + (shape.end - anchor).norm();
+  if (!(std::min(upper, lower) > kLeastShare * whole)) return std::nullopt;
   const double least = is_leg ? kLeastLegSegment : kLeastSegment;
   if (!(std::min(upper, lower) > least * std::max(upper, lower))) return std::nullopt;
   const double spread =
@@ -228,6 +232,14 @@ std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
         bends_by(split) > kFarther * bends_by(*best)) {
       best = &split;
     }
+  }
+  // what follows a whole wrist is a gripper
+  constexpr std::size_t kWrist = 3;
+  const std::size_t whole = best->shape.middle + best->shape.at_end + 1 + kWrist;
+  if (!is_leg && chain.size() > whole) {
+    auto shorter = shape_limb(robot, posed, reference, {chain.begin(), chain.begin() + whole},
+                              is_leg, best->shape.middle);
+    if (shorter) return shorter;
   }
   double second = 0.0;
   for (const Split& split : splits) {

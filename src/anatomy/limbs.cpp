@@ -1,8 +1,11 @@
 #include "anatomy/limbs.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,12 +14,18 @@
 #include "anatomy/limb_shape.h"
 #include "base/number_text.h"
 #include "base/try.h"
+#include "math/so3.h"
 #include "robot/kinematic_tree.h"
+#include "robot/model_values.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kGroundShare = 0.15;  // of the height: how near to the lowest is on the floor
+constexpr double kPerRadian = 180.0 / std::numbers::pi;
+constexpr double kLeaning = 15.0;  // degrees
+constexpr double kLying = 60.0;
+constexpr double kOblique = 0.1;  // sine: 6 degrees off the axes
 
 // the shape of both limbs of a pair, the branch's first (its across side) before its second
 struct ShapedPair {
@@ -68,7 +77,8 @@ class LimbFinder {
 
  private:
   Result<void> choose_pairs();
-  [[nodiscard]] Failure no_legs(const std::string& found) const;
+  [[nodiscard]] Failure no_legs(const std::string& found, const std::string& hint = {}) const;
+  [[nodiscard]] bool is_round(int joint) const;
   [[nodiscard]] bool stands_on_wheels() const;
   [[nodiscard]] Failure no_middle(int first, bool is_leg) const;
   Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
@@ -86,14 +96,40 @@ class LimbFinder {
   std::vector<double> reference_;
   TreeState posed_;
   ShapedPair legs_, arms_;
+  double lean_ = 0.0;  // of the line from hips to shoulders, degrees
   RobotAnatomy found_;
 };
 
-Failure LimbFinder::no_legs(const std::string& found) const {
-  return config_failure(file_, found + ": expected a humanoid with two legs and two arms");
+Failure LimbFinder::no_legs(const std::string& found, const std::string& hint) const {
+  return config_failure(file_, found + ": expected a humanoid with two legs and two arms", hint);
 }
 
-// the lowest joint turns without limit about a level axis
+// whether all that a joint carries lies evenly about its axis, as a wheel does and a foot does not
+bool LimbFinder::is_round(int joint) const {
+  constexpr double kOff = 0.02;  // metres
+  const KinematicTree& tree = robot_.tree();
+  const int first = tree.link_of_joint(joint);
+  Eigen::Vector3d mass = Eigen::Vector3d::Zero(), outline = mass;
+  double weight = 0.0, count = 0.0;
+  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
+    for (const int body : tree.rigid_group(tree.links()[link].body)) {
+      const double kg = robot_.model()->body_mass[body];
+      mass += kg * (posed_.world_from_body(body) * vector_at(robot_.model()->body_ipos, body));
+      weight += kg;
+    }
+    for (const Eigen::Vector3d& point : outline_points(robot_, posed_, tree.links()[link].body)) {
+      outline += point;
+      count += 1.0;
+    }
+  }
+  const auto off_axis = [&](const Eigen::Vector3d& point) {
+    return (point - posed_.anchor(joint)).cross(posed_.axis(joint)).norm();
+  };
+  return (weight == 0.0 || off_axis(mass / weight) < kOff) &&
+         (count == 0.0 || off_axis(outline / count) < kOff);
+}
+
+// the lowest joint turns a round thing without limit about a level axis
 bool LimbFinder::stands_on_wheels() const {
   const LimitSet& limits = robot_.model_limits();
   int lowest = -1;
@@ -103,13 +139,14 @@ bool LimbFinder::stands_on_wheels() const {
   return lowest >= 0 && std::abs(posed_.axis(lowest).z()) < 0.5 &&
          robot_.joints()[lowest].type == RobotJoint::Type::kHinge &&
          !std::isfinite(limits.upper[lowest]) && !std::isfinite(limits.lower[lowest]) &&
-         std::ranges::any_of(limits.upper, [](double upper) { return std::isfinite(upper); });
+         std::ranges::any_of(limits.upper, [](double upper) { return std::isfinite(upper); }) &&
+         is_round(lowest);
 }
 
 // why a branch is no limb: what stands in the place of its knee or elbow
 Failure LimbFinder::no_middle(int first, bool is_leg) const {
   const KinematicTree& tree = robot_.tree();
-  const std::vector<int> chain = joint_chain(tree, first);
+  const std::vector<int> chain = joint_chain(robot_, first);
   const std::string limb = is_leg ? "leg" : "arm";
   const std::string middle = is_leg ? "knee" : "elbow";
   const std::string name = "the " + limb + " that begins with " + name_of(robot_, body_of(first));
@@ -134,8 +171,7 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
   ShapedPair shaped{pair, {}};
   const std::array<int, 2> first = {pair.first, pair.second};
   const auto shape_side = [&](std::size_t side, std::optional<int> at) {
-    return shape_limb(robot_, posed_, reference_, joint_chain(robot_.tree(), first[side]), is_leg,
-                      at);
+    return shape_limb(robot_, posed_, reference_, joint_chain(robot_, first[side]), is_leg, at);
   };
   for (std::size_t side = 0; side < 2; ++side) {
     const auto limb = shape_side(side, std::nullopt);
@@ -157,11 +193,12 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
 }
 
 Result<void> LimbFinder::choose_pairs() {
-  std::vector<BranchPair> pairs = branch_pairs(posed_);
+  std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
   if (stands_on_wheels()) return no_legs("the model stands on wheels");
   if (pairs.empty()) {
     return no_legs("no two branches of the model are mirror images of each other (" +
-                   std::to_string(robot_.joints().size()) + " joints: a single arm?)");
+                       std::to_string(robot_.joints().size()) + " joints: a single arm?)",
+                   "check that it stands upright along z in its zero configuration, not along y");
   }
   std::ranges::stable_sort(pairs, {}, &BranchPair::lowest);
   double highest = pairs.front().lowest;
@@ -170,9 +207,12 @@ Result<void> LimbFinder::choose_pairs() {
   }
   const double floor = pairs.front().lowest + kGroundShare * (highest - pairs.front().lowest);
   if (pairs.size() > 1 && pairs[1].lowest < floor) {
-    return no_legs("two pairs of limbs reach the ground (a quadruped?)");
+    return no_legs("two pairs of limbs reach the ground (a quadruped, or a model that lies?)");
   }
-  if (pairs.size() == 1) return no_legs("the model has only one pair of limbs");
+  if (pairs.size() == 1) {
+    return no_legs("the model has only one pair of limbs whose joints turn",
+                   "check that the joints of its arms are not fixed");
+  }
   const auto arms =
       std::max_element(pairs.begin() + 1, pairs.end(),
                        [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
@@ -183,8 +223,8 @@ Result<void> LimbFinder::choose_pairs() {
   const auto middle = [](const ShapedPair& pair) -> Eigen::Vector3d {
     return 0.5 * (pair.limbs[0].root + pair.limbs[1].root);
   };
-  if (!(middle(arms_).z() > middle(legs_).z()) ||
-      !(legs_.limbs[0].root.z() > legs_.limbs[0].end.z())) {
+  lean_ = kPerRadian * angle_between(middle(arms_) - middle(legs_), Eigen::Vector3d::UnitZ());
+  if (lean_ > kLying || !(legs_.limbs[0].root.z() > legs_.limbs[0].end.z())) {
     return no_legs("the model does not stand upright along z in its zero configuration");
   }
   return {};
@@ -306,7 +346,7 @@ std::optional<LimbPart> LimbFinder::head() const {
     for (const int child : robot_.tree().children(trunk)) {
       const bool is_limb = child == legs_.pair.first || child == legs_.pair.second ||
                            child == arms_.pair.first || child == arms_.pair.second;
-      const std::vector<int> chain = joint_chain(robot_.tree(), child);
+      const std::vector<int> chain = joint_chain(robot_, child);
       if (is_limb || chain.empty() || chain.size() > 3) continue;
       const int body = robot_.joints()[chain.back()].body;
       const double height = posed_.world_from_body(body).translation.z();
@@ -321,6 +361,18 @@ std::optional<LimbPart> LimbFinder::head() const {
 }
 
 void LimbFinder::note_limbs() {
+  if (lean_ > kLeaning) {
+    found_.notes.push_back(
+        fmt::format("the trunk leans by {} degrees in the zero configuration, which is taken to be "
+                    "upright: turn the root body, or motions will lean as far",
+                    number_text(lean_, 0)));
+  }
+  const double aside = std::min(std::abs(found_.forward.x()), std::abs(found_.forward.y()));
+  if (aside > kOblique) {
+    found_.notes.push_back(
+        fmt::format("the robot faces {} {} (x y) in its zero configuration, aslant to the axes",
+                    number_text(found_.forward.x(), 2), number_text(found_.forward.y(), 2)));
+  }
   if (!std::ranges::all_of(found_.legs, &Limb::flexion_is_sure)) {
     found_.notes.emplace_back("the knees' ranges allow both directions: assumed to bend backwards");
   }

@@ -158,6 +158,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "human's: "
      "thighs, shins, upper arms, forearms, trunk, hip and shoulder line. Mean and 95th percentile.",
      kOwn},
+    {"worst_limb_angle_deg", "deg", "The same of the limb with the largest mean.", kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
      "from hips to shoulders, each from its own standing pose. Mean and 95th percentile.",

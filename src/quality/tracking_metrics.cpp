@@ -33,6 +33,13 @@ void append(std::vector<double>& all, const std::vector<double>& more) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
+// degrees; of a limb of the robot that has no length, and so points nowhere, a right angle
+double limb_angle(const Vector3d& of_human, const Vector3d& of_robot) {
+  constexpr double kNoLength = 0.02;  // of the human's
+  if (of_robot.norm() < kNoLength * of_human.norm()) return 90.0;
+  return kDegreesPerRadian * angle_between(of_human, of_robot);
+}
+
 class TrackingMeasure {
  public:
   TrackingMeasure(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
@@ -226,6 +233,7 @@ void TrackingMeasure::measure_limbs() const {
   // between the joints' centres where the robot's tree tells them, else between the bodies' origins
   const auto limbs = robot_limbs(draft_.clip.robot(), config_);
   std::vector<double> all;
+  double worst = 0.0;
   for (const LimbSegment& segment : kLimbSegments) {
     BoneArray<const Row*> rows{nullptr};
     bool known = true;
@@ -243,13 +251,15 @@ void TrackingMeasure::measure_limbs() const {
         const Pose& body = tracks_.kept(frame, rows[bone]->body);
         return limbs ? Vector3d(body * limbs->body_from_joint[rows[bone]->bone]) : body.translation;
       });
-      angles.push_back(kDegreesPerRadian * angle_between(robot_from_human_ * of_human, of_robot));
+      angles.push_back(limb_angle(robot_from_human_ * of_human, of_robot));
     }
+    worst = std::max(worst, mean(angles));
     draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
     append(all, angles);
   }
   if (all.empty()) return;
   draft_.set("limb_angle_deg", mean(all), percentile(all, 95.0));
+  draft_.set("worst_limb_angle_deg", worst);
 }
 
 // nothing where a hip or a shoulder follows no bone; as limbs, between origins where the tree does

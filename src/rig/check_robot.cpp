@@ -18,6 +18,7 @@
 #include "retarget/pose.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
+#include "rig/import_robot.h"
 #include "rig/number_text.h"
 #include "rig/t_pose.h"
 #include "robot/kinematic_tree.h"
@@ -284,13 +285,16 @@ void Doctor::check_profile() {
 }
 
 std::vector<RobotFinding> Doctor::examine() {
+  findings_ = model_findings(robot_);
   check_config();
   const auto limbs = find_limbs(robot_, robot_.name());
   if (limbs) {
     limbs_ = *limbs;
     t_pose_ = solve_t_pose(robot_, *limbs);
+    if (const auto cause = t_pose_fault(robot_, *t_pose_)) fault(*cause + "; " + kTPoseHint);
   } else {
-    fault(limbs.error().message);
+    const Error& error = limbs.error();
+    fault(error.message + (error.hint.empty() ? "" : "; " + error.hint));
   }
   if (limbs_ && resolved_) {
     check_offsets();

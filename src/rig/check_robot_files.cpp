@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "anatomy/limbs.h"
 #include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 #include "rig/check_robot.h"
 #include "rig/check_shapes.h"
+#include "rig/import_robot.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"
 
@@ -43,10 +45,33 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
   }
 }
 
+// a model that no robot was made from yet: as robots add would read it
+Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
+                                                   OptionSpelling spelling) {
+  const std::string name = std::filesystem::path(sources.model).stem().string();
+  TRY_ASSIGN(auto imported, import_robot(sources.model, name));
+  std::vector<RobotFinding> findings;
+  const auto limbs = find_limbs(*imported.robot, sources.model);
+  if (limbs) {
+    const auto chains = check_closed_chains(imported, *limbs, sources.model, imported.notes);
+    if (!chains) findings.push_back({true, full_message(chains.error())});
+    imported.notes.insert(imported.notes.end(), limbs->notes.begin(), limbs->notes.end());
+  }
+  for (const std::string& warning : imported.robot->warnings())
+    findings.push_back({false, warning});
+  for (std::string& note : imported.notes) findings.push_back({false, std::move(note)});
+  add_findings(*imported.robot, sources, spelling, findings);
+  std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
+  return findings;
+}
+
 }  // namespace
 
 Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
                                               OptionSpelling spelling) {
+  if (sources.profile.empty() && sources.config.empty()) {
+    return check_bare_model(sources, spelling);
+  }
   std::vector<RobotFinding> findings;
   auto robot = load_robot_files(sources.model, sources.profile);
   if (!robot) {

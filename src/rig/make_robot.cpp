@@ -1,13 +1,10 @@
 #include "retarget/rig.h"
 
-#include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,68 +13,21 @@
 #include "anatomy/robot_hands.h"
 #include "anatomy/shapes.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
+#include "rig/import_robot.h"
 #include "rig/number_text.h"
 #include "rig/t_pose.h"
 #include "rig/urdf_speeds.h"
-#include "robot/load_model.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// profiles and configurations name parts of the model in JSON, which is UTF-8
-Result<void> check_names(const mjModel& model, const std::string& path) {
-  const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
-  for (std::size_t at = 0; at < names.size();) {
-    const std::string_view name = names.substr(at, names.find('\0', at) - at);
-    if (valid_utf8(name) != name) {
-      return config_failure(path, "the name \"" + valid_utf8(name) + "\" is not UTF-8",
-                            "save the model as UTF-8, or give its parts names in ASCII");
-    }
-    at += name.size() + 1;
-  }
-  return {};
-}
-
-struct ImportedRobot {
-  Robot robot;
-  std::vector<std::pair<std::string, std::string>> excluded;  // as LoadedModel's
-};
-
-Result<ImportedRobot> import_robot(const std::string& path, const std::string& name,
-                                   std::vector<std::string>& notes) {
-  ModelChanges changes;
-  changes.float_base = true;
-  changes.name_all = true;
-  TRY_ASSIGN(auto loaded, load_model(path, changes));
-  if (!loaded.closed.empty()) {
-    return config_failure(
-        path,
-        "the model has a closed chain, which a kinematic tree cannot represent: an equality ties " +
-            loaded.closed.front(),
-        "remove the equality if the rest of the tree moves without it");
-  }
-  TRY(check_robot_joints(*loaded.model, path));
-  TRY(check_names(*loaded.model, path));
-  if (!loaded.floated_body.empty()) {
-    notes.push_back("the model had no free joint: \"" + loaded.floated_body +
-                    "\" was made to float");
-  }
-  RobotProfile profile;
-  profile.name = name;
-  profile.coupled_joints = std::move(loaded.couplings);
-  return ImportedRobot{
-      Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings)),
-      std::move(loaded.excluded)};
-}
 
 // Hands keep to what their models say of joints that others move; bodies do not.
 void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotProfile& profile,
@@ -165,14 +115,23 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
 Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
   MadeRobot made;
   made.name = name;
-  TRY_ASSIGN(auto imported, import_robot(model_path, name, made.notes));
-  Robot& robot = imported.robot;
+  TRY_ASSIGN(auto imported, import_robot(model_path, name));
+  Robot& robot = *imported.robot;
+  made.notes = std::move(imported.notes);
+  for (RobotFinding& finding : model_findings(robot)) {
+    if (finding.fault) return config_failure(model_path, std::move(finding.text));
+    made.notes.push_back(std::move(finding.text));
+  }
   TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
+  TRY(check_closed_chains(imported, limbs, model_path, made.notes));
   RobotProfile profile = robot.profile();
   keep_couplings_of_hands(find_hands(robot, limbs), robot, profile, made.notes);
   robot.set_profile(std::move(profile));
   const RobotShapes shapes = find_shapes(robot, limbs, mesh_points(robot, model_path));
   const TPose t_pose = solve_t_pose(robot, limbs);
+  if (const auto fault = t_pose_fault(robot, t_pose)) {
+    return config_failure(model_path, *fault, kTPoseHint);
+  }
   std::vector<CollisionShape> all_shapes;
   for (const RoughShape& rough : shapes.shapes) all_shapes.push_back(rough.shape);
   robot.set_collision_shapes(std::move(all_shapes));

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <numeric>
 #include <span>
 #include <utility>
+
+#include <fmt/format.h>
+
+#include "base/number_text.h"
 
 #include "human/canonical_pose.h"
 #include "ik/box_qp.h"
@@ -234,6 +239,26 @@ Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, Bone bone) {
   Eigen::Matrix3d world_from_standing;
   world_from_standing << limbs.forward, limbs.left, Eigen::Vector3d::UnitZ();
   return world_from_standing * canonical_t_pose(bone);
+}
+
+std::optional<std::string> t_pose_fault(const Robot& robot, const TPose& t_pose) {
+  constexpr double kPerRadian = 180.0 / std::numbers::pi;
+  constexpr double kDirection = 60.0 / kPerRadian;
+  constexpr double kTwist = 120.0 / kPerRadian;
+  using enum LimbBone;
+  for (const TPoseResidual& residual : t_pose.residuals) {
+    const auto bone = bone_from_name(residual.bone);
+    const auto part = bone ? limb_bone(*bone) : std::nullopt;
+    const bool segment = part == kUpLeg || part == kLeg || part == kArm || part == kForeArm;
+    const bool turned = segment && residual.twist > kTwist;
+    if (residual.direction <= kDirection && !turned) continue;
+    const double off = turned ? residual.twist : residual.direction;
+    return fmt::format("the T-pose cannot be reached: \"{}\" ({}) stays {} degrees off{}",
+                       robot.bodies()[residual.body].name, residual.bone,
+                       number_text(off * kPerRadian, 0),
+                       turned ? " about itself, so that it bends to the wrong side" : "");
+  }
+  return std::nullopt;
 }
 
 TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,17 @@ struct BonePart {
 
 /// World from bone in the T-pose of this robot: canonical_t_pose turned to where the robot faces.
 [[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, Bone bone);
+
+/// Why a robot whose T-pose this is cannot be retargeted to: a bone that stays more than 60 degrees
+/// off in direction, or a segment of a limb turned by more than 120 about itself, so that its knee
+/// or elbow bends to the wrong side. None: it can.
+[[nodiscard]] std::optional<std::string> t_pose_fault(const Robot& robot, const TPose& t_pose);
+
+/// What to look at then.
+inline constexpr const char* kTPoseHint =
+    "check the ranges of its joints and of those before it, and the zero configuration, in which "
+    "the "
+    "robot must stand upright along z";
 
 /// Solves for the T-pose within the model's ranges: bounded Levenberg-Marquardt on the angles
 /// between the parts' bone axes and the canonical ones, with the joint axes as Jacobian, from the

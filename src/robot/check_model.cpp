@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/file.h"
 #include "base/lower_case.h"
 #include "base/number_text.h"
@@ -114,13 +116,13 @@ class ModelChecker {
   std::vector<std::string> mesh_folders_{""};
 };
 
-Failure fault(const XMLElement& element, const Place& place, std::string message,
+Failure fault(const XMLElement& element, const Place& place, const std::string& message,
               std::string hint = {}) {
   Error error;
   error.kind = ErrorKind::kConfig;
   error.location.file = place.file;
   error.location.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
-  error.message = "<" + std::string(element.Name()) + "> " + std::move(message);
+  error.message = fmt::format("<{}> {}", element.Name(), message);
   error.hint = std::move(hint);
   return failure(std::move(error));
 }
@@ -219,6 +221,7 @@ Result<void> ModelChecker::vet_named_file(const XMLElement& element, const Place
   const std::string named = text_of(element, "file");
   if (named.empty()) return {};
   if (place.files > kMaxFileDepth) return fault(element, place, "nests files too deeply");
+  bool found = false;
   for (const fs::path& folder : {root_, place.folder}) {
     const fs::path file = folder / named;
     std::error_code ignored;
@@ -229,9 +232,12 @@ Result<void> ModelChecker::vet_named_file(const XMLElement& element, const Place
                    "copy the file beside the model");
     }
     TRY(vet_file(file.string(), place));
-    if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) break;
+    if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) return {};
+    found = true;
   }
-  return {};
+  if (found) return {};
+  return fault(element, place, "names \"" + named.substr(0, 200) + "\", which does not exist",
+               "it is looked for in the model's folder");
 }
 
 // a model is parsed once, and taken over as often as it is attached
@@ -272,6 +278,35 @@ Result<void> ModelChecker::vet_mesh(const XMLElement& element, const Place& plac
     }
   }
   return {};
+}
+
+// what xacro would fill in; meshes are named by such texts as well, and need not be there
+Result<void> refuse_template(const XMLElement& element, const Place& place) {
+  const std::string hint =
+      "expand it first: xacro " + fs::path(place.file).filename().string() + " > robot.urdf";
+  if (lower_case(element.Name()).starts_with("xacro:")) {
+    return fault(element, place, "is of xacro: the file is a template, not a robot", hint);
+  }
+  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
+       attribute = attribute->Next()) {
+    const std::string_view name = attribute->Name();
+    const std::string value = attribute->Value();
+    if (name == "filename" || name == "file") continue;
+    if (value.find("${") == std::string::npos && value.find("$(") == std::string::npos) continue;
+    return fault(element, place,
+                 std::string(name) + " is \"" + value.substr(0, 60) +
+                     "\", which xacro would fill in: the file is a template, not a robot",
+                 hint);
+  }
+  return {};
+}
+
+// what simulators and controllers add to a URDF, which MuJoCo passes over
+bool is_extension_of_urdf(const XMLElement& element) {
+  const XMLElement* top = element.GetDocument()->RootElement();
+  if (element.Parent() != top || lower_case(top->Name()) != "robot") return false;
+  const std::string name = lower_case(element.Name());
+  return name == "gazebo" || name == "transmission" || name == "ros2_control" || name == "sensor";
 }
 
 Result<void> ModelChecker::vet_kind(const XMLElement& element, Place& place) {
@@ -331,6 +366,8 @@ Result<void> ModelChecker::vet(const XMLElement& element, Place place) {
     return fault(element, place, "is nested more than " + std::to_string(kMaxDepth) + " deep");
   }
   elements_ += place.copies;
+  if (is_extension_of_urdf(element)) return {};
+  TRY(refuse_template(element, place));
   TRY(vet_kind(element, place));
   TRY(check_total(place.file));
   return vet_children(element, place);

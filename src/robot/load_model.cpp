@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "base/suggest.h"
 #include "base/try.h"
 #include "robot/check_model.h"
+#include "robot/mend_spec.h"
 #include "robot/mesh_geoms.h"
 #include "robot/mujoco_messages.h"
 #include "robot/urdf_couplings.h"
@@ -28,15 +30,6 @@ struct SpecDeleter {
 
 // MuJoCo reports through handlers of the process and keeps the last XML in a global
 std::mutex load_mutex;
-
-// of a kind; they may be deleted while they are gone through
-std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind) {
-  std::vector<mjsElement*> elements;
-  for (mjsElement* e = mjs_firstElement(spec, kind); e != nullptr; e = mjs_nextElement(spec, e)) {
-    elements.push_back(e);
-  }
-  return elements;
-}
 
 bool is_named(const mjString* text) {
   return *mjs_getString(text) != '\0';
@@ -70,34 +63,20 @@ void keep_kinematics(mjSpec* spec, bool keep_meshes) {
   spec->compiler.balanceinertia = 1;
 }
 
-int joint_count_below(mjsBody* body) {
-  int count = 0;
-  for (mjsElement* e = mjs_firstChild(body, mjOBJ_JOINT, 1); e != nullptr;
-       e = mjs_nextChild(body, e, 1)) {
-    ++count;
-  }
-  return count;
-}
-
 bool has_free_joint(mjSpec* spec) {
   return std::ranges::any_of(elements_of(spec, mjOBJ_JOINT),
                              [](mjsElement* e) { return mjs_asJoint(e)->type == mjJNT_FREE; });
 }
 
-// the robot is what carries the most joints; a base with joints of its own stays as it is
-std::string float_base(mjSpec* spec) {
-  if (has_free_joint(spec)) return {};
-  mjsBody* world = mjs_findBody(spec, "world");
-  mjsBody* base = nullptr;
-  for (mjsElement* e = mjs_firstChild(world, mjOBJ_BODY, 0); e != nullptr;
-       e = mjs_nextChild(world, e, 0)) {
-    mjsBody* body = mjs_asBody(e);
-    if (base == nullptr || joint_count_below(body) > joint_count_below(base)) base = body;
-  }
-  if (base == nullptr || mjs_firstChild(base, mjOBJ_JOINT, 0) != nullptr) return {};
+// a base with hinges of its own stays as it is
+void float_base(mjSpec* spec, LoadedModel& loaded) {
+  if (has_free_joint(spec)) return;
+  loaded.sliding = free_sliding_root(spec);
+  mjsBody* base = robot_base(spec);
+  if (base == nullptr || mjs_firstChild(base, mjOBJ_JOINT, 0) != nullptr) return;
   mjs_addFreeJoint(base);
   const std::string name = mjs_getString(mjs_getName(base->element));
-  return name.empty() ? "the topmost body" : name;
+  loaded.floated_body = name.empty() ? "the topmost body" : name;
 }
 
 // nameless elements of a kind get the kind's word and a number
@@ -113,20 +92,15 @@ void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
   }
 }
 
-// what holds joints or bodies together beyond the tree
-void note_equalities(mjSpec* spec, LoadedModel& loaded) {
+// what holds joints together beyond the tree
+void note_couplings(mjSpec* spec, LoadedModel& loaded) {
   for (mjsElement* e : elements_of(spec, mjOBJ_EQUALITY)) {
     const mjsEquality* equality = mjs_asEquality(e);
     const std::string first = mjs_getString(equality->name1);
     const std::string second = mjs_getString(equality->name2);
-    const bool to_world = second.empty() || second == "world" || first == "world";
-    const std::string pair = fmt::format("\"{}\" to \"{}\"", first, second);
     // y - y0 = a0 + a1 (x - x0) + ...; the places at which both joints begin are added when they are known
-    if (equality->type == mjEQ_JOINT && !second.empty()) {
-      loaded.couplings[first] = {second, equality->data[1], equality->data[0]};
-    }
-    const bool ties = equality->type == mjEQ_CONNECT || equality->type == mjEQ_WELD;
-    if (ties && !to_world) loaded.closed.push_back(pair);
+    if (equality->type != mjEQ_JOINT || second.empty()) continue;
+    loaded.couplings[first] = {second, equality->data[1], equality->data[0]};
   }
 }
 
@@ -139,6 +113,26 @@ void add_references(const mjModel& model, std::map<std::string, JointCoupling>& 
   for (auto& [name, coupling] : couplings) {
     coupling.offset += reference(name) - coupling.ratio * reference(coupling.leader);
   }
+}
+
+// compiles; bodies whose masses MuJoCo refuses get others, which a warning tells, for a motion's
+// dynamics are measured with them
+ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
+                 std::size_t& errors) {
+  ModelPtr model(mj_compile(spec, nullptr));
+  if (model) return model;
+  const std::string said = mjs_getError(spec);
+  if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
+    return model;
+  }
+  std::vector<std::string> bodies = mend_inertias(spec);
+  if (bodies.empty()) return model;
+  errors = guard.errors().size();
+  model.reset(mj_compile(spec, nullptr));
+  for (std::string& body : bodies) body = "\"" + body + "\"";
+  loaded.warnings.push_back("no body can have the mass or inertia of " + list_names(bodies, 4) +
+                            ": next to none is used");
+  return model;
 }
 
 // MuJoCo's own words for a file that is not there, or for one that is no XML, are less clear
@@ -227,29 +221,34 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
       mj_parseXML(path.c_str(), nullptr, text.data(), static_cast<int>(text.size())));
   if (!spec) return model_failure(path, text.data());
   LoadedModel loaded;
-  note_equalities(spec.get(), loaded);
   for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
     const mjsExclude* exclude = mjs_asExclude(e);
     loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),
                                  mjs_getString(exclude->bodyname2));
   }
-  MeshGeoms mesh_geoms;
-  if (changes.find_meshes) mesh_geoms.replace(spec.get());
-  keep_kinematics(spec.get(), changes.keep_meshes);
   if (changes.name_all) {
     name_elements(spec.get(), mjOBJ_BODY, "body");
     name_elements(spec.get(), mjOBJ_JOINT, "joint");
   }
-  if (changes.float_base) loaded.floated_body = float_base(spec.get());
-  loaded.model.reset(mj_compile(spec.get(), nullptr));
+  loaded.tied = tied_bodies(spec.get());
+  note_couplings(spec.get(), loaded);
+  MeshGeoms mesh_geoms;
+  if (changes.find_meshes) mesh_geoms.replace(spec.get());
+  keep_kinematics(spec.get(), changes.keep_meshes);
+  if (changes.float_base) {
+    loaded.held = hold_loose_balls(spec.get());
+    float_base(spec.get(), loaded);
+  }
+  std::size_t errors = 0;  // that were mended
+  loaded.model = compile(spec.get(), guard, loaded, errors);
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
-  if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
+  if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
   TRY(check_numbers(*loaded.model, path));
   add_references(*loaded.model, loaded.couplings);
   // which MuJoCo does not read
   for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
   loaded.meshes = mesh_geoms.find(*loaded.model);
-  loaded.warnings = guard.warnings();
+  loaded.warnings.insert(loaded.warnings.end(), guard.warnings().begin(), guard.warnings().end());
   // some versions tell a warning here, some through the handler, some both ways
   const std::string warning =
       mjs_isWarning(spec.get()) != 0 ? one_line(mjs_getError(spec.get())) : std::string();

@@ -103,6 +103,15 @@ Failure model_failure(const std::string& path, const std::string& text) {
     remove_prefix(line, prefix);
   }
   error.message = "MuJoCo cannot load the model: " + line;
+  // `repeated name 'knee' in joint`
+  const std::size_t name = line.find('\'') + 1;
+  const std::size_t behind = line.find("' in ");
+  if (line.starts_with("repeated name '") && behind != std::string::npos) {
+    const std::string kind = line.substr(behind + 5, line.find(';') - behind - 5);
+    error.message = "two elements of kind " + kind + " have the name \"" +
+                    line.substr(name, behind - name) + "\"";
+    error.hint = "give one of them another name";
+  }
   return failure(std::move(error));
 }
 

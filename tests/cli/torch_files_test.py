@@ -199,7 +199,7 @@ class RealFiles(ToolTest):
             with self.subTest(name):
                 result = self.run_tool(folder / name, "g1", "-o", "o.csv", "--report", "o.json")
                 self.assert_done(result)
-                self.assertIn("verdict  21 of 21 gates kept", result.stderr)
+                self.assertIn("verdict  22 of 22 gates kept", result.stderr)
 
     def test_a_robots_motion_is_told(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"

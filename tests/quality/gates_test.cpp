@@ -162,7 +162,8 @@ TEST(GatesTest, DefaultFileIsValid) {
   for (const Gate& gate : gates.all()) {
     const bool standing =
         gate.metric.starts_with("stance_") || gate.metric.ends_with("limit_pct") ||
-        gate.metric == "float_planted_pct" || gate.metric == "trunk_lean_error_deg";
+        gate.metric == "float_planted_pct" || gate.metric == "trunk_lean_error_deg" ||
+        gate.metric == "worst_limb_angle_deg";
     const bool hurts = gate.metric == "limit_pct" || gate.metric == "speed_limit_pct";
     EXPECT_EQ(gate.unless.empty(), !standing || hurts) << gate.metric;
   }

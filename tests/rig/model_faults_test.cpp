@@ -1,0 +1,253 @@
+// Faults of models, one each: what is said of them, and what is repaired.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "retarget/rig.h"
+#include "support/built_humanoids.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+class ModelFaults : public ::testing::Test {
+ protected:
+  std::string write(const std::string& text, const std::string& file = "robot.xml") {
+    return folder_.write(file, text);
+  }
+  // what robots add says when it refuses a model, with its hint
+  std::string refusal(const std::string& text, const std::string& file = "robot.xml") {
+    const auto made = make_robot(write(text, file), "robot");
+    EXPECT_FALSE(made.has_value());
+    if (made) return {};
+    EXPECT_EQ(made.error().kind, ErrorKind::kConfig);
+    EXPECT_EQ(made.error().message.find('\n'), std::string::npos) << made.error().message;
+    return made.error().message + "; " + made.error().hint;
+  }
+  std::vector<std::string> notes(const std::string& text, const std::string& file = "robot.xml") {
+    const auto made = make_robot(write(text, file), "robot");
+    EXPECT_TRUE(made) << describe(made.error());
+    return made ? made->notes : std::vector<std::string>();
+  }
+  // what robots check says of the model: of the same kind, errors or notes
+  std::vector<std::string> findings(const std::string& text, bool faults) {
+    RobotSources sources;
+    sources.model = write(text);
+    const auto found = check_robot(sources);
+    EXPECT_TRUE(found) << describe(found.error());
+    std::vector<std::string> texts;
+    if (!found) return texts;
+    for (const RobotFinding& finding : *found) {
+      if (finding.fault == faults) texts.push_back(finding.text);
+    }
+    return texts;
+  }
+  void expect_refused(const std::string& text, const std::string& what) {
+    EXPECT_THAT(refusal(text), HasSubstr(what));
+    EXPECT_THAT(findings(text, true), Contains(HasSubstr(what)));
+  }
+  void expect_noted(const std::string& text, const std::string& what) {
+    EXPECT_THAT(notes(text), Contains(HasSubstr(what)));
+    EXPECT_THAT(findings(text, false), Contains(HasSubstr(what)));
+    EXPECT_THAT(findings(text, true), ::testing::IsEmpty());
+  }
+
+  TemporaryFolder folder_;
+};
+
+BuiltHumanoid changed(const std::function<void(BuiltHumanoid&)>& change) {
+  BuiltHumanoid built = plain_humanoid();
+  change(built);
+  return built;
+}
+
+// all lengths a thousand or a hundred times larger
+BuiltHumanoid scaled(double factor) {
+  return changed([&](BuiltHumanoid& built) {
+    for (BuiltLimb* limb : {&built.leg, &built.arm}) {
+      for (BuiltJoint& joint : limb->joints) joint.at *= factor;
+      limb->end *= factor;
+    }
+  });
+}
+
+TEST_F(ModelFaults, ASoundModelHasNone) {
+  EXPECT_THAT(findings(plain_humanoid().mjcf(), true), ::testing::IsEmpty());
+  EXPECT_THAT(notes(plain_humanoid().mjcf()), Not(Contains(HasSubstr("range"))));
+}
+
+TEST_F(ModelFaults, OtherUnits) {
+  expect_refused(scaled(1000.0).mjcf(), "millimetres; multiply its lengths by 0.001");
+  expect_refused(scaled(100.0).mjcf(), "centimetres; multiply its lengths by 0.01");
+}
+
+TEST_F(ModelFaults, RangesInTheOtherUnit) {
+  std::string text = plain_humanoid().mjcf();
+  replace_all(text, "angle=\"radian\"", "angle=\"degree\"");
+  expect_refused(text, "write <compiler angle=\"radian\"/>");
+  const BuiltHumanoid degrees = changed([](BuiltHumanoid& built) {
+    for (BuiltLimb* limb : {&built.leg, &built.arm}) {
+      for (BuiltJoint& joint : limb->joints) {
+        joint.lower *= 57.3;
+        joint.upper *= 57.3;
+      }
+    }
+  });
+  expect_refused(degrees.mjcf(), "rad, which looks like degrees");
+}
+
+TEST_F(ModelFaults, RangesThatAreMissing) {
+  expect_noted(changed([](BuiltHumanoid& built) {
+                 built.arm.joints[2].lower = built.arm.joints[2].upper = 0.0;
+               }).mjcf(),
+               "turn without limit: \"left_shoulder_yaw\", \"right_shoulder_yaw\"");
+  std::string text = plain_humanoid().mjcf();
+  replace_all(text, "range=\"-1 0.8\"", "");
+  expect_noted(text, "turn without limit: \"left_ankle_pitch\", \"right_ankle_pitch\"");
+  text = plain_humanoid().mjcf();
+  replace_all(text, "range=\"-1 0.8\"", "limited=\"true\" range=\"0.25 0.25\"");
+  EXPECT_THAT(refusal(text), HasSubstr("ankle_pitch"));
+  text = plain_humanoid().mjcf();
+  replace_all(text, "range=\"-1 0.8\"", "range=\"nan 0.8\"");
+  const auto made = make_robot(write(text), "robot");
+  EXPECT_THAT(made ? made->notes : std::vector{made.error().message},
+              Contains(HasSubstr("ankle_pitch")));
+}
+
+TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
+  expect_refused(changed([](BuiltHumanoid& built) { built.leg.joints[3].type = "slide"; }).mjcf(),
+                 "has a slide, \"left_knee\"");
+  expect_refused(changed([](BuiltHumanoid& built) {
+                   built.leg.joints[4].at += built.leg.joints[3].at;
+                   built.leg.joints.erase(built.leg.joints.begin() + 3);
+                 }).mjcf(),
+                 "has no knee");
+  expect_refused(changed([](BuiltHumanoid& built) {
+                   built.arm.end += built.arm.joints[3].at;
+                   built.arm.joints.pop_back();
+                 }).mjcf(),
+                 "has no elbow");
+}
+
+TEST_F(ModelFaults, NamesThatAppearTwice) {
+  std::string text = plain_humanoid().mjcf();
+  replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");
+  EXPECT_THAT(refusal(text), HasSubstr("have the name \"left_hip_yaw\""));
+}
+
+TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
+  std::string text = changed([](BuiltHumanoid& built) {
+                       built.root =
+                           "<joint name=\"rootx\" type=\"slide\" axis=\"1 0 0\"/>"
+                           "<joint name=\"rootz\" type=\"slide\" axis=\"0 0 1\"/>"
+                           "<joint name=\"rooty\" axis=\"0 1 0\"/>";
+                     }).mjcf();
+  expect_noted(text, "the root moved by \"rootx\", \"rootz\", \"rooty\": a free joint");
+  const auto made = make_robot(write(text), "robot");
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->model.find("rootx"), std::string::npos);
+  // each in a body of its own
+  const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
+  text = plain_humanoid().mjcf();
+  replace_all(text, "<freejoint/>", "<joint name=\"rooty\" axis=\"0 1 0\"/>");
+  replace_all(text, "<worldbody>",
+              "<worldbody><body name=\"cart\">" + mass +
+                  "<joint name=\"rootx\" type=\"slide\" axis=\"1 0 0\"/>");
+  replace_all(text, "</worldbody>", "</body></worldbody>");
+  expect_noted(text, "the root moved by \"rootx\", \"rooty\": a free joint");
+}
+
+TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
+  const auto turned = [](const std::string& euler) {
+    return changed([&](BuiltHumanoid& built) {
+             built.before = "<compiler eulerseq=\"xyz\"/>";
+             built.pelvis = "pos=\"0 0 1\" euler=\"" + euler + "\"";
+           })
+        .mjcf();
+  };
+  expect_noted(turned("0 0.52 0"), "the trunk leans by 30 degrees");
+  expect_noted(turned("0 0 0.52"), "aslant to the axes");
+  expect_refused(turned("0 1.5 0"), "does not stand upright");
+}
+
+TEST_F(ModelFaults, TPosesThatCannotBeReached) {
+  expect_refused(changed([](BuiltHumanoid& built) {
+                   built.arm.joints[1].lower = -0.1;
+                   built.arm.joints[1].upper = 0.1;
+                   built.arm.joints[0].lower = -0.3;
+                   built.arm.joints[0].upper = 0.3;
+                 }).mjcf(),
+                 "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm)");
+}
+
+TEST_F(ModelFaults, TemplatesAndIncludes) {
+  EXPECT_THAT(refusal("<robot name=\"a\" xmlns:xacro=\"http://ros.org/wiki/xacro\">"
+                      "<xacro:include filename=\"b.xacro\"/><link name=\"base\"/></robot>",
+                      "robot.urdf.xacro"),
+              HasSubstr("xacro robot.urdf.xacro > robot.urdf"));
+  EXPECT_THAT(refusal("<robot name=\"a\"><link name=\"${prefix}base\"/></robot>", "robot.urdf"),
+              HasSubstr("which xacro would fill in"));
+  EXPECT_THAT(refusal("<mujoco><include file=\"arms.xml\"/></mujoco>"),
+              HasSubstr("<include> names \"arms.xml\", which does not exist"));
+}
+
+TEST_F(ModelFaults, ExtensionsOfSimulatorsInAUrdfDoNotCount) {
+  const std::string text =
+      "<robot name=\"a\"><link name=\"base\"/><gazebo><plugin filename=\"x.so\" name=\"${x}\"/>"
+      "</gazebo></robot>";
+  EXPECT_THAT(refusal(text, "robot.urdf"), Not(HasSubstr("plugin")));
+}
+
+TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
+  std::string text = changed([](BuiltHumanoid& built) {
+                       built.leg.more += "<body><joint type=\"ball\"/><geom size=\"0.01\"/></body>";
+                     }).mjcf();
+  expect_noted(text, "ball joints that move nothing else are held");
+  text = plain_humanoid().mjcf();
+  replace_all(text, "<body name=\"torso\">",
+              "<body name=\"torso\"><body name=\"imu\"><inertial pos=\"0 0 0\" mass=\"0.1\" "
+              "fullinertia=\"-1 1 1 0 0 0\"/></body>");
+  EXPECT_TRUE(make_robot(write(text), "robot"));
+  EXPECT_THAT(findings(text, false), Contains(HasSubstr("mass or inertia of \"imu\"")));
+  // a rod beside the shin, tied to the foot
+  const std::string rod =
+      "<body name=\"left_knee_rod\"><joint name=\"rod\" axis=\"0 1 0\" range=\"-1 1\"/>"
+      "<geom size=\"0.01\"/></body>";
+  text = plain_humanoid().mjcf();
+  replace_all(text, "<body name=\"left_ankle_pitch\"", rod + "<body name=\"left_ankle_pitch\"");
+  replace_all(text, "</mujoco>",
+              "<equality><connect body1=\"left_knee_rod\" body2=\"left_ankle_roll\" "
+              "anchor=\"0 0 0\"/></equality></mujoco>");
+  expect_noted(text, "\"left_knee_rod\" does not follow");
+  // without a rod it is the leg that is closed
+  replace_all(text, "body1=\"left_knee_rod\"", "body1=\"left_knee\"");
+  expect_refused(text, "closed chain");
+}
+
+TEST_F(ModelFaults, ToesAreNoFeet) {
+  const auto said =
+      notes(changed([](BuiltHumanoid& built) {
+              built.leg.joints.push_back({"toe", kAxisY, {0.09, 0, -0.04}, -0.3, 0.6});
+            }).mjcf());
+  EXPECT_THAT(said, Contains(HasSubstr("\"left_toe\" was taken for a toe")));
+}
+
+}  // namespace
+}  // namespace retarget
