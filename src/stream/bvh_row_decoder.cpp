@@ -15,7 +15,7 @@
 #include "bvh/read_bvh.h"
 #include "bvh/row_decoder.h"
 #include "bvh/write_bvh.h"
-#include "stream/decoder.h"
+#include "stream/formats.h"
 
 namespace retarget {
 namespace {

@@ -74,10 +74,4 @@ struct StreamFormat {
 /// The format of a name, the default for an empty one; kUsage error with the nearest name.
 [[nodiscard]] Result<const StreamFormat*> find_stream_format(const std::string& name);
 
-[[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
-[[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
-[[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
-
 }  // namespace retarget

@@ -15,7 +15,7 @@
 #include "motion/forward_kinematics.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "stream/decoder.h"
+#include "stream/formats.h"
 
 namespace retarget {
 namespace {

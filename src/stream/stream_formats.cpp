@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/suggest.h"
-#include "stream/decoder.h"
+#include "stream/formats.h"
 
 namespace retarget {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "base/try.h"
 #include "retarget/pose.h"
-#include "stream/decoder.h"
+#include "stream/formats.h"
 #include "stream/osc.h"
 
 namespace retarget {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "fuzz/fuzz_target.h"
-#include "stream/decoder.h"
+#include "stream/formats.h"
 #include "stream/stream_record.h"
 
 namespace retarget::fuzz {

@@ -1,6 +1,6 @@
 // What decoders make of bytes: frames, skeletons, refusals; and what players send comes back.
 
-#include "stream/decoder.h"
+#include "stream/formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Packets in, robot frames out, without sockets: the same at every run.
 
 #include "stream/live_pipeline.h"
+#include "stream/formats.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 
 #include "human/canonical_pose.h"
 #include "retarget/load.h"
+#include "stream/formats.h"
 #include "stream/latency.h"
 #include "stream/stream_record.h"
 #include "support/lafan1_map.h"

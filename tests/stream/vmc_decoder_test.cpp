@@ -11,6 +11,7 @@
 
 #include "retarget/load.h"
 #include "retarget/pose.h"
+#include "stream/formats.h"
 #include "stream/live_pipeline.h"
 #include "stream/osc.h"
 

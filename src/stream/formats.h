@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "stream/decoder.h"
+
+namespace retarget {
+
+// For the table of formats: a new one changes nothing that includes decoder.h.
+
+[[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
+
+}  // namespace retarget
