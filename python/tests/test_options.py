@@ -79,7 +79,7 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
     elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report", "html",
                  "png", "strip", "write_map", "verbose", "help", "help_all", "version",
                  "mirror",  # retarget.edit.mirror()
-                 "gate"}  # gates of retarget.evaluate()
+                 "dynamics", "gate"}  # those of retarget.evaluate()
     # words of the language have a line behind them
     keywords = {name.rstrip("_") for name in inspect.signature(retarget.to_robot).parameters}
     assert names - keywords <= elsewhere

@@ -112,7 +112,9 @@ void InputFinder::add_input(const std::string& path, const std::string& relative
 
 bool InputFinder::is_motion(const std::string& name) const {
   if (!search_.of_robots) return has_motion_ending(name);
-  return ends_in_one_of(name, kRobotEndings) && !lower_case(name).ends_with(".contacts.csv");
+  // of those that a batch writes two kinds are no motions
+  return ends_in_one_of(name, kRobotEndings) && !lower_case(name).ends_with(".contacts.csv") &&
+         name != "summary.csv";
 }
 
 void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {

@@ -148,7 +148,7 @@ void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> sup
         const double place = static_cast<double>(inside) / (blend + 1);
         goal = {static_cast<int>(plan.phases.size()), std::clamp(place, 0.0, 1.0), height};
       }
-      plan.phases.push_back({phase.begin, phase.end, -1, kHeelEnd});
+      plan.phases.push_back({phase.begin, phase.end, -1, kHeelEnd, static_cast<int>(i)});
     }
   }
 }

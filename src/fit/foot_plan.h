@@ -16,6 +16,7 @@ struct PlantedPhase {
   int begin = 0, end = 0;  ///< Frames [begin, end).
   int foot = 0;            ///< Index of the robot's foot; -1: it is none.
   int foot_end = kHeelEnd;
+  int support = -1;  ///< Index of the SupportBody that it is of; -1: a foot's.
 };
 
 /// What the robot's feet should do, clip-wide, and when it rests on something else.

@@ -49,6 +49,7 @@ void LagFit::restart() {
   feet_.feet.clear();
   feet_.legs.clear();
   feet_.hips.clear();
+  feet_.supports.clear();
   sent_ = forgotten_ = wait_ = 0;
   finished_ = false;
   fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
@@ -93,6 +94,7 @@ void LagFit::forget_old_frames() {
   erase_first(feet_.feet, std::min(feet_.feet.size(), at(count) * at(feet_.foot_count)));
   erase_first(feet_.legs, std::min(feet_.legs.size(), at(count)));
   erase_first(feet_.hips, std::min(feet_.hips.size(), at(count)));
+  erase_first(feet_.supports, std::min(feet_.supports.size(), at(count) * kSupportBones.size()));
   for (PlantedPhase& phase : clip_.feet.phases) {
     phase.begin -= count;
     phase.end -= count;
@@ -129,6 +131,7 @@ void LagFit::plan_contacts() {
   const std::vector<PlantedPhase> old_phases = std::move(clip_.feet.phases);
   const std::vector<Eigen::Vector2d> old_anchors = std::move(clip_.anchors);
   clip_.feet = plan_feet(feet_, contacts, source_feet_, stage_.foot_scale());
+  plan_supports(contacts, model_.supports, clip_.frame_count, clip_.frame_time, clip_.feet);
   keep_anchors(old_phases, old_anchors);
 }
 
@@ -141,6 +144,7 @@ void LagFit::keep_anchors(const std::vector<PlantedPhase>& old_phases,
     for (std::size_t i = 0; i < old_phases.size(); ++i) {
       const PlantedPhase& old = old_phases[i];
       if (old.foot != phase.foot || old.foot_end != phase.foot_end) continue;
+      if (old.support != phase.support) continue;
       const int shared = std::min(old.end, phase.end) - std::max(old.begin, phase.begin);
       if (shared <= longest) continue;
       longest = shared;
@@ -150,18 +154,25 @@ void LagFit::keep_anchors(const std::vector<PlantedPhase>& old_phases,
   }
 }
 
-// Of a new contact: where the foot is on average, or was when the first of its frames left.
+// Of a new contact: where the foot or body is on average, or was when the first of its frames left.
 Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
   int begin = std::max(phase.begin, window_begin()), end = phase.end;
   if (phase.begin < window_begin()) {
     begin = std::min(phase.end, window_begin()) - 1;
     end = begin + 1;
   }
-  const FitFoot& foot = model_.feet[at(phase.foot)];
+  const auto middle = [&]() -> Eigen::Vector3d {
+    if (phase.support >= 0) {
+      const SupportBody& body = model_.supports[at(phase.support)];
+      return pose_.world_from_link[at(body.link)] * body.middle;
+    }
+    const FitFoot& foot = model_.feet[at(phase.foot)];
+    return pose_.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle;
+  };
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = begin; frame < end; ++frame) {
     pose_.update(clip_.frame(frame, model_.configuration_size));
-    sum += (pose_.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle).head<2>();
+    sum += middle().head<2>();
   }
   return sum / std::max(1, end - begin);
 }

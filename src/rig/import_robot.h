@@ -16,8 +16,8 @@ namespace retarget {
 /// A robot read from a model that was not made for this program: floating, every part named.
 struct ImportedRobot {
   std::shared_ptr<Robot> robot;
-  std::vector<std::string> notes;  ///< What was changed, one line each.
-  std::vector<TiedBodies> tied;    ///< Of equalities that were dropped.
+  std::vector<std::string> notes;                             ///< What was changed, one line each.
+  std::vector<TiedBodies> tied;                               ///< Of equalities that were dropped.
   std::vector<std::pair<std::string, std::string>> excluded;  ///< As LoadedModel's.
 };
 

@@ -29,7 +29,7 @@ struct LoadedModel {
   std::map<std::string, JointCoupling> couplings;
   /// Bodies whose contact the model says is none (`<exclude>`), by name.
   std::vector<std::pair<std::string, std::string>> excluded;
-  std::vector<ModelMesh> meshes;     ///< What bodies are drawn with, if it was asked for.
+  std::vector<ModelMesh> meshes;  ///< What bodies are drawn with, if it was asked for.
 };
 
 /// What is done to a model beyond dropping what plays no part in kinematics.

@@ -149,7 +149,7 @@ class RobotToRobot(ToolTest):
         self.assert_done(self.run_tool(*arguments))
         lines = [json.loads(line) for line in
                  (self.folder / "out" / "manifest.jsonl").read_text().splitlines()]
-        self.assertEqual(sorted(pathlib.Path(line["source"]).name for line in lines),
+        self.assertEqual(sorted(pathlib.Path(line["relative"]).name for line in lines),
                          sorted(path.name for path in folder.iterdir() if path.suffix != ".bvh"))
         self.assertTrue((self.folder / "out" / "sub" / "plain.csv").is_file())
         options = json.loads((self.folder / "out" / "options.json").read_text())[0]

@@ -199,12 +199,17 @@ class RealFiles(ToolTest):
             with self.subTest(name):
                 result = self.run_tool(folder / name, "g1", "-o", "o.csv", "--report", "o.json")
                 self.assert_done(result)
-                self.assertIn("verdict  22 of 22 gates kept", result.stderr)
+                if name.startswith("gvhmr"):
+                    # its body is thrown about for two frames
+                    self.assertIn("missed   com_acc_p99", result.stderr)
+                    self.assertIn("verdict  21 of 22 gates kept", result.stderr)
+                else:
+                    self.assertIn("verdict  22 of 22 gates kept", result.stderr)
 
     def test_a_robots_motion_is_told(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"
         self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found one of a robot",
-                          "dof_pos", "needs no retargeting")
+                          "dof_pos", "--from-robot NAME", "retarget convert")
 
 
 if __name__ == "__main__":
