@@ -282,21 +282,19 @@ Result<void> ModelChecker::vet_mesh(const XMLElement& element, const Place& plac
 
 // what xacro would fill in; meshes are named by such texts as well, and need not be there
 Result<void> refuse_template(const XMLElement& element, const Place& place) {
-  const std::string hint =
-      "expand it first: xacro " + fs::path(place.file).filename().string() + " > robot.urdf";
-  if (lower_case(element.Name()).starts_with("xacro:")) {
-    return fault(element, place, "is of xacro: the file is a template, not a robot", hint);
-  }
+  const auto refuse = [&](const std::string& what) {
+    return fault(
+        element, place, what + ": the file is a template, not a robot",
+        "expand it first: xacro " + fs::path(place.file).filename().string() + " > robot.urdf");
+  };
+  if (std::string_view(element.Name()).starts_with("xacro:")) return refuse("is of xacro");
   for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
        attribute = attribute->Next()) {
-    const std::string_view name = attribute->Name();
-    const std::string value = attribute->Value();
+    const std::string_view name = attribute->Name(), value = attribute->Value();
     if (name == "filename" || name == "file") continue;
-    if (value.find("${") == std::string::npos && value.find("$(") == std::string::npos) continue;
-    return fault(element, place,
-                 std::string(name) + " is \"" + value.substr(0, 60) +
-                     "\", which xacro would fill in: the file is a template, not a robot",
-                 hint);
+    if (value.find("${") == value.npos && value.find("$(") == value.npos) continue;
+    return refuse(
+        fmt::format("{} is \"{}\", which xacro would fill in", name, value.substr(0, 60)));
   }
   return {};
 }

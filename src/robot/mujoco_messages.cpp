@@ -104,12 +104,10 @@ Failure model_failure(const std::string& path, const std::string& text) {
   }
   error.message = "MuJoCo cannot load the model: " + line;
   // `repeated name 'knee' in joint`
-  const std::size_t name = line.find('\'') + 1;
-  const std::size_t behind = line.find("' in ");
-  if (line.starts_with("repeated name '") && behind != std::string::npos) {
-    const std::string kind = line.substr(behind + 5, line.find(';') - behind - 5);
-    error.message = "two elements of kind " + kind + " have the name \"" +
-                    line.substr(name, behind - name) + "\"";
+  const std::size_t name_end = line.find("' in ");
+  if (line.starts_with("repeated name '") && name_end != std::string::npos) {
+    const std::string kind = line.substr(name_end + 5, line.find(';') - name_end - 5);
+    error.message = line.substr(0, name_end + 1) + ": two elements of kind " + kind + " have it";
     error.hint = "give one of them another name";
   }
   return failure(std::move(error));

@@ -149,7 +149,7 @@ TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
 TEST_F(ModelFaults, NamesThatAppearTwice) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");
-  EXPECT_THAT(refusal(text), HasSubstr("have the name \"left_hip_yaw\""));
+  EXPECT_THAT(refusal(text), HasSubstr("repeated name 'left_hip_yaw': two elements of kind joint"));
 }
 
 TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
