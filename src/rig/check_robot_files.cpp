@@ -61,6 +61,9 @@ Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
     findings.push_back({false, warning});
   for (std::string& note : imported.notes) findings.push_back({false, std::move(note)});
   add_findings(*imported.robot, sources, spelling, findings);
+  for (RobotFinding& finding : check_shapes(*imported.robot, sources.model)) {
+    findings.push_back(std::move(finding));
+  }
   std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
   return findings;
 }
