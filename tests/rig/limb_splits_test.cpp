@@ -177,7 +177,8 @@ struct TrueLimb {
   Marker root, middle, end;
 };
 
-// @param lengths  of upper and lower segment, with the way that the end lies in at zero
+// the points of a limb on the left at zero, in the bodies that carry them
+// @param last  the joint before the knee or elbow, whose body the middle lies in
 TrueLimb true_limb(const Robot& robot, const BuiltLimb& limb, const std::string& side,
                    const Vector3d& root, const Vector3d& middle, const Vector3d& end,
                    const std::string& last) {
@@ -189,7 +190,6 @@ TrueLimb true_limb(const Robot& robot, const BuiltLimb& limb, const std::string&
     return Marker{body, posed.world_from_body(body).inverse() * world};
   };
   const std::string first = limb.joints.front().name == "cy" ? "sp" : limb.joints.front().name;
-  // the middle lies in what the joint before the knee or elbow moves
   return {marker(first, root), marker(last, middle), marker(limb.joints.back().name, end)};
 }
 
