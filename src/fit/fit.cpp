@@ -122,6 +122,7 @@ class Fit {
   double floor_height(const StandingHeights& standing, double scale) const;
   Result<void> solve(const MadeTargets& made, FitResult& result);
   Result<void> recover_limbs(FitReport& report);
+  void hold_joints();
   void keep_bounds(FitReport& report);
   void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                     FitReport& report) const;
@@ -321,6 +322,16 @@ Result<void> Fit::recover_limbs(FitReport& report) {
   return {};
 }
 
+void Fit::hold_joints() {
+  if (run_.held.empty()) return;
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    if (model_.lower[dof] != model_.upper[dof]) continue;
+    const KinematicTree::Link& held = model_.tree.links()[link];
+    model_.lower[dof] = model_.upper[dof] = run_.held[at(held.qpos_address)];
+  }
+}
+
 void Fit::keep_bounds(FitReport& report) {
   constexpr double kNoChange = 1e-4;  // rad or m; less is not told
   constexpr double kRounding = 1e-12;
@@ -403,6 +414,7 @@ Result<FitResult> Fit::run() {
   sides_ = sides_with_feet(info);
   model_ = make_fit_model(*robot_, config_, limits_, target_of_bone, options_, sides_);
   if (limbs) model_.leg = limbs->lengths.leg;
+  hold_joints();
   FitReport& report = result.report;
   note_missing_feet(*robot_, sides_, report);
   note_dynamics(options_, model_, report);

@@ -33,6 +33,9 @@ struct FitRun {
   /// Asked now and then with the share of the work that is done, perhaps from another thread; false
   /// stops the run with ErrorKind::kInterrupted.
   std::function<bool(double done)> keep_going;
+  /// Configuration in which joints that follow nothing are held, such as fingers, so that they are kept out
+  /// of other parts as they will be; empty: the robot's zero configuration.
+  std::vector<double> held;
   /// Limbs that hang on the wrong branch are taken to another one.
   bool recover_limbs = true;
 };

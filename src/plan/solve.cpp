@@ -80,13 +80,18 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
       return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
     };
   }
+  const HandTrack hands = hand_track(plan, *motion.source);
+  if (!hands.empty() && motion.source->frame_count() > 0) {
+    run.held = plan.robot.robot->zero_configuration();
+    hands.write(0, run.held);
+  }
   TRY_ASSIGN(FitResult fitted, fit(*motion.source, plan.human.calibration, plan.robot.robot,
                                    plan.config, plan.limits, options, run));
   motion.clip = std::move(fitted.clip);
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
   motion.contacts = fitted.contacts.of_ends();
-  write_hands(hand_track(plan, *motion.source), motion.clip);
+  write_hands(hands, motion.clip);
   if (!control.frame_solved) return {};
   for (int frame = 0; frame < motion.clip.frame_count(); ++frame) {
     control.frame_solved(frame, std::as_const(motion.clip).qpos(frame));
