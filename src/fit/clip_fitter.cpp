@@ -37,6 +37,8 @@ constexpr double kPairsWithin = 0.04;  // metres
 // Share of their weight that the places of contacts have at first. They move with the feet that they
 // hold, so while they hold them hard neither gets anywhere.
 constexpr double kFirstHold = 0.12;
+// metres, self-collision's margin included: what is deeper in itself is no motion for a robot
+constexpr double kDeepOverlap = 0.015;
 
 // the solver of one window
 class WindowFitter final : public MovingFit {
@@ -112,6 +114,7 @@ class WindowFitter final : public MovingFit {
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
   std::vector<double> applied_;                       // to a frame by a step, by dof
   double anchor_hold_ = 1.0;
+  double worst_overlap_ = 0.0;  // of a frame in the last step, margin included; square metres
   std::vector<Eigen::Vector2d> anchor_sums_;
   std::vector<Eigen::Vector2d> anchor_pushes_;
   std::vector<int> anchor_counts_;
@@ -190,8 +193,10 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
   return true;
 }
 
-// What has much to gain yet goes on: bodies that lie in each other, or get up from the floor.
+// What has much to gain yet goes on: bodies that lie in each other, or get up from the floor. Dynamics ask for
+// something else in each step, so that with them only what is deep in itself goes on.
 bool WindowFitter::finish(const std::function<bool()>& keep_going) {
+  if (with_dynamics_ && worst_overlap_ <= square(kDeepOverlap)) return true;
   const int most = options_.iterations + options_.extra_iterations;
   for (int i = options_.iterations; i < most; ++i) {
     if (status_.steps == 0 || status_.predicted_decrease <= kFitTolerance) break;
@@ -254,6 +259,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
 // definite: its frame is damped as much as any, for the next step.
 std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_pairs) {
   double cost = 0.0, decrease = 0.0;
+  worst_overlap_ = 0.0;
   for (int frame = window_.begin; frame < window_.end; ++frame) {
     const int t = local(frame);
     cost += fill_frame(frame, move_anchors, look_for_pairs);
@@ -284,6 +290,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   FrameGoals goals = clip_.goals(frame, model_.tasks.size());
   goals.anchor_hold = age < 0 ? anchor_hold_ : hold_after(age);
   terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
+  worst_overlap_ =
+      std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
   if (move_anchors) push_anchors_apart(frame);
   // places move and their weight changes: what they cost says nothing of the step
   double cost = -costs[kTermContactPlace];
