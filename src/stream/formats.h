@@ -13,5 +13,6 @@ namespace retarget {
 [[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
 [[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_vmc_encoder();
 
 }  // namespace retarget
