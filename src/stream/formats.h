@@ -14,5 +14,7 @@ namespace retarget {
 [[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
 [[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_vmc_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_rokoko_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_rokoko_encoder();
 
 }  // namespace retarget

@@ -22,6 +22,8 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
     {"vmc",
      "VMC over OSC: bones of a VRM avatar, as Virtual Motion Capture, Waidayo, ... send them",
      39539, false, make_vmc_decoder, make_vmc_encoder, always},
+    {"rokoko", "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME of several", 14043, false,
+     make_rokoko_decoder, make_rokoko_encoder, always},
 });
 
 }  // namespace

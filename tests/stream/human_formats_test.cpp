@@ -169,6 +169,28 @@ TEST(HumanFormats, VmcComesBack) {
   expect_same_world("vmc", bones_of(sample("walk")), kVmcBones, 2e-6, 2e-6);
 }
 
+TEST(HumanFormats, RokokoComesBack) {
+  expect_same_world("rokoko", bones_of(sample("walk")),
+                    {{"hip", Bone::kHips},
+                     {"spine", Bone::kSpine},
+                     {"chest", Bone::kSpine2},
+                     {"head", Bone::kHead},
+                     {"leftUpperArm", Bone::kLeftArm},
+                     {"leftHand", Bone::kLeftHand},
+                     {"rightLowerArm", Bone::kRightForeArm},
+                     {"leftLeg", Bone::kLeftLeg},
+                     {"rightFoot", Bone::kRightFoot},
+                     {"rightToe", Bone::kRightToe}},
+                    1e-9, 1e-7);
+}
+
+TEST(HumanFormats, ARobotFollowsRokokoAsItFollowsLines) {
+  for (const char* name : {"walk", "wave"}) {
+    const auto lines = followed(sample(name), "lines"), rokoko = followed(sample(name), "rokoko");
+    EXPECT_LT(largest_difference(lines, rokoko, 0), 1e-3) << name;
+  }
+}
+
 TEST(HumanFormats, ARobotFollowsVmcAsItFollowsLines) {
   for (const char* name : {"walk", "wave"}) {
     const auto lines = followed(sample(name), "lines"), vmc = followed(sample(name), "vmc");
