@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kName = "the packet";
+constexpr const char* kRokokoPacket = "the packet";
 
 Failure bad_packet(std::string message) {
   return input_failure({}, std::move(message));
@@ -144,7 +144,7 @@ Result<void> RokokoDecoder::take(std::string_view bytes, StreamSink& sink) {
 
 Result<void> RokokoDecoder::take_text(std::string_view text, StreamSink& sink) {
   constexpr double kMaxTime = 1e12;  // seconds
-  TRY_ASSIGN(const Json json, parse_json(text, kName));
+  TRY_ASSIGN(const Json json, parse_json(text, kRokokoPacket));
   const Json& scene = member(json, "scene").is_object() ? json["scene"] : json;
   TRY_ASSIGN(const RokokoActor actor, find_actor(member(scene, "actors")));
   if (actor_ != actor.name) {

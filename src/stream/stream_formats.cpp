@@ -24,6 +24,8 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      39539, false, make_vmc_decoder, make_vmc_encoder, always},
     {"rokoko", "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME of several", 14043, false,
      make_rokoko_decoder, make_rokoko_encoder, always},
+    {"smplx", "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object a line", 0, true,
+     make_smplx_decoder, make_smplx_encoder, smplx_plays_human},
 });
 
 }  // namespace
