@@ -165,16 +165,15 @@ Result<RokokoActor> RokokoDecoder::find_actor(const Json& actors) const {
   std::optional<RokokoActor> found;
   std::vector<std::string> names;
   for (const Json& json : actors) {
-    const Json& name = member(json, "name");
-    if (!name.is_string()) continue;
-    names.push_back(name.get<std::string>());
+    const Json& name = member(json, "name").is_string() ? member(json, "name") : member(json, "id");
+    names.push_back(name.is_string() ? name.get<std::string>() : std::string());
     // an actor of version 2 has its bones itself
     const Json& body = member(json, "body").is_object() ? member(json, "body") : json;
     if (!member(body, "hip").is_object() || member(member(json, "meta"), "hasBody") == false) {
       continue;
     }
     const RokokoActor actor = {names.back(), &body, height_of(member(json, "dimensions"))};
-    if (actor.name == (wanted_.empty() ? actor_.value_or(std::string()) : wanted_)) return actor;
+    if (wanted_.empty() ? actor_ == actor.name : wanted_ == actor.name) return actor;
     if (!found) found = actor;
   }
   if (found && wanted_.empty()) return *found;

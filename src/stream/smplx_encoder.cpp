@@ -45,6 +45,7 @@ std::vector<int> smpl_joints_of(const Skeleton& skeleton) {
 
 std::vector<Eigen::Vector3d> offsets_of(const Skeleton& skeleton, const std::vector<int>& joints) {
   std::vector<Eigen::Vector3d> offsets;
+  offsets.reserve(joints.size());
   for (const int joint : joints) offsets.push_back(skeleton.joint(joint).offset);
   return offsets;
 }

@@ -214,15 +214,17 @@ TEST(Rokoko, OneActorOfSeveral) {
 
 TEST(Rokoko, VersionTwoHasActorsOutsideAScene) {
   Json actor = actor_of("Ann", t_pose())["body"];
-  actor["name"] = "Ann";
+  actor["id"] = "Ann";
   const Json packet = {{"version", "2,0"},       {"timestamp", 3.5},
                        {"props", Json::array()}, {"trackers", Json::array()},
                        {"faces", Json::array()}, {"actors", {actor}}};
-  const auto decoder = decoder_at("udp:1");
-  Kept kept;
-  ASSERT_TRUE(decoder->take(packet.dump(), kept));
-  ASSERT_EQ(kept.frames.size(), 1U);
-  EXPECT_EQ(kept.frames[0].time, 3.5);
+  for (const char* address : {"udp:1", "udp:1?actor=Ann"}) {
+    const auto decoder = decoder_at(address);
+    Kept kept;
+    ASSERT_TRUE(decoder->take(packet.dump(), kept));
+    ASSERT_EQ(kept.frames.size(), 1U);
+    EXPECT_EQ(kept.frames[0].time, 3.5);
+  }
 }
 
 TEST(Rokoko, WhatIsNoPacketIsRefused) {
