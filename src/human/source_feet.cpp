@@ -85,6 +85,17 @@ void SourceFeet::add(const HumanPose& pose) {
   for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
 }
 
+void SourceFeet::forget(int frames) {
+  const auto drop = [frames](auto& values, std::size_t of_frame) {
+    const std::size_t count = std::min(values.size(), static_cast<std::size_t>(frames) * of_frame);
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  drop(feet, static_cast<std::size_t>(foot_count));
+  drop(legs, 1);
+  drop(hips, 1);
+  drop(supports, kSupportBones.size());
+}
+
 double SourceFeet::ankle_over_heel() const {
   // the y axis of FootMod points up
   double sum = 0.0;
