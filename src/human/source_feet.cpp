@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "human/canonical_pose.h"
+#include "math/gravity.h"
 #include "math/statistics.h"
 #include "retarget/pose.h"
 
@@ -126,7 +127,6 @@ double leg_length(const HumanClip& human) {
 }
 
 bool falls_freely(std::span<const double> hips, double frame_time, double share) {
-  constexpr double kGravity = 9.81;
   const double steps = static_cast<double>(hips.size()) - 1.0;
   const double slope = (hips.back() - hips.front()) / std::max(1.0, steps);
   double rise = 0.0;
