@@ -47,14 +47,9 @@ std::string given(Table table, const Value& value) {
   return {};
 }
 
-// an option that is known by its row; as OPTION has it
-std::string marked(const std::string& option) {
-  return "\x0e" + option + "\x0f";
-}
-
 Failure not_of_robots(const std::string& option) {
-  return usage_failure(marked(option) + " is for motions of humans, and " OPTION(
-                                            "from-robot") " says that this is a robot's",
+  return usage_failure(marked_option(option) + " is for motions of humans, and " OPTION(
+                                                   "from-robot") " says that this is a robot's",
                        "leave one of them out");
 }
 
@@ -73,7 +68,7 @@ Result<void> check_robot_source(const SourceOptions& options) {
     const std::string name = given(
         [](MotionFileOptions& each) { return motion_file_table(each, true); }, options.robot_file);
     if (name.empty()) return {};
-    return usage_failure(marked(name) + " is for motions of robots",
+    return usage_failure(marked_option(name) + " is for motions of robots",
                          "add " OPTION("from-robot") " NAME, or leave it out");
   }
   if (options.smpl) return not_of_robots("smpl");
