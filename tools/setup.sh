@@ -43,6 +43,7 @@ zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header
 libzip-dev         | libzip-devel   | libzip        | libzip        | has_header zip.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
 libssl-dev         | openssl-devel  | openssl       | openssl@3     | has_header openssl/evp.h ../opt/openssl@3/include/openssl/evp.h
+liblz4-dev         | lz4-devel      | lz4           | lz4           | has_header lz4frame.h
 python3            | python3        | python        | python        | has_command python3
 python3-pip        | python3-pip    | python-pip    | python        | has_pip_or_no_need
 '

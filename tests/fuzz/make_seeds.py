@@ -343,15 +343,36 @@ def robot_motions():
     write("csv", "decimal_commas.csv", "\ufeff1,5;2,5\n3;4\n")
 
 
+def rokoko(frames):
+    """Frames of Rokoko Studio as datagrams: whole, in pieces, in a frame of LZ4 that stores them, and of version 2."""
+    def sized(*packets):
+        return b"".join(struct.pack(">H", len(packet)) + packet for packet in packets)
+    write("stream_rokoko", "wave.bin", sized(*frames))
+    block = struct.pack("<I", len(frames[0]) | 1 << 31) + frames[0]
+    stored = bytes.fromhex("04224d18604082") + block + bytes(4)
+    write("stream_rokoko", "lz4.bin", sized(stored, stored[:900], stored[900:], b""))
+    scene = json.loads(frames[0])["scene"]
+    old = {"version": "2,0", "timestamp": 1.5, "actors": [{"name": "a \\\"{", **scene["actors"][0]["body"]}]}
+    text = json.dumps(old).encode()
+    write("stream_rokoko", "pieces.bin", sized(text[:700], text[700:] + b"\n" + text, b"noise {", b"}"))
+
+
 def streams():
     """Packets of streams, as the tool's own player sends them, and a recording."""
     with tempfile.TemporaryDirectory() as folder:
         clip = pathlib.Path(folder) / "short.bvh"
         clip.write_text(short_bvh("wave.bvh", 2))
-        for form in ("lines", "bvh"):
+        for form in ("lines", "bvh", "smplx", "rokoko"):
             played = subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to",
                                      f"stdout?format={form}"], check=True, capture_output=True)
-            write(f"stream_{form}", "wave.txt", played.stdout)
+            if form == "rokoko":
+                rokoko(played.stdout.splitlines())
+            else:
+                write(f"stream_{form}", "wave.txt", played.stdout)
+    zeros = json.dumps([0] * 66)
+    write("stream_smplx", "odd.txt", '{"up": "y", "height": 1.6}\nrestart\n'
+          f'{{"time": 1, "betas": [1, 0.5], "trans": [0, 0, 1], "poses": {zeros}, "left_hand_pose": [0.1]}}\n'
+          '{"transl": [0, 0, 1], "root_orient": [[1.5, 0, 0]], "pose_body": [[1]]}\n')
     pose = "[0.5, 0.9, 0, 1, 0, 0, 0]"
     write("stream_lines", "odd.txt", "noise\n" + '{"skeleton": {"pose": "t-pose", "up": "y", "unit": 0.01, "height": 1.8, '
           f'"joints": [{{"name": "a", "parent": null, "rest": {pose}}}, {{"name": "b", "parent": "a"}}]}}}}\n'

@@ -61,6 +61,19 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
+// binary packets, each behind two bytes of its size; an empty one is the end of a connection
+void fuzz_packets(Decoder& decoder, std::string_view bytes) {
+  CheckedSink sink;
+  while (bytes.size() >= 2) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    const std::size_t size =
+        std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
+    if (size == 0) decoder.restart();
+    (void)good(decoder.take(bytes.substr(2, size), sink));
+    bytes.remove_prefix(2 + size);
+  }
+}
+
 }  // namespace
 
 void fuzz_stream_lines(std::string_view bytes) {
@@ -71,16 +84,22 @@ void fuzz_stream_bvh(std::string_view bytes) {
   fuzz_decoder("bvh", bytes);
 }
 
-// binary packets, each behind two bytes of its size
+void fuzz_stream_smplx(std::string_view bytes) {
+  fuzz_decoder("smplx", bytes);
+}
+
 void fuzz_stream_vmc(std::string_view bytes) {
   const auto decoder = make_vmc_decoder({});
-  CheckedSink sink;
-  while (bytes.size() >= 2) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-    const std::size_t size =
-        std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
-    (void)good(decoder->take(bytes.substr(2, size), sink));
-    bytes.remove_prefix(2 + size);
+  fuzz_packets(*decoder, bytes);
+}
+
+// the same bytes as datagrams and as pieces of a connection
+void fuzz_stream_rokoko(std::string_view bytes) {
+  for (const Transport transport : {Transport::kUdp, Transport::kTcp}) {
+    StreamAddress from;
+    from.transport = transport;
+    const auto decoder = make_rokoko_decoder(from);
+    fuzz_packets(*decoder, bytes);
   }
 }
 
