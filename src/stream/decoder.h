@@ -66,6 +66,9 @@ struct StreamFormat {
   bool is_text = true;           ///< Lines: a connection's bytes are cut at line ends.
   std::unique_ptr<Decoder> (*decoder)(const StreamAddress& from) = nullptr;
   std::unique_ptr<Encoder> (*encoder)() = nullptr;  ///< Null: nothing plays it.
+  /// Whether the encoder takes the canonical human of a clip (clip_of_human_bones) in place of the clip.
+  /// Null: never.
+  bool (*plays_human)(const Clip& clip) = nullptr;
 };
 
 /// All of them, the default first.

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "base/try.h"
 #include "stream/byte_sink.h"
 #include "stream/decoder.h"
+#include "stream/human_bones.h"
 #include "stream/serve.h"
 
 namespace retarget {
@@ -42,13 +44,18 @@ Result<void> send_lines(ByteSink& sink, std::string_view bytes) {
 
 }  // namespace
 
-Result<int> play(const Clip& clip, const PlayOptions& options,
+Result<int> play(const Clip& given, const PlayOptions& options,
                  const std::function<bool()>& is_stopped) {
   TRY_ASSIGN(const StreamAddress to, parse_address(options.to));
   TRY_ASSIGN(const StreamFormat* format, find_stream_format(to.format));
   if (format->encoder == nullptr) {
     return usage_failure("nothing plays the format " + std::string(format->name));
   }
+  std::optional<Clip> human;
+  if (format->plays_human != nullptr && format->plays_human(given)) {
+    TRY_ASSIGN(human, clip_of_human_bones(given, options.human, options.data_folder));
+  }
+  const Clip& clip = human ? *human : given;
   const auto encoder = format->encoder();
   TRY_ASSIGN(ByteSink sink, ByteSink::open(to));
   const std::string header = encoder->begin(clip);

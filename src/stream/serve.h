@@ -51,10 +51,13 @@ struct PlayOptions {
   std::string to = "stdout";
   double speed = 1.0;  ///< Times its own; 0: as fast as it goes.
   bool header = true;  ///< The skeleton is sent first.
+  HumanOptions human;  ///< How the human is recognised, for formats that have bones of their own.
+  std::string data_folder;  ///< With configs/skeletons, for the same formats.
 };
 
 /// Sends a clip as its capture would have; ends when it ends or is stopped.
-/// @return frames sent.
+/// @return frames sent. Errors: addresses that cannot be had; no human in a clip that is to be played in a
+///     format with bones of its own.
 [[nodiscard]] Result<int> play(const Clip& clip, const PlayOptions& options,
                                const std::function<bool()>& is_stopped);
 

@@ -70,9 +70,11 @@ Result<void> list_formats() {
 
 Result<void> play_clip(const LiveArguments& arguments, Console& console) {
   TRY_ASSIGN(const Clip clip, load_clip(arguments.play));
+  PlayOptions options = arguments.player;
+  options.human = arguments.run.run.options.human;
+  options.data_folder = data_folder_of(arguments.run.common).value_or(std::string());
   const InterruptGuard guard;
-  TRY_ASSIGN(const int frames,
-             play(clip, arguments.player, [] { return InterruptGuard::interrupted(); }));
+  TRY_ASSIGN(const int frames, play(clip, options, [] { return InterruptGuard::interrupted(); }));
   console.line("sent", fmt::format("{} of {}", frames, count_text(clip.frame_count(), "frame")));
   return {};
 }
