@@ -17,9 +17,24 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
     {"vmc",
      "VMC over OSC: bones of a VRM avatar, as Virtual Motion Capture, Waidayo, ... send them",
      39539, false, make_vmc_decoder, nullptr},
+    {"mvn", "Xsens MVN's network streamer, poses as quaternions; ?actor=N: one of several", 9763,
+     false, make_mvn_decoder, make_mvn_encoder, plays_human_as_mvn},
+    {"natnet",
+     "OptiTrack Motive, NatNet 3.0 to 4.x; ?server=ADDRESS: who is asked for the skeleton, "
+     "?multicast=239.255.42.99, ?version=4.1, ?actor=N",
+     1511, false, make_natnet_decoder, make_natnet_encoder, nullptr, true, 1510},
 });
 
+constexpr std::size_t kMaxDatagramSize = 65000;  // bytes
+
 }  // namespace
+
+// datagrams that are not too large, cut at line ends
+std::size_t Encoder::packet_size(std::string_view bytes) const {
+  if (bytes.size() <= kMaxDatagramSize) return bytes.size();
+  const std::size_t end = bytes.rfind('\n', kMaxDatagramSize);
+  return end == std::string_view::npos ? bytes.size() : end + 1;
+}
 
 std::span<const StreamFormat> stream_formats() {
   return kFormats;
