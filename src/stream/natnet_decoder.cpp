@@ -104,10 +104,11 @@ class NatNetDecoder final : public Decoder {
   Result<void> take_models(std::string_view payload, StreamSink& sink);
   Result<void> take_frame(std::string_view payload, StreamSink& sink);
   Result<void> learn_by_order(StreamSink& sink);
+  [[nodiscard]] bool waits_for_server();
   Result<void> place_bones();
   void decide_coordinates();
 
-  bool datagrams_;
+  bool datagrams_, has_server_;
   std::optional<int> actor_;
   std::optional<NatNetVersion> chosen_version_;
   std::optional<bool> chosen_local_;
@@ -116,6 +117,7 @@ class NatNetDecoder final : public Decoder {
   std::optional<NatNetVersion> version_;
   bool server_answered_ = false;
   bool wants_models_ = true;
+  int frames_waited_ = 0;
   StreamSkeleton skeleton_;
   std::vector<int> ids_, parents_;  // of the bones
   std::vector<Eigen::Vector3d> offsets_;
@@ -127,6 +129,7 @@ class NatNetDecoder final : public Decoder {
 
 NatNetDecoder::NatNetDecoder(const StreamAddress& from)
     : datagrams_(from.transport == Transport::kUdp),
+      has_server_(!from.extra("server").empty()),
       actor_(parse_number<int>(from.extra("actor"))),
       chosen_version_(natnet_version(from.extra("version"))),
       version_(chosen_version_) {
@@ -139,6 +142,7 @@ void NatNetDecoder::restart() {
   version_ = chosen_version_;
   server_answered_ = false;
   wants_models_ = true;
+  frames_waited_ = 0;
   ids_.clear();
   skeleton_.forget();
 }
@@ -228,10 +232,11 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
 }
 
 Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sink) {
-  if (!version_) return unknown_version();
   const bool described = !ids_.empty();
+  if ((!version_ || !described) && waits_for_server()) return {};
+  if (!version_) return unknown_version();
   TRY(read_natnet_frame(payload, *version_, described ? streamed_ : actor_, frame_));
-  if (frame_.models_changed) wants_models_ = true;
+  if (frame_.models_changed || !frame_.skeleton) wants_models_ = true;
   if (!frame_.skeleton) return natnet_failure("a frame without the skeleton");
   const bool tracked = std::ranges::any_of(frame_.bones, &NatNetBonePose::is_tracked);
   if (!tracked) return {};
@@ -243,6 +248,12 @@ Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sin
   }
   skeleton_.give(frame_.time, poses_, sink);
   return {};
+}
+
+// It is being asked: for a while frames that cannot be understood yet are no fault.
+bool NatNetDecoder::waits_for_server() {
+  constexpr int kFrames = 250;
+  return has_server_ && frames_waited_++ < kFrames;
 }
 
 // the poses of a frame in the order of the joints

@@ -250,7 +250,9 @@ Result<void> read_natnet_frame(std::string_view payload, NatNetVersion version,
   frame.time = reader.number<double>();
   if (!reader.ok()) return cut_off("a frame");
   if (!std::isfinite(frame.time)) frame.time = std::numeric_limits<double>::quiet_NaN();
-  reader.bytes(24 + (version >= kSizedSections ? 8 : 0));  // stamps of cameras and of sending
+  reader.bytes(24);  // stamps of cameras and of sending
+  constexpr std::size_t kEnd = 6, kOtherStamp = 8;
+  if (version.major >= 4 && reader.left() >= kOtherStamp + kEnd) reader.bytes(kOtherStamp);
   frame.models_changed = (reader.number<std::uint16_t>() & 2U) != 0;
   const bool sound =
       std::ranges::all_of(frame.bones, [](NatNetBonePose& bone) { return make_sound(bone.pose); });

@@ -61,6 +61,28 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
+// Binary packets, each behind two bytes of its size: as datagrams, and as the bytes of a connection.
+void fuzz_packets(std::string_view format, std::string_view bytes) {
+  const auto found = find_stream_format(std::string(format));
+  require(found.has_value(), "the format is there");
+  StreamAddress connection;
+  connection.transport = Transport::kTcp;
+  const auto datagrams = (*found)->decoder(StreamAddress());
+  const auto stream = (*found)->decoder(connection);
+  CheckedSink of_datagrams, of_stream;
+  while (bytes.size() >= 2) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    const std::size_t size =
+        std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
+    const std::string_view packet = bytes.substr(2, size);
+    (void)good(datagrams->take(packet, of_datagrams));
+    (void)good(stream->take(packet, of_stream));
+    (void)datagrams->request();
+    bytes.remove_prefix(2 + size);
+  }
+  datagrams->restart();
+}
+
 }  // namespace
 
 void fuzz_stream_lines(std::string_view bytes) {
@@ -82,6 +104,14 @@ void fuzz_stream_vmc(std::string_view bytes) {
     (void)good(decoder->take(bytes.substr(2, size), sink));
     bytes.remove_prefix(2 + size);
   }
+}
+
+void fuzz_stream_mvn(std::string_view bytes) {
+  fuzz_packets("mvn", bytes);
+}
+
+void fuzz_stream_natnet(std::string_view bytes) {
+  fuzz_packets("natnet", bytes);
 }
 
 void fuzz_stream_record(std::string_view bytes) {
