@@ -29,8 +29,8 @@ using MvnReader = ByteReader<std::endian::big>;
 
 constexpr double kFarthest = 1e4;  // metres
 
-Failure mvn_failure(std::string message, std::string hint = {}) {
-  return input_failure({}, std::move(message), std::move(hint));
+Failure mvn_failure(std::string message) {
+  return input_failure({}, std::move(message));
 }
 
 Eigen::Vector3d read_mvn_vector(MvnReader& reader) {
@@ -74,6 +74,7 @@ class MvnDecoder final : public Decoder {
   std::uint32_t sample_ = 0;
   std::bitset<128> parts_;
   std::optional<int> last_part_;
+  std::optional<std::uint32_t> ended_;  // the sample that came whole last
   std::bitset<kMvnSegmentCount> seen_;
   std::array<Pose, kMvnSegmentCount> world_from_segment_;
 
@@ -173,6 +174,9 @@ void MvnDecoder::tell(const std::array<Eigen::Vector3d, kMvnSegmentCount>& offse
 
 Result<void> MvnDecoder::take_poses(const MvnHeader& header, std::string_view payload,
                                     StreamSink& sink) {
+  // a part that comes once more
+  const bool is_whole = header.part == 0 && header.is_last;
+  if (!is_whole && ended_ == header.sample) return {};
   const bool lost = parts_.any() && header.sample != sample_;
   if (lost) {
     parts_.reset();
@@ -192,6 +196,7 @@ Result<void> MvnDecoder::take_poses(const MvnHeader& header, std::string_view pa
   if (last_part_ && parts_.count() == static_cast<std::size_t>(*last_part_) + 1) {
     parts_.reset();
     last_part_.reset();
+    ended_ = header.sample;
     TRY(end_frame(header.milliseconds, sink));
   }
   if (lost) return mvn_failure("a part of a frame never came");

@@ -25,8 +25,8 @@
 namespace retarget {
 namespace {
 
-Failure natnet_failure(std::string message, std::string hint = {}) {
-  return input_failure({}, std::move(message), std::move(hint));
+Failure natnet_failure(std::string message) {
+  return input_failure({}, std::move(message));
 }
 
 // Parents before their children; errors: no tree.
@@ -204,9 +204,9 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
   const auto wanted = std::ranges::find_if(
       skeletons, [&](const NatNetSkeleton& skeleton) { return !actor_ || skeleton.id == *actor_; });
   if (wanted == skeletons.end()) {
-    return natnet_failure(
-        actor_ ? fmt::format("Motive has no skeleton {}", *actor_) : "Motive has no skeleton",
-        "its streaming settings must have Skeletons on");
+    const std::string which = actor_ ? fmt::format(" {}", *actor_) : std::string();
+    return natnet_failure("Motive streams no skeleton" + which +
+                          ": its streaming settings must have Skeletons on");
   }
   TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
   wants_models_ = false;
@@ -282,14 +282,14 @@ void NatNetDecoder::decide_coordinates() {
 // Nobody described the bones, but the user named a file: they are its joints, if as many, in the
 // same places.
 Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
-  const char* const hint = "?server=ADDRESS of Motive's computer asks for them";
-  if (skeleton_.known() == nullptr) return natnet_failure("the bones are not described", hint);
+  const std::string undescribed =
+      "the bones are not described (?server=ADDRESS of Motive's computer asks for them)";
+  if (skeleton_.known() == nullptr) return natnet_failure(undescribed);
   const Skeleton& known = *skeleton_.known();
   if (frame_.bones.size() != static_cast<std::size_t>(known.joint_count())) {
-    return natnet_failure(
-        fmt::format("the bones are not described: {} come, and the skeleton's file has {}",
-                    frame_.bones.size(), count_text(known.joint_count(), "joint")),
-        hint);
+    return natnet_failure(fmt::format("{}: {} come, and the skeleton's file has {}", undescribed,
+                                      frame_.bones.size(),
+                                      count_text(known.joint_count(), "joint")));
   }
   std::vector<int> ids, parents;
   std::vector<Eigen::Vector3d> offsets;
@@ -314,8 +314,7 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   }
   constexpr double kMaxError = 0.15;  // of a bone
   if (!(best < kMaxError * length)) {
-    return natnet_failure(
-        "the bones are not described, and are not where the skeleton's file has them", hint);
+    return natnet_failure(undescribed + ", and are not where the skeleton's file has them");
   }
   std::vector<StreamJoint> joints;
   for (std::size_t i = 0; i < ids.size(); ++i) {

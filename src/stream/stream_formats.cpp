@@ -25,16 +25,7 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      1511, false, make_natnet_decoder, make_natnet_encoder, nullptr, true, 1510},
 });
 
-constexpr std::size_t kMaxDatagramSize = 65000;  // bytes
-
 }  // namespace
-
-// datagrams that are not too large, cut at line ends
-std::size_t Encoder::packet_size(std::string_view bytes) const {
-  if (bytes.size() <= kMaxDatagramSize) return bytes.size();
-  const std::size_t end = bytes.rfind('\n', kMaxDatagramSize);
-  return end == std::string_view::npos ? bytes.size() : end + 1;
-}
 
 std::span<const StreamFormat> stream_formats() {
   return kFormats;

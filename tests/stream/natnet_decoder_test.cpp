@@ -341,7 +341,7 @@ TEST(NatNet, WhatIsWrongIsRefused) {
   EXPECT_THAT(refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
   EXPECT_THAT(refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("cut off"));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
-  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton"));
+  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton: its"));
   const auto with = [](int bone, int id, int parent) {
     auto bones = kBones;
     bones[static_cast<std::size_t>(bone)].id = id;
