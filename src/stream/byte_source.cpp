@@ -1,5 +1,6 @@
 #include "stream/byte_source.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <utility>
@@ -14,20 +15,49 @@ constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes of a line wi
 
 }  // namespace
 
-Result<ByteSource> ByteSource::open(const StreamAddress& address, bool lines) {
+Result<ByteSource> ByteSource::open(const StreamAddress& address, bool lines, int request_port) {
   ByteSource source;
   source.address_ = address;
   source.lines_ = lines;
   source.room_.resize(kMaxDatagram);
   if (address.transport == Transport::kStdin) {
     source.connection_ = Descriptor(::dup(STDIN_FILENO));
-  } else if (address.transport == Transport::kUdp || address.transport == Transport::kTcp) {
+  } else if (address.transport == Transport::kUdp) {
+    TRY(source.open_datagrams(request_port));
+  } else if (address.transport == Transport::kTcp) {
     TRY_ASSIGN(source.socket_, bind_socket(address));
   } else {
     return usage_failure("a stream comes from udp:PORT, tcp:PORT or stdin, not from " +
                          address.text());
   }
   return source;
+}
+
+// A group's datagrams have a socket of their own, which takes none that are sent to this machine.
+Result<void> ByteSource::open_datagrams(int request_port) {
+  StreamAddress own = address_;
+  const std::string group = address_.extra("multicast"), server = address_.extra("server");
+  if (!group.empty()) {
+    TRY_ASSIGN(connection_, join_group(address_, group));
+    group_ = true;
+    own.port = 0;
+  }
+  TRY_ASSIGN(socket_, bind_socket(own));
+  if (server.empty()) return {};
+  if (request_port == 0)
+    return usage_failure("senders of this format cannot be asked: no ?server=");
+  const std::string command = address_.extra("command");
+  TRY_ASSIGN(server_, parse_address("udp:" + server + ":" +
+                                    (command.empty() ? std::to_string(request_port) : command)));
+  if (is_this_machine(own) && !is_this_machine(*server_)) {
+    return usage_failure("the input listens to this machine alone, and the server is another one",
+                         fmt::format("as in udp:0.0.0.0:{}?server={}", address_.port, server));
+  }
+  return {};
+}
+
+void ByteSource::send(std::string_view bytes) {
+  if (server_) send_datagram(socket_, *server_, bytes);
 }
 
 // @return whether packet_ is the next line
@@ -65,7 +95,7 @@ ByteSource::Event ByteSource::take_bytes(const Descriptor& from) {
     return Event::kPacket;
   }
   waiting_.append(bytes);
-  if (ended) {
+  if (ended && !group_) {
     ended_ = address_.transport == Transport::kStdin;
     connection_.close();
   }

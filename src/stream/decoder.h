@@ -47,6 +47,9 @@ class Decoder {
   }
   /// The sender has gone and another one begins.
   virtual void restart() {}
+  /// What the sender must be asked now, for protocols whose senders answer; asked again and again. Empty:
+  /// nothing.
+  [[nodiscard]] virtual std::string_view request() const { return {}; }
 };
 
 /// A clip to the bytes of a protocol.
@@ -56,6 +59,13 @@ class Encoder {
   /// What a receiver must know first; empty: nothing.
   [[nodiscard]] virtual std::string begin(const Clip& clip) = 0;
   [[nodiscard]] virtual Result<std::string> frame(const Clip& clip, int frame) = 0;
+  /// Of bytes that it gave, how many are the first datagram.
+  [[nodiscard]] virtual std::size_t packet_size(std::string_view bytes) const;
+  /// To what a receiver asks (Decoder::request), after begin; empty: nothing.
+  [[nodiscard]] virtual std::string answer(std::string_view request) {
+    static_cast<void>(request);
+    return {};
+  }
 };
 
 /// A protocol by which humans come: a file of this folder, and a row in stream_formats.cpp.
@@ -69,6 +79,8 @@ struct StreamFormat {
   /// Whether the encoder takes the canonical human of a clip (clip_of_human_bones) in place of the clip.
   /// Null: never.
   bool (*plays_human)(const Clip& clip) = nullptr;
+  bool is_metric = false;  ///< The encoder must know a clip's unit and up axis (clip_with_units).
+  int request_port = 0;    ///< Where its senders are asked; 0: nowhere.
 };
 
 /// All of them, the default first.

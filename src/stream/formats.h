@@ -19,5 +19,11 @@ namespace retarget {
 [[nodiscard]] std::unique_ptr<Decoder> make_smplx_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_smplx_encoder();
 [[nodiscard]] bool smplx_plays_human(const Clip& clip);
+[[nodiscard]] std::unique_ptr<Decoder> make_mvn_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_mvn_encoder();
+/// Whether a clip has no segments of MVN, or neither unit nor up axis.
+[[nodiscard]] bool plays_human_as_mvn(const Clip& clip);
+[[nodiscard]] std::unique_ptr<Decoder> make_natnet_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_natnet_encoder();
 
 }  // namespace retarget

@@ -64,6 +64,8 @@ class LivePipeline final : private StreamSink {
   void restart_sender(double now);
   /// The body is calibrated anew, by its pose after so many seconds.
   void recalibrate(double now);
+  /// What the sender must be asked now (Decoder::request).
+  [[nodiscard]] std::string_view request() const { return decoder_->request(); }
   /// Nothing more comes: gives what is left.
   void finish(double now);
 

@@ -2,20 +2,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "base/try.h"
 #include "stream/byte_sink.h"
+#include "stream/clip_axes.h"
 #include "stream/decoder.h"
 #include "stream/human_bones.h"
+#include "stream/request_server.h"
 #include "stream/serve.h"
 
 namespace retarget {
 namespace {
-
-constexpr std::size_t kMaxDatagramSize = 65000;  // bytes
 
 // waits until then, or until it is stopped
 void wait_until(std::chrono::steady_clock::time_point then,
@@ -27,19 +28,56 @@ void wait_until(std::chrono::steady_clock::time_point then,
   }
 }
 
-// in datagrams that are not too large, cut at line ends
-Result<void> send_lines(ByteSink& sink, std::string_view bytes) {
-  const bool datagrams = sink.address().transport == Transport::kUdp;
-  while (!bytes.empty()) {
-    std::size_t size = bytes.size();
-    if (datagrams && size > kMaxDatagramSize) {
-      const std::size_t end = bytes.rfind('\n', kMaxDatagramSize);
-      size = end == std::string_view::npos ? size : end + 1;
+// Where an encoder's bytes go: to the address, and to those who asked for them.
+class Player {
+ public:
+  [[nodiscard]] static Result<Player> open(const StreamFormat& format, const StreamAddress& to) {
+    Player player;
+    player.encoder_ = format.encoder();
+    TRY_ASSIGN(player.sink_, ByteSink::open(to));
+    if (format.request_port > 0 && to.transport == Transport::kUdp) {
+      TRY_ASSIGN(player.server_, RequestServer::open(to, format.request_port));
     }
-    TRY(sink.write(bytes.substr(0, size)));
-    bytes.remove_prefix(size);
+    return player;
   }
-  return {};
+
+  [[nodiscard]] Encoder& encoder() { return *encoder_; }
+  /// Whether receivers ask for what they must know first.
+  [[nodiscard]] bool is_asked() const { return server_.has_value(); }
+
+  void wait(std::chrono::steady_clock::time_point then, const std::function<bool()>& is_stopped) {
+    if (server_) {
+      server_->serve(*encoder_, then, is_stopped);
+    } else {
+      wait_until(then, is_stopped);
+    }
+  }
+
+  Result<void> send(std::string_view bytes) {
+    const bool datagrams = sink_->address().transport == Transport::kUdp;
+    while (!bytes.empty()) {
+      const std::size_t size =
+          datagrams ? std::min(encoder_->packet_size(bytes), bytes.size()) : bytes.size();
+      TRY(sink_->write(bytes.substr(0, size)));
+      if (server_) server_->send(bytes.substr(0, size));
+      bytes.remove_prefix(size);
+    }
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Encoder> encoder_;
+  std::optional<ByteSink> sink_;
+  std::optional<RequestServer> server_;
+};
+
+// what an encoder plays of a clip
+Result<Clip> played_clip(const Clip& clip, const StreamFormat& format, const PlayOptions& options) {
+  if (format.plays_human != nullptr && format.plays_human(clip)) {
+    return clip_of_human_bones(clip, options.human, options.data_folder);
+  }
+  if (format.is_metric) return clip_with_units(clip, options.human, options.data_folder);
+  return clip;
 }
 
 }  // namespace
@@ -51,24 +89,18 @@ Result<int> play(const Clip& given, const PlayOptions& options,
   if (format->encoder == nullptr) {
     return usage_failure("nothing plays the format " + std::string(format->name));
   }
-  std::optional<Clip> human;
-  if (format->plays_human != nullptr && format->plays_human(given)) {
-    TRY_ASSIGN(human, clip_of_human_bones(given, options.human, options.data_folder));
-  }
-  const Clip& clip = human ? *human : given;
-  const auto encoder = format->encoder();
-  TRY_ASSIGN(ByteSink sink, ByteSink::open(to));
-  const std::string header = encoder->begin(clip);
-  if (options.header) TRY(send_lines(sink, header));
+  TRY_ASSIGN(const Clip clip, played_clip(given, *format, options));
+  TRY_ASSIGN(Player player, Player::open(*format, to));
+  const std::string header = player.encoder().begin(clip);
+  if (options.header && !player.is_asked()) TRY(player.send(header));
   const auto begin = std::chrono::steady_clock::now();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    if (options.speed > 0.0) {
-      const std::chrono::duration<double> time(clip.rate().time_of(frame) / options.speed);
-      wait_until(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(time), is_stopped);
-    }
+    const std::chrono::duration<double> time(
+        options.speed > 0.0 ? clip.rate().time_of(frame) / options.speed : 0.0);
+    player.wait(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(time), is_stopped);
     if (is_stopped && is_stopped()) return frame;
-    TRY_ASSIGN(const std::string bytes, encoder->frame(clip, frame));
-    TRY(sink.write(bytes));
+    TRY_ASSIGN(const std::string bytes, player.encoder().frame(clip, frame));
+    TRY(player.send(bytes));
   }
   return clip.frame_count();
 }

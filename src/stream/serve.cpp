@@ -80,6 +80,22 @@ class Outputs {
   Result<void> failed_;
 };
 
+// Asks a stream's sender, at once what is new, and the same again until something else is to be asked.
+class Asker {
+ public:
+  void ask(ByteSource& source, std::string_view request, std::int64_t now) {
+    constexpr std::int64_t kEvery = 250000;  // microseconds
+    if (request.empty() || (request == asked_ && now - at_ < kEvery)) return;
+    source.send(request);
+    asked_ = request;
+    at_ = now;
+  }
+
+ private:
+  std::string asked_;
+  std::int64_t at_ = 0;
+};
+
 class Server {
  public:
   Server(const RobotSetup& robot, const ServeOptions& options, const ServeControl& control)
@@ -171,7 +187,8 @@ bool Server::is_over(std::int64_t now, std::int64_t latest) const {
 Result<void> Server::listen() {
   constexpr double kWait = 0.002;  // seconds: how late a held frame may be
   TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
-  TRY_ASSIGN(ByteSource source, ByteSource::open(from_, format->is_text));
+  TRY_ASSIGN(ByteSource source, ByteSource::open(from_, format->is_text, format->request_port));
+  Asker asker;
   if (from_.transport != Transport::kStdin) {
     StreamAddress had = from_;
     had.port = source.port();
@@ -179,6 +196,7 @@ Result<void> Server::listen() {
   }
   std::int64_t latest = watch_.now(), now = latest;
   while (!is_over(now, latest)) {
+    if (source.can_send()) asker.ask(source, pipeline_->request(), now);
     const ByteSource::Event event = source.wait(kWait);
     now = watch_.now();
     if (control_.is_recalibrated && control_.is_recalibrated()) {

@@ -66,6 +66,30 @@ Result<Descriptor> bind_socket(const StreamAddress& address) {
   return made;
 }
 
+Result<Descriptor> join_group(const StreamAddress& address, const std::string& group) {
+  StreamAddress place = address;
+  place.host = group;
+  sockaddr_in to = socket_address(place);
+  if (!IN_MULTICAST(ntohl(to.sin_addr.s_addr))) {
+    return usage_failure(group + " is no group of receivers: 224.0.0.0 to 239.255.255.255",
+                         "as in ?multicast=239.255.42.99");
+  }
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const int yes = 1;
+  // others on this machine may have joined as well
+  ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  ip_mreq membership{};
+  membership.imr_multiaddr = to.sin_addr;
+  membership.imr_interface = socket_address(address).sin_addr;
+  if (::bind(made.number(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0 ||
+      ::setsockopt(made.number(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) !=
+          0) {
+    return socket_failure(place, "the group cannot be joined",
+                          "the address before the port is that of this computer in the network");
+  }
+  return made;
+}
+
 int bound_port(const Descriptor& socket) {
   sockaddr_in place{};
   socklen_t size = sizeof place;
@@ -76,6 +100,13 @@ int bound_port(const Descriptor& socket) {
 Result<Descriptor> connect_socket(const StreamAddress& address) {
   TRY_ASSIGN(Descriptor made, open_socket(address));
   const sockaddr_in place = socket_address(address);
+  if (const std::string network = address.extra("interface"); !network.empty()) {
+    // of groups of receivers: this computer's address in their network
+    StreamAddress own = address;
+    own.host = network;
+    const in_addr from = socket_address(own).sin_addr;
+    ::setsockopt(made.number(), IPPROTO_IP, IP_MULTICAST_IF, &from, sizeof from);
+  }
   if (::connect(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
     return socket_failure(address, "nobody answers", "start the receiver first");
   }
@@ -94,6 +125,25 @@ std::string_view receive(const Descriptor& from, std::span<char> room, bool& end
   const ssize_t count = ::read(from.number(), room.data(), room.size());
   ended = count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED);
   return {room.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
+}
+
+void send_datagram(const Descriptor& from, const StreamAddress& to, std::string_view bytes) {
+  const sockaddr_in place = socket_address(to);
+  static_cast<void>(::sendto(from.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL,
+                             reinterpret_cast<const sockaddr*>(&place), sizeof place));
+}
+
+std::string_view receive_from(const Descriptor& from, std::span<char> room, StreamAddress& sender) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  const ssize_t count = ::recvfrom(from.number(), room.data(), room.size(), MSG_DONTWAIT,
+                                   reinterpret_cast<sockaddr*>(&place), &size);
+  if (count <= 0) return {};
+  std::array<char, INET_ADDRSTRLEN> host{};
+  inet_ntop(AF_INET, &place.sin_addr, host.data(), host.size());
+  sender.host = host.data();
+  sender.port = ntohs(place.sin_port);
+  return {room.data(), static_cast<std::size_t>(count)};
 }
 
 Descriptor accept_connection(const Descriptor& listener) {

@@ -36,6 +36,9 @@ class Descriptor {
 
 /// A socket that takes datagrams, or connections, at an address. Port 0: any that is free.
 [[nodiscard]] Result<Descriptor> bind_socket(const StreamAddress& address);
+/// A socket that takes the datagrams to a group of receivers (multicast), by the network that the
+/// address' host is in, at its port. Errors: kUsage: no group; kRun: it cannot be joined.
+[[nodiscard]] Result<Descriptor> join_group(const StreamAddress& address, const std::string& group);
 /// The port that a bound socket has.
 [[nodiscard]] int bound_port(const Descriptor& socket);
 /// A socket that sends datagrams to an address, or is connected to it.
@@ -48,6 +51,11 @@ class Descriptor {
 /// What has come, as far as it fits; empty: nothing. Of a connection or a pipe that has ended: an
 /// empty text, and `ended`.
 [[nodiscard]] std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended);
+/// Sends a datagram from a socket that is bound; one that cannot be sent is lost.
+void send_datagram(const Descriptor& from, const StreamAddress& to, std::string_view bytes);
+/// The next datagram, and who sent it; empty: there is none.
+[[nodiscard]] std::string_view receive_from(const Descriptor& from, std::span<char> room,
+                                            StreamAddress& sender);
 /// The next connection; not open: there is none.
 [[nodiscard]] Descriptor accept_connection(const Descriptor& listener);
 

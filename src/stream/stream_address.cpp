@@ -72,6 +72,10 @@ Result<void> parse_place(std::string_view place, const std::string& whole, Strea
 
 }  // namespace
 
+bool is_this_machine(const StreamAddress& address) {
+  return address.host.starts_with("127.");
+}
+
 std::string StreamAddress::extra(const std::string& name) const {
   const auto found = std::ranges::find(extras, name, &std::pair<std::string, std::string>::first);
   return found == extras.end() ? std::string() : found->second;

@@ -27,6 +27,9 @@ struct StreamAddress {
   [[nodiscard]] std::string text() const;
 };
 
+/// Whether an address of UDP or TCP is one of this machine alone.
+[[nodiscard]] bool is_this_machine(const StreamAddress& address);
+
 /// Errors (kUsage) say what was expected. What is none of the forms above is a file's name.
 [[nodiscard]] Result<StreamAddress> parse_address(const std::string& text);
 

@@ -26,6 +26,12 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      make_rokoko_decoder, make_rokoko_encoder, always},
     {"smplx", "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object a line", 0, true,
      make_smplx_decoder, make_smplx_encoder, smplx_plays_human},
+    {"mvn", "Xsens MVN's network streamer, poses as quaternions; ?actor=N: one of several", 9763,
+     false, make_mvn_decoder, make_mvn_encoder, plays_human_as_mvn},
+    {"natnet",
+     "OptiTrack Motive, NatNet 3.0 to 4.x; ?server=ADDRESS: who is asked for the skeleton, "
+     "?multicast=239.255.42.99, ?version=4.1, ?actor=N",
+     1511, false, make_natnet_decoder, make_natnet_encoder, nullptr, true, 1510},
 });
 
 }  // namespace

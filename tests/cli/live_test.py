@@ -1,6 +1,7 @@
 """retarget live over loopback: players and receivers, files and pipes, recordings, faults."""
 
 import json
+import math
 import re
 import signal
 import socket
@@ -9,6 +10,13 @@ import time
 import unittest
 
 from tool import MEGABYTE, TOOL, ToolTest, difference, is_sanitized, read_rows, sample, short_clip, unwrapped
+
+
+def free_port():
+    """A port that nobody has just now."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        return taken.getsockname()[1]
 
 
 class LiveTest(ToolTest):
@@ -126,6 +134,156 @@ class Pipes(LiveTest):
         result = self.live("")
         self.assert_done(result)
         self.assertIn("0 frames", result.stderr)
+
+
+# of MVN's segments: name, parent, place in the T-pose, metres, Z up, facing x
+SEGMENTS = (
+    ("Pelvis", None, (0, 0, 0.95)), ("L5", 0, (0, 0, 1.05)), ("L3", 1, (0, 0, 1.15)), ("T12", 2, (0, 0, 1.25)),
+    ("T8", 3, (0, 0, 1.35)), ("Neck", 4, (0, 0, 1.49)), ("Head", 5, (0, 0, 1.58)),
+    ("RightShoulder", 4, (0, -0.03, 1.44)), ("RightUpperArm", 7, (0, -0.17, 1.44)),
+    ("RightForeArm", 8, (0, -0.46, 1.44)), ("RightHand", 9, (0, -0.71, 1.44)),
+    ("LeftShoulder", 4, (0, 0.03, 1.44)), ("LeftUpperArm", 11, (0, 0.17, 1.44)),
+    ("LeftForeArm", 12, (0, 0.46, 1.44)), ("LeftHand", 13, (0, 0.71, 1.44)),
+    ("RightUpperLeg", 0, (0, -0.09, 0.92)), ("RightLowerLeg", 15, (0, -0.09, 0.5)),
+    ("RightFoot", 16, (0, -0.09, 0.09)), ("RightToe", 17, (0.16, -0.09, 0.02)),
+    ("LeftUpperLeg", 0, (0, 0.09, 0.92)), ("LeftLowerLeg", 19, (0, 0.09, 0.5)),
+    ("LeftFoot", 20, (0, 0.09, 0.09)), ("LeftToe", 21, (0.16, 0.09, 0.02)),
+)
+
+
+def about(axis, angle):
+    """A quaternion w x y z about an axis of the world."""
+    return [math.cos(angle / 2), *(math.sin(angle / 2) if i == axis else 0.0 for i in range(3))]
+
+
+def product(a, b):
+    return [a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+            a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]]
+
+
+def turned(q, v):
+    return product(product(q, [0.0, *v]), [q[0], -q[1], -q[2], -q[3]])[1:]
+
+
+def mvnx_document(frames):
+    """Somebody who steps in place and waves, 50 frames a second, as MVN exports it."""
+    def pose(turns):
+        rotations, places = [], []
+        for name, parent, at in SEGMENTS:
+            turn = turns.get(name, [1.0, 0.0, 0.0, 0.0])
+            rotations.append(turn if parent is None else product(rotations[parent], turn))
+            offset = at if parent is None else [a - b for a, b in zip(at, SEGMENTS[parent][2])]
+            places.append(list(offset) if parent is None else
+                          [a + b for a, b in zip(places[parent], turned(rotations[parent], offset))])
+        return rotations, places
+
+    def frame(kind, turns):
+        rotations, places = pose(turns)
+        return (f'<frame type="{kind}"><orientation>{" ".join(str(x) for q in rotations for x in q)}</orientation>'
+                f'<position>{" ".join(str(x) for p in places for x in p)}</position></frame>')
+
+    def moving(time):
+        swing = math.sin(4 * time)
+        return {"Pelvis": about(2, 0.3 * time), "RightUpperArm": about(0, 1.2), "LeftUpperArm": about(0, -0.9 + 0.5 * swing),
+                "LeftForeArm": about(2, -0.7 * abs(swing)), "RightUpperLeg": about(1, -0.35 * max(swing, 0.0)),
+                "RightLowerLeg": about(1, 0.7 * max(swing, 0.0)), "T8": about(1, 0.1 * swing)}
+
+    segments = "".join(f'<segment label="{name}"/>' for name, _, _ in SEGMENTS)
+    joints = "".join(f"<joint><connector1>{SEGMENTS[parent][0]}/j</connector1><connector2>{name}/j</connector2></joint>"
+                     for name, parent, _ in SEGMENTS if parent is not None)
+    poses = frame("tpose", {}) + "".join(frame("normal", moving(i / 50)) for i in range(frames))
+    return ('<?xml version="1.0"?><mvnx version="4"><subject frameRate="50">'
+            f"<segments>{segments}</segments><joints>{joints}</joints><frames>{poses}</frames></subject></mvnx>")
+
+
+class BinaryFormats(LiveTest):
+    """Xsens MVN and OptiTrack NatNet, from the player to the robot."""
+
+    def motion(self, clip, form, *arguments):
+        """The robot's motion of a clip that is piped in a format."""
+        with open(self.folder / "played.bin", "wb") as played:
+            subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to", f"stdout?format={form}"],
+                           cwd=self.folder, check=True, stdout=played, timeout=60)
+        with open(self.folder / "played.bin", "rb") as played:
+            result = self.run_tool("live", "--robot", "unitree_g1", "--input", f"stdin?format={form}",
+                                   "-o", "live.csv", *arguments, stdin=played)
+        self.assert_done(result)
+        self.assertIn(" 0 malformed", result.stderr)
+        return read_rows((self.folder / "live.csv").read_text())
+
+    def test_natnet_gives_the_motion_of_lines(self):
+        # frames at whole milliseconds and 50 a second, as the robot's
+        self.write("walk.bvh", re.sub("Frame Time: .*", "Frame Time: 0.02", sample("walk").read_text()))
+        lines = self.motion("walk.bvh", "lines")
+        self.assertIsNone(difference(self.motion("walk.bvh", "natnet"), lines, 1e-4))
+        # MVN's segments are those of the human in the clip: fewer, and calibrated as any skeleton is
+        self.assertIsNone(difference(self.motion("walk.bvh", "mvn"), lines, 0.02))
+
+    def test_mvn_gives_the_motion_of_lines(self):
+        self.write("steps.mvnx", mvnx_document(150))
+        lines = self.motion("steps.mvnx", "lines")
+        self.assertIsNone(difference(self.motion("steps.mvnx", "mvn"), lines, 1e-4))
+        self.assertIsNone(difference(self.motion("steps.mvnx", "natnet"), lines, 1e-4))
+
+    def test_a_pose_may_calibrate_mvn(self):
+        self.write("steps.mvnx", mvnx_document(100))
+        lines = self.motion("steps.mvnx", "lines", "--calibrate", "tpose", "--after", "0")
+        mvn = self.motion("steps.mvnx", "mvn", "--calibrate", "tpose", "--after", "0")
+        self.assertIsNone(difference(mvn, lines, 1e-4))
+
+    def test_mvn_over_tcp(self):
+        self.write("steps.mvnx", mvnx_document(60))
+        process, port = self.listen("-o", "live.csv", transport="tcp", extras="?format=mvn")
+        self.assert_done(self.run_tool("live", "--play", "steps.mvnx", "--to", f"tcp:{port}?format=mvn"))
+        time.sleep(0.3)
+        _, messages = self.end(process)
+        self.assertRegex(messages, r" 0 malformed; frames 0 lost")
+        self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 55)
+
+    def ask(self, command, *arguments, extras=""):
+        """A NatNet run that asks a player, and its messages."""
+        self.write("short.bvh", short_clip("walk", 60))
+        process, port = self.listen("-o", "live.csv", *arguments,
+                                    extras=f"?format=natnet&server=127.0.0.1&command={command}{extras}")
+        return process, port
+
+    def test_natnet_asks_its_server(self):
+        command = free_port()
+        process, port = self.ask(command, "--record", "kept")
+        # frames go elsewhere, and to those who ask
+        self.assert_done(self.run_tool("live", "--play", "short.bvh", "--to",
+                                       f"udp:{free_port()}?format=natnet&command={command}"))
+        time.sleep(0.3)
+        _, messages = self.end(process)
+        self.assertIn(" 0 malformed; frames 0 lost", messages)
+        self.assertIn("unit m", messages)
+        self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 60)
+        self.assert_done(self.run_tool("live", "--replay", "kept", "-o", "again.csv"))
+        self.assertEqual((self.folder / "again.csv").read_bytes(), (self.folder / "live.csv").read_bytes())
+        self.assertGreater(port, 0)
+
+    def test_natnet_to_a_group(self):
+        command, group = free_port(), free_port()
+        self.write("short.bvh", short_clip("walk", 60))
+        process = self.start("--robot", "unitree_g1", "-o", "live.csv", "--input",
+                             f"udp:{group}?format=natnet&multicast=239.255.42.99&server=127.0.0.1&command={command}")
+        self.assertIn("listening", process.stderr.readline())
+        self.assert_done(self.run_tool(
+            "live", "--play", "short.bvh", "--to",
+            f"udp:239.255.42.99:{group}?format=natnet&command={command}&interface=127.0.0.1"))
+        time.sleep(0.3)
+        _, messages = self.end(process)
+        self.assertRegex(messages, r" 0 malformed; frames 0 lost, 0 late, 0 doubled")
+        self.assertGreater(len(read_rows((self.folder / "live.csv").read_text())), 60)
+
+    def test_usage(self):
+        g1 = ("live", "--robot", "unitree_g1", "--input")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&multicast=1.2.3.4"), 2, "239.255.42.99")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&server=motive"), 2, "address with four numbers")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&server=10.0.0.1"), 2, "udp:0.0.0.0")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=bvh&server=127.0.0.1"), 2, "cannot be asked")
 
 
 class Sockets(LiveTest):

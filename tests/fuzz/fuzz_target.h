@@ -73,6 +73,8 @@ void fuzz_stream_bvh(std::string_view bytes);
 void fuzz_stream_vmc(std::string_view bytes);
 void fuzz_stream_rokoko(std::string_view bytes);
 void fuzz_stream_smplx(std::string_view bytes);
+void fuzz_stream_mvn(std::string_view bytes);
+void fuzz_stream_natnet(std::string_view bytes);
 void fuzz_stream_record(std::string_view bytes);
 
 }  // namespace retarget::fuzz

@@ -343,18 +343,79 @@ def robot_motions():
     write("csv", "decimal_commas.csv", "\ufeff1,5;2,5\n3;4\n")
 
 
+def packets_file(packets):
+    """Packets behind their sizes, as targets of binary formats take them."""
+    return b"".join(struct.pack(">H", len(each)) + each for each in packets)
+
+
 def rokoko(frames):
     """Frames of Rokoko Studio as datagrams: whole, in pieces, in a frame of LZ4 that stores them, and of version 2."""
-    def sized(*packets):
-        return b"".join(struct.pack(">H", len(packet)) + packet for packet in packets)
-    write("stream_rokoko", "wave.bin", sized(*frames))
+    write("stream_rokoko", "wave.bin", packets_file(frames))
     block = struct.pack("<I", len(frames[0]) | 1 << 31) + frames[0]
     stored = bytes.fromhex("04224d18604082") + block + bytes(4)
-    write("stream_rokoko", "lz4.bin", sized(stored, stored[:900], stored[900:], b""))
+    write("stream_rokoko", "lz4.bin", packets_file([stored, stored[:900], stored[900:], b""]))
     scene = json.loads(frames[0])["scene"]
     old = {"version": "2,0", "timestamp": 1.5, "actors": [{"name": "a \\\"{", **scene["actors"][0]["body"]}]}
     text = json.dumps(old).encode()
-    write("stream_rokoko", "pieces.bin", sized(text[:700], text[700:] + b"\n" + text, b"noise {", b"}"))
+    write("stream_rokoko", "pieces.bin", packets_file([text[:700], text[700:] + b"\n" + text, b"noise {", b"}"]))
+
+
+def mvn_packets():
+    """Xsens MVN's messages: the T-pose, poses whole and in two parts, a prop, meta data."""
+    names = ("Pelvis L5 L3 T12 T8 Neck Head RightShoulder RightUpperArm RightForeArm RightHand LeftShoulder LeftUpperArm "
+             "LeftForeArm LeftHand RightUpperLeg RightLowerLeg RightFoot RightToe LeftUpperLeg LeftLowerLeg LeftFoot "
+             "LeftToe").split()
+
+    def message(kind, sample, part, items, payload):
+        return struct.pack(">6sIBBIBBBBHH", b"MXTP" + kind, sample, part, items, 10 * sample, 0, 23, 1, 0, 0,
+                           len(payload)) + payload
+
+    def poses(first, last):
+        return b"".join(struct.pack(">i3f4f", i, 0.1 * i, 0, 1, 1, 0, 0, 0) for i in range(first, last))
+
+    scale = struct.pack(">i", 23) + b"".join(
+        struct.pack(">i", len(name)) + name.encode() + struct.pack(">3f", 0, 0.1 * i, 1) for i, name in enumerate(names))
+    return [message(b"13", 0, 0x80, 1, scale + struct.pack(">i", 0)), message(b"12", 0, 0x80, 1, b"name:Anna\n"),
+            message(b"02", 1, 0x80, 24, poses(1, 24) + poses(25, 26)), message(b"02", 2, 0x81, 12, poses(12, 24)),
+            message(b"02", 2, 0, 11, poses(1, 12)), message(b"24", 3, 0x80, 1, bytes(12))]
+
+
+def natnet_packets(version):
+    """NatNet's messages with each section that there is: a server, descriptions, a frame."""
+    sized = version >= (4, 1)
+
+    def message(kind, payload):
+        return struct.pack("<HH", kind, len(payload)) + payload
+
+    def bone(name, number, parent):
+        rotation = struct.pack("<4f", 0, 0, 0, 1) if version >= (4, 2) else b""
+        markers = struct.pack("<i3fi", 1, 0, 0.1, 0, 5) + (b"Waist\0" if version >= (4, 0) else b"")
+        return name + b"\0" + struct.pack("<ii3f", number, parent, 0, 0.4, 0) + rotation + markers
+
+    def described(kind, item):
+        return struct.pack("<i", kind) + (struct.pack("<i", len(item)) if sized else b"") + item
+
+    def section(count, items):
+        return struct.pack("<i", count) + (struct.pack("<i", len(items)) if sized else b"") + items
+
+    def body(number, y):
+        return struct.pack("<i3f4ffh", number, 0.1, y, 0, 0, 0, 0, 1, 0.001, 1)
+
+    bones = bone(b"Anna_Hip", 1, 0) + bone(b"Anna_Ab", 2, 1) + bone(b"Anna_LThigh", 3, 1)
+    sets = [described(0, b"all\0" + struct.pack("<i", 1) + b"Waist\0"), described(1, bone(b"Box", 4, -1)),
+            described(2, b"Anna\0" + struct.pack("<ii", 2, 3) + bones),
+            described(3, struct.pack("<i", 1) + b"FP\0" + bytes(163 * 4) + struct.pack("<i", 1) + b"Fx\0"),
+            described(4, struct.pack("<i", 1) + b"DAQ\0" + b"1\0" + bytes(8) + struct.pack("<i", 1) + b"ai0\0"),
+            described(5, b"Prime\0" + bytes(28))]
+    channels = struct.pack("<iiif", 1, 1, 1, 0.5)
+    skeleton = struct.pack("<ii", 2, 3) + body(2 << 16 | 1, 0.9) + body(2 << 16 | 2, 1.3) + body(2 << 16 | 3, 1.3)
+    frame = struct.pack("<i", 8) + section(1, b"all\0" + struct.pack("<i3f", 1, 0, 1, 0)) + section(1, bytes(12))
+    frame += section(1, body(4, 0)) + section(1, skeleton)
+    frame += section(1, struct.pack("<iii", 1, 0, 0)) if sized else b""
+    frame += section(1, struct.pack("<i4fhf", 1, 0, 1, 0, 0.01, 0, 0)) + section(1, channels) + section(1, channels)
+    frame += struct.pack("<iid3Q", 0, 0, 2.5, 1, 2, 3) + (bytes(8) if sized else b"") + struct.pack("<hi", 0, 0)
+    server = b"Motive".ljust(256, b"\0") + bytes((3, 1, 0, 0, *version, 0, 0))
+    return [message(1, server), message(5, struct.pack("<i", len(sets)) + b"".join(sets)), message(7, frame)]
 
 
 def streams():
@@ -387,7 +448,10 @@ def streams():
     messages = [osc("/VMC/Ext/T", "f", 1.5), osc("/VMC/Ext/Root/Pos", "sfffffff", "root", 0, 0, 0, 0, 0, 0, 1),
                 *(osc("/VMC/Ext/Bone/Pos", "sfffffff", bone, 0.1, 0.2, 0.3, 0, 0, 0.6, 0.8) for bone in bones)]
     bundle = b"#bundle\0" + bytes(8) + b"".join(struct.pack(">i", len(each)) + each for each in messages)
-    write("stream_vmc", "frames.bin", b"".join(struct.pack(">H", len(each)) + each for each in (*messages, bundle)))
+    write("stream_vmc", "frames.bin", packets_file([*messages, bundle]))
+    write("stream_mvn", "messages.bin", packets_file(mvn_packets()))
+    for version in ((3, 0), (4, 0), (4, 1), (4, 2)):
+        write("stream_natnet", "natnet_{}_{}.bin".format(*version), packets_file(natnet_packets(version)))
     write("stream_record", "two.stream", "S 5 0\n\nP 7 3\na\nb\nC 9 0\n\nE 10 0\n\n")
 
 

@@ -61,17 +61,29 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
-// binary packets, each behind two bytes of its size; an empty one is the end of a connection
-void fuzz_packets(Decoder& decoder, std::string_view bytes) {
-  CheckedSink sink;
+// Binary packets, each behind two bytes of its size: as datagrams, and as the bytes of a connection; an
+// empty one is the end of a connection.
+void fuzz_packets(std::string_view format, std::string_view bytes) {
+  const auto found = find_stream_format(std::string(format));
+  require(found.has_value(), "the format is there");
+  StreamAddress connection;
+  connection.transport = Transport::kTcp;
+  const auto datagrams = (*found)->decoder(StreamAddress());
+  const auto stream = (*found)->decoder(connection);
+  CheckedSink of_datagrams, of_stream;
   while (bytes.size() >= 2) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     const std::size_t size =
         std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
-    if (size == 0) decoder.restart();
-    (void)good(decoder.take(bytes.substr(2, size), sink));
+    if (size == 0) datagrams->restart();
+    if (size == 0) stream->restart();
+    const std::string_view packet = bytes.substr(2, size);
+    (void)good(datagrams->take(packet, of_datagrams));
+    (void)good(stream->take(packet, of_stream));
+    (void)datagrams->request();
     bytes.remove_prefix(2 + size);
   }
+  datagrams->restart();
 }
 
 }  // namespace
@@ -89,18 +101,19 @@ void fuzz_stream_smplx(std::string_view bytes) {
 }
 
 void fuzz_stream_vmc(std::string_view bytes) {
-  const auto decoder = make_vmc_decoder({});
-  fuzz_packets(*decoder, bytes);
+  fuzz_packets("vmc", bytes);
 }
 
-// the same bytes as datagrams and as pieces of a connection
 void fuzz_stream_rokoko(std::string_view bytes) {
-  for (const Transport transport : {Transport::kUdp, Transport::kTcp}) {
-    StreamAddress from;
-    from.transport = transport;
-    const auto decoder = make_rokoko_decoder(from);
-    fuzz_packets(*decoder, bytes);
-  }
+  fuzz_packets("rokoko", bytes);
+}
+
+void fuzz_stream_mvn(std::string_view bytes) {
+  fuzz_packets("mvn", bytes);
+}
+
+void fuzz_stream_natnet(std::string_view bytes) {
+  fuzz_packets("natnet", bytes);
 }
 
 void fuzz_stream_record(std::string_view bytes) {

@@ -1,0 +1,38 @@
+#include "stream/message_cutter.h"
+
+#include <utility>
+
+namespace retarget {
+
+void MessageCutter::append(std::string_view bytes) {
+  // messages are small beside what is read at a time: less than one of them is moved
+  waiting_.erase(0, std::exchange(taken_, 0));
+  waiting_.append(bytes);
+}
+
+std::optional<std::string_view> MessageCutter::next() {
+  while (waiting_.size() - taken_ >= header_size_) {
+    const std::string_view rest = std::string_view(waiting_).substr(taken_);
+    const auto size = size_of_(rest.substr(0, header_size_));
+    if (!size) {
+      ++taken_;
+      ++skipped_;
+      continue;
+    }
+    if (rest.size() < *size) break;
+    taken_ += *size;
+    return rest.substr(0, *size);
+  }
+  return std::nullopt;
+}
+
+std::size_t MessageCutter::take_skipped() {
+  return std::exchange(skipped_, 0);
+}
+
+void MessageCutter::clear() {
+  waiting_.clear();
+  taken_ = skipped_ = 0;
+}
+
+}  // namespace retarget

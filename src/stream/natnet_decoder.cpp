@@ -1,0 +1,339 @@
+// Skeletons of OptiTrack's NatNet, versions 3.0 to 4.x. The server is asked for its version and for the bones; frames
+// have IDs and poses alone. Whether these are in the world or against parents the server does not
+// say: the bones' places do.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/number_text.h"
+#include "base/try.h"
+#include "scene/clip_builder.h"
+#include "stream/formats.h"
+#include "stream/message_cutter.h"
+#include "stream/natnet_protocol.h"
+#include "stream/stream_skeleton.h"
+
+namespace retarget {
+namespace {
+
+Failure natnet_failure(std::string message) {
+  return input_failure({}, std::move(message));
+}
+
+// Parents before their children; errors: no tree.
+Result<std::vector<const NatNetBone*>> ordered_bones(const NatNetSkeleton& skeleton) {
+  constexpr std::size_t kMaxBones = 500;
+  constexpr double kMaxOffset = 1e3;  // metres
+  if (skeleton.bones.empty() || skeleton.bones.size() > kMaxBones) {
+    return natnet_failure(fmt::format("a skeleton of 1 to {} bones is expected", kMaxBones));
+  }
+  std::vector<const NatNetBone*> ordered;
+  std::set<int> placed;
+  std::vector<char> taken(skeleton.bones.size(), 0);
+  for (bool found = true; found;) {
+    found = false;
+    for (std::size_t i = 0; i < skeleton.bones.size(); ++i) {
+      const NatNetBone& bone = skeleton.bones[i];
+      const bool is_root = bone.parent <= 0;
+      if (taken[i] != 0 || (!is_root && !placed.contains(bone.parent))) continue;
+      if ((is_root && !ordered.empty()) || !placed.insert(bone.id).second) {
+        return natnet_failure("two bones of a skeleton have the same ID, or no parent");
+      }
+      if (!(bone.offset.norm() < kMaxOffset)) return natnet_failure("a bone's place is no number");
+      ordered.push_back(&bone);
+      taken[i] = 1;
+      found = true;
+    }
+  }
+  if (ordered.size() < skeleton.bones.size()) {
+    return natnet_failure("the bones of a skeleton hang from none of it");
+  }
+  return ordered;
+}
+
+// the names without that of the skeleton before each: `Anna_Hip`, `Anna:Hip`
+std::string plain_bone_name(const std::string& bone, const std::string& skeleton) {
+  const bool has_prefix = bone.size() > skeleton.size() + 1 && bone.starts_with(skeleton) &&
+                          (bone[skeleton.size()] == '_' || bone[skeleton.size()] == ':');
+  return has_prefix ? bone.substr(skeleton.size() + 1) : bone;
+}
+
+// how far bones are from where a skeleton has them, metres on average
+struct PlaceErrors {
+  double world = 0.0;  // if poses are in the world
+  double local = 0.0;  // if they are against parents
+};
+
+PlaceErrors place_errors(std::span<const int> parents, std::span<const Eigen::Vector3d> offsets,
+                         double metres, std::span<const Pose> poses) {
+  PlaceErrors errors;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (parents[i] < 0) continue;
+    const Pose& parent = poses[static_cast<std::size_t>(parents[i])];
+    const Eigen::Vector3d offset = metres * offsets[i];
+    errors.local += (poses[i].translation - offset).norm();
+    errors.world += (parent.inverse() * poses[i].translation - offset).norm();
+  }
+  const double count = std::max<double>(1.0, static_cast<double>(parents.size()) - 1.0);
+  errors.local /= count;
+  errors.world /= count;
+  return errors;
+}
+
+class NatNetDecoder final : public Decoder {
+ public:
+  explicit NatNetDecoder(const StreamAddress& from);
+  Result<void> take(std::string_view bytes, StreamSink& sink) override;
+  void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override {
+    skeleton_.know(skeleton);
+  }
+  void restart() override;
+  [[nodiscard]] std::string_view request() const override;
+
+ private:
+  Result<void> take_message(std::string_view bytes, StreamSink& sink);
+  Result<void> take_models(std::string_view payload, StreamSink& sink);
+  Result<void> take_frame(std::string_view payload, StreamSink& sink);
+  Result<void> learn_by_order(StreamSink& sink);
+  [[nodiscard]] bool waits_for_server();
+  Result<void> place_bones();
+  void decide_coordinates();
+
+  bool datagrams_, has_server_;
+  std::optional<int> actor_;
+  std::optional<NatNetVersion> chosen_version_;
+  std::optional<bool> chosen_local_;
+  MessageCutter cutter_{kNatNetHeaderSize, natnet_message_size};
+
+  std::optional<NatNetVersion> version_;
+  bool server_answered_ = false;
+  bool wants_models_ = true;
+  int frames_waited_ = 0;
+  StreamSkeleton skeleton_;
+  std::vector<int> ids_, parents_;  // of the bones
+  std::vector<Eigen::Vector3d> offsets_;
+  std::optional<int> streamed_;  // the skeleton's ID
+  std::optional<bool> is_local_;
+  NatNetFrame frame_;
+  std::vector<Pose> poses_;
+};
+
+NatNetDecoder::NatNetDecoder(const StreamAddress& from)
+    : datagrams_(from.transport == Transport::kUdp),
+      has_server_(!from.extra("server").empty()),
+      actor_(parse_number<int>(from.extra("actor"))),
+      chosen_version_(natnet_version(from.extra("version"))),
+      version_(chosen_version_) {
+  const std::string coordinates = from.extra("coordinates");
+  if (!coordinates.empty()) chosen_local_ = coordinates == "local";
+}
+
+void NatNetDecoder::restart() {
+  cutter_.clear();
+  version_ = chosen_version_;
+  server_answered_ = false;
+  wants_models_ = true;
+  frames_waited_ = 0;
+  ids_.clear();
+  skeleton_.forget();
+}
+
+// Until it has answered, and then what keeps it sending.
+std::string_view NatNetDecoder::request() const {
+  static constexpr std::string_view kConnect("\0\0\x05\0Ping\0", 9);
+  static constexpr std::string_view kModelsRequest("\x04\0\0\0", 4);
+  static constexpr std::string_view kKeepAlive("\x0A\0\0\0", 4);
+  if (!server_answered_) return kConnect;
+  return wants_models_ ? kModelsRequest : kKeepAlive;
+}
+
+Result<void> NatNetDecoder::take(std::string_view bytes, StreamSink& sink) {
+  if (datagrams_) return take_message(bytes, sink);
+  // what is wrong with one message is no fault of those behind it
+  Result<void> first;
+  cutter_.append(bytes);
+  while (const auto message = cutter_.next()) {
+    Result<void> taken = take_message(*message, sink);
+    if (!taken && first) first = std::move(taken);
+  }
+  if (cutter_.take_skipped() > 0 && first)
+    return natnet_failure("bytes that begin no message of NatNet");
+  return first;
+}
+
+Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sink) {
+  const auto type = natnet_message_type(bytes);
+  if (!type) return natnet_failure("no message of NatNet");
+  const std::string_view payload = bytes.substr(kNatNetHeaderSize);
+  if (bytes.size() < natnet_message_size(bytes).value_or(0)) {
+    return natnet_failure("a message of NatNet that is cut off");
+  }
+  switch (*type) {
+    case NatNetMessage::kServerInfo: {
+      TRY_ASSIGN(version_, read_natnet_server(payload));
+      server_answered_ = true;
+      return {};
+    }
+    case NatNetMessage::kModels:
+      return take_models(payload, sink);
+    case NatNetMessage::kFrame:
+      return take_frame(payload, sink);
+    default:
+      return {};
+  }
+}
+
+Failure unknown_version() {
+  return natnet_failure(
+      "the version of NatNet is not known: ?server=ADDRESS of Motive's computer asks for it, "
+      "?version=4.1 says it");
+}
+
+Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& sink) {
+  if (!version_) return unknown_version();
+  TRY_ASSIGN(const auto skeletons, read_natnet_skeletons(payload, *version_));
+  const auto wanted = std::ranges::find_if(
+      skeletons, [&](const NatNetSkeleton& skeleton) { return !actor_ || skeleton.id == *actor_; });
+  if (wanted == skeletons.end()) {
+    const std::string which = actor_ ? fmt::format(" {}", *actor_) : std::string();
+    return natnet_failure("Motive streams no skeleton" + which +
+                          ": its streaming settings must have Skeletons on");
+  }
+  TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
+  wants_models_ = false;
+  std::vector<std::string> names;
+  for (const NatNetBone* bone : bones) names.push_back(plain_bone_name(bone->name, wanted->name));
+  names = plain_joint_names(std::move(names));
+  ids_.clear();
+  parents_.clear();
+  offsets_.clear();
+  std::vector<StreamJoint> joints;
+  for (const NatNetBone* bone : bones) {
+    const auto parent = std::ranges::find(ids_, bone->parent);
+    parents_.push_back(parent == ids_.end() ? -1 : static_cast<int>(parent - ids_.begin()));
+    joints.push_back({names[ids_.size()], parents_.back(), bone->offset});
+    offsets_.push_back(bone->offset);
+    ids_.push_back(bone->id);
+  }
+  streamed_ = wanted->id;
+  is_local_ = chosen_local_;
+  // the zero pose of Motive's skeletons is a T-pose; that of others need not be
+  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
+  return {};
+}
+
+Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sink) {
+  const bool described = !ids_.empty();
+  if ((!version_ || !described) && waits_for_server()) return {};
+  if (!version_) return unknown_version();
+  TRY(read_natnet_frame(payload, *version_, described ? streamed_ : actor_, frame_));
+  if (frame_.models_changed || !frame_.skeleton) wants_models_ = true;
+  if (!frame_.skeleton) return natnet_failure("a frame without the skeleton");
+  const bool tracked = std::ranges::any_of(frame_.bones, &NatNetBonePose::is_tracked);
+  if (!tracked) return {};
+  if (!described) TRY(learn_by_order(sink));
+  TRY(place_bones());
+  decide_coordinates();
+  for (std::size_t i = 0; *is_local_ && i < poses_.size(); ++i) {
+    if (parents_[i] >= 0) poses_[i] = poses_[static_cast<std::size_t>(parents_[i])] * poses_[i];
+  }
+  skeleton_.give(frame_.time, poses_, sink);
+  return {};
+}
+
+// It is being asked: for a while frames that cannot be understood yet are no fault.
+bool NatNetDecoder::waits_for_server() {
+  constexpr int kFrames = 250;
+  return has_server_ && frames_waited_++ < kFrames;
+}
+
+// the poses of a frame in the order of the joints
+Result<void> NatNetDecoder::place_bones() {
+  poses_.resize(ids_.size());
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    // mostly they come in that order
+    const auto here = i < frame_.bones.size() && frame_.bones[i].id == ids_[i]
+                          ? frame_.bones.begin() + static_cast<std::ptrdiff_t>(i)
+                          : std::ranges::find(frame_.bones, ids_[i], &NatNetBonePose::id);
+    if (here == frame_.bones.end()) {
+      wants_models_ = true;
+      return natnet_failure(fmt::format("a frame without the bone {}", skeleton_.joints()[i].name));
+    }
+    poses_[i] = here->pose;
+  }
+  return {};
+}
+
+void NatNetDecoder::decide_coordinates() {
+  if (is_local_) return;
+  const PlaceErrors errors = place_errors(parents_, offsets_, 1.0, poses_);
+  is_local_ = errors.local < errors.world;
+}
+
+// Nobody described the bones, but the user named a file: they are its joints, if as many, in the
+// same places.
+Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
+  const std::string undescribed =
+      "the bones are not described (?server=ADDRESS of Motive's computer asks for them)";
+  if (skeleton_.known() == nullptr) return natnet_failure(undescribed);
+  const Skeleton& known = *skeleton_.known();
+  if (frame_.bones.size() != static_cast<std::size_t>(known.joint_count())) {
+    return natnet_failure(fmt::format("{}: {} come, and the skeleton's file has {}", undescribed,
+                                      frame_.bones.size(),
+                                      count_text(known.joint_count(), "joint")));
+  }
+  std::vector<int> ids, parents;
+  std::vector<Eigen::Vector3d> offsets;
+  std::vector<Pose> poses;
+  double length = 0.0;
+  for (int i = 0; i < known.joint_count(); ++i) {
+    const NatNetBonePose& bone = frame_.bones[static_cast<std::size_t>(i)];
+    ids.push_back(bone.id);
+    poses.push_back(bone.pose);
+    parents.push_back(known.joint(i).parent);
+    offsets.push_back(known.joint(i).offset);
+    if (i > 0) length += known.joint(i).offset.norm() / known.joint_count();
+  }
+  double best = std::numeric_limits<double>::infinity(), metres = 1.0;
+  for (const double units : kUnitsPerMetre) {
+    const PlaceErrors errors = place_errors(parents, offsets, 1.0 / units, poses);
+    const double error = std::min(errors.local, errors.world) * units;
+    if (error < best) {
+      best = error;
+      metres = 1.0 / units;
+    }
+  }
+  constexpr double kMaxError = 0.15;  // of a bone
+  if (!(best < kMaxError * length)) {
+    return natnet_failure(undescribed + ", and are not where the skeleton's file has them");
+  }
+  std::vector<StreamJoint> joints;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    offsets[i] *= metres;
+    joints.push_back({known.joint(static_cast<int>(i)).name, parents[i], offsets[i]});
+  }
+  ids_ = std::move(ids);
+  parents_ = std::move(parents);
+  offsets_ = std::move(offsets);
+  streamed_ = frame_.skeleton;
+  is_local_ = chosen_local_;
+  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
+  return {};
+}
+
+}  // namespace
+
+std::unique_ptr<Decoder> make_natnet_decoder(const StreamAddress& from) {
+  return std::make_unique<NatNetDecoder>(from);
+}
+
+}  // namespace retarget

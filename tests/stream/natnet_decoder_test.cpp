@@ -1,0 +1,428 @@
+// NatNet: messages of versions 3.0 to 4.2 with all that Motive may put into them, put together here byte by byte;
+// and what the player sends.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/data_folder.h"
+#include "stream/clip_axes.h"
+#include "stream/formats.h"
+#include "stream_support.h"
+
+namespace retarget {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string little_endian(std::uint64_t value, int size) {
+  std::string bytes;
+  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i));
+  return bytes;
+}
+
+std::string number(double value) {
+  return little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+}
+
+std::string vector(const Eigen::Vector3d& value) {
+  return number(value.x()) + number(value.y()) + number(value.z());
+}
+
+std::string text(const std::string& value) {
+  return value + '\0';
+}
+
+std::string message(int type, const std::string& payload) {
+  return little_endian(static_cast<std::uint64_t>(type), 2) + little_endian(payload.size(), 2) +
+         payload;
+}
+
+struct Version {
+  int major, minor;
+  [[nodiscard]] bool is_from(int other_major, int other_minor) const {
+    return major > other_major || (major == other_major && minor >= other_minor);
+  }
+};
+
+constexpr Version kVersions[] = {{3, 0}, {3, 1}, {4, 0}, {4, 1}, {4, 2}};
+
+std::string server_info(Version version) {
+  std::string payload = text("Motive");
+  payload.resize(256);
+  return message(1, payload + std::string("\3\1\0\0", 4) +
+                        little_endian(static_cast<std::uint64_t>(version.major), 1) +
+                        little_endian(static_cast<std::uint64_t>(version.minor), 1) +
+                        little_endian(0, 2) + std::string(15, '\0'));
+}
+
+struct Bone {
+  std::string name;
+  int id, parent;
+  Eigen::Vector3d offset;
+};
+
+// a child before its parent, as Motive has toes
+const std::vector<Bone> kBones = {{"Anna_Hip", 1, 0, {0, 0, 0}},
+                                  {"Anna_LToe", 4, 3, {0, -0.07, 0.14}},
+                                  {"Anna_LThigh", 2, 1, {0.09, -0.03, 0}},
+                                  {"Anna_LShin", 3, 2, {0, -0.42, 0.01}},
+                                  {"Anna_Ab", 5, 1, {0, 0.09, -0.01}}};
+
+std::string bone_description(Version version, const Bone& bone) {
+  std::string bytes = text(bone.name) + little_endian(static_cast<std::uint64_t>(bone.id), 4) +
+                      little_endian(static_cast<std::uint64_t>(bone.parent), 4) +
+                      vector(bone.offset);
+  if (version.is_from(4, 2)) bytes += number(0) + number(0) + number(0) + number(1);
+  // two markers
+  bytes += little_endian(2, 4) + vector({1, 2, 3}) + vector({4, 5, 6}) + little_endian(7, 4) +
+           little_endian(8, 4);
+  if (version.is_from(4, 0)) bytes += text("WaistL") + text("WaistR");
+  return bytes;
+}
+
+std::string described(Version version, int type, const std::string& item) {
+  return little_endian(static_cast<std::uint64_t>(type), 4) +
+         (version.is_from(4, 1) ? little_endian(item.size(), 4) : "") + item;
+}
+
+std::string skeleton_description(Version version, int id, const std::vector<Bone>& bones) {
+  std::string item = text("Anna") + little_endian(static_cast<std::uint64_t>(id), 4) +
+                     little_endian(bones.size(), 4);
+  for (const Bone& bone : bones) item += bone_description(version, bone);
+  return described(version, 2, item);
+}
+
+std::string models(Version version, const std::vector<Bone>& bones = kBones) {
+  std::string sets = described(
+      version, 0, text("all") + little_endian(2, 4) + text("Anna_WaistL") + text("Anna_WaistR"));
+  sets += described(version, 1, bone_description(version, {"Box", 9, -1, {0, 0, 0}}));
+  sets += described(version, 3,
+                    little_endian(1, 4) + text("FP-1") + std::string(163 * 4, '\1') +
+                        little_endian(2, 4) + text("Fx") + text("Fy"));
+  sets += described(version, 4,
+                    little_endian(1, 4) + text("NIDAQ") + text("0815") + little_endian(0, 8) +
+                        little_endian(1, 4) + text("ai0"));
+  sets += described(version, 5, text("Prime 13") + std::string(28, '\2'));
+  sets += skeleton_description(version, 3, bones);
+  sets += skeleton_description(version, 6, bones);
+  return message(5, little_endian(7, 4) + sets);
+}
+
+std::string body(int id, const Pose& pose, bool is_tracked = true) {
+  return little_endian(static_cast<std::uint64_t>(id), 4) + vector(pose.translation) +
+         vector(pose.rotation.vec()) + number(pose.rotation.w()) + number(0.0004) +
+         little_endian(is_tracked ? 1 : 0, 2);
+}
+
+std::string section(Version version, int count, const std::string& items) {
+  return little_endian(static_cast<std::uint64_t>(count), 4) +
+         (version.is_from(4, 1) ? little_endian(items.size(), 4) : "") + items;
+}
+
+std::string channels(int id) {
+  return little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(2, 4) +
+         little_endian(1, 4) + number(1) + little_endian(3, 4) + number(1) + number(2) + number(3);
+}
+
+// the bones' poses in the order of kBones
+std::string frame(Version version, const std::vector<Pose>& poses, double time,
+                  bool models_changed = false, bool is_tracked = true) {
+  std::string skeletons;
+  for (const int id : {3, 6}) {
+    skeletons += little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(poses.size(), 4);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      Pose pose = poses[i];
+      // the second one is elsewhere
+      if (id == 6) pose.translation.x() += 5.0;
+      skeletons += body(id << 16 | kBones[i].id, pose, is_tracked);
+    }
+  }
+  std::string bytes = little_endian(77, 4);
+  bytes += section(version, 1, text("all") + little_endian(1, 4) + vector({1, 1, 1}));
+  bytes += section(version, 2, vector({1, 2, 3}) + vector({3, 2, 1}));
+  bytes += section(version, 1, body(9, Pose{}));
+  bytes += section(version, 2, skeletons);
+  if (version.is_from(4, 1)) {
+    bytes += section(version, 1, little_endian(1, 4) + little_endian(0, 8));
+  }
+  bytes += section(version, 1, std::string(26, '\5'));
+  bytes += section(version, 1, channels(1));
+  bytes += section(version, 2, channels(1) + channels(2));
+  bytes += little_endian(0, 8) + little_endian(std::bit_cast<std::uint64_t>(time), 8) +
+           std::string(24, '\6');
+  if (version.is_from(4, 1)) bytes += little_endian(0, 8);
+  return message(7, bytes + little_endian(models_changed ? 2 : 0, 2) + little_endian(0, 4));
+}
+
+Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()));
+}
+
+const std::vector<std::size_t> kParents = {0, 3, 0, 2, 0};  // in the order of kBones
+
+std::vector<Pose> local_poses() {
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < kBones.size(); ++i) {
+    poses.push_back({about({1, 0.3, -0.2}, 0.2 * static_cast<double>(i + 1)), kBones[i].offset});
+  }
+  poses[0].translation = {0.3, 0.93, -0.4};
+  return poses;
+}
+
+std::vector<Pose> world_poses() {
+  const auto local = local_poses();
+  std::vector<Pose> world = local;
+  for (const std::size_t i : {2UL, 3UL, 1UL, 4UL}) world[i] = world[kParents[i]] * local[i];
+  return world;
+}
+
+std::unique_ptr<Decoder> decoder_of(const std::string& extras = "") {
+  return make_natnet_decoder(parse_address("udp:1511?format=natnet" + extras).value());
+}
+
+std::string refusal(Decoder& decoder, std::string_view bytes) {
+  KeptStream kept;
+  const auto taken = decoder.take(bytes, kept);
+  EXPECT_FALSE(taken);
+  return taken ? std::string() : taken.error().message;
+}
+
+// the joints of the decoder are in another order: parents first
+void expect_world(const KeptStream& kept, std::size_t frame_index,
+                  const std::vector<Pose>& expected, double x = 0.0) {
+  ASSERT_LT(frame_index, kept.frames.size());
+  const auto found = kept.world(frame_index);
+  for (std::size_t i = 0; i < kBones.size(); ++i) {
+    const auto joint = kept.skeletons.back().skeleton().find(kBones[i].name.substr(5));
+    ASSERT_TRUE(joint) << kBones[i].name;
+    Pose pose = expected[i];
+    pose.translation.x() += x;
+    EXPECT_LT(distance(found[static_cast<std::size_t>(*joint)], pose), 2e-6) << kBones[i].name;
+  }
+}
+
+TEST(NatNet, ReadsAllVersionsInBothCoordinates) {
+  for (const Version version : kVersions) {
+    for (const bool local : {false, true}) {
+      const auto decoder = decoder_of();
+      KeptStream kept;
+      ASSERT_TRUE(decoder->take(server_info(version), kept));
+      const auto described = decoder->take(models(version), kept);
+      ASSERT_TRUE(described) << describe(described.error()) << version.major << version.minor;
+      ASSERT_EQ(kept.skeletons.size(), 1U);
+      EXPECT_THAT(kept.skeletons[0].skeleton().names(),
+                  ElementsAre("Hip", "LThigh", "LShin", "Ab", "LToe"));
+      EXPECT_EQ(kept.skeletons[0].origin().up, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
+      EXPECT_EQ(kept.skeletons[0].origin().metres_per_unit, 1.0);
+      const auto poses = local ? local_poses() : world_poses();
+      const auto taken = decoder->take(frame(version, poses, 12.25), kept);
+      ASSERT_TRUE(taken) << describe(taken.error()) << version.major << version.minor;
+      expect_world(kept, 0, world_poses());
+      EXPECT_EQ(kept.frames[0].time, 12.25);
+    }
+  }
+}
+
+TEST(NatNet, FollowsTheSkeletonThatIsNamed) {
+  const auto decoder = decoder_of("&actor=6&version=4.1");
+  KeptStream kept;
+  ASSERT_TRUE(decoder->take(models({4, 1}), kept));
+  ASSERT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.0), kept));
+  expect_world(kept, 0, world_poses(), 5.0);
+  EXPECT_THAT(refusal(*decoder_of("&actor=8&version=4.1"), models({4, 1})),
+              HasSubstr("skeleton 8"));
+}
+
+TEST(NatNet, CoordinatesMayBeSaid) {
+  const auto decoder = decoder_of("&version=3.1&coordinates=local");
+  KeptStream kept;
+  ASSERT_TRUE(decoder->take(models({3, 1}), kept));
+  // bones that are nowhere near their places
+  auto poses = local_poses();
+  for (std::size_t i = 1; i < poses.size(); ++i) poses[i].translation *= 7.0;
+  ASSERT_TRUE(decoder->take(frame({3, 1}, poses, 1.0), kept));
+  auto world = poses;
+  for (const std::size_t i : {2UL, 3UL, 1UL, 4UL}) world[i] = world[kParents[i]] * poses[i];
+  expect_world(kept, 0, world);
+}
+
+TEST(NatNet, AsksUntilItIsAnswered) {
+  const auto decoder = decoder_of("&server=127.0.0.1");
+  KeptStream kept;
+  EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
+  // frames that cannot be understood yet are no fault of theirs
+  EXPECT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.0), kept));
+  ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
+  EXPECT_EQ(decoder->request(), std::string("\4\0\0\0", 4));
+  EXPECT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.1), kept));
+  EXPECT_TRUE(kept.frames.empty());
+  ASSERT_TRUE(decoder->take(models({4, 1}), kept));
+  EXPECT_EQ(decoder->request(), std::string("\x0A\0\0\0", 4));
+  ASSERT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.2, true), kept));
+  EXPECT_EQ(kept.frames.size(), 1U);
+  EXPECT_EQ(decoder->request(), std::string("\4\0\0\0", 4));
+  decoder->restart();
+  EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
+}
+
+TEST(NatNet, AServerThatNeverAnswersIsTold) {
+  const auto decoder = decoder_of("&server=127.0.0.1");
+  KeptStream kept;
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (!decoder->take(frame({4, 1}, world_poses(), i), kept)) ++refused;
+  }
+  EXPECT_EQ(refused, 150);
+}
+
+TEST(NatNet, WithoutDescriptionsBonesAreThoseOfAFile) {
+  std::vector<Joint> joints;
+  using enum Channel;
+  // Motive's order, a parent first: the frame's bones come so
+  for (const std::size_t i : {0UL, 2UL, 3UL, 1UL, 4UL}) {
+    const int parent = i == 0 ? -1 : i == 3 ? 1 : i == 1 ? 2 : 0;
+    joints.push_back({kBones[i].name,
+                      parent,
+                      100.0 * kBones[i].offset,
+                      {},
+                      i == 0 ? std::vector<Channel>{kXPosition, kYPosition, kZPosition, kZRotation,
+                                                    kYRotation, kXRotation}
+                             : std::vector<Channel>{kZRotation, kYRotation, kXRotation}});
+  }
+  const auto skeleton = std::make_shared<const Skeleton>(joints);
+  const auto in_order = [](const std::vector<Pose>& poses) {
+    std::string bones = little_endian(3, 4) + little_endian(5, 4);
+    for (const std::size_t i : {0UL, 2UL, 3UL, 1UL, 4UL}) bones += body(kBones[i].id, poses[i]);
+    std::string bytes = little_endian(1, 4) + std::string(12, '\0') + little_endian(1, 4) + bones;
+    bytes += std::string(12, '\0') + little_endian(0, 8) +
+             little_endian(std::bit_cast<std::uint64_t>(2.0), 8) + std::string(30, '\0');
+    return message(7, bytes);
+  };
+  for (const bool local : {false, true}) {
+    const auto decoder = decoder_of("&version=3.1");
+    EXPECT_THAT(refusal(*decoder, in_order(world_poses())), HasSubstr("not described"));
+    decoder->know_skeleton(skeleton);
+    KeptStream kept;
+    ASSERT_TRUE(decoder->take(in_order(local ? local_poses() : world_poses()), kept));
+    EXPECT_TRUE(kept.skeletons.empty());
+    const auto found = kept.world(0, skeleton);
+    for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+      const std::size_t bone = joint == 0   ? 0
+                               : joint == 1 ? 2
+                               : joint == 2 ? 3
+                               : joint == 3 ? 1
+                                            : 4;
+      EXPECT_LT((found[joint].translation - 100.0 * world_poses()[bone].translation).norm(), 1e-4);
+    }
+  }
+  const auto decoder = decoder_of("&version=3.1");
+  decoder->know_skeleton(skeleton);
+  auto stretched = local_poses();
+  for (auto& pose : stretched) pose.translation = pose.translation * 1.9 + Eigen::Vector3d(1, 0, 1);
+  EXPECT_THAT(refusal(*decoder, in_order(stretched)), HasSubstr("not where"));
+  joints.pop_back();
+  decoder->know_skeleton(std::make_shared<const Skeleton>(joints));
+  EXPECT_THAT(refusal(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
+}
+
+TEST(NatNet, WhatIsWrongIsRefused) {
+  const auto decoder = decoder_of();
+  KeptStream kept;
+  EXPECT_THAT(refusal(*decoder, "abc"), HasSubstr("no message"));
+  EXPECT_THAT(refusal(*decoder, message(55, "")), HasSubstr("no message"));
+  EXPECT_THAT(refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
+  EXPECT_THAT(refusal(*decoder, models({4, 1})), HasSubstr("version"));
+  EXPECT_THAT(refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
+  EXPECT_THAT(refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("cut off"));
+  ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
+  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton: its"));
+  const auto with = [](int bone, int id, int parent) {
+    auto bones = kBones;
+    bones[static_cast<std::size_t>(bone)].id = id;
+    bones[static_cast<std::size_t>(bone)].parent = parent;
+    return models({4, 1}, bones);
+  };
+  EXPECT_THAT(refusal(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
+  EXPECT_THAT(refusal(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
+  EXPECT_THAT(refusal(*decoder, with(0, 1, 4)), HasSubstr("hang"));
+  ASSERT_TRUE(decoder->take(models({4, 1}), kept));
+  auto poses = world_poses();
+  poses[2].translation.y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("pose"));
+  poses = world_poses();
+  poses.pop_back();
+  EXPECT_THAT(refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("Ab"));
+  for (const Version version : kVersions) {
+    const auto other = decoder_of();
+    ASSERT_TRUE(other->take(server_info(version), kept));
+    ASSERT_TRUE(other->take(models(version), kept));
+    const std::string good = frame(version, world_poses(), 1);
+    for (std::size_t size = 4; size + 40 < good.size(); size += 3) {
+      std::string bytes = good.substr(0, size);
+      bytes.replace(2, 2, little_endian(size - 4, 2));
+      EXPECT_FALSE(other->take(bytes, kept)) << size;
+    }
+  }
+  // nobody is seen
+  const std::size_t frames = kept.frames.size();
+  EXPECT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1, false, false), kept));
+  EXPECT_EQ(kept.frames.size(), frames);
+}
+
+TEST(NatNetPlayer, AllJointsComeBack) {
+  const std::string folder = find_data_folder(std::nullopt).value().string();
+  const Clip clip = clip_with_units(sample_clip("walk"), {}, folder).value();
+  EXPECT_EQ(clip.origin().metres_per_unit, 0.01);
+  const auto encoder = make_natnet_encoder();
+  const std::string header = encoder->begin(clip);
+  // piece by piece, as of a pipe
+  const auto decoder = make_natnet_decoder(parse_address("stdin?format=natnet").value());
+  KeptStream kept;
+  std::string bytes = header;
+  for (int index = 0; index < clip.frame_count(); ++index) {
+    bytes += encoder->frame(clip, index).value();
+  }
+  for (std::size_t at = 0; at < bytes.size(); at += 1001) {
+    const auto taken = decoder->take(std::string_view(bytes).substr(at, 1001), kept);
+    ASSERT_TRUE(taken) << describe(taken.error());
+  }
+  ASSERT_EQ(kept.skeletons.size(), 1U);
+  EXPECT_EQ(kept.skeletons[0].skeleton().names(), clip.skeleton().names());
+  ASSERT_EQ(kept.frames.size(), static_cast<std::size_t>(clip.frame_count()));
+  std::vector<Pose> expected(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  for (int index = 0; index < clip.frame_count(); ++index) {
+    forward_kinematics(clip, index, expected);
+    const auto found = kept.world(static_cast<std::size_t>(index));
+    EXPECT_EQ(kept.frames[static_cast<std::size_t>(index)].time, clip.rate().time_of(index));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const Pose metric = {expected[i].rotation, 0.01 * expected[i].translation};
+      EXPECT_LT(distance(found[i], metric), 2e-6) << index;
+    }
+  }
+}
+
+TEST(NatNetPlayer, AnswersWhatItsReceiversAsk) {
+  const std::string folder = find_data_folder(std::nullopt).value().string();
+  const Clip clip = clip_with_units(sample_clip("wave"), {}, folder).value();
+  const auto encoder = make_natnet_encoder();
+  EXPECT_FALSE(encoder->begin(clip).empty());
+  const auto decoder = decoder_of("&server=127.0.0.1");
+  KeptStream kept;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(decoder->take(encoder->answer(decoder->request()), kept));
+  }
+  EXPECT_EQ(kept.skeletons.size(), 1U);
+  EXPECT_EQ(encoder->answer(decoder->request()), "");
+  EXPECT_EQ(encoder->answer(message(2, text("Bitstream"))), message(3, "Bitstream,4.1"));
+  EXPECT_EQ(encoder->answer(message(2, text("FrameRate"))), message(100, ""));
+  EXPECT_EQ(encoder->answer("?"), "");
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,53 @@
+#pragma once
+
+// What the tests of binary formats share: a sink that keeps, and what comes back as poses in the world.
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "motion/forward_kinematics.h"
+#include "retarget/load.h"
+#include "stream/decoder.h"
+
+namespace retarget {
+
+class KeptStream final : public StreamSink {
+ public:
+  void take_skeleton(Clip clip, bool has_rest) override {
+    skeletons.push_back(std::move(clip));
+    rests.push_back(has_rest);
+  }
+  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
+
+  // of a frame of the skeleton that was told last, or of another one
+  [[nodiscard]] std::vector<Pose> world(std::size_t frame) const {
+    return world(frame, skeletons.back().shared_skeleton());
+  }
+  [[nodiscard]] std::vector<Pose> world(std::size_t frame,
+                                        const std::shared_ptr<const Skeleton>& skeleton) const {
+    Clip clip(skeleton, FrameRate{}, 1);
+    std::ranges::copy(frames.at(frame).rotations, clip.rotations(0).begin());
+    std::ranges::copy(frames.at(frame).translations, clip.translations(0).begin());
+    std::vector<Pose> poses(static_cast<std::size_t>(skeleton->joint_count()));
+    forward_kinematics(clip, 0, poses);
+    return poses;
+  }
+
+  std::vector<Clip> skeletons;
+  std::vector<bool> rests;
+  std::vector<StreamFrame> frames;
+};
+
+inline Clip sample_clip(const std::string& name) {
+  return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
+}
+
+// metres and radians, the larger one
+inline double distance(const Pose& a, const Pose& b) {
+  return std::max((a.translation - b.translation).norm(), a.rotation.angularDistance(b.rotation));
+}
+
+}  // namespace retarget
