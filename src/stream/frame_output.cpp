@@ -59,9 +59,17 @@ Result<void> check_format(const StreamAddress& to) {
     return usage_failure(
         fmt::format("{} has robot frames as {}, found format \"{}\"", to.text(), only, to.format));
   }
+  if (to.format.empty()) return {};
   const auto formats = output_formats();
   const auto found = std::ranges::find(formats, to.format, &OutputFormat::name);
-  if (found == formats.end() || found->port == 0) return {};
+  if (found == formats.end()) {
+    std::vector<std::string> names;
+    for (const OutputFormat& format : formats) names.emplace_back(format.name);
+    return usage_failure(fmt::format("robot frames are written as {}, found format \"{}\"",
+                                     list_names(names), to.format),
+                         did_you_mean(to.format, names));
+  }
+  if (found->port == 0) return {};
   return usage_failure(
       fmt::format("{} goes to {}, not to {}", found->name, found->places, to.text()));
 }
