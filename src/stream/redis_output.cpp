@@ -33,7 +33,7 @@ using Clock = PatientConnection::Clock;
 
 constexpr double kOpenWithin = 1.0;  // seconds
 constexpr auto kAnswerWithin = std::chrono::seconds(1);
-constexpr int kMaxWaiting = 10;  // commands without a reply: networks have them under way
+constexpr int kMaxUnanswered = 10;  // commands without a reply: networks have them under way
 constexpr auto kCloseWithin = std::chrono::milliseconds(200);
 
 struct FreeReader {
@@ -74,7 +74,7 @@ class RedisKeys {
   // all keys at once, so that readers never see some of them
   void set(Pairs pairs) {
     const auto now = Clock::now();
-    if (!advance(now) || !unsent_.empty() || waiting_ >= kMaxWaiting) {
+    if (!advance(now) || !unsent_.empty() || waiting_ >= kMaxUnanswered) {
       ++left_out_;
       return;
     }

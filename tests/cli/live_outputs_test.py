@@ -25,6 +25,8 @@ try:
 except ImportError:
     numpy = None
 
+SERVER = shutil.which("redis-server") or shutil.which("valkey-server")
+CLIENT = shutil.which("redis-cli") or shutil.which("valkey-cli")
 HEADER = 1280
 FPS = 50
 KEYS = ("action_body_unitree_g1_with_hands", "action_hand_left_unitree_g1_with_hands",
@@ -276,14 +278,13 @@ class Redis(OutputTest):
     def start_server(self, port=0):
         """redis-server at a port that is free, or that it had before."""
         self.need("hiredis")
-        for program in ("redis-server", "redis-cli"):
-            if not shutil.which(program):
-                absent(f"there is no {program}")
+        if not SERVER or not CLIENT:
+            absent("there is no Redis server")
         if port == 0:
             with socket.socket() as free:
                 free.bind(("127.0.0.1", 0))
                 port = free.getsockname()[1]
-        server = subprocess.Popen(["redis-server", "--port", str(port), "--bind", "127.0.0.1", "--save", ""],
+        server = subprocess.Popen([SERVER, "--port", str(port), "--bind", "127.0.0.1", "--save", ""],
                                   cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self.addCleanup(server.wait)
         self.addCleanup(server.kill)
@@ -294,12 +295,12 @@ class Redis(OutputTest):
         return server, port
 
     def ask(self, port, *command):
-        return subprocess.run(["redis-cli", "-p", str(port), *command], text=True, stdout=subprocess.PIPE,
+        return subprocess.run([CLIENT, "-p", str(port), *command], text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL, timeout=30).stdout.strip()
 
     def watch(self, port):
         """All that the server is asked, as its MONITOR tells, in a list that grows."""
-        monitor = subprocess.Popen(["redis-cli", "-p", str(port), "MONITOR"], text=True,
+        monitor = subprocess.Popen([CLIENT, "-p", str(port), "MONITOR"], text=True,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
         self.addCleanup(monitor.stdout.close)
         self.addCleanup(monitor.wait)
