@@ -83,6 +83,13 @@ bool FootPlan::plants(int frame) const {
                              [](const SupportGoal& goal) { return goal.place > 0.0; });
 }
 
+Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
+                              const TreeState& pose) {
+  if (phase.support >= 0) return model.supports[at(phase.support)].world_middle(pose).head<2>();
+  const FitFoot& foot = model.feet[at(phase.foot)];
+  return (pose.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle).head<2>();
+}
+
 ContactOptions contact_options(const FitOptions& options) {
   return {.begin_speed = options.contact_speed,
           .begin_height = options.contact_height,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,21 @@ struct FootPlan {
   [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
   /// Whether anything stays where it is in a frame.
   [[nodiscard]] bool plants(int frame) const;
+  /// Calls visit(index of its phase) for all that does.
+  template <typename Visit>
+  void for_each_planted(int frame, const Visit& visit) const {
+    for (const FootEndGoal& goal : ends_of(frame)) {
+      if (goal.phase >= 0) visit(goal.phase);
+    }
+    for (const SupportGoal& goal : supports_of(frame)) {
+      if (goal.place > 0.0) visit(goal.phase);
+    }
+  }
 };
+
+/// What a phase holds in place: the middle of a foot's end or of a SupportBody, in the world's plane.
+[[nodiscard]] Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
+                                            const TreeState& pose);
 
 /// When feet count as in contact, as a fit's options have it.
 [[nodiscard]] ContactOptions contact_options(const FitOptions& options);

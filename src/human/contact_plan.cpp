@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/gravity.h"
 #include "math/statistics.h"
 
 namespace retarget {
@@ -240,8 +241,8 @@ class FootContactFinder {
 
 // whether the hips do not fall: by their acceleration over a thirtieth of a second to either side
 bool is_held_up(const SourceFeet& source, int frame) {
-  constexpr double kReach = 1.0 / 30.0;    // s
-  constexpr double kFalls = -0.65 * 9.81;  // m/s^2
+  constexpr double kReach = 1.0 / 30.0;        // s
+  constexpr double kFalls = -0.65 * kGravity;  // m/s^2
   const int half = std::max(1, static_cast<int>(std::lround(kReach / source.frame_time)));
   const int frames = static_cast<int>(source.hips.size());
   if (frame - half < 0 || frame + half >= frames) return false;

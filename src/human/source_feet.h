@@ -65,6 +65,8 @@ struct SourceFeet {
 
   /// Appends a frame of that human.
   void add(const HumanPose& pose);
+  /// Drops the first frames; all when there are fewer.
+  void forget(int frames);
 
   [[nodiscard]] int frame_count() const {
     return foot_count == 0 ? 0 : static_cast<int>(feet.size()) / foot_count;

@@ -44,12 +44,9 @@ LagFit::LagFit(const LiveTargets& stage, double frame_time, int lag_frames)
 
 void LagFit::restart() {
   const double frame_time = clip_.frame_time;
+  feet_.forget(clip_.frame_count);
   clip_ = FitClip();
   clip_.frame_time = frame_time;
-  feet_.feet.clear();
-  feet_.legs.clear();
-  feet_.hips.clear();
-  feet_.supports.clear();
   sent_ = forgotten_ = wait_ = 0;
   finished_ = false;
   fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
@@ -91,10 +88,7 @@ void LagFit::forget_old_frames() {
   const int count = sent_ - kept_frames_;
   erase_first(clip_.targets, at(count) * model_.tasks.size());
   erase_first(clip_.qpos, at(count) * at(model_.configuration_size));
-  erase_first(feet_.feet, std::min(feet_.feet.size(), at(count) * at(feet_.foot_count)));
-  erase_first(feet_.legs, std::min(feet_.legs.size(), at(count)));
-  erase_first(feet_.hips, std::min(feet_.hips.size(), at(count)));
-  erase_first(feet_.supports, std::min(feet_.supports.size(), at(count) * kSupportBones.size()));
+  feet_.forget(count);
   for (PlantedPhase& phase : clip_.feet.phases) {
     phase.begin -= count;
     phase.end -= count;
@@ -161,18 +155,10 @@ Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
     begin = std::min(phase.end, window_begin()) - 1;
     end = begin + 1;
   }
-  const auto middle = [&]() -> Eigen::Vector3d {
-    if (phase.support >= 0) {
-      const SupportBody& body = model_.supports[at(phase.support)];
-      return pose_.world_from_link[at(body.link)] * body.middle;
-    }
-    const FitFoot& foot = model_.feet[at(phase.foot)];
-    return pose_.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle;
-  };
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = begin; frame < end; ++frame) {
     pose_.update(clip_.frame(frame, model_.configuration_size));
-    sum += middle().head<2>();
+    sum += planted_place(model_, phase, pose_);
   }
   return sum / std::max(1, end - begin);
 }

@@ -90,6 +90,24 @@ Result<void> check_human_of_robot(const HumanOptions& options) {
   return {};
 }
 
+FitOptions fit_of_robot_motions(FitOptions fit) {
+  TrackingWeights& weights = fit.weights;
+  for (double* weight :
+       {&weights.hips_rotation, &weights.torso_rotation, &weights.thigh_rotation,
+        &weights.shank_rotation, &weights.foot_rotation, &weights.upper_arm_rotation,
+        &weights.forearm_rotation, &weights.hand_rotation, &weights.other_rotation}) {
+    *weight *= 2.5;
+  }
+  for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
+    *weight *= 1.5;
+  }
+  fit.smoothness_root_position *= 2.5;
+  fit.smoothness_root_rotation *= 2.5;
+  fit.body_contact_weight *= 2.0;
+  fit.body_contact_height_weight *= 2.0;
+  return fit;
+}
+
 Result<SourceRobot> load_source_robot(const std::string& name, const DataFolder& data_folder) {
   RobotChoice choice;
   choice.name = name;
