@@ -33,7 +33,8 @@ using Clock = PatientConnection::Clock;
 
 constexpr double kOpenWithin = 1.0;  // seconds
 constexpr auto kAnswerWithin = std::chrono::seconds(1);
-constexpr int kMaxUnanswered = 10;  // commands without a reply: networks have them under way
+constexpr int kMaxUnanswered = 10;       // commands without a reply: networks have them under way
+constexpr std::size_t kMaxReply = 4096;  // bytes, of `+OK` and of errors
 constexpr auto kCloseWithin = std::chrono::milliseconds(200);
 
 struct FreeReader {
@@ -101,6 +102,7 @@ class RedisKeys {
     reader_.reset(redisReaderCreate());
     unsent_.clear();
     waiting_ = 0;
+    reply_size_ = 0;
     was_open_ = true;
   }
 
@@ -117,8 +119,12 @@ class RedisKeys {
 
   void take_replies(Clock::time_point now) {
     std::array<char, 4096> room;
-    for (auto bytes = connection_.receive(room); !bytes.empty();
-         bytes = connection_.receive(room)) {
+    // one that talks without end is left for the next frame
+    constexpr int kMostAtATime = 16;
+    for (int i = 0; i < kMostAtATime; ++i) {
+      const std::string_view bytes = connection_.receive(room);
+      if (bytes.empty()) return;
+      if (!are_plain(bytes)) return connection_.close("what answers is no Redis server");
       void* reply = nullptr;
       redisReaderFeed(reader_.get(), bytes.data(), bytes.size());
       while (redisReaderGetReply(reader_.get(), &reply) == REDIS_OK && reply != nullptr) {
@@ -127,6 +133,17 @@ class RedisKeys {
       }
       if (reader_->err != 0) return connection_.close("what answers is no Redis server");
     }
+  }
+
+  // Whether these bytes go on as replies that are lines do: nothing else is due, and by what other kinds
+  // claim to hold the reader would take memory.
+  bool are_plain(std::string_view bytes) {
+    for (const char c : bytes) {
+      if (reply_size_ == 0 && c != '+' && c != '-') return false;
+      if (++reply_size_ > kMaxReply) return false;
+      if (c == '\n') reply_size_ = 0;
+    }
+    return true;
   }
 
   void take_reply(const std::unique_ptr<redisReply, FreeReply>& reply) {
@@ -159,8 +176,9 @@ class RedisKeys {
   Tell tell_;
   std::unique_ptr<redisReader, FreeReader> reader_;
   std::string unsent_;
-  int waiting_ = 0;          // for replies
-  Clock::time_point heard_;  // of a reply, or asked while none was due
+  int waiting_ = 0;             // for replies
+  std::size_t reply_size_ = 0;  // of the one that has come in part
+  Clock::time_point heard_;     // of a reply, or asked while none was due
   bool was_open_ = false, told_ = false;
   std::int64_t left_out_ = 0;
   std::vector<std::string_view> arguments_;
