@@ -427,7 +427,7 @@ Result<FitResult> Fit::run() {
     report.floor_height = floor_height(result.contacts.standing, scale);
     std::vector<int> source_feet;
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
-    clip_.feet = plan_feet(feet_, result.contacts, source_feet, scale);
+    plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
     plan_supports(result.contacts, model_.supports, clip_.frame_count, clip_.frame_time,
                   clip_.feet);
   }

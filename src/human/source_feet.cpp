@@ -97,6 +97,14 @@ void SourceFeet::forget(int frames) {
   drop(supports, kSupportBones.size());
 }
 
+void SourceFeet::reserve(int frames) {
+  const auto count = static_cast<std::size_t>(frames);
+  feet.reserve(count * static_cast<std::size_t>(foot_count));
+  legs.reserve(count);
+  hips.reserve(count);
+  supports.reserve(count * kSupportBones.size());
+}
+
 double SourceFeet::ankle_over_heel() const {
   // the y axis of FootMod points up
   double sum = 0.0;
@@ -110,7 +118,13 @@ double SourceFeet::ankle_over_heel() const {
 }
 
 double SourceFeet::leg_length() const {
-  return legs.empty() ? kUsualSourceLeg : median(legs);
+  std::vector<double> scratch;
+  return leg_length(scratch);
+}
+
+double SourceFeet::leg_length(std::vector<double>& scratch) const {
+  scratch.assign(legs.begin(), legs.end());
+  return scratch.empty() ? kUsualSourceLeg : median_in_place(scratch);
 }
 
 double SourceFeet::speed(int frame, int foot, int end) const {
