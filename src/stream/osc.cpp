@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "base/byte_order.h"
 #include "base/try.h"
 
 namespace retarget {
@@ -117,10 +118,6 @@ Result<void> read_packet(std::string_view packet, int depth, std::vector<OscMess
   return {};
 }
 
-void append_big_endian(std::uint32_t value, std::string& bytes) {
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
-}
-
 // ended by a zero at least, filled up to a whole number of four bytes
 void append_text(std::string_view text, std::string& bytes) {
   bytes.append(text);
@@ -131,8 +128,7 @@ void append_text(std::string_view text, std::string& bytes) {
 
 OscBundle::OscBundle() : bytes_(kBundle) {
   // the time that stands for "at once"
-  append_big_endian(0, bytes_);
-  append_big_endian(1, bytes_);
+  append_big_endian(bytes_, 1, 8);
 }
 
 void OscBundle::add(std::string_view address, std::string_view types, std::string_view text,
@@ -147,11 +143,12 @@ void OscBundle::add(std::string_view address, std::string_view types, std::strin
     }
     const double number = numbers.front();
     numbers = numbers.subspan(1);
-    append_big_endian(type == 'i' ? static_cast<std::uint32_t>(static_cast<std::int32_t>(number))
+    append_big_endian(message,
+                      type == 'i' ? static_cast<std::uint32_t>(static_cast<std::int32_t>(number))
                                   : std::bit_cast<std::uint32_t>(static_cast<float>(number)),
-                      message);
+                      4);
   }
-  append_big_endian(static_cast<std::uint32_t>(message.size()), bytes_);
+  append_big_endian(bytes_, message.size(), 4);
   bytes_ += message;
 }
 

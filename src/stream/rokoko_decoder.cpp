@@ -22,6 +22,7 @@
 #include "stream/json_cutter.h"
 #include "stream/local_pose.h"
 #include "stream/rokoko_bones.h"
+#include "stream/stream_skeleton.h"
 
 namespace retarget {
 namespace {
@@ -104,7 +105,6 @@ class RokokoDecoder final : public Decoder {
   [[nodiscard]] Result<RokokoActor> find_actor(const Json& actors) const;
   Result<void> learn_skeleton(const RokokoActor& actor, StreamSink& sink);
   Result<void> read_bones(const Json& body);
-  void give_frame(double time, StreamSink& sink);
 
   std::string wanted_;  // by the user; empty: whoever comes first
   bool datagrams_;
@@ -112,9 +112,8 @@ class RokokoDecoder final : public Decoder {
 
   std::optional<std::string> actor_;  // of the skeleton; nothing: none was told
   std::vector<std::size_t> bones_;    // of the skeleton, by joint
-  std::vector<int> parents_;          // of its joints
   std::vector<Pose> world_from_joint_;
-  StreamFrame frame_;
+  StreamSkeleton skeleton_;
 };
 
 void RokokoDecoder::restart() {
@@ -152,9 +151,9 @@ Result<void> RokokoDecoder::take_text(std::string_view text, StreamSink& sink) {
   } else {
     TRY(read_bones(*actor.body));
   }
-  give_frame(number_of(member(scene, "timestamp"), kMaxTime)
-                 .value_or(std::numeric_limits<double>::quiet_NaN()),
-             sink);
+  skeleton_.give(number_of(member(scene, "timestamp"), kMaxTime)
+                     .value_or(std::numeric_limits<double>::quiet_NaN()),
+                 world_from_joint_, sink);
   return {};
 }
 
@@ -195,10 +194,9 @@ Result<void> RokokoDecoder::read_bones(const Json& body) {
 
 // The bones of a frame, each where it is in its parent then; without turns.
 Result<void> RokokoDecoder::learn_skeleton(const RokokoActor& actor, StreamSink& sink) {
-  using enum Channel;
   actor_.reset();
   bones_.clear();
-  parents_.clear();
+  std::vector<StreamJoint> joints;
   std::array<int, kRokokoBoneCount> joint_of_bone{};
   for (std::size_t i = 0; i < kRokokoBoneCount; ++i) {
     const RokokoBone& bone = kRokokoBones[i];
@@ -208,42 +206,17 @@ Result<void> RokokoDecoder::learn_skeleton(const RokokoActor& actor, StreamSink&
     if (!bone.is_needed && member(*actor.body, bone.name.data()).is_null()) continue;
     joint_of_bone[i] = static_cast<int>(bones_.size());
     bones_.push_back(i);
-    parents_.push_back(parent);
+    joints.push_back({std::string(bone.name), parent, Eigen::Vector3d::Zero()});
   }
   world_from_joint_.assign(bones_.size(), Pose{});
   TRY(read_bones(*actor.body));
-  std::vector<Joint> joints;
-  for (std::size_t i = 0; i < bones_.size(); ++i) {
-    const Pose local = parent_from_joint(world_from_joint_, parents_[i], world_from_joint_[i]);
-    Joint joint;
-    joint.name = kRokokoBones[bones_[i]].name;
-    joint.parent = parents_[i];
-    joint.offset = local.translation;
-    joint.channels = {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
-    joints.push_back(std::move(joint));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i].offset =
+        parent_from_joint(world_from_joint_, joints[i].parent, world_from_joint_[i]).translation;
   }
-  Clip clip(std::make_shared<const Skeleton>(std::move(joints)), FrameRate{}, 1);
-  ClipOrigin origin;
-  origin.name = "stream";
-  origin.metres_per_unit = 1.0;
-  origin.up = Eigen::Vector3d::UnitY();
-  origin.body_height = actor.height;
-  clip.set_origin(std::move(origin));
   actor_ = actor.name;
-  sink.take_skeleton(std::move(clip), true);
+  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), true, sink, actor.height);
   return {};
-}
-
-void RokokoDecoder::give_frame(double time, StreamSink& sink) {
-  frame_.time = time;
-  frame_.rotations.clear();
-  frame_.translations.clear();
-  for (std::size_t i = 0; i < bones_.size(); ++i) {
-    const Pose local = parent_from_joint(world_from_joint_, parents_[i], world_from_joint_[i]);
-    frame_.rotations.push_back(local.rotation.normalized());
-    frame_.translations.push_back(local.translation);
-  }
-  sink.take_frame(frame_);
 }
 
 }  // namespace

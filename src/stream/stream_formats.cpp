@@ -16,7 +16,7 @@ bool always(const Clip&) {
 
 constexpr auto kFormats = std::to_array<StreamFormat>({
     {"lines", "JSON, one object a line: time, named joints with position and quaternion", 0, true,
-     make_line_decoder, make_line_encoder},
+     make_line_decoder, make_line_encoder, nullptr, true},
     {"bvh", "rows of a BVH file's motion, a line each, as text; ?fps=N: they have no other time",
      1118, true, make_bvh_row_decoder, make_bvh_row_encoder},
     {"vmc",

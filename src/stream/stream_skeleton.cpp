@@ -24,7 +24,7 @@ double units_per_metre(double file_length, double metres) {
 }  // namespace
 
 void StreamSkeleton::tell(std::vector<StreamJoint> joints, const Eigen::Vector3d& up,
-                          bool is_rest_pose, StreamSink& sink) {
+                          bool is_rest_pose, StreamSink& sink, std::optional<double> height) {
   joints_ = std::move(joints);
   // the user's file knows more of the same skeleton
   if (use_known()) return;
@@ -38,6 +38,7 @@ void StreamSkeleton::tell(std::vector<StreamJoint> joints, const Eigen::Vector3d
   origin.name = "stream";
   origin.metres_per_unit = 1.0;
   origin.up = up;
+  origin.body_height = height;
   clip.set_origin(std::move(origin));
   sink.take_skeleton(std::move(clip), is_rest_pose);
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,8 +36,9 @@ class StreamSkeleton {
   /// From now on frames are of these joints.
   /// @param up            of the stream's world.
   /// @param is_rest_pose  with all rotations zero the body stands in a T-pose.
+  /// @param height        of the body, metres, where the stream tells it.
   void tell(std::vector<StreamJoint> joints, const Eigen::Vector3d& up, bool is_rest_pose,
-            StreamSink& sink);
+            StreamSink& sink, std::optional<double> height = std::nullopt);
   [[nodiscard]] const std::vector<StreamJoint>& joints() const { return joints_; }
   void forget() { joints_.clear(); }
 

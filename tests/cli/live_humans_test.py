@@ -236,6 +236,9 @@ class Smpl(LiveTest):
                              "left_hand_pose": poses[i, 75:120].tolist()}) for i in range(90)]
         played = self.run_tool("live", "--play", "walk.npz", "--to", "stdout?format=smplx", "--speed", 0)
         self.assert_done(played)
+        # which way is up the motion shows, and no single pose
+        header = self.run_tool("live", "--play", "walk.npz", "--to", "stdout?format=lines", "--speed", 0)
+        self.assertEqual(json.loads(header.stdout.splitlines()[0])["skeleton"]["up"], "z")
         for text in ("\n".join(lines) + "\n", played.stdout):
             result = self.live(text, "--input", "stdin?format=smplx", "--skeleton", "walk.npz", "--method", "gmr",
                                "--plain", "--fps", "30", "-o", "live.csv")

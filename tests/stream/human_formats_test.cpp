@@ -15,32 +15,16 @@
 #include "stream/formats.h"
 #include "stream/human_bones.h"
 #include "stream/live_pipeline.h"
+#include "stream/stream_support.h"
 
 namespace retarget {
 namespace {
-
-Clip sample(const std::string& name) {
-  return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
-}
 
 Clip bones_of(const Clip& clip) {
   auto bones = clip_of_human_bones(clip, HumanOptions{}, RETARGET_SOURCE_DIR);
   EXPECT_TRUE(bones) << describe(bones.error());
   return *bones;
 }
-
-class Kept final : public StreamSink {
- public:
-  void take_skeleton(Clip clip, bool has_rest) override {
-    skeletons.push_back(std::move(clip));
-    rests.push_back(has_rest);
-  }
-  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
-
-  std::vector<Clip> skeletons;
-  std::vector<bool> rests;
-  std::vector<StreamFrame> frames;
-};
 
 // z up from y up, where it is that
 Eigen::Vector3d in_z_up_world(const Clip& clip, const Eigen::Vector3d& place) {
@@ -60,7 +44,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
   ASSERT_TRUE(found);
   const auto encoder = (*found)->encoder();
   const auto decoder = (*found)->decoder(parse_address("udp:1").value());
-  Kept kept;
+  KeptStream kept;
   const int frames = std::min(40, clip.frame_count());
   if (const std::string header = encoder->begin(clip); !header.empty()) {
     ASSERT_TRUE(decoder->take(header, kept));
@@ -187,7 +171,7 @@ const std::vector<SentBone> kSmplJoints = {
 TEST(HumanFormats, ComeBack) {
   // of LAFAN1's skeleton, and of one with other names, axes and units
   for (const Clip& clip :
-       {sample("walk"), load_clip(RETARGET_SOURCE_DIR "/tests/scene/data/walk.fbx").value()}) {
+       {sample_clip("walk"), load_clip(RETARGET_SOURCE_DIR "/tests/scene/data/walk.fbx").value()}) {
     const Clip bones = bones_of(clip);
     // numbers of VMC are floats
     expect_same_world("vmc", bones, kVmcBones, 2e-6, 2e-6);
@@ -198,9 +182,9 @@ TEST(HumanFormats, ComeBack) {
 
 TEST(HumanFormats, ARobotFollowsThemAsItFollowsLines) {
   for (const char* name : {"walk", "wave"}) {
-    const auto lines = followed(sample(name), "lines");
+    const auto lines = followed(sample_clip(name), "lines");
     for (const char* format : {"vmc", "rokoko", "smplx"}) {
-      EXPECT_LT(largest_difference(lines, followed(sample(name), format), 0), 1e-3)
+      EXPECT_LT(largest_difference(lines, followed(sample_clip(name), format), 0), 1e-3)
           << name << " " << format;
     }
   }

@@ -17,6 +17,7 @@
 #include "stream/formats.h"
 #include "stream/json_cutter.h"
 #include "stream/live_pipeline.h"
+#include "stream/stream_support.h"
 
 namespace retarget {
 namespace {
@@ -96,22 +97,13 @@ Json packet_of(const std::vector<Json>& actors, double time) {
           {"scene", {{"timestamp", time}, {"actors", actors}, {"props", Json::array()}}}};
 }
 
-class Kept final : public StreamSink {
- public:
-  void take_skeleton(Clip clip, bool) override { skeletons.push_back(std::move(clip)); }
-  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
-
-  std::vector<Clip> skeletons;
-  std::vector<StreamFrame> frames;
-};
-
 std::unique_ptr<Decoder> decoder_at(const std::string& address) {
   return make_rokoko_decoder(parse_address(address).value());
 }
 
 std::string refusal(const std::string& bytes, const std::string& address = "udp:1") {
   const auto decoder = decoder_at(address);
-  Kept kept;
+  KeptStream kept;
   const auto taken = decoder->take(bytes, kept);
   EXPECT_FALSE(taken) << bytes.substr(0, 80);
   EXPECT_TRUE(kept.frames.empty());
@@ -154,7 +146,7 @@ TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
 
 TEST(Rokoko, SaysWhatItIs) {
   const auto decoder = decoder_at("udp:1");
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(packet_of({actor_of("Ann", t_pose())}, 12.5).dump(), kept));
   ASSERT_EQ(kept.skeletons.size(), 1U);
   EXPECT_EQ(kept.skeletons[0].origin().body_height, 1.8);
@@ -178,7 +170,7 @@ TEST(Rokoko, ABodyNeedNotHaveToesNorCollarBones) {
     body.erase(bone);
   }
   const auto decoder = decoder_at("udp:1");
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(packet_of({actor_of("Ann", body)}, 1.0).dump(), kept));
   const Skeleton& skeleton = kept.skeletons.at(0).skeleton();
   EXPECT_EQ(skeleton.joint_count(), 16);
@@ -193,7 +185,7 @@ TEST(Rokoko, OneActorOfSeveral) {
   const int arm = 6;
   const auto arm_turns = [&](const std::string& address, const std::vector<Json>& actors) {
     const auto decoder = decoder_at(address);
-    Kept kept;
+    KeptStream kept;
     EXPECT_TRUE(decoder->take(packet_of(actors, 1.0).dump(), kept));
     EXPECT_EQ(kept.frames.size(), 1U);
     return kept.frames.at(0).rotations[arm].angularDistance(Eigen::Quaterniond::Identity()) > 1.0;
@@ -204,7 +196,7 @@ TEST(Rokoko, OneActorOfSeveral) {
   EXPECT_THAT(refusal(packet_of({gloves}, 1.0).dump()), HasSubstr("body"));
   // the order may change: who was followed is followed
   const auto decoder = decoder_at("udp:1");
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(packet_of({ann, bob}, 1.0).dump(), kept));
   ASSERT_TRUE(decoder->take(packet_of({bob, ann}, 2.0).dump(), kept));
   EXPECT_EQ(kept.skeletons.size(), 1U);
@@ -220,7 +212,7 @@ TEST(Rokoko, VersionTwoHasActorsOutsideAScene) {
                        {"faces", Json::array()}, {"actors", {actor}}};
   for (const char* address : {"udp:1", "udp:1?actor=Ann"}) {
     const auto decoder = decoder_at(address);
-    Kept kept;
+    KeptStream kept;
     ASSERT_TRUE(decoder->take(packet.dump(), kept));
     ASSERT_EQ(kept.frames.size(), 1U);
     EXPECT_EQ(kept.frames[0].time, 3.5);
@@ -248,7 +240,7 @@ TEST(Rokoko, WhatIsNoPacketIsRefused) {
               HasSubstr("zeros"));
   // a bone that is missing later costs its frame alone
   const auto decoder = decoder_at("udp:1");
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(whole.dump(), kept));
   Json broken = whole;
   broken["scene"]["actors"][0]["body"].erase("neck");
@@ -266,7 +258,7 @@ TEST(Rokoko, AConnectionMayCutAnywhere) {
   for (const std::size_t piece :
        {std::size_t{1}, std::size_t{7}, std::size_t{4000}, bytes.size()}) {
     const auto decoder = decoder_at("tcp:1");
-    Kept kept;
+    KeptStream kept;
     for (std::size_t begin = 0; begin < bytes.size(); begin += piece) {
       ASSERT_TRUE(decoder->take(bytes.substr(begin, piece), kept));
     }
@@ -274,7 +266,7 @@ TEST(Rokoko, AConnectionMayCutAnywhere) {
   }
   // what has begun ends with its connection
   const auto decoder = decoder_at("tcp:1");
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(bytes.substr(0, 900), kept));
   decoder->restart();
   ASSERT_TRUE(decoder->take(bytes, kept));
@@ -303,14 +295,14 @@ TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
   }
   for (const char* address : {"udp:1", "tcp:1"}) {
     const auto decoder = decoder_at(address);
-    Kept kept;
+    KeptStream kept;
     ASSERT_TRUE(decoder->take(frame, kept));
     ASSERT_TRUE(decoder->take(packet, kept));
     ASSERT_TRUE(decoder->take(frame, kept));
     EXPECT_EQ(kept.frames.size(), 3U) << address;
   }
   const auto connection = decoder_at("tcp:1");
-  Kept kept;
+  KeptStream kept;
   for (const char byte : frame + frame + packet) {
     ASSERT_TRUE(connection->take(std::string(1, byte), kept));
   }

@@ -13,6 +13,7 @@
 #include "smpl/read_smpl.h"
 #include "smpl/smpl_body.h"
 #include "stream/formats.h"
+#include "stream/stream_support.h"
 #include "support/npz_builder.h"
 
 namespace retarget {
@@ -20,15 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
-
-class Kept final : public StreamSink {
- public:
-  void take_skeleton(Clip clip, bool) override { skeletons.push_back(std::move(clip)); }
-  void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
-
-  std::vector<Clip> skeletons;
-  std::vector<StreamFrame> frames;
-};
 
 // upright, turned at random; frames of 66 numbers and 3
 struct Motion {
@@ -81,7 +73,7 @@ TEST(SmplxLines, AreTheFramesOfTheSameFile) {
   const auto read = read_smpl(motion.npz(), "motion.npz");
   ASSERT_TRUE(read) << describe(read.error());
   const auto decoder = make_smplx_decoder({});
-  Kept kept;
+  KeptStream kept;
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
     ASSERT_TRUE(decoder->take(motion.line(frame).dump(), kept));
   }
@@ -106,7 +98,7 @@ TEST(SmplxLines, AFileIsPlayedAsItIs) {
   ASSERT_FALSE(smplx_plays_human(read->clip));
   const auto encoder = make_smplx_encoder();
   const auto decoder = make_smplx_decoder({});
-  Kept kept;
+  KeptStream kept;
   std::string header = encoder->begin(read->clip);
   ASSERT_TRUE(decoder->take(header, kept));
   ASSERT_EQ(kept.skeletons.size(), 1U);
@@ -128,7 +120,7 @@ TEST(SmplxLines, NamesOfOtherProgramsServe) {
   const Json line = motion.line(3);
   const auto frame_of = [](const Json& told) {
     const auto decoder = make_smplx_decoder({});
-    Kept kept;
+    KeptStream kept;
     const auto taken = decoder->take(told.dump(), kept);
     EXPECT_TRUE(taken) << describe(taken.error());
     return kept.frames.at(0);
@@ -162,7 +154,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   line["global_orient"] = {0, 0, 0};
   line["transl"] = {1, 2, 3};
   const auto decoder = make_smplx_decoder({});
-  Kept kept;
+  KeptStream kept;
   ASSERT_TRUE(decoder->take(R"({"up": "y", "height": 1.6})", kept));
   ASSERT_TRUE(decoder->take(line.dump(), kept));
   EXPECT_EQ(kept.skeletons.at(0).origin().body_height, 1.6);
@@ -180,7 +172,7 @@ TEST(SmplxLines, TheUsersFileKnowsTheBody) {
   const auto read = read_smpl(motion.npz(), "motion.npz");
   const auto decoder = make_smplx_decoder({});
   decoder->know_skeleton(read->clip.shared_skeleton());
-  Kept kept;
+  KeptStream kept;
   Json line = motion.line(2);
   line["betas"] = {-3.0};
   ASSERT_TRUE(decoder->take(line.dump(), kept));
@@ -198,7 +190,7 @@ TEST(SmplxLines, AreRefusedWithAReason) {
     Json changed = line;
     change(changed);
     const auto decoder = make_smplx_decoder({});
-    Kept kept;
+    KeptStream kept;
     const auto taken = decoder->take(changed.dump(), kept);
     EXPECT_FALSE(taken) << changed.dump().substr(0, 200);
     EXPECT_TRUE(kept.frames.empty());
