@@ -2,6 +2,7 @@
 
 In one run, 50 times a second each: a row of a clip to `retarget live`, whose robot frame comes back; the same bytes
 to an echo, which come back as they are. Both are programs of their own, so that each way is one packet in and one out.
+The echo is a few lines of Python, or a program: --echo build/release/bench/udp_echo (bench/udp_echo.cpp).
 
     python3 bench/live_latency.py build/release/tools/retarget/retarget data/walk.bvh --seconds 60
 """
@@ -63,6 +64,7 @@ def main() -> None:
     parser.add_argument("clip", type=pathlib.Path)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--lag", type=float, help="of the live run, seconds; without: frame by frame")
+    parser.add_argument("--echo", help="a program that prints its port and sends datagrams back; without: Python")
     arguments = parser.parse_args()
     mode = ["--mode", "lag", "--lag", str(arguments.lag)] if arguments.lag is not None else ["--mode", "frame"]
     text = arguments.clip.read_text()
@@ -71,7 +73,7 @@ def main() -> None:
     live = subprocess.Popen([arguments.tool, "live", "--robot", "unitree_g1", "--input", "udp:0?format=bvh&fps=50",
                              "--skeleton", arguments.clip, *mode, "-o", f"udp:{back.getsockname()[1]}"],
                             stderr=subprocess.PIPE, text=True)
-    echo = subprocess.Popen([sys.executable, "-c", ECHO], stdout=subprocess.PIPE, text=True)
+    echo = subprocess.Popen([arguments.echo] if arguments.echo else [sys.executable, "-c", ECHO], stdout=subprocess.PIPE, text=True)
     try:
         port = 0
         for line in live.stderr:

@@ -70,6 +70,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/retargetConfigVersion.cma
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/retargetConfig.cmake
   ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/FindMuJoCo.cmake cmake/FindLibZip.cmake
+  cmake/FindLZ4.cmake cmake/FindZeroMQ.cmake cmake/FindRedisClient.cmake
   DESTINATION ${retarget_package_folder})
 if(PROJECT_IS_TOP_LEVEL)
   include(cmake/Package.cmake)

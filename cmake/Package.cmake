@@ -28,7 +28,7 @@ get_filename_component(mujoco_folder "${mujoco_folder}" DIRECTORY)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${mujoco_folder})
 # for programs that link the library
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, libssl-dev")
+  "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, libssl-dev, liblz4-dev, libzmq3-dev, libhiredis-dev")
 
 # where Debian looks for licences: in one file
 file(READ THIRD_PARTY_NOTICES third_party_notices)

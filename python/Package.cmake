@@ -34,7 +34,7 @@ file(GLOB mujoco_licences ${mujoco_folder}/LICENSE* ${mujoco_folder}/THIRD_PARTY
 install(FILES ${mujoco_licences} DESTINATION retarget/lib/retarget COMPONENT python)
 # libraries of the distribution that auditwheel takes into the wheel (tools/wheel.sh): its own words about them.
 # THIRD_PARTY_NOTICES lies with the wheel's other licences (pyproject.toml)
-foreach(package libzip[0-9]* libtinyxml2-[0-9]* libssl[0-9]* libbz2-1*)
+foreach(package libzip[0-9]* libtinyxml2-[0-9]* libssl[0-9]* libbz2-1* liblz4-1*)
   file(GLOB copyrights /usr/share/doc/${package}/copyright)
   foreach(copyright IN LISTS copyrights)
     get_filename_component(name ${copyright} DIRECTORY)

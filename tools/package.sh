@@ -22,7 +22,7 @@ fail() {
 check_debian() {
   local depends library
   depends=$(dpkg-deb --field "$debian" Depends)
-  for library in libzip libtinyxml2 libssl; do
+  for library in libzip libtinyxml2 libssl libzmq libhiredis; do
     [[ " $depends" =~ \ ${library}[0-9] || " $depends" =~ \ $library-[0-9] ]] ||
       fail "the .deb does not depend on $library: $depends"
   done

@@ -43,6 +43,9 @@ zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header
 libzip-dev         | libzip-devel   | libzip        | libzip        | has_header zip.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
 libssl-dev         | openssl-devel  | openssl       | openssl@3     | has_header openssl/evp.h ../opt/openssl@3/include/openssl/evp.h
+liblz4-dev         | lz4-devel      | lz4           | lz4           | has_header lz4frame.h
+libzmq3-dev        | zeromq-devel   | zeromq        | zeromq        | has_header zmq.h
+libhiredis-dev     | hiredis-devel  | hiredis       | hiredis       | has_header hiredis/hiredis.h
 python3            | python3        | python        | python        | has_command python3
 python3-pip        | python3-pip    | python-pip    | python        | has_pip_or_no_need
 '
@@ -51,6 +54,7 @@ libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header
 libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
 chromium           | chromium       | chromium      | chromium      | has_command chromium chromium-browser google-chrome
+redis-server       | valkey         | valkey        | redis         | has_command redis-server valkey-server
 '
 readonly kPythonPackages='
 python3-dev        | python3-devel  | python        | python        | has_python_headers

@@ -38,7 +38,8 @@ struct RobotSetup {
   LimitSet limits;
   ResolvedConfig config;  ///< For clips in the form of LAFAN1, and for all if there is no other.
   std::optional<ResolvedConfig> config_of_others;
-  FitOptions fit;  ///< Of Method::kFit, with the options file read and terms removed.
+  FitOptions fit;            ///< Of Method::kFit, with the options file read and terms removed.
+  FitOptions fit_of_robots;  ///< The same for robots' motions, whose rotations are known.
 
   [[nodiscard]] const ResolvedConfig& config_for(const HumanInClip& human) const;
 };

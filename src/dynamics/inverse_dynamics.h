@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "dynamics/inertias.h"
+#include "math/gravity.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
-
-inline constexpr double kGravity = 9.81;  ///< m/s^2, along -z of the world.
 
 /// What acts on a body about a point: world axes, N and N m.
 struct Wrench {

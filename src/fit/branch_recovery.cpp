@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/number_text.h"
+#include "fit/clip_fitter.h"
 #include "fit/frame_costs.h"
 #include "fit/limb_branch.h"
 #include "fit/limb_solver.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "retarget/options.h"
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fit/block_chain.h"
+#include "fit/contact_places.h"
 #include "fit/fit_dynamics.h"
 #include "fit/joint_speeds.h"
 #include "fit/shorthand.h"
@@ -81,10 +82,9 @@ class WindowFitter final : public MovingFit {
   void hold_limits(int frame, double* h, double* g);
   void release_limits();
   void apply(int frame);
-  void add_to_anchors(int frame);
-  void push_anchors_apart(int frame);
-  void place_own_anchors();
-  [[nodiscard]] bool owns(int phase) const;
+  [[nodiscard]] bool owns(std::size_t phase) const {
+    return window_.owns(clip_.feet.phases[phase]);
+  }
   [[nodiscard]] double hold_after(int steps) const {
     const double left = options_.anchor_iterations - steps;
     return left <= 0.0 ? 1.0 : 1.0 - (1.0 - kFirstHold) * left / options_.anchor_iterations;
@@ -115,9 +115,7 @@ class WindowFitter final : public MovingFit {
   std::vector<double> applied_;                       // to a frame by a step, by dof
   double anchor_hold_ = 1.0;
   double worst_overlap_ = 0.0;  // of a frame in the last step, margin included; square metres
-  std::vector<Eigen::Vector2d> anchor_sums_;
-  std::vector<Eigen::Vector2d> anchor_pushes_;
-  std::vector<int> anchor_counts_;
+  ContactPlaces places_;
   FitStatus status_;
 };
 
@@ -141,9 +139,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
       applied_(at(dofs_)),
-      anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
-      anchor_pushes_(anchor_sums_),
-      anchor_counts_(clip.anchors.size(), 0),
+      places_(model, clip),
       status_{.begin = window.begin, .end = window.end} {
   if (options.dynamics && FitDynamics::possible(model)) {
     dynamics_.emplace(model, options, window, clip);
@@ -184,7 +180,7 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
     const bool move_anchors = i < options_.anchor_iterations;
     anchor_hold_ = 1.0;
     if (move_anchors) {
-      place_own_anchors();
+      places_.place(window_);
       anchor_hold_ = hold_after(i);
     }
     if (with_dynamics_) dynamics_->plan(clip_);
@@ -209,10 +205,10 @@ WindowFitter::Before WindowFitter::state() const {
   const auto size = at(model_.configuration_size);
   const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
   const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
-  Before before{{begin, end}, {}, damping_, cost_, held_, anchor_pushes_, pairs_, status_};
+  Before before{{begin, end}, {}, damping_, cost_, held_, places_.pushes(), pairs_, status_};
   // others belong to windows that may run at the same time
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
-    if (owns(static_cast<int>(i))) before.anchors.push_back(clip_.anchors[i]);
+    if (owns(i)) before.anchors.push_back(clip_.anchors[i]);
   }
   return before;
 }
@@ -223,19 +219,14 @@ void WindowFitter::restore(const Before& before) {
                     clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size));
   auto anchor = before.anchors.begin();
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
-    if (owns(static_cast<int>(i))) clip_.anchors[i] = *anchor++;
+    if (owns(i)) clip_.anchors[i] = *anchor++;
   }
   damping_ = before.damping;
   cost_ = before.cost;
   held_ = before.held;
-  anchor_pushes_ = before.anchor_pushes;
+  places_.set_pushes(before.anchor_pushes);
   pairs_ = before.pairs;
   status_ = before.status;
-}
-
-bool WindowFitter::owns(int phase) const {
-  const PlantedPhase& p = clip_.feet.phases[at(phase)];
-  return p.begin >= window_.begin && p.end <= window_.end;
 }
 
 void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
@@ -292,7 +283,7 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
   worst_overlap_ =
       std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
-  if (move_anchors) push_anchors_apart(frame);
+  if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());
   // places move and their weight changes: what they cost says nothing of the step
   double cost = -costs[kTermContactPlace];
   for (const double part : costs) cost += part;
@@ -417,65 +408,6 @@ void WindowFitter::apply(int frame) {
   if (with_dynamics_) dynamics_->moved(frame, applied_);
 }
 
-void WindowFitter::add_to_anchors(int frame) {
-  const auto ends = clip_.feet.ends_of(frame);
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (ends[i].phase < 0 || !owns(ends[i].phase)) continue;
-    const FitFoot& foot = model_.feet[i / 2];
-    anchor_sums_[at(ends[i].phase)] +=
-        (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
-    ++anchor_counts_[at(ends[i].phase)];
-  }
-  const auto supports = clip_.feet.supports_of(frame);
-  for (std::size_t i = 0; i < supports.size(); ++i) {
-    const auto [phase, share, height] = supports[i];
-    if (share <= 0.0 || !owns(phase)) continue;
-    const SupportBody& body = model_.supports[i];
-    anchor_sums_[at(phase)] += (pose_.world_from_link[at(body.link)] * body.middle).head<2>();
-    ++anchor_counts_[at(phase)];
-  }
-}
-
-// Two feet that stand in each other have places in each other: their means alone would come apart
-// too slowly, for the frames in which one foot stands alone hold it back.
-void WindowFitter::push_anchors_apart(int frame) {
-  const FootOverlap& overlap = terms_.foot_overlap();
-  if (overlap.depth <= 0.0) return;
-  const auto ends = clip_.feet.ends_of(frame);
-  const auto in_contact = [&](int foot) {
-    return ends[at(2 * foot)].phase >= 0 || ends[at(2 * foot + 1)].phase >= 0;
-  };
-  if (!in_contact(overlap.foot_a) || !in_contact(overlap.foot_b)) return;
-  const Eigen::Vector2d half = 0.5 * overlap.depth * overlap.normal;
-  const auto push = [&](int foot, const Eigen::Vector2d& way) {
-    for (int end = 2 * foot; end < 2 * foot + 2; ++end) {
-      const int phase = ends[at(end)].phase;
-      if (phase < 0 || !owns(phase)) continue;
-      if (way.squaredNorm() > anchor_pushes_[at(phase)].squaredNorm()) {
-        anchor_pushes_[at(phase)] = way;
-      }
-    }
-  };
-  push(overlap.foot_a, half);
-  push(overlap.foot_b, -half);
-}
-
-void WindowFitter::place_own_anchors() {
-  std::ranges::fill(anchor_counts_, 0);
-  std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
-  for (int frame = window_.begin; frame < window_.end; ++frame) {
-    if (!clip_.feet.plants(frame)) continue;
-    pose_.update(clip_.frame(frame, model_.configuration_size));
-    add_to_anchors(frame);
-  }
-  for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {
-    if (anchor_counts_[i] > 0) {
-      clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i] + anchor_pushes_[i];
-    }
-  }
-  std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
-}
-
 void WindowFitter::move(int begin, int forgotten) {
   const auto gone = std::min(at(begin + forgotten - window_.begin), damping_.size());
   const std::size_t kept = damping_.size() - gone, size = at(clip_.frame_count - begin);
@@ -494,15 +426,13 @@ void WindowFitter::move(int begin, int forgotten) {
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);
   for (std::size_t i = kept; i < size; ++i) pairs_[i].clear();
-  anchor_sums_.resize(clip_.anchors.size());
-  anchor_counts_.resize(clip_.anchors.size());
-  anchor_pushes_.assign(clip_.anchors.size(), Eigen::Vector2d::Zero());
+  places_.resize();
 }
 
 void WindowFitter::step() {
   iterate(true, false);
   for (int& age : ages_) ++age;
-  place_own_anchors();
+  places_.place(window_);
 }
 
 }  // namespace

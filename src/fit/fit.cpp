@@ -334,10 +334,6 @@ void Fit::hold_joints() {
 
 void Fit::keep_bounds(FitReport& report) {
   constexpr double kNoChange = 1e-4;  // rad or m; less is not told
-  constexpr double kRounding = 1e-12;
-  double grid = 1.0;
-  for (int i = 0; i < options_.decimals; ++i) grid *= 0.1;
-  const double per_unit = std::round(1.0 / grid);
   std::vector<double> before, now(at(clip_.frame_count));
   for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
     const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
@@ -346,16 +342,13 @@ void Fit::keep_bounds(FitReport& report) {
       now[at(t)] = clip_.frame(t, model_.configuration_size)[address];
     }
     before = now;
-    // bounds that hold for rounded numbers too
-    double lower = std::ceil(model_.lower[dof] * per_unit) / per_unit;
-    double upper = std::floor(model_.upper[dof] * per_unit) / per_unit;
-    if (lower > upper) lower = upper = 0.5 * (model_.lower[dof] + model_.upper[dof]);
     double step = model_.speed_limit[dof] * clip_.frame_time;
     if (!model_.tree.links()[link].slides) {
       step = std::min({step, options_.max_joint_speed * clip_.frame_time, options_.max_joint_step});
     }
-    step = std::max(step - grid - kRounding, 0.5 * step);
-    if (bound_steps(now, lower, upper, step) == 0.0) continue;
+    const StepBounds bounds =
+        bounds_for_rounding({model_.lower[dof], model_.upper[dof], step}, options_.decimals);
+    if (bound_steps(now, bounds.lower, bounds.upper, bounds.step) == 0.0) continue;
     FitBoundReport bound{robot_->joints()[at(model_.tree.links()[link].joint)].name, 0, 0, 0.0};
     for (int t = 0; t < clip_.frame_count; ++t) {
       const double change = std::abs(now[at(t)] - before[at(t)]);
@@ -434,7 +427,7 @@ Result<FitResult> Fit::run() {
     report.floor_height = floor_height(result.contacts.standing, scale);
     std::vector<int> source_feet;
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
-    clip_.feet = plan_feet(feet_, result.contacts, source_feet, scale);
+    plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
     plan_supports(result.contacts, model_.supports, clip_.frame_count, clip_.frame_time,
                   clip_.feet);
   }

@@ -9,7 +9,7 @@
 #include "dynamics/inverse_dynamics.h"
 #include "dynamics/motion_spline.h"
 #include "dynamics/support_points.h"
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "retarget/options.h"
 

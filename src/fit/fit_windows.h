@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "retarget/options.h"
 
 namespace retarget {

@@ -76,11 +76,26 @@ std::span<const SupportGoal> FootPlan::supports_of(int frame) const {
   return {supports.data() + static_cast<std::size_t>(frame) * count, count};
 }
 
+void FootPlan::reserve(int frames, std::size_t feet, std::size_t bodies) {
+  ends.reserve(at(frames) * 2 * feet);
+  upright.reserve(at(frames) * feet);
+  supports.reserve(at(frames) * bodies);
+  // no two of one thing share a frame
+  phases.reserve(at(frames) * (2 * feet + bodies));
+}
+
 bool FootPlan::plants(int frame) const {
   return std::ranges::any_of(ends_of(frame),
                              [](const FootEndGoal& end) { return end.phase >= 0; }) ||
          std::ranges::any_of(supports_of(frame),
                              [](const SupportGoal& goal) { return goal.place > 0.0; });
+}
+
+Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
+                              const TreeState& pose) {
+  if (phase.support >= 0) return model.supports[at(phase.support)].world_middle(pose).head<2>();
+  const FitFoot& foot = model.feet[at(phase.foot)];
+  return (pose.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle).head<2>();
 }
 
 ContactOptions contact_options(const FitOptions& options) {
@@ -93,10 +108,14 @@ ContactOptions contact_options(const FitOptions& options) {
           .support_drift = options.support_drift};
 }
 
-FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
-                   std::span<const int> source_feet, double scale) {
-  FootPlan plan;
+void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+               std::span<const int> source_feet, double scale, FootPlan& plan) {
   plan.foot_count = static_cast<int>(source_feet.size());
+  plan.support_count = 0;
+  plan.ends.clear();
+  plan.upright.clear();
+  plan.supports.clear();
+  plan.phases.clear();
   for (int frame = 0; frame < source.frame_count(); ++frame) {
     for (const int side : source_feet) {
       const SourceFoot& foot = source.at(frame, side);
@@ -127,7 +146,6 @@ FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
     }
   }
   if (plan.foot_count > 0) stress_flights(source, plan);
-  return plan;
 }
 
 void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,

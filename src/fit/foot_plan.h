@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -30,9 +32,25 @@ struct FootPlan {
   [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
   [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
+  /// Makes room for the plan of so many frames.
+  void reserve(int frames, std::size_t feet, std::size_t bodies);
   /// Whether anything stays where it is in a frame.
   [[nodiscard]] bool plants(int frame) const;
+  /// Calls visit(index of its phase) for all that does.
+  template <typename Visit>
+  void for_each_planted(int frame, const Visit& visit) const {
+    for (const FootEndGoal& goal : ends_of(frame)) {
+      if (goal.phase >= 0) visit(goal.phase);
+    }
+    for (const SupportGoal& goal : supports_of(frame)) {
+      if (goal.place > 0.0) visit(goal.phase);
+    }
+  }
 };
+
+/// What a phase holds in place: the middle of a foot's end or of a SupportBody, in the world's plane.
+[[nodiscard]] Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
+                                            const TreeState& pose);
 
 /// When feet count as in contact, as a fit's options have it.
 [[nodiscard]] ContactOptions contact_options(const FitOptions& options);
@@ -40,8 +58,9 @@ struct FootPlan {
 /// What the robot's feet do for the source's contacts, and their clearances where there are none.
 /// @param source_feet  of each foot of the robot, the source's: 0 left, 1 right.
 /// @param scale        of the robot's foot paths against the source's.
-[[nodiscard]] FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
-                                 std::span<const int> source_feet, double scale);
+/// @param plan         overwritten, with the memory that it has.
+void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+               std::span<const int> source_feet, double scale, FootPlan& plan);
 
 /// Adds when the source rests on what these bodies of the robot are.
 void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,

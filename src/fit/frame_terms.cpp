@@ -40,6 +40,16 @@ double lying_share(const FrameGoals& goals, std::size_t foot) {
 
 }  // namespace
 
+Vector3d position_weights(const FitTask& task, const FrameGoals& goals) {
+  const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
+  const double horizontal = square(task.horizontal_weight);
+  return {horizontal, horizontal, square(task.height_weight) * lying};
+}
+
+Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
+  return log_so3(world_from_link.rotation * target.world_from_link.conjugate());
+}
+
 FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
     : model_(model),
       options_(options),
@@ -79,21 +89,16 @@ void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, Ter
     const TaskTarget& target = goals.targets[k];
     const Pose& world = pose.world_from_link[at(task.link)];
     if (task.horizontal_weight > 0.0 || task.height_weight > 0.0) {
-      const Vector3d point = world * task.position;
+      const Vector3d point = world * task.position, weights = position_weights(task, goals);
       const Vector3d error = point - target.position, arm = point - origin;
-      // an upright foot has its height from the clearance of heel and toe
-      const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
-      const double horizontal = square(task.horizontal_weight);
-      const double vertical = square(task.height_weight) * lying;
       for (int axis = 0; axis < 3; ++axis) {
-        const double weight = axis < 2 ? horizontal : vertical;
-        add_row(task.link, axis, arm, weight, error[axis]);
-        costs[kTermPosition] += weight * square(error[axis]);
+        add_row(task.link, axis, arm, weights[axis], error[axis]);
+        costs[kTermPosition] += weights[axis] * square(error[axis]);
       }
     }
     if (task.rotation_weight > 0.0) {
       const double weight = square(task.rotation_weight);
-      const Vector3d error = log_so3(world.rotation * target.world_from_link.conjugate());
+      const Vector3d error = rotation_error(world, target);
       composites_[at(task.link)].angular.diagonal().array() += weight;
       composites_[at(task.link)].torque += weight * error;
       costs[kTermRotation] += weight * error.squaredNorm();
@@ -204,26 +209,18 @@ void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, Te
     const SupportGoal& goal = goals.supports[i];
     if (goal.phase < 0) continue;
     const SupportBody& body = model_.supports[i];
-    const Vector3d middle = pose.world_from_link[at(body.link)] * body.middle;
+    const Vector3d middle = body.world_middle(pose);
     const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
     const double place = square(goals.anchor_hold * goal.place * options_.body_contact_weight);
     for (int axis = 0; axis < 2; ++axis) {
       add_row(body.link, axis, middle - origin, place, error[axis]);
     }
     costs[kTermContactPlace] += place * error.squaredNorm();
-    const SupportBody::Point* lowest = nullptr;
-    Vector3d touching = middle;
-    double height = 0.0;
-    for (const SupportBody::Point& point : body.points) {
-      const Vector3d world = pose.world_from_link[at(point.link)] * point.in_link;
-      if (lowest != nullptr && world.z() - point.radius >= height) continue;
-      lowest = &point;
-      touching = world;
-      height = world.z() - point.radius;
-    }
+    const SupportBody::Touch touch = body.lowest(pose);
+    const double height = touch.height - options_.body_margin;
     const double level = square(goal.height * options_.body_contact_height_weight);
-    add_row(lowest->link, 2, touching - origin, level, height - options_.body_margin);
-    costs[kTermContactHeight] += level * square(height - options_.body_margin);
+    add_row(touch.link, 2, touch.place - origin, level, height);
+    costs[kTermContactHeight] += level * square(height);
   }
 }
 

@@ -62,6 +62,12 @@ struct FrameGoals {
   std::span<const SupportGoal> supports;     ///< By SupportBody; empty: none.
 };
 
+/// Weights of the squared error of a task's position, by the world's axes: an upright foot has its
+/// height from the clearance of heel and toe.
+[[nodiscard]] Eigen::Vector3d position_weights(const FitTask& task, const FrameGoals& goals);
+/// Rotation vector from what a link's rotation should be to what it is, world axes, radians.
+[[nodiscard]] Eigen::Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target);
+
 /// Metres around the margin of self-collision over which shapes begin to push each other away.
 inline constexpr double kOverlapBand = 0.002;
 

@@ -13,8 +13,8 @@ namespace {
 // the speed's term begins a little below the limit, so that the limit is seldom reached
 constexpr double kLimitShare = 0.9;
 
-}  // namespace
-
+// The change from one configuration to the next by degree of freedom: metres, the rotation vector in the
+// root's axes, joints.
 void configuration_step(const FitModel& model, std::span<const double> from,
                         std::span<const double> to, double* step) {
   for (std::size_t k = 0; k < 3; ++k) step[k] = to[k] - from[k];
@@ -26,6 +26,8 @@ void configuration_step(const FitModel& model, std::span<const double> from,
     step[KinematicTree::kBaseDofs - 1 + link] = to[address] - from[address];
   }
 }
+
+}  // namespace
 
 JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
     : speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "fit/frame_terms.h"
 #include "retarget/options.h"

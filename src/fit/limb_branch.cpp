@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fit/shorthand.h"
+#include "math/spline.h"
 
 namespace retarget {
 namespace {
@@ -29,16 +30,10 @@ double scattered(int i, int base) {
   return number;
 }
 
-// goes evenly from 0 to 1, slowly at both ends
-double smooth_step(double x) {
-  const double inside = std::clamp(x, 0.0, 1.0);
-  return inside * inside * (3.0 - 2.0 * inside);
-}
-
 // the share of the other branch in the frame `index` of a way that leaves it behind `frames` frames
 double share_of_other(int index, int frames, int blended) {
   if (blended == 0) return index < frames ? 1.0 : 0.0;
-  return 1.0 - smooth_step((index - (frames - blended) + 0.5) / (2.0 * blended));
+  return 1.0 - smooth_step(0.0, 2.0 * blended, index - (frames - blended) + 0.5);
 }
 
 }  // namespace

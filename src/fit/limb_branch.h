@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "fit/frame_terms.h"
 #include "fit/limb_solver.h"

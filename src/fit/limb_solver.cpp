@@ -5,24 +5,12 @@
 #include <array>
 
 #include "fit/shorthand.h"
-#include "math/so3.h"
 #include "retarget/human.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
-
-// weights of the axes of a task's position
-Vector3d position_weights(const FitTask& task, const FrameGoals& goals) {
-  const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
-  const double horizontal = square(task.horizontal_weight);
-  return {horizontal, horizontal, square(task.height_weight) * lying};
-}
-
-Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
-  return log_so3(world_from_link.rotation * target.world_from_link.conjugate());
-}
 
 bool is_of_arm(LimbBone part) {
   return part == LimbBone::kShoulder || part == LimbBone::kArm || part == LimbBone::kForeArm ||

@@ -50,23 +50,12 @@ void StartFrames::take(int frame, std::span<const double> qpos) {
 void StartFrames::add_to_anchors(int frame) {
   if (!clip_.feet.plants(frame)) return;
   pose_.update(clip_.frame(frame, model_.configuration_size));
-  const auto add = [&](int index, int link, const Eigen::Vector3d& middle) {
-    if (index < 0) return;
-    Eigen::Vector2d& anchor = clip_.anchors[at(index)];
-    anchor += (pose_.world_from_link[at(link)] * middle).head<2>();
+  clip_.feet.for_each_planted(frame, [&](int index) {
     const PlantedPhase& phase = clip_.feet.phases[at(index)];
+    Eigen::Vector2d& anchor = clip_.anchors[at(index)];
+    anchor += planted_place(model_, phase, pose_);
     if (frame + 1 == phase.end) anchor /= phase.end - phase.begin;
-  };
-  const auto ends = clip_.feet.ends_of(frame);
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const FitFoot& foot = model_.feet[i / 2];
-    add(ends[i].phase, foot.link, foot.ends[i % 2].middle);
-  }
-  const auto supports = clip_.feet.supports_of(frame);
-  for (std::size_t i = 0; i < supports.size(); ++i) {
-    if (supports[i].place <= 0.0) continue;
-    add(supports[i].phase, model_.supports[i].link, model_.supports[i].middle);
-  }
+  });
 }
 
 }  // namespace retarget

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "robot/kinematic_tree.h"
 

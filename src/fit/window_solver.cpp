@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "fit/clip_fitter.h"
 #include "fit/frame_costs.h"
 #include "fit/shorthand.h"
 

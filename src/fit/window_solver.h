@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "fit/clip_fitter.h"
+#include "fit/fit_clip.h"
 #include "fit/fit_model.h"
 #include "fit/fit_windows.h"
 #include "fit/frame_terms.h"

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
+#include "math/spline.h"
 #include "math/trigonometry.h"
 #include "smpl/generic_hand.h"
 
@@ -15,19 +17,28 @@ std::size_t at(Finger finger) {
   return static_cast<std::size_t>(finger);
 }
 
-// a source's finger for one of the robot's: the nearest that it has
-const FingerLine* line_for(const HandShape& shape, Finger finger) {
-  if (shape.line(finger).is_there()) return &shape.line(finger);
-  if (finger == Finger::kThumb) return nullptr;
-  const FingerLine* nearest = nullptr;
+// What stands for a finger that is not there: of those that are, the nearest, the first of two that are
+// as near; none for a thumb, and none is one.
+template <typename IsThere>
+std::optional<Finger> nearest_finger(Finger finger, const IsThere& is_there) {
+  std::optional<Finger> nearest;
+  if (finger == Finger::kThumb) return nearest;
   int distance = static_cast<int>(kFingerCount);
   for (const Finger other : kFingers) {
     const int apart = std::abs(static_cast<int>(at(other)) - static_cast<int>(at(finger)));
-    if (other == Finger::kThumb || !shape.line(other).is_there() || apart >= distance) continue;
-    nearest = &shape.line(other);
+    if (other == Finger::kThumb || apart >= distance || !is_there(other)) continue;
+    nearest = other;
     distance = apart;
   }
   return nearest;
+}
+
+// a source's finger for one of the robot's
+const FingerLine* line_for(const HandShape& shape, Finger finger) {
+  if (shape.line(finger).is_there()) return &shape.line(finger);
+  const auto nearest =
+      nearest_finger(finger, [&](Finger other) { return shape.line(other).is_there(); });
+  return nearest ? &shape.line(*nearest) : nullptr;
 }
 
 // bones are so far apart when the skin of thumb and finger touches, by the finger's length: 15 mm
@@ -40,12 +51,6 @@ constexpr double kOpenGap = 0.8;
 
 double gap_between(const FingerLine& thumb, const FingerLine& finger) {
   return std::max(0.0, (finger.tip() - thumb.tip()).norm() / finger.length - kSkin);
-}
-
-// falls from 1 to 0 with an even slope at both ends
-double fading(double share) {
-  const double x = std::clamp(share, 0.0, 1.0);
-  return 1.0 - x * x * (3.0 - 2.0 * x);
 }
 
 // unit vector along the chord between two shares of a line
@@ -67,15 +72,10 @@ HandMatch::HandMatch(const RobotHand& hand) : hand_(&hand) {
   for (const Finger finger : kFingers) {
     int& follower = followers_[at(finger)];
     follower = -1;
-    if (finger == Finger::kThumb || hand.is_gripper || hand.find(finger) != nullptr) continue;
-    int distance = static_cast<int>(kFingerCount);
-    for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
-      const Finger other = hand.fingers[i].finger;
-      const int apart = std::abs(static_cast<int>(at(other)) - static_cast<int>(at(finger)));
-      if (other == Finger::kThumb || apart >= distance) continue;
-      follower = static_cast<int>(i);
-      distance = apart;
-    }
+    if (hand.is_gripper || hand.find(finger) != nullptr) continue;
+    const auto nearest =
+        nearest_finger(finger, [&](Finger other) { return hand.find(other) != nullptr; });
+    if (nearest) follower = static_cast<int>(hand.find(*nearest) - hand.fingers.data());
   }
   // along the straight chain; lengths between joints are the model's
   for (const RobotFinger& finger : hand.fingers) {
@@ -139,7 +139,7 @@ void HandMatch::target(const HandShape& shape, HandTarget& target) const {
     }
     const double scale = (robot_thumb->length + finger.length) / (thumb->length + line->length);
     target.gap[f] = scale * gap * line->length;
-    target.touch[f] = fading(gap / kFar);
+    target.touch[f] = 1.0 - smooth_step(0.0, kFar, gap);
   }
 }
 

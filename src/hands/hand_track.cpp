@@ -18,27 +18,18 @@ struct VariableBounds {
 
 VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitSet& limits,
                          double frame_time, const HandBounds& bounds) {
-  constexpr double kRounding = 1e-12;
-  double grid = 1.0;
-  for (int i = 0; i < bounds.decimals; ++i) grid *= 0.1;
-  const double per_unit = std::round(1.0 / grid);
   const auto count = static_cast<Eigen::Index>(hand.variables.size());
   VariableBounds found{Eigen::VectorXd::Constant(count, -HUGE_VAL),
                        Eigen::VectorXd::Constant(count, HUGE_VAL),
                        Eigen::VectorXd::Constant(count, HUGE_VAL)};
   for (const HandJoint& joint : hand.joints) {
-    // inside for rounded numbers too
-    double lower = std::ceil(limits.lower[joint.joint] * per_unit) / per_unit;
-    double upper = std::floor(limits.upper[joint.joint] * per_unit) / per_unit;
-    if (lower > upper) {
-      lower = upper = 0.5 * (limits.lower[joint.joint] + limits.upper[joint.joint]);
-    }
     double step = robot.speed_limit(joint.joint) * frame_time;
     if (!joint.slides) step = std::min({step, bounds.max_speed * frame_time, bounds.max_step});
-    step = std::max(step - grid - kRounding, 0.5 * step);
     if (joint.ratio == 0.0) continue;
-    double first = (lower - joint.offset) / joint.ratio;
-    double last = (upper - joint.offset) / joint.ratio;
+    const StepBounds rounded = bounds_for_rounding(
+        {limits.lower[joint.joint], limits.upper[joint.joint], step}, bounds.decimals);
+    double first = (rounded.lower - joint.offset) / joint.ratio;
+    double last = (rounded.upper - joint.offset) / joint.ratio;
     if (first > last) std::swap(first, last);
     const Eigen::Index v = joint.variable;
     // ranges of joints that a linkage ties need not fit each other: the one that leads counts
@@ -51,7 +42,7 @@ VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitS
       found.lower[v] = first;
       found.upper[v] = last;
     }
-    found.step[v] = std::min(found.step[v], step / std::abs(joint.ratio));
+    found.step[v] = std::min(found.step[v], rounded.step / std::abs(joint.ratio));
   }
   return found;
 }

@@ -26,8 +26,8 @@ RestHeights rest_of(Bone bone) {
   return bone == Bone::kSpine2 ? kBackRest : kJointRest;
 }
 
-std::vector<ContactPhase> phases_of(const SourceFeet& source, std::size_t support, double floor,
-                                    double scale, const ContactOptions& options) {
+void add_phases_of(const SourceFeet& source, std::size_t support, double floor, double scale,
+                   const ContactOptions& options, std::vector<ContactPhase>& phases) {
   const RestHeights rest = rest_of(kSupportBones[support]);
   const auto place = [&](int frame) -> const Eigen::Vector3d& {
     return source.support(frame, support);
@@ -37,7 +37,6 @@ std::vector<ContactPhase> phases_of(const SourceFeet& source, std::size_t suppor
            source.support_speed(frame, support) <=
                (before ? options.end_speed : options.begin_speed) * scale;
   };
-  std::vector<ContactPhase> phases;
   const int frames = source.frame_count();
   for (int begin = 0; begin < frames;) {
     int end = begin;
@@ -51,21 +50,18 @@ std::vector<ContactPhase> phases_of(const SourceFeet& source, std::size_t suppor
     }
     begin = std::max(end, begin + 1);
   }
-  return phases;
 }
 
 }  // namespace
 
-std::array<std::vector<ContactPhase>, kSupportBones.size()> find_body_contacts(
-    const SourceFeet& source, const StandingHeights& standing, double scale,
-    const ContactOptions& options) {
-  std::array<std::vector<ContactPhase>, kSupportBones.size()> contacts;
-  if (source.foot_count == 0 || source.supports.empty()) return contacts;
+void find_body_contacts(const SourceFeet& source, const StandingHeights& standing, double scale,
+                        const ContactOptions& options, BodyContacts& contacts) {
+  for (auto& phases : contacts) phases.clear();
+  if (source.foot_count == 0 || source.supports.empty()) return;
   const double floor = standing.toe - kToeHeight * scale;
   for (std::size_t i = 0; i < kSupportBones.size(); ++i) {
-    if (source.has_support[i]) contacts[i] = phases_of(source, i, floor, scale, options);
+    if (source.has_support[i]) add_phases_of(source, i, floor, scale, options, contacts[i]);
   }
-  return contacts;
 }
 
 }  // namespace retarget

@@ -47,6 +47,9 @@ struct EndContacts {
   std::vector<char> level;
 };
 
+/// When each of kSupportBones lies on the floor.
+using BodyContacts = std::array<std::vector<ContactPhase>, kSupportBones.size()>;
+
 /// When and on what the feet of a human stand, heel and toe apart. Feet: 0 left, 1 right.
 struct ContactPlan {
   double scale = 1.0;  ///< Of lengths and speeds: leg length / kUsualSourceLeg.
@@ -59,7 +62,7 @@ struct ContactPlan {
   /// The parts of these in which the foot is on its sole.
   std::array<std::vector<ContactPhase>, 2> soles;
   /// When what else may carry the body (kSupportBones) lies on the floor.
-  std::array<std::vector<ContactPhase>, kSupportBones.size()> bodies;
+  BodyContacts bodies;
 
   /// Whether a whole foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int frame) const;
@@ -71,10 +74,10 @@ struct ContactPlan {
 
 /// When knees, elbows, hands, seat and back lie on the floor: they are as slow as feet in contact, and as low
 /// as these joints are in a body that kneels, leans, sits or lies on them.
-/// @param scale  of lengths and speeds, as ContactPlan's.
-[[nodiscard]] std::array<std::vector<ContactPhase>, kSupportBones.size()> find_body_contacts(
-    const SourceFeet& source, const StandingHeights& standing, double scale,
-    const ContactOptions& options = {});
+/// @param scale     of lengths and speeds, as ContactPlan's.
+/// @param contacts  overwritten, with the memory that it has.
+void find_body_contacts(const SourceFeet& source, const StandingHeights& standing, double scale,
+                        const ContactOptions& options, BodyContacts& contacts);
 
 /// Heights at which feet stand. Learned from slow feet near the lowest height that have the pitch of
 /// a standing foot: clips in which people lie have lower toes than those they stand on. Where there
@@ -97,7 +100,7 @@ struct ContactPlan {
 /// slow for support_time and at one place within support_drift. Feet that are held in the air hardly
 /// ever are; those that are lose nothing when they stay where they are. Heel and toe have one height
 /// where they differ by little: the sole lies flat. Frames around it in which an end has come or not
-/// yet gone belong to it.
+/// yet gone belong to it. Again and again, of a clip that grows: ContactPlanner (contact_planner.h).
 [[nodiscard]] ContactPlan find_contacts(const SourceFeet& source,
                                         const ContactOptions& options = {});
 [[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
@@ -106,8 +109,8 @@ struct ContactPlan {
 /// degrees from the vertical, as far as they last `shortest` yet; a phase that is whole stays as it
 /// is. Where nobody stands, as in crawling, heights of feet that lie on the instep pass for those of
 /// standing ones, and feet on their edge are as high as some.
-[[nodiscard]] std::vector<ContactPhase> phases_on_sole(const SourceFeet& source, int foot,
-                                                       const std::vector<ContactPhase>& phases,
-                                                       double shortest);
+/// @param soles  overwritten, with the memory that it has.
+void phases_on_sole(const SourceFeet& source, int foot, const std::vector<ContactPhase>& phases,
+                    double shortest, std::vector<ContactPhase>& soles);
 
 }  // namespace retarget

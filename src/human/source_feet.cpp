@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "human/canonical_pose.h"
+#include "math/gravity.h"
 #include "math/statistics.h"
 #include "retarget/pose.h"
 
@@ -85,6 +86,25 @@ void SourceFeet::add(const HumanPose& pose) {
   for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
 }
 
+void SourceFeet::forget(int frames) {
+  const auto drop = [frames](auto& values, std::size_t of_frame) {
+    const std::size_t count = std::min(values.size(), static_cast<std::size_t>(frames) * of_frame);
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  drop(feet, static_cast<std::size_t>(foot_count));
+  drop(legs, 1);
+  drop(hips, 1);
+  drop(supports, kSupportBones.size());
+}
+
+void SourceFeet::reserve(int frames) {
+  const auto count = static_cast<std::size_t>(frames);
+  feet.reserve(count * static_cast<std::size_t>(foot_count));
+  legs.reserve(count);
+  hips.reserve(count);
+  supports.reserve(count * kSupportBones.size());
+}
+
 double SourceFeet::ankle_over_heel() const {
   // the y axis of FootMod points up
   double sum = 0.0;
@@ -98,7 +118,13 @@ double SourceFeet::ankle_over_heel() const {
 }
 
 double SourceFeet::leg_length() const {
-  return legs.empty() ? kUsualSourceLeg : median(legs);
+  std::vector<double> scratch;
+  return leg_length(scratch);
+}
+
+double SourceFeet::leg_length(std::vector<double>& scratch) const {
+  scratch.assign(legs.begin(), legs.end());
+  return scratch.empty() ? kUsualSourceLeg : median_in_place(scratch);
 }
 
 double SourceFeet::speed(int frame, int foot, int end) const {
@@ -115,7 +141,6 @@ double leg_length(const HumanClip& human) {
 }
 
 bool falls_freely(std::span<const double> hips, double frame_time, double share) {
-  constexpr double kGravity = 9.81;
   const double steps = static_cast<double>(hips.size()) - 1.0;
   const double slope = (hips.back() - hips.front()) / std::max(1.0, steps);
   double rise = 0.0;

@@ -65,6 +65,10 @@ struct SourceFeet {
 
   /// Appends a frame of that human.
   void add(const HumanPose& pose);
+  /// Drops the first frames; all when there are fewer.
+  void forget(int frames);
+  /// Makes room for so many frames, which add() then takes without allocating.
+  void reserve(int frames);
 
   [[nodiscard]] int frame_count() const {
     return foot_count == 0 ? 0 : static_cast<int>(feet.size()) / foot_count;
@@ -79,6 +83,9 @@ struct SourceFeet {
   /// Of the left leg, of the right one where the left is incomplete; median over the frames,
   /// metres.
   [[nodiscard]] double leg_length() const;
+  /// The same.
+  /// @param scratch  overwritten; once it has room for a value a frame nothing is allocated.
+  [[nodiscard]] double leg_length(std::vector<double>& scratch) const;
   /// How high ankles stand above heels: of feet that stand, metres; 0 where soles are not known.
   [[nodiscard]] double ankle_over_heel() const;
   /// Speed of one end of a foot over a short time about the frame, m/s.

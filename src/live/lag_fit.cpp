@@ -39,19 +39,33 @@ LagFit::LagFit(const LiveTargets& stage, double frame_time, int lag_frames)
   clip_.frame_time = frame_time;
   feet_.frame_time = frame_time;
   for (const FitFoot& foot : model_.feet) source_feet_.push_back(source_foot(foot));
+  reserve();
   fit_ = make_moving_fit(model_, stage.options(), clip_, smoothing_context(frame_time));
+}
+
+// so that a stream, however long, allocates nothing
+void LagFit::reserve() {
+  const int frames = 2 * kept_frames_ + lag_frames_ + 2;
+  const std::size_t feet = model_.feet.size(), bodies = model_.supports.size();
+  clip_.targets.reserve(at(frames) * model_.tasks.size());
+  clip_.qpos.reserve(at(frames) * at(model_.configuration_size));
+  clip_.feet.reserve(frames, feet, bodies);
+  const std::size_t phases = clip_.feet.phases.capacity();
+  clip_.anchors.reserve(phases);
+  old_phases_.reserve(phases);
+  old_anchors_.reserve(phases);
+  feet_.reserve(frames);
+  planner_.reserve(frames);
 }
 
 void LagFit::restart() {
   const double frame_time = clip_.frame_time;
+  feet_.forget(clip_.frame_count);
   clip_ = FitClip();
   clip_.frame_time = frame_time;
-  feet_.feet.clear();
-  feet_.legs.clear();
-  feet_.hips.clear();
-  feet_.supports.clear();
   sent_ = forgotten_ = wait_ = 0;
   finished_ = false;
+  reserve();
   fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
 }
 
@@ -91,10 +105,7 @@ void LagFit::forget_old_frames() {
   const int count = sent_ - kept_frames_;
   erase_first(clip_.targets, at(count) * model_.tasks.size());
   erase_first(clip_.qpos, at(count) * at(model_.configuration_size));
-  erase_first(feet_.feet, std::min(feet_.feet.size(), at(count) * at(feet_.foot_count)));
-  erase_first(feet_.legs, std::min(feet_.legs.size(), at(count)));
-  erase_first(feet_.hips, std::min(feet_.hips.size(), at(count)));
-  erase_first(feet_.supports, std::min(feet_.supports.size(), at(count) * kSupportBones.size()));
+  feet_.forget(count);
   for (PlantedPhase& phase : clip_.feet.phases) {
     phase.begin -= count;
     phase.end -= count;
@@ -127,22 +138,21 @@ void LagFit::plan_contacts() {
   if (model_.feet.empty()) return;
   ContactOptions options = contact_options(stage_.options());
   options.goes_on = !finished_;
-  const ContactPlan contacts = find_contacts(feet_, options);
-  const std::vector<PlantedPhase> old_phases = std::move(clip_.feet.phases);
-  const std::vector<Eigen::Vector2d> old_anchors = std::move(clip_.anchors);
-  clip_.feet = plan_feet(feet_, contacts, source_feet_, stage_.foot_scale());
+  const ContactPlan& contacts = planner_.plan(feet_, options);
+  std::swap(old_phases_, clip_.feet.phases);
+  std::swap(old_anchors_, clip_.anchors);
+  plan_feet(feet_, contacts, source_feet_, stage_.foot_scale(), clip_.feet);
   plan_supports(contacts, model_.supports, clip_.frame_count, clip_.frame_time, clip_.feet);
-  keep_anchors(old_phases, old_anchors);
+  keep_anchors();
 }
 
 // a contact stays where it was, however its plan has changed
-void LagFit::keep_anchors(const std::vector<PlantedPhase>& old_phases,
-                          const std::vector<Eigen::Vector2d>& old_anchors) {
+void LagFit::keep_anchors() {
   clip_.anchors.clear();
   for (const PlantedPhase& phase : clip_.feet.phases) {
     int best = -1, longest = 0;
-    for (std::size_t i = 0; i < old_phases.size(); ++i) {
-      const PlantedPhase& old = old_phases[i];
+    for (std::size_t i = 0; i < old_phases_.size(); ++i) {
+      const PlantedPhase& old = old_phases_[i];
       if (old.foot != phase.foot || old.foot_end != phase.foot_end) continue;
       if (old.support != phase.support) continue;
       const int shared = std::min(old.end, phase.end) - std::max(old.begin, phase.begin);
@@ -150,7 +160,7 @@ void LagFit::keep_anchors(const std::vector<PlantedPhase>& old_phases,
       longest = shared;
       best = static_cast<int>(i);
     }
-    clip_.anchors.push_back(best >= 0 ? old_anchors[at(best)] : place_of(phase));
+    clip_.anchors.push_back(best >= 0 ? old_anchors_[at(best)] : place_of(phase));
   }
 }
 
@@ -161,18 +171,10 @@ Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
     begin = std::min(phase.end, window_begin()) - 1;
     end = begin + 1;
   }
-  const auto middle = [&]() -> Eigen::Vector3d {
-    if (phase.support >= 0) {
-      const SupportBody& body = model_.supports[at(phase.support)];
-      return pose_.world_from_link[at(body.link)] * body.middle;
-    }
-    const FitFoot& foot = model_.feet[at(phase.foot)];
-    return pose_.world_from_link[at(foot.link)] * foot.ends[at(phase.foot_end)].middle;
-  };
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = begin; frame < end; ++frame) {
     pose_.update(clip_.frame(frame, model_.configuration_size));
-    sum += middle().head<2>();
+    sum += planted_place(model_, phase, pose_);
   }
   return sum / std::max(1, end - begin);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fit/clip_fitter.h"
-#include "human/contact_plan.h"
+#include "human/contact_planner.h"
 #include "human/source_feet.h"
 #include "live/live_targets.h"
 #include "retarget/human.h"
@@ -44,9 +44,9 @@ class LagFit {
   void forget_old_frames();
   void lower_targets(double floor);
   void start_frame(std::span<const double> qpos, const Eigen::Vector3d& path);
+  void reserve();
   void plan_contacts();
-  void keep_anchors(const std::vector<PlantedPhase>& old_phases,
-                    const std::vector<Eigen::Vector2d>& old_anchors);
+  void keep_anchors();
   [[nodiscard]] Eigen::Vector2d place_of(const PlantedPhase& phase);
   [[nodiscard]] int window_begin() const { return sent_; }
 
@@ -60,6 +60,9 @@ class LagFit {
   std::vector<int> source_feet_;
   FitClip clip_;
   SourceFeet feet_;
+  ContactPlanner planner_;
+  std::vector<PlantedPhase> old_phases_;  // of the plan before
+  std::vector<Eigen::Vector2d> old_anchors_;
   std::unique_ptr<MovingFit> fit_;
   TreeState pose_;
   double floor_ = 0.0;  // of the frames that have not left

@@ -1,17 +1,17 @@
 #include "retarget/live.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "base/option_name.h"
 #include "base/try.h"
 #include "live/floor_finder.h"
 #include "live/foot_holder.h"
 #include "live/frame_queue.h"
 #include "live/lag_fit.h"
+#include "live/live_table.h"
 #include "live/live_targets.h"
 #include "live/motion_limiter.h"
 #include "live/sender_clock.h"
@@ -23,18 +23,13 @@ namespace {
 constexpr double kPatience =
     0.1;                         // seconds that a frame may be overdue before it counts as missing
 constexpr double kTooFar = 1e5;  // metres from the origin
-constexpr double kMaxLag = 60.0, kMaxDelay = 10.0, kMinFps = 1.0, kMaxFps = 1000.0;  // seconds, Hz
-
-Result<void> check_range(const char* what, double value, double min, double max) {
-  if (value >= min && value <= max) return {};
-  return usage_failure(fmt::format("{} must be {} to {}, found {}", what, min, max, value));
-}
 
 Result<void> check_options(const Plan& plan, const LiveOptions& options) {
-  TRY(check_range("the rate of a stream's robot frames", options.fps, kMinFps, kMaxFps));
-  TRY(check_range("the lag of a stream, in seconds,", options.lag_s, 0.0, kMaxLag));
-  TRY(check_range("the delay of a stream, in seconds,", options.delay_s, 0.0, kMaxDelay));
-  TRY(check_range("the time that a stream is held, in seconds,", options.hold_s, 0.0, 1e6));
+  LiveOptions given = options;
+  for (const Option& row : live_table(given)) {
+    auto sound = check_option(row, row.get());
+    if (!sound) return usage_failure(marked_option(row.name) + ": " + sound.error().message);
+  }
   if (options.mode == LiveMode::kLag && plan.options.solve.method != Method::kFit) {
     return usage_failure(
         "a lag is for the method fit, which looks ahead; gmr solves single frames");

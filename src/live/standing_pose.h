@@ -3,7 +3,6 @@
 #include <span>
 #include <vector>
 
-#include "fit/fit_model.h"
 #include "retarget/robot.h"
 
 namespace retarget {

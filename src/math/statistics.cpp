@@ -25,6 +25,10 @@ double percentile(std::vector<double> values, double p) {
 }
 
 double median(std::vector<double> values) {
+  return median_in_place(values);
+}
+
+double median_in_place(std::span<double> values) {
   const std::size_t half = values.size() / 2;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(half);
   std::ranges::nth_element(values, middle);

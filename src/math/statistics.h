@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace retarget {
@@ -15,5 +16,7 @@ namespace retarget {
 /// The value in the middle; of an even number of values the mean of the two.
 /// @pre there are values, none of them NaN
 [[nodiscard]] double median(std::vector<double> values);
+/// The same without a copy: the values are in another order afterwards.
+[[nodiscard]] double median_in_place(std::span<double> values);
 
 }  // namespace retarget

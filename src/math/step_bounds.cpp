@@ -35,4 +35,17 @@ double bound_steps(std::span<double> values, double lower, double upper, double 
   return max;
 }
 
+StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals) {
+  constexpr double kRounding = 1e-12;
+  double grid = 1.0;
+  for (int i = 0; i < decimals; ++i) grid *= 0.1;
+  const double per_unit = std::round(1.0 / grid);
+  StepBounds inside{std::ceil(bounds.lower * per_unit) / per_unit,
+                    std::floor(bounds.upper * per_unit) / per_unit,
+                    std::max(bounds.step - grid - kRounding, 0.5 * bounds.step)};
+  if (inside.lower > inside.upper)
+    inside.lower = inside.upper = 0.5 * (bounds.lower + bounds.upper);
+  return inside;
+}
+
 }  // namespace retarget

@@ -16,4 +16,13 @@ namespace retarget {
 /// @return the largest deviation from the numbers given.
 double bound_steps(std::span<double> values, double lower, double upper, double step);
 
+/// What bound_steps is asked for.
+struct StepBounds {
+  double lower = 0.0, upper = 0.0, step = 0.0;
+};
+
+/// Bounds inside these that hold as well for numbers that are then rounded to so many decimals. A range
+/// too narrow for any such number becomes its middle; a step shorter than two of their last digits becomes its half.
+[[nodiscard]] StepBounds bounds_for_rounding(const StepBounds& bounds, int decimals);
+
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "retarget/human.h"
@@ -82,10 +83,6 @@ class SupportFinder {
     constexpr double kAnywhere = 1e9;
     const int own = found.link;
     const auto is_own = [&](int link) { return link == own; };
-    const Side side =
-        bone == Bone::kLeftLeg || bone == Bone::kLeftForeArm || bone == Bone::kLeftHand
-            ? Side::kLeft
-            : Side::kRight;
     const auto distance_to = [&](std::optional<Vector3d> place) {
       return place ? (*place - origin).norm() : 0.0;
     };
@@ -100,6 +97,7 @@ class SupportFinder {
       };
       return collect(origin, reach, leads_to_leg, found);
     }
+    const Side side = side_of(bone);
     if (limb_bone(bone) == LimbBone::kLeg) {
       const double shank = distance_to(
           place_of_any({side_bone(side, LimbBone::kFootMod), side_bone(side, LimbBone::kFoot)}));
@@ -136,6 +134,17 @@ class SupportFinder {
 };
 
 }  // namespace
+
+SupportBody::Touch SupportBody::lowest(const TreeState& pose) const {
+  Touch lowest{link, Vector3d::Zero(), HUGE_VAL};
+  for (const Point& point : points) {
+    const Vector3d place =
+        pose.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
+    if (place.z() - point.radius >= lowest.height) continue;
+    lowest = {point.link, place, place.z() - point.radius};
+  }
+  return lowest;
+}
 
 std::vector<SupportBody> support_bodies(const Robot& robot, const ResolvedConfig& config) {
   const SupportFinder finder(robot, config);

@@ -7,6 +7,7 @@
 #include "human/source_feet.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 
@@ -22,6 +23,18 @@ struct SupportBody {
   int link = 0;                                      ///< Of the body that follows the bone,
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< and what of it stays in place.
   std::vector<Point> points;                         ///< What touches: the lowest of these.
+
+  /// Where one of its points is in a pose of the robot.
+  struct Touch {
+    int link = 0;
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< The shape's end, in the world.
+    double height = 0.0;                              ///< Of the surface below it, metres.
+  };
+  [[nodiscard]] Touch lowest(const TreeState& pose) const;
+  /// What stays in place, in the world.
+  [[nodiscard]] Eigen::Vector3d world_middle(const TreeState& pose) const {
+    return pose.world_from_link[static_cast<std::size_t>(link)] * middle;
+  }
 };
 
 /// Those of a robot with collision shapes there, in the order of kSupportBones. A knee is the upper half of a shank,

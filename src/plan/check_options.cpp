@@ -86,7 +86,7 @@ Result<void> check_options(const Options& options) {
   if (!body.empty()) TRY(check_readable(body, ErrorKind::kConfig));
   constexpr int kAnyLength = std::numeric_limits<int>::max();
   if (!options.part.frames.empty()) TRY(frame_range_from_text(options.part.frames, kAnyLength));
-  if (options.solve.method == Method::kFit) TRY(choose_fit(options));
+  if (options.solve.method == Method::kFit) TRY(choose_fit(options, options.solve.fit));
   return {};
 }
 

@@ -22,8 +22,8 @@ namespace retarget {
 [[nodiscard]] Result<void> check_config_choice(const RobotChoice& robot,
                                                const SolveOptions& options);
 
-/// The options of a fit: those given, over them their file, the window, terms that are left out, and
+/// The options of a fit: `fit`, over it the options' file, the window, terms that are left out, and
 /// as many digits as are written. Errors: of the file (kConfig), unknown terms (kUsage).
-[[nodiscard]] Result<FitOptions> choose_fit(const Options& options);
+[[nodiscard]] Result<FitOptions> choose_fit(const Options& options, FitOptions fit);
 
 }  // namespace retarget

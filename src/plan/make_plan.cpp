@@ -12,6 +12,7 @@
 #include "base/suggest.h"
 #include "base/try.h"
 #include "hands/hand_track.h"
+#include "human/robot_human.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
@@ -150,7 +151,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.robot = robot.loaded;
   plan.options = options;
   plan.limits = robot.limits;
-  plan.fit = robot.fit;
+  plan.fit = is_of_robot(clip) ? robot.fit_of_robots : robot.fit;
   // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
   TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
   const ResolvedConfig& config = robot.config_for(plan.human);

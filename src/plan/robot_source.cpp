@@ -47,14 +47,9 @@ std::string given(Table table, const Value& value) {
   return {};
 }
 
-// an option that is known by its row; as OPTION has it
-std::string marked(const std::string& option) {
-  return "\x0e" + option + "\x0f";
-}
-
 Failure not_of_robots(const std::string& option) {
-  return usage_failure(marked(option) + " is for motions of humans, and " OPTION(
-                                            "from-robot") " says that this is a robot's",
+  return usage_failure(marked_option(option) + " is for motions of humans, and " OPTION(
+                                                   "from-robot") " says that this is a robot's",
                        "leave one of them out");
 }
 
@@ -73,7 +68,7 @@ Result<void> check_robot_source(const SourceOptions& options) {
     const std::string name = given(
         [](MotionFileOptions& each) { return motion_file_table(each, true); }, options.robot_file);
     if (name.empty()) return {};
-    return usage_failure(marked(name) + " is for motions of robots",
+    return usage_failure(marked_option(name) + " is for motions of robots",
                          "add " OPTION("from-robot") " NAME, or leave it out");
   }
   if (options.smpl) return not_of_robots("smpl");
@@ -88,6 +83,24 @@ Result<void> check_human_of_robot(const HumanOptions& options) {
   const std::string name = given([](HumanOptions& each) { return human_table(each); }, options);
   if (!name.empty()) return not_of_robots(name);
   return {};
+}
+
+FitOptions fit_of_robot_motions(FitOptions fit) {
+  TrackingWeights& weights = fit.weights;
+  for (double* weight :
+       {&weights.hips_rotation, &weights.torso_rotation, &weights.thigh_rotation,
+        &weights.shank_rotation, &weights.foot_rotation, &weights.upper_arm_rotation,
+        &weights.forearm_rotation, &weights.hand_rotation, &weights.other_rotation}) {
+    *weight *= 2.5;
+  }
+  for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
+    *weight *= 1.5;
+  }
+  fit.smoothness_root_position *= 2.5;
+  fit.smoothness_root_rotation *= 2.5;
+  fit.body_contact_weight *= 2.0;
+  fit.body_contact_height_weight *= 2.0;
+  return fit;
 }
 
 Result<SourceRobot> load_source_robot(const std::string& name, const DataFolder& data_folder) {

@@ -29,6 +29,11 @@ struct SourceRobot {
 [[nodiscard]] Result<void> check_robot_source(const SourceOptions& options);
 [[nodiscard]] Result<void> check_human_of_robot(const HumanOptions& options);
 
+/// The fit's options for a robot's motion: its bodies' rotations are known, and what lines of limbs tell of a human
+/// is only a guess of them, so they count 2.5 times as much. So that gates stay where they were (docs/robot_to_robot.md),
+/// velocities change more slowly and what rests on the floor counts more, too.
+[[nodiscard]] FitOptions fit_of_robot_motions(FitOptions fit);
+
 /// What a user is told whose file may be that of a robot's motion.
 inline constexpr const char* kFromRobotHint =
     "if it is a robot's motion, " OPTION("from-robot") " NAME says whose, such as unitree_g1";

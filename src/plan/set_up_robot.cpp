@@ -9,6 +9,7 @@
 #include "options/fit_options.h"
 #include "plan/check_options.h"
 #include "plan/config_files.h"
+#include "plan/robot_source.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
@@ -19,9 +20,8 @@ namespace retarget {
 
 namespace fs = std::filesystem;
 
-Result<FitOptions> choose_fit(const Options& options) {
+Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   const SolveOptions& solve = options.solve;
-  FitOptions fit = solve.fit;
   // limits hold for what is written; coarser numbers than these serve nobody
   constexpr int kMinDecimals = 3;
   fit.decimals = std::max(kMinDecimals, options.save.precision);
@@ -56,7 +56,8 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
     TRY_ASSIGN(setup.config_of_others, load_config(files.of_others, robot));
   }
   if (solve.method == Method::kFit) {
-    TRY_ASSIGN(setup.fit, choose_fit(options));
+    TRY_ASSIGN(setup.fit, choose_fit(options, solve.fit));
+    TRY_ASSIGN(setup.fit_of_robots, choose_fit(options, fit_of_robot_motions(solve.fit)));
   }
   setup.loaded = std::move(loaded);
   return setup;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "math/statistics.h"
+#include "quality/contact_motion.h"
 #include "quality/fault_list.h"
 #include "retarget/human.h"
 
@@ -81,34 +82,20 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
 
 // what the soles do in all contacts of a clip
 struct ContactFigures {
-  std::vector<double> slips, drifts, heights;           // m/s per step, m per phase, m per frame
+  ContactMotion motion;
   int in_contact = 0, kept = 0, agreed = 0, asked = 0;  // feet and frames
   std::vector<char> floating;                           // by frame
 };
 
 void add_phase(const ReportBuilder& draft, const SoleTrack& track, const ContactPhase& phase,
                ContactFigures& figures, FaultList& slipping) {
-  std::vector<double> x, y;
+  std::vector<Eigen::Vector3d> middles;
   for (int frame = phase.begin; frame < phase.end; ++frame) {
-    const Eigen::Vector3d middle = track.middle(frame);
-    x.push_back(middle.x());
-    y.push_back(middle.y());
-    figures.heights.push_back(track.lowest(frame));
-    if (frame == phase.begin) continue;
-    const std::size_t last = x.size() - 1;
-    const double slip = std::sqrt((x[last] - x[last - 1]) * (x[last] - x[last - 1]) +
-                                  (y[last] - y[last - 1]) * (y[last] - y[last - 1])) *
-                        draft.clip.rate().fps();
-    figures.slips.push_back(slip);
-    constexpr double kSlipping = 0.1;
-    if (slip > kSlipping) slipping.add(name_of(draft, track.sole->body), frame - 1, slip);
+    middles.push_back(track.middle(frame));
+    figures.motion.heights.push_back(track.lowest(frame));
   }
-  const double x0 = median(x), y0 = median(y);
-  double drift2 = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    drift2 = std::max(drift2, (x[i] - x0) * (x[i] - x0) + (y[i] - y0) * (y[i] - y0));
-  }
-  figures.drifts.push_back(std::sqrt(drift2));
+  figures.motion.add(middles, phase.begin, draft.clip.rate().fps(),
+                     name_of(draft, track.sole->body), slipping);
 }
 
 // those of a foot of the source that stand on the floor, of which heights are told
@@ -179,13 +166,13 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
   draft.set("float_planted_pct", percent(afloat, draft.clip.frame_count()));
   draft.set("contact_agreement_pct", percent(figures.agreed, figures.asked));
   floating.move_to(draft.report, draft.options.faults_per_metric);
-  if (figures.slips.empty()) return;
+  if (figures.motion.slips.empty()) return;
   draft.set("contact_pct", percent(figures.in_contact, 2.0 * draft.clip.frame_count()));
   draft.set("contact_kept_pct", percent(figures.kept, figures.in_contact));
-  draft.set("contact_slip_mean", mean(figures.slips));
-  draft.set("contact_slip_p95", percentile(std::move(figures.slips), 95.0));
-  draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
-  draft.set("contact_height_p50_cm", kInCm * median(std::move(figures.heights)));
+  draft.set("contact_slip_mean", mean(figures.motion.slips));
+  draft.set("contact_slip_p95", percentile(std::move(figures.motion.slips), 95.0));
+  draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.motion.drifts), 95.0));
+  draft.set("contact_height_p50_cm", kInCm * median(std::move(figures.motion.heights)));
   slipping.move_to(draft.report, draft.options.faults_per_metric);
 }
 
@@ -198,12 +185,12 @@ void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
       add_phase(draft, track, phase, figures, slipping);
     }
   }
-  if (figures.slips.empty()) return;
-  draft.set("stance_pct",
-            percent(static_cast<double>(figures.heights.size()), 2.0 * draft.clip.frame_count()));
-  draft.set("stance_slip_mean", mean(figures.slips));
-  draft.set("stance_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
-  draft.set("stance_height_p50_cm", kInCm * median(std::move(figures.heights)));
+  if (figures.motion.slips.empty()) return;
+  draft.set("stance_pct", percent(static_cast<double>(figures.motion.heights.size()),
+                                  2.0 * draft.clip.frame_count()));
+  draft.set("stance_slip_mean", mean(figures.motion.slips));
+  draft.set("stance_drift_p95_cm", kInCm * percentile(std::move(figures.motion.drifts), 95.0));
+  draft.set("stance_height_p50_cm", kInCm * median(std::move(figures.motion.heights)));
   slipping.move_to(draft.report, draft.options.faults_per_metric);
 }
 

@@ -93,7 +93,7 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
   }
   print.hashed["options"]["limits"] = setup.limits.name;
   if (run.options.solve.method != Method::kFit) return {};
-  FitOptions fit = setup.fit;
+  FitOptions fit = run.options.source.from_robot.empty() ? setup.fit : setup.fit_of_robots;
   fit.threads = 0;
   print.hashed["fit"] = options_json(fit_table(fit));
   return {};

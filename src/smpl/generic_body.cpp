@@ -77,6 +77,16 @@ SmplRestBody generic_smpl_rest_body(double height) {
   return body;
 }
 
+double smpl_height_of_betas(std::span<const double> betas) {
+  constexpr double kMean = 1.66, kPerBeta = 0.1;
+  return kMean + (betas.empty() ? 0.0 : kPerBeta * betas.front());
+}
+
+bool is_human_height(double height) {
+  constexpr double kMin = 0.5, kMax = 2.5;
+  return height >= kMin && height <= kMax;
+}
+
 std::optional<SmplRestBody> smpl_rest_body_of_offsets(std::span<const Eigen::Vector3d> offsets) {
   constexpr double kLongestBone = 1.0, kLeastTrunk = 0.2, kLeastLeg = 0.2;
   SmplRestBody body;

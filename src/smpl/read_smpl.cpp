@@ -18,12 +18,6 @@
 namespace retarget {
 namespace {
 
-// the rule of thumb that the first beta goes with the height, and where it makes no human any more
-constexpr double kMeanHeight = 1.66;
-constexpr double kHeightPerBeta = 0.1;
-constexpr double kMinHeight = 0.5;
-constexpr double kMaxHeight = 2.5;
-
 bool is_positive(std::optional<double> value) {
   return !value || (std::isfinite(*value) && *value > 0.0);
 }
@@ -31,8 +25,8 @@ bool is_positive(std::optional<double> value) {
 Result<SmplRestBody> generic_rest_body(const ArraySource& file, const std::vector<double>& betas,
                                        std::optional<double> height) {
   if (height) return generic_smpl_rest_body(*height);
-  const double guess = kMeanHeight + (betas.empty() ? 0.0 : kHeightPerBeta * betas.front());
-  if (guess >= kMinHeight && guess <= kMaxHeight) return generic_smpl_rest_body(guess);
+  const double guess = smpl_height_of_betas(betas);
+  if (is_human_height(guess)) return generic_smpl_rest_body(guess);
   return file.array_failure("betas",
                             "the first one, " + std::to_string(betas.front()) +
                                 ", would make a body " + std::to_string(guess) + " m high",
@@ -77,30 +71,22 @@ Result<SmplRestBody> rest_body_of(const ArraySource& file, MotionArrays& arrays,
 
 // @param y_is_up  the file's world has y up; it is turned to z
 Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body, bool y_is_up) {
-  // exact: x stays, y becomes z
-  const auto with_z_up = [](const Eigen::Vector3d& v) {
-    return Eigen::Vector3d(v.x(), -v.z(), v.y());
-  };
-  const Eigen::Quaterniond z_up_from_y_up(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
   const bool fingers = !arrays.hand_rotations.empty();
   Clip clip(smpl_skeleton(body, fingers), arrays.rate, arrays.frame_count);
   const std::vector<int> order = smpl_skeleton_order(fingers);
   for (int frame = 0; frame < arrays.frame_count; ++frame) {
-    const std::span<Eigen::Quaterniond> rotations = clip.rotations(frame);
     const auto row = static_cast<std::size_t>(frame);
-    for (std::size_t joint = 0; joint < rotations.size(); ++joint) {
-      const auto index = static_cast<std::size_t>(order[joint]);
-      rotations[joint] =
-          exp_so3(index < kSmplJointCount
-                      ? arrays.rotations[row * kSmplJointCount + index]
-                      : arrays.hand_rotations[row * kSmplHandJointCount + index - kSmplJointCount]);
+    const auto rotations =
+        std::span(arrays.rotations).subspan(row * kSmplJointCount, kSmplJointCount);
+    std::span<const Eigen::Vector3d> hands;
+    if (fingers) {
+      hands =
+          std::span(arrays.hand_rotations).subspan(row * kSmplHandJointCount, kSmplHandJointCount);
     }
     // the models turn about the pelvis, so its own place is never turned
     Eigen::Vector3d& pelvis = clip.translations(frame)[0];
-    pelvis = arrays.translations[frame] + body.joints[0];
-    if (!y_is_up) continue;
-    pelvis = with_z_up(pelvis);
-    rotations[0] = z_up_from_y_up * rotations[0];
+    pelvis = arrays.translations[row] + body.joints[0];
+    pose_smpl_skeleton(order, rotations, hands, y_is_up, clip.rotations(frame), pelvis);
   }
   return clip;
 }

@@ -64,6 +64,13 @@ struct SmplRestBody {
 /// @param height  in metres, above 0.
 [[nodiscard]] SmplRestBody generic_smpl_rest_body(double height);
 
+/// The height that goes with betas where nothing else is known of a body, metres: 1.66 m + 0.1 m * betas[0],
+/// the rule of thumb that other retargeters use. Not checked: betas may be no human's.
+[[nodiscard]] double smpl_height_of_betas(std::span<const double> betas);
+
+/// Whether a body may be so high, metres.
+[[nodiscard]] bool is_human_height(double height);
+
 /// The body whose joints are at these offsets from their parents in the zero pose, as some motions
 /// have them; that of the pelvis is not looked at. The origin is the pelvis. Tips and height are
 /// those of the generic body with the same head above the same ankles.
@@ -114,5 +121,16 @@ struct SmplBody {
 
 /// Joints of smpl_skeleton as indices into kSmplJointNames; those of the hands follow on these.
 [[nodiscard]] std::vector<int> smpl_skeleton_order(bool fingers = false);
+
+/// Poses that skeleton in a frame.
+/// @param order           smpl_skeleton_order's.
+/// @param rotations       vectors in rad by kSmplJointNames.
+/// @param hand_rotations  the same of the hands, where the order has them.
+/// @param y_is_up         the world has y up; it is turned to z.
+/// @param joints          filled: of each joint, parent_from_joint.
+/// @param pelvis          its world position, turned along.
+void pose_smpl_skeleton(std::span<const int> order, std::span<const Eigen::Vector3d> rotations,
+                        std::span<const Eigen::Vector3d> hand_rotations, bool y_is_up,
+                        std::span<Eigen::Quaterniond> joints, Eigen::Vector3d& pelvis);
 
 }  // namespace retarget

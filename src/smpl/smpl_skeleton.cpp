@@ -1,11 +1,13 @@
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "math/so3.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "smpl/generic_hand.h"
@@ -118,6 +120,20 @@ std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body, bool fin
     joints.push_back(std::move(joint));
   }
   return std::make_shared<const Skeleton>(std::move(joints));
+}
+
+void pose_smpl_skeleton(std::span<const int> order, std::span<const Eigen::Vector3d> rotations,
+                        std::span<const Eigen::Vector3d> hand_rotations, bool y_is_up,
+                        std::span<Eigen::Quaterniond> joints, Eigen::Vector3d& pelvis) {
+  for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+    const auto index = static_cast<std::size_t>(order[joint]);
+    joints[joint] = exp_so3(index < kSmplJointCount ? rotations[index]
+                                                    : hand_rotations[index - kSmplJointCount]);
+  }
+  if (!y_is_up) return;
+  // exact: x stays, y becomes z
+  pelvis = Eigen::Vector3d(pelvis.x(), -pelvis.z(), pelvis.y());
+  joints[0] = Eigen::Quaterniond(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0) * joints[0];
 }
 
 }  // namespace retarget

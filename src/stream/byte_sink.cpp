@@ -27,6 +27,9 @@ Result<ByteSink> ByteSink::open(const StreamAddress& address) {
       break;
     case Transport::kStdin:
       return usage_failure("nothing can be sent to standard input");
+    case Transport::kZmq:
+    case Transport::kRedis:
+      return usage_failure("a motion is not played to " + address.text());
     case Transport::kFile: {
       TRY(check_output_folder(address.file));
       constexpr int kMode = 0644;

@@ -13,6 +13,12 @@ namespace retarget {
 [[nodiscard]] std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_bvh_row_encoder();
 [[nodiscard]] std::unique_ptr<Decoder> make_vmc_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_vmc_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_rokoko_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_rokoko_encoder();
+[[nodiscard]] std::unique_ptr<Decoder> make_smplx_decoder(const StreamAddress& from);
+[[nodiscard]] std::unique_ptr<Encoder> make_smplx_encoder();
+[[nodiscard]] bool smplx_plays_human(const Clip& clip);
 [[nodiscard]] std::unique_ptr<Decoder> make_mvn_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_mvn_encoder();
 /// Whether a clip has no segments of MVN, or neither unit nor up axis.

@@ -16,6 +16,7 @@
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "stream/formats.h"
+#include "stream/local_pose.h"
 
 namespace retarget {
 namespace {
@@ -119,10 +120,7 @@ Result<void> HeaderReader::read_joint(const Json& json) {
   } else {
     has_poses_ = false;
   }
-  const Pose local =
-      joint.parent < 0 ? pose
-                       : world_from_joint_[static_cast<std::size_t>(joint.parent)].inverse() * pose;
-  joint.offset = local.translation;
+  joint.offset = parent_from_joint(world_from_joint_, joint.parent, pose).translation;
   joint.channels = all_channels();
   joints_.push_back(std::move(joint));
   world_from_joint_.push_back(pose);
@@ -154,9 +152,8 @@ Result<void> HeaderReader::give(const Json& header, StreamSink& sink) {
   }
   Clip clip(std::make_shared<const Skeleton>(joints_), FrameRate{}, has_poses_ ? 1 : 0);
   for (std::size_t i = 0; has_poses_ && i < joints_.size(); ++i) {
-    const int parent = joints_[i].parent;
-    Pose local = world_from_joint_[i];
-    if (parent >= 0) local = world_from_joint_[static_cast<std::size_t>(parent)].inverse() * local;
+    const Pose local =
+        parent_from_joint(world_from_joint_, joints_[i].parent, world_from_joint_[i]);
     clip.rotations(0)[i] = local.rotation.normalized();
     clip.translations(0)[i] = local.translation;
   }
@@ -253,10 +250,7 @@ Result<void> LineDecoder::take_frame(const Json& json, StreamSink& sink) {
     if (seen_[i] == 0) return bad_line(fmt::format("joint \"{}\" is missing", name));
   }
   for (std::size_t i = 0; i < parents_.size(); ++i) {
-    Pose local = world_from_joint_[i];
-    if (parents_[i] >= 0) {
-      local = world_from_joint_[static_cast<std::size_t>(parents_[i])].inverse() * local;
-    }
+    const Pose local = parent_from_joint(world_from_joint_, parents_[i], world_from_joint_[i]);
     frame_.rotations[i] = local.rotation.normalized();
     if (slots_[i] >= 0) {
       frame_.translations[static_cast<std::size_t>(slots_[i])] = local.translation;

@@ -117,7 +117,43 @@ Result<void> read_packet(std::string_view packet, int depth, std::vector<OscMess
   return {};
 }
 
+void append_big_endian(std::uint32_t value, std::string& bytes) {
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+}
+
+// ended by a zero at least, filled up to a whole number of four bytes
+void append_text(std::string_view text, std::string& bytes) {
+  bytes.append(text);
+  bytes.append(4 - text.size() % 4, '\0');
+}
+
 }  // namespace
+
+OscBundle::OscBundle() : bytes_(kBundle) {
+  // the time that stands for "at once"
+  append_big_endian(0, bytes_);
+  append_big_endian(1, bytes_);
+}
+
+void OscBundle::add(std::string_view address, std::string_view types, std::string_view text,
+                    std::span<const double> numbers) {
+  std::string message;
+  append_text(address, message);
+  append_text("," + std::string(types), message);
+  for (const char type : types) {
+    if (type == 's') {
+      append_text(text, message);
+      continue;
+    }
+    const double number = numbers.front();
+    numbers = numbers.subspan(1);
+    append_big_endian(type == 'i' ? static_cast<std::uint32_t>(static_cast<std::int32_t>(number))
+                                  : std::bit_cast<std::uint32_t>(static_cast<float>(number)),
+                      message);
+  }
+  append_big_endian(static_cast<std::uint32_t>(message.size()), bytes_);
+  bytes_ += message;
+}
 
 Result<std::vector<OscMessage>> read_osc(std::string_view packet) {
   std::vector<OscMessage> messages;

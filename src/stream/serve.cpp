@@ -9,9 +9,8 @@
 #include <utility>
 
 #include "base/try.h"
-#include "stream/byte_sink.h"
 #include "stream/byte_source.h"
-#include "stream/robot_frame_writer.h"
+#include "stream/frame_output.h"
 #include "stream/stream_record.h"
 
 namespace retarget {
@@ -41,25 +40,15 @@ double seconds_of(std::int64_t microseconds) {
 // the places that robot frames go to
 class Outputs {
  public:
-  Result<void> add(const StreamAddress& to, const std::shared_ptr<const Robot>& robot, double fps) {
-    TRY_ASSIGN(auto writer, make_frame_writer(to.format, to.file, robot, fps));
-    TRY_ASSIGN(ByteSink sink, ByteSink::open(to));
-    const std::string header = writer->header();
-    if (!header.empty()) TRY(sink.write(header));
-    all_.push_back({std::move(sink), std::move(writer)});
+  Result<void> add(const StreamAddress& to, const FrameOutputContext& context) {
+    TRY_ASSIGN(auto output, open_frame_output(to, context));
+    all_.push_back(std::move(output));
     return {};
   }
   void take(const RobotFrame& frame) {
-    constexpr int kHeaderEvery = 100;  // frames: receivers of datagrams may begin at any time
     ++frames_;
-    for (Output& output : all_) {
-      bytes_.clear();
-      const bool datagrams = output.sink.address().transport == Transport::kUdp;
-      if (datagrams && frame.index % kHeaderEvery == kHeaderEvery - 1) {
-        keep(output.sink.write(output.writer->header()));
-      }
-      output.writer->append(frame, bytes_);
-      keep(output.sink.write(bytes_));
+    for (const auto& output : all_) {
+      if (auto taken = output->take(frame); !taken && failed_) failed_ = std::move(taken);
     }
   }
   [[nodiscard]] std::int64_t frames() const { return frames_; }
@@ -67,15 +56,7 @@ class Outputs {
   Result<void> check() { return std::exchange(failed_, {}); }
 
  private:
-  struct Output {
-    ByteSink sink;
-    std::unique_ptr<RobotFrameWriter> writer;
-  };
-  void keep(Result<void> written) {
-    if (!written && failed_) failed_ = std::move(written);
-  }
-  std::vector<Output> all_;
-  std::string bytes_;
+  std::vector<std::unique_ptr<FrameOutput>> all_;
   std::int64_t frames_ = 0;
   Result<void> failed_;
 };
@@ -104,6 +85,9 @@ class Server {
   Result<ServeSummary> run();
 
  private:
+  [[nodiscard]] FrameOutputContext output_context() const {
+    return {robot_.loaded.robot, options_.pipeline.live.fps, control_.tell};
+  }
   Result<void> open_outputs();
   Result<void> open_record();
   Result<void> make_pipeline();
@@ -124,12 +108,11 @@ class Server {
 };
 
 Result<void> Server::open_outputs() {
-  const double fps = options_.pipeline.live.fps;
   std::vector<std::string> places = options_.outputs;
   if (places.empty()) places.emplace_back("stdout");
   for (const std::string& place : places) {
     TRY_ASSIGN(const StreamAddress to, parse_address(place));
-    TRY(outputs_.add(to, robot_.loaded.robot, fps));
+    TRY(outputs_.add(to, output_context()));
   }
   return {};
 }
@@ -146,7 +129,7 @@ Result<void> Server::open_record() {
   StreamAddress to;
   to.transport = Transport::kFile;
   to.file = (folder / kRecordedOutput).string();
-  return outputs_.add(to, robot_.loaded.robot, options_.pipeline.live.fps);
+  return outputs_.add(to, output_context());
 }
 
 Result<void> Server::make_pipeline() {

@@ -12,8 +12,11 @@
 namespace retarget {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Transport>, 2> kSockets = {
-    {{"udp", Transport::kUdp}, {"tcp", Transport::kTcp}}};
+constexpr std::array<std::pair<std::string_view, Transport>, 4> kSockets = {
+    {{"udp", Transport::kUdp},
+     {"tcp", Transport::kTcp},
+     {"zmq", Transport::kZmq},
+     {"redis", Transport::kRedis}}};
 
 bool is_host(std::string_view text) {
   if (text == "localhost") return true;
@@ -87,6 +90,10 @@ std::string StreamAddress::text() const {
       return fmt::format("udp:{}:{}", host, port);
     case Transport::kTcp:
       return fmt::format("tcp:{}:{}", host, port);
+    case Transport::kZmq:
+      return fmt::format("zmq:{}:{}", host, port);
+    case Transport::kRedis:
+      return fmt::format("redis:{}:{}", host, port);
     case Transport::kStdin:
       return "standard input";
     case Transport::kStdout:

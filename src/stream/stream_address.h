@@ -9,13 +9,13 @@
 namespace retarget {
 
 /// How bytes travel.
-enum class Transport : unsigned char { kUdp, kTcp, kStdin, kStdout, kFile };
+enum class Transport : unsigned char { kUdp, kTcp, kStdin, kStdout, kFile, kZmq, kRedis };
 
 /// Where a stream comes from or goes to: `udp:1118?format=bvh`, `tcp:0.0.0.0:9763`, `stdin`, `-`,
-/// `motion.csv`.
+/// `motion.csv`, `zmq:5556`, `redis:6379`.
 struct StreamAddress {
   Transport transport = Transport::kUdp;
-  std::string host = "127.0.0.1";  ///< Numbers with dots; of UDP and TCP.
+  std::string host = "127.0.0.1";  ///< Numbers with dots; of what has a port.
   int port = 0;
   std::string file;    ///< Of kFile.
   std::string format;  ///< Empty: the default of where it is used.

@@ -9,6 +9,11 @@
 namespace retarget {
 namespace {
 
+// formats with bones of their own
+bool always(const Clip&) {
+  return true;
+}
+
 constexpr auto kFormats = std::to_array<StreamFormat>({
     {"lines", "JSON, one object a line: time, named joints with position and quaternion", 0, true,
      make_line_decoder, make_line_encoder},
@@ -16,7 +21,11 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
      1118, true, make_bvh_row_decoder, make_bvh_row_encoder},
     {"vmc",
      "VMC over OSC: bones of a VRM avatar, as Virtual Motion Capture, Waidayo, ... send them",
-     39539, false, make_vmc_decoder, nullptr},
+     39539, false, make_vmc_decoder, make_vmc_encoder, always},
+    {"rokoko", "Rokoko Studio's custom streaming, JSON v3; ?actor=NAME of several", 14043, false,
+     make_rokoko_decoder, make_rokoko_encoder, always},
+    {"smplx", "rotation vectors of SMPL-X, SMPL+H or SMPL, JSON, one object a line", 0, true,
+     make_smplx_decoder, make_smplx_encoder, smplx_plays_human},
     {"mvn", "Xsens MVN's network streamer, poses as quaternions; ?actor=N: one of several", 9763,
      false, make_mvn_decoder, make_mvn_encoder, plays_human_as_mvn},
     {"natnet",

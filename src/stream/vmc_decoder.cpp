@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,46 +15,12 @@
 #include "base/try.h"
 #include "retarget/pose.h"
 #include "stream/formats.h"
+#include "stream/human_bones.h"
 #include "stream/osc.h"
+#include "stream/unity_bones.h"
 
 namespace retarget {
 namespace {
-
-struct UnityBone {
-  std::string_view name, parent;
-};
-
-// parents before their children; fingers, eyes and jaw move no robot
-constexpr auto kUnityBones = std::to_array<UnityBone>({
-    {"Hips", "root"},
-    {"Spine", "Hips"},
-    {"Chest", "Spine"},
-    {"UpperChest", "Chest"},
-    {"Neck", "UpperChest"},
-    {"Head", "Neck"},
-    {"LeftShoulder", "UpperChest"},
-    {"LeftUpperArm", "LeftShoulder"},
-    {"LeftLowerArm", "LeftUpperArm"},
-    {"LeftHand", "LeftLowerArm"},
-    {"RightShoulder", "UpperChest"},
-    {"RightUpperArm", "RightShoulder"},
-    {"RightLowerArm", "RightUpperArm"},
-    {"RightHand", "RightLowerArm"},
-    {"LeftUpperLeg", "Hips"},
-    {"LeftLowerLeg", "LeftUpperLeg"},
-    {"LeftFoot", "LeftLowerLeg"},
-    {"LeftToes", "LeftFoot"},
-    {"RightUpperLeg", "Hips"},
-    {"RightLowerLeg", "RightUpperLeg"},
-    {"RightFoot", "RightLowerLeg"},
-    {"RightToes", "RightFoot"},
-});
-constexpr std::size_t kUnityBoneCount = kUnityBones.size();
-
-std::size_t bone_index(std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(kUnityBones, name, &UnityBone::name) -
-                                  kUnityBones.begin());
-}
 
 // x y z, x y z w of a left-handed parent: seen in a mirror across x
 Result<Pose> mirrored_pose(const OscMessage& message) {
@@ -63,11 +30,11 @@ Result<Pose> mirrored_pose(const OscMessage& message) {
                        return std::abs(number) < kMaxLength;
                      });
   if (!sound) return input_failure({}, fmt::format("{}: expected seven numbers", message.address));
-  const Eigen::Quaterniond rotation(n[6], n[3], -n[4], -n[5]);
+  const Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
   if (rotation.norm() < kMinNorm) {
     return input_failure({}, fmt::format("{}: a rotation of zeros", message.address));
   }
-  return Pose{rotation.normalized(), {-n[0], n[1], n[2]}};
+  return mirrored_across_x({rotation.normalized(), {n[0], n[1], n[2]}});
 }
 
 class VmcDecoder final : public Decoder {
@@ -86,11 +53,13 @@ class VmcDecoder final : public Decoder {
   std::array<bool, kUnityBoneCount> seen_{};      // since the last frame
   std::array<bool, kUnityBoneCount> is_there_{};  // in the skeleton
   bool learned_ = false;
+  double time_before_ = std::numeric_limits<double>::quiet_NaN();  // the packet
   StreamFrame frame_;
 };
 
 Result<void> VmcDecoder::take(std::string_view bytes, StreamSink& sink) {
   TRY_ASSIGN(const auto messages, read_osc(bytes));
+  time_before_ = frame_.time;
   for (const OscMessage& message : messages) TRY(take_message(message, sink));
   // all that a frame has is there: it need not wait for the next one
   if (learned_ && is_whole()) give_frame(sink);
@@ -107,13 +76,18 @@ Result<void> VmcDecoder::take_message(const OscMessage& message, StreamSink& sin
     return {};
   }
   if (message.address != "/VMC/Ext/Bone/Pos" || message.texts.empty()) return {};
-  const std::size_t bone = bone_index(message.texts[0]);
+  const std::size_t bone = unity_bone_index(message.texts[0]);
   if (bone == kUnityBoneCount) return {};
   TRY_ASSIGN(const Pose pose, mirrored_pose(message));
   if (seen_[bone]) {
     // the next frame begins
     if (!learned_) learn_skeleton(sink);
-    if (learned_) give_frame(sink);
+    if (learned_) {
+      // what this packet says of the time is said of the next frame
+      const double time = std::exchange(frame_.time, time_before_);
+      give_frame(sink);
+      frame_.time = time;
+    }
     seen_.fill(false);
   }
   // another avatar
@@ -125,7 +99,7 @@ Result<void> VmcDecoder::take_message(const OscMessage& message, StreamSink& sin
 
 // The bones of the first whole frame, each where it is in its parent then; without turns.
 void VmcDecoder::learn_skeleton(StreamSink& sink) {
-  if (!seen_[bone_index("Hips")]) return;
+  if (!seen_[unity_bone_index("Hips")]) return;
   using enum Channel;
   const std::vector<Channel> turns = {kZRotation, kYRotation, kXRotation};
   std::vector<Channel> all = {kXPosition, kYPosition, kZPosition};

@@ -17,7 +17,7 @@ DEGREE = math.pi / 180
 # source and robot, and how far limbs may be from the source's, degrees; hips, knees and elbows not in one
 # line are lines of their own
 PAIRS = {
-    ("unitree_g1", "booster_t1_29dof"): 5.0,
+    ("unitree_g1", "booster_t1_29dof"): 4.0,
     ("booster_t1_29dof", "unitree_h1"): 12.0,
     ("fourier_n1", "stanford_toddy"): 12.0,
     ("unitree_h1", "unitree_g1"): 12.0,
@@ -53,12 +53,12 @@ class RobotToRobot(ToolTest):
         return self.report(name)["limb_angle_deg"][0]
 
     def test_same_robot_gives_it_back(self):
-        for name in ("walk", "squat", "wave"):
+        for name in ("walk", "squat", "wave", "turn_in_place"):
             self.make(name)
             result = self.convert("made.csv", "g1", "g1", "back.csv")
             made, back = self.rows("made.csv"), self.rows("back.csv")
             self.assertEqual(len(made), len(back))
-            self.assertLess(joints_rms(back, made), 1.0, name)
+            self.assertLess(joints_rms(back, made), 0.5, name)
             self.assertIn("the robot unitree_g1 as a human", result.stderr)
 
     def test_pairs_of_robots(self):
@@ -195,8 +195,9 @@ class PublishedMotions(ToolTest):
     def setUp(self):
         super().setUp()
         data = pathlib.Path(SHARED) / "data"
-        self.motion = data / "unitree_g1_csv" / "dance1_subject2.csv"
-        self.clip = data / "lafan1" / "dance1_subject2.bvh"
+        self.motions = data / "unitree_g1_csv"
+        self.clips = data / "lafan1"
+        self.motion = self.motions / "dance1_subject2.csv"
 
     def limb_angle(self, source, robot, *options):
         self.assert_done(self.run_tool(source, robot, "-o", "made.csv", "--report", "made.json",
@@ -212,10 +213,22 @@ class PublishedMotions(ToolTest):
         lines = self.motion.read_text().splitlines()
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 0.1)
 
+    def test_what_is_wrong_with_a_motion_is_mended_nearby(self):
+        """Published motions overlap themselves and their feet slip: mended, they keep all gates."""
+        result = self.run_tool(self.motion, "g1", "--from-robot", "g1", "-o", "made.csv", "--gate",
+                               "default", *self.PART)
+        self.assert_done(result)
+        back = read_rows((self.folder / "made.csv").read_text())
+        lines = self.motion.read_text().splitlines()
+        self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 2.5)
+
     def test_another_robot_moves_as_by_the_clip(self):
-        of_clip = self.limb_angle(self.clip, "booster_t1_29dof")
-        of_robot = self.limb_angle(self.motion, "booster_t1_29dof", "--from-robot", "g1")
-        self.assertLess(of_robot, of_clip + 1.0)
+        for name in ("dance1_subject2", "walk4_subject1", "fallAndGetUp2_subject2"):
+            with self.subTest(clip=name):
+                of_clip = self.limb_angle(self.clips / f"{name}.bvh", "booster_t1_29dof")
+                of_robot = self.limb_angle(self.motions / f"{name}.csv", "booster_t1_29dof",
+                                           "--from-robot", "g1")
+                self.assertLess(of_robot, of_clip + 1.0)
 
 
 if __name__ == "__main__":

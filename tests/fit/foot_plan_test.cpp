@@ -41,7 +41,9 @@ FootPlace step(double t) {
 }
 
 FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
-  return plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale);
+  FootPlan plan;
+  plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale, plan);
+  return plan;
 }
 
 TEST(FootPlan, FindsStandingHeights) {

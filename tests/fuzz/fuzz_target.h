@@ -71,6 +71,8 @@ void fuzz_mvnx(std::string_view bytes);
 void fuzz_stream_lines(std::string_view bytes);
 void fuzz_stream_bvh(std::string_view bytes);
 void fuzz_stream_vmc(std::string_view bytes);
+void fuzz_stream_rokoko(std::string_view bytes);
+void fuzz_stream_smplx(std::string_view bytes);
 void fuzz_stream_mvn(std::string_view bytes);
 void fuzz_stream_natnet(std::string_view bytes);
 void fuzz_stream_record(std::string_view bytes);

@@ -45,6 +45,8 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"stream_lines", fuzz_stream_lines},
     {"stream_bvh", fuzz_stream_bvh},
     {"stream_vmc", fuzz_stream_vmc},
+    {"stream_rokoko", fuzz_stream_rokoko},
+    {"stream_smplx", fuzz_stream_smplx},
     {"stream_mvn", fuzz_stream_mvn},
     {"stream_natnet", fuzz_stream_natnet},
     {"stream_record", fuzz_stream_record},

@@ -348,6 +348,18 @@ def packets_file(packets):
     return b"".join(struct.pack(">H", len(each)) + each for each in packets)
 
 
+def rokoko(frames):
+    """Frames of Rokoko Studio as datagrams: whole, in pieces, in a frame of LZ4 that stores them, and of version 2."""
+    write("stream_rokoko", "wave.bin", packets_file(frames))
+    block = struct.pack("<I", len(frames[0]) | 1 << 31) + frames[0]
+    stored = bytes.fromhex("04224d18604082") + block + bytes(4)
+    write("stream_rokoko", "lz4.bin", packets_file([stored, stored[:900], stored[900:], b""]))
+    scene = json.loads(frames[0])["scene"]
+    old = {"version": "2,0", "timestamp": 1.5, "actors": [{"name": "a \\\"{", **scene["actors"][0]["body"]}]}
+    text = json.dumps(old).encode()
+    write("stream_rokoko", "pieces.bin", packets_file([text[:700], text[700:] + b"\n" + text, b"noise {", b"}"]))
+
+
 def mvn_packets():
     """Xsens MVN's messages: the T-pose, poses whole and in two parts, a prop, meta data."""
     names = ("Pelvis L5 L3 T12 T8 Neck Head RightShoulder RightUpperArm RightForeArm RightHand LeftShoulder LeftUpperArm "
@@ -411,10 +423,17 @@ def streams():
     with tempfile.TemporaryDirectory() as folder:
         clip = pathlib.Path(folder) / "short.bvh"
         clip.write_text(short_bvh("wave.bvh", 2))
-        for form in ("lines", "bvh"):
+        for form in ("lines", "bvh", "smplx", "rokoko"):
             played = subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to",
                                      f"stdout?format={form}"], check=True, capture_output=True)
-            write(f"stream_{form}", "wave.txt", played.stdout)
+            if form == "rokoko":
+                rokoko(played.stdout.splitlines())
+            else:
+                write(f"stream_{form}", "wave.txt", played.stdout)
+    zeros = json.dumps([0] * 66)
+    write("stream_smplx", "odd.txt", '{"up": "y", "height": 1.6}\nrestart\n'
+          f'{{"time": 1, "betas": [1, 0.5], "trans": [0, 0, 1], "poses": {zeros}, "left_hand_pose": [0.1]}}\n'
+          '{"transl": [0, 0, 1], "root_orient": [[1.5, 0, 0]], "pose_body": [[1]]}\n')
     pose = "[0.5, 0.9, 0, 1, 0, 0, 0]"
     write("stream_lines", "odd.txt", "noise\n" + '{"skeleton": {"pose": "t-pose", "up": "y", "unit": 0.01, "height": 1.8, '
           f'"joints": [{{"name": "a", "parent": null, "rest": {pose}}}, {{"name": "b", "parent": "a"}}]}}}}\n'
@@ -429,7 +448,7 @@ def streams():
     messages = [osc("/VMC/Ext/T", "f", 1.5), osc("/VMC/Ext/Root/Pos", "sfffffff", "root", 0, 0, 0, 0, 0, 0, 1),
                 *(osc("/VMC/Ext/Bone/Pos", "sfffffff", bone, 0.1, 0.2, 0.3, 0, 0, 0.6, 0.8) for bone in bones)]
     bundle = b"#bundle\0" + bytes(8) + b"".join(struct.pack(">i", len(each)) + each for each in messages)
-    write("stream_vmc", "frames.bin", b"".join(struct.pack(">H", len(each)) + each for each in (*messages, bundle)))
+    write("stream_vmc", "frames.bin", packets_file([*messages, bundle]))
     write("stream_mvn", "messages.bin", packets_file(mvn_packets()))
     for version in ((3, 0), (4, 0), (4, 1), (4, 2)):
         write("stream_natnet", "natnet_{}_{}.bin".format(*version), packets_file(natnet_packets(version)))

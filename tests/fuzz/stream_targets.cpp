@@ -61,7 +61,8 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
-// Binary packets, each behind two bytes of its size: as datagrams, and as the bytes of a connection.
+// Binary packets, each behind two bytes of its size: as datagrams, and as the bytes of a connection; an
+// empty one is the end of a connection.
 void fuzz_packets(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
   require(found.has_value(), "the format is there");
@@ -74,6 +75,8 @@ void fuzz_packets(std::string_view format, std::string_view bytes) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     const std::size_t size =
         std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
+    if (size == 0) datagrams->restart();
+    if (size == 0) stream->restart();
     const std::string_view packet = bytes.substr(2, size);
     (void)good(datagrams->take(packet, of_datagrams));
     (void)good(stream->take(packet, of_stream));
@@ -93,17 +96,16 @@ void fuzz_stream_bvh(std::string_view bytes) {
   fuzz_decoder("bvh", bytes);
 }
 
-// binary packets, each behind two bytes of its size
+void fuzz_stream_smplx(std::string_view bytes) {
+  fuzz_decoder("smplx", bytes);
+}
+
 void fuzz_stream_vmc(std::string_view bytes) {
-  const auto decoder = make_vmc_decoder({});
-  CheckedSink sink;
-  while (bytes.size() >= 2) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-    const std::size_t size =
-        std::min<std::size_t>(bytes.size() - 2, byte(0) * std::size_t{256} + byte(1));
-    (void)good(decoder->take(bytes.substr(2, size), sink));
-    bytes.remove_prefix(2 + size);
-  }
+  fuzz_packets("vmc", bytes);
+}
+
+void fuzz_stream_rokoko(std::string_view bytes) {
+  fuzz_packets("rokoko", bytes);
 }
 
 void fuzz_stream_mvn(std::string_view bytes) {

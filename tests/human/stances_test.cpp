@@ -51,7 +51,11 @@ ContactPhase planted(int begin, int end) {
 Stances stances_of(const HumanClip& human, const ContactPhase& phase) {
   const SourceFeet feet(human, human.frame_count);
   const double shortest = ContactOptions().shortest;
-  return {{phases_on_sole(feet, 0, {phase}, shortest), phases_on_sole(feet, 1, {phase}, shortest)}};
+  Stances found;
+  for (int foot = 0; foot < 2; ++foot) {
+    phases_on_sole(feet, foot, {phase}, shortest, found.phases[static_cast<std::size_t>(foot)]);
+  }
+  return found;
 }
 
 TEST(Stances, MatchContactsOfStandingFeet) {

@@ -85,6 +85,30 @@ TEST(LiveFrames, AllocateNothing) {
   EXPECT_GT(session.statistics().robot_frames, 100);
 }
 
+// what is seen for the first time may need room, in the solver's lists of near shapes and limits
+TEST(LiveLag, AllocatesNothingOnceItHasSeenAll) {
+  const Plan plan = sample_plan("walk", Method::kFit);
+  const HumanClip human = human_of(plan);
+  for (const double lag_s : {0.0, 0.2, 1.5}) {
+    LiveSession session = session_of(plan, with_lag(50.0, lag_s));
+    // there and back again; the clip that is fitted forgets its beginning after twelve seconds, then every six
+    constexpr double kKnown = 45.0, kSeconds = 70.0;
+    const int period = 2 * human.frame_count - 2;
+    long before = -1;
+    for (int i = 0; human.rate.time_of(i) < kSeconds; ++i) {
+      const int place = i % period;
+      const HumanFrame frame{human.rate.time_of(i), human.frame(std::min(place, period - place))};
+      if (before < 0 && frame.time >= kKnown) before = allocations;
+      session.push(frame, frame.time);
+      while (session.pull(frame.time)) {
+      }
+    }
+    EXPECT_EQ(allocations, before) << lag_s;
+    EXPECT_GT(session.statistics().robot_frames, 3000) << lag_s;
+    EXPECT_EQ(session.statistics().interruptions, 0) << lag_s;
+  }
+}
+
 double figure(const QualityReport& report, const char* key) {
   const MetricValue* value = report.find(key);
   EXPECT_NE(value, nullptr) << key;

@@ -23,6 +23,7 @@
 #include "retarget/load.h"
 #include "shared_arguments.h"
 #include "stream/decoder.h"
+#include "stream/frame_output.h"
 #include "stream/serve.h"
 
 namespace retarget::cli {
@@ -59,11 +60,18 @@ class RecalibrationSignal {
 };
 
 Result<void> list_formats() {
-  std::string text;
+  std::string text = "inputs\n";
   for (const StreamFormat& format : stream_formats()) {
     const std::string port = format.port > 0 ? fmt::format("usual port {}", format.port) : "";
-    text += fmt::format("{:<8} {}{}{}\n", format.name, format.description, port.empty() ? "" : "; ",
-                        port);
+    text += fmt::format("  {:<8} {}{}{}\n", format.name, format.description,
+                        port.empty() ? "" : "; ", port);
+  }
+  text += "outputs\n";
+  for (const OutputFormat& format : output_formats()) {
+    text += fmt::format("  {:<8} {}: {}", format.name, format.description, format.places);
+    if (format.port > 0) text += fmt::format("; usual port {}", format.port);
+    if (!format.lacks.empty()) text += fmt::format("; this build lacks {}", format.lacks);
+    text += '\n';
   }
   return write_file("-", text);
 }

@@ -65,7 +65,8 @@ OptionTable live_command_table(LiveArguments& arguments) {
       table,
       {option("output", serve.outputs, kOutputGroup, "ADDRESS,...",
               "Where robot frames go: udp:PORT, udp:HOST:PORT, tcp:..., a file, - for standard "
-              "output (the default); as JSON lines, files that end in .csv as CSV",
+              "output (the default); as JSON lines, files that end in .csv as CSV; zmq:PORT for "
+              "SONIC, redis:PORT for TWIST2; ?format=NAME behind it (--list)",
               {.basic = true, .letter = "o"}),
        option("record", serve.record, kOutputGroup, "DIR",
               "Folder for what came, as it came, and what left"),
@@ -84,8 +85,8 @@ OptionTable live_command_table(LiveArguments& arguments) {
               {.basic = true}),
        option("speed", arguments.player.speed, "Player", "N",
               "Times its own speed; 0: as fast as it goes", {.min = 0.0, .max = 1000.0}),
-       option("list", arguments.list, kInputGroup, "", "List the formats of streams, and end",
-              {.basic = true})});
+       option("list", arguments.list, kInputGroup, "",
+              "List the formats of inputs and outputs, and end", {.basic = true})});
   append(table, common_table(arguments.run.common));
   return table;
 }

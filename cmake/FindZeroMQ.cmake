@@ -1,0 +1,21 @@
+# Finds libzmq and defines the target ZeroMQ::zmq. Debian's libzmq3-dev has no CMake package.
+
+find_path(ZeroMQ_INCLUDE_DIR zmq.h)
+find_library(ZeroMQ_LIBRARY zmq)
+mark_as_advanced(ZeroMQ_INCLUDE_DIR ZeroMQ_LIBRARY)
+if(ZeroMQ_INCLUDE_DIR)
+  set(ZeroMQ_VERSION "")
+  foreach(part IN ITEMS MAJOR MINOR PATCH)
+    file(STRINGS ${ZeroMQ_INCLUDE_DIR}/zmq.h line REGEX "#define ZMQ_VERSION_${part} ")
+    string(REGEX REPLACE ".* ([0-9]+).*" "\\1" number "${line}")
+    list(APPEND ZeroMQ_VERSION ${number})
+  endforeach()
+  list(JOIN ZeroMQ_VERSION "." ZeroMQ_VERSION)
+endif()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(ZeroMQ REQUIRED_VARS ZeroMQ_LIBRARY ZeroMQ_INCLUDE_DIR VERSION_VAR ZeroMQ_VERSION)
+if(ZeroMQ_FOUND AND NOT TARGET ZeroMQ::zmq)
+  add_library(ZeroMQ::zmq UNKNOWN IMPORTED)
+  set_target_properties(ZeroMQ::zmq PROPERTIES IMPORTED_LOCATION "${ZeroMQ_LIBRARY}"
+    INTERFACE_INCLUDE_DIRECTORIES "${ZeroMQ_INCLUDE_DIR}")
+endif()

@@ -1,0 +1,27 @@
+# What `retarget live` unpacks packets with and sends through, where the library is there: RETARGET_LZ4,
+# RETARGET_ZEROMQ and RETARGET_REDIS are AUTO, ON (an error without it) or OFF. retarget_live_links has what to link.
+
+set(RETARGET_LZ4 AUTO CACHE STRING "Compressed packets of live runs (LZ4): AUTO, ON, OFF")
+set(RETARGET_ZEROMQ AUTO CACHE STRING "ZeroMQ outputs of live runs: AUTO, ON, OFF")
+set(RETARGET_REDIS AUTO CACHE STRING "Redis outputs of live runs: AUTO, ON, OFF")
+set_property(CACHE RETARGET_LZ4 RETARGET_ZEROMQ RETARGET_REDIS PROPERTY STRINGS AUTO ON OFF)
+set(retarget_live_links "")
+
+# finds a package, and tells the one source that needs it
+function(retarget_live_output choice package target source definition)
+  if(choice STREQUAL "AUTO")
+    find_package(${package} QUIET)
+  elseif(choice)
+    find_package(${package} REQUIRED)
+  endif()
+  if(TARGET ${target})
+    set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/stream/${source} APPEND PROPERTY COMPILE_DEFINITIONS ${definition})
+    set(retarget_live_links ${retarget_live_links} ${target} PARENT_SCOPE)
+  else()
+    message(STATUS "${package} is not used: src/stream/${source} does without")
+  endif()
+endfunction()
+
+retarget_live_package("${RETARGET_LZ4}" LZ4 LZ4::lz4 lz4_frame.cpp RETARGET_HAS_LZ4)
+retarget_live_package("${RETARGET_ZEROMQ}" ZeroMQ ZeroMQ::zmq zmq_output.cpp RETARGET_HAS_ZEROMQ)
+retarget_live_package("${RETARGET_REDIS}" RedisClient RedisClient::hiredis redis_output.cpp RETARGET_HAS_HIREDIS)

@@ -1,0 +1,160 @@
+// Motions of SMPL as lines of JSON: those that were read from such files as they are, of other clips the
+// canonical human, whose bones SMPL's first 22 joints are one by one.
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "math/so3.h"
+#include "smpl/smpl_body.h"
+#include "stream/formats.h"
+#include "stream/human_bones.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// by kSmplJointNames
+constexpr auto kBones = std::to_array<Bone>(
+    {Bone::kHips,      Bone::kLeftUpLeg,    Bone::kRightUpLeg,    Bone::kSpine,
+     Bone::kLeftLeg,   Bone::kRightLeg,     Bone::kSpine1,        Bone::kLeftFoot,
+     Bone::kRightFoot, Bone::kSpine2,       Bone::kLeftToe,       Bone::kRightToe,
+     Bone::kNeck,      Bone::kLeftShoulder, Bone::kRightShoulder, Bone::kHead,
+     Bone::kLeftArm,   Bone::kRightArm,     Bone::kLeftForeArm,   Bone::kRightForeArm,
+     Bone::kLeftHand,  Bone::kRightHand});
+static_assert(kBones.size() == kSmplJointCount);
+
+// By kSmplJointNames, where the skeleton has each of them with SMPL's parent; empty: it has not.
+std::vector<int> smpl_joints_of(const Skeleton& skeleton) {
+  std::vector<int> joints;
+  for (int i = 0; i < kSmplJointCount; ++i) {
+    const auto found = skeleton.find(kSmplJointNames[static_cast<std::size_t>(i)]);
+    const int parent = kSmplParents[static_cast<std::size_t>(i)];
+    if (!found || skeleton.joint(*found).parent !=
+                      (parent < 0 ? -1 : joints[static_cast<std::size_t>(parent)])) {
+      return {};
+    }
+    joints.push_back(*found);
+  }
+  return joints;
+}
+
+std::vector<Eigen::Vector3d> offsets_of(const Skeleton& skeleton, const std::vector<int>& joints) {
+  std::vector<Eigen::Vector3d> offsets;
+  offsets.reserve(joints.size());
+  for (const int joint : joints) offsets.push_back(skeleton.joint(joint).offset);
+  return offsets;
+}
+
+// Whether rotations are SMPL's: the zero pose is its T-pose, in metres, and the body is upright in a world
+// with z up, as AMASS has it.
+bool is_smpl_motion(const Clip& clip) {
+  const Skeleton& skeleton = clip.skeleton();
+  const std::vector<int> joints = smpl_joints_of(skeleton);
+  if (joints.empty() || skeleton.translated_count() != 1 || clip.frame_count() == 0 ||
+      clip.origin().metres_per_unit.value_or(1.0) != 1.0 ||
+      !smpl_rest_body_of_offsets(offsets_of(skeleton, joints))) {
+    return false;
+  }
+  double upright = 0.0;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    upright += (clip.rotations(frame)[0] * Eigen::Vector3d::UnitY()).z() / clip.frame_count();
+  }
+  constexpr double kUpright = 0.5;
+  return upright > kUpright;
+}
+
+Json list_of(const Eigen::Vector3d& vector) {
+  return Json::array({vector.x(), vector.y(), vector.z()});
+}
+
+class SmplxEncoder final : public Encoder {
+ public:
+  std::string begin(const Clip& clip) override;
+  Result<std::string> frame(const Clip& clip, int frame) override;
+
+ private:
+  [[nodiscard]] Pose world_from_joint(int joint) const;
+
+  std::vector<int> joints_;  // of a motion of SMPL; empty: it is a canonical human
+  BonePoses bones_;
+};
+
+// in SMPL's axes, which are those of its body in the T-pose; a joint that is missing goes with its parent
+Pose SmplxEncoder::world_from_joint(int joint) const {
+  while (joint > 0 && !bones_.has(kBones[static_cast<std::size_t>(joint)])) {
+    joint = kSmplParents[static_cast<std::size_t>(joint)];
+  }
+  const Bone bone = kBones[static_cast<std::size_t>(joint)];
+  return bones_.has(bone) ? with_z_ahead(bones_.world_from_bone(bone)) : Pose{};
+}
+
+std::string SmplxEncoder::begin(const Clip& clip) {
+  std::vector<Eigen::Vector3d> offsets;
+  joints_.clear();
+  if (is_smpl_motion(clip)) {
+    joints_ = smpl_joints_of(clip.skeleton());
+    offsets = offsets_of(clip.skeleton(), joints_);
+  } else {
+    // in the T-pose, before the first frame
+    bones_ = BonePoses(clip);
+    for (int joint = 0; joint < kSmplJointCount; ++joint) {
+      const int parent = kSmplParents[static_cast<std::size_t>(joint)];
+      offsets.push_back(parent < 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                                   : Eigen::Vector3d(world_from_joint(parent).inverse() *
+                                                     world_from_joint(joint).translation));
+    }
+  }
+  Json header = {{"up", "z"}};
+  if (clip.origin().body_height) header["height"] = *clip.origin().body_height;
+  header["rest_offsets"] = Json::array();
+  for (const Eigen::Vector3d& offset : offsets) header["rest_offsets"].push_back(list_of(offset));
+  return header.dump() + "\n";
+}
+
+Result<std::string> SmplxEncoder::frame(const Clip& clip, int frame) {
+  if (joints_.empty()) bones_.set_frame(clip, frame);
+  Eigen::Vector3d transl = Eigen::Vector3d::Zero();
+  Json root, body = Json::array();
+  for (int joint = 0; joint < kSmplJointCount; ++joint) {
+    Eigen::Quaterniond rotation;
+    if (!joints_.empty()) {
+      rotation =
+          clip.rotations(frame)[static_cast<std::size_t>(joints_[static_cast<std::size_t>(joint)])];
+      if (joint == 0) transl = clip.translations(frame)[0];
+    } else {
+      const int parent = kSmplParents[static_cast<std::size_t>(joint)];
+      const Pose world = world_from_joint(joint);
+      rotation = parent < 0 ? world.rotation
+                            : world_from_joint(parent).rotation.conjugate() * world.rotation;
+      if (joint == 0) transl = world.translation;
+    }
+    const Json vector = list_of(log_so3(rotation));
+    if (joint == 0) {
+      root = vector;
+    } else {
+      body.insert(body.end(), vector.begin(), vector.end());
+    }
+  }
+  const Json line = {{"time", clip.rate().time_of(frame)},
+                     {"transl", list_of(transl)},
+                     {"global_orient", root},
+                     {"body_pose", std::move(body)}};
+  return line.dump() + "\n";
+}
+
+}  // namespace
+
+std::unique_ptr<Encoder> make_smplx_encoder() {
+  return std::make_unique<SmplxEncoder>();
+}
+
+bool smplx_plays_human(const Clip& clip) {
+  return !is_smpl_motion(clip);
+}
+
+}  // namespace retarget

@@ -1,0 +1,142 @@
+// Robot frames to whoever subscribes by ZeroMQ. CMake says RETARGET_HAS_ZEROMQ where libzmq is there.
+
+#include "base/try.h"
+#include "stream/frame_output.h"
+
+#ifdef RETARGET_HAS_ZEROMQ
+
+#include <fmt/format.h>
+#include <zmq.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "base/number_text.h"
+#include "stream/sonic_message.h"
+
+namespace retarget {
+namespace {
+
+// waiting for a subscriber that stalls: a second of them, the rest is lost to it
+constexpr int kMaxMessages = 50;
+// when the run ends, for the last messages to leave
+constexpr int kLinger = 200;  // milliseconds
+
+struct CloseContext {
+  void operator()(void* context) const { zmq_ctx_term(context); }
+};
+struct CloseSocket {
+  void operator()(void* socket) const { zmq_close(socket); }
+};
+
+// a PUB socket that others connect to
+class Publisher {
+ public:
+  [[nodiscard]] static Result<Publisher> bind(const StreamAddress& address) {
+    Publisher made;
+    made.context_.reset(zmq_ctx_new());
+    if (made.context_) made.socket_.reset(zmq_socket(made.context_.get(), ZMQ_PUB));
+    if (!made.socket_) return failed(address, "no socket can be had");
+    zmq_setsockopt(made.socket_.get(), ZMQ_SNDHWM, &kMaxMessages, sizeof kMaxMessages);
+    zmq_setsockopt(made.socket_.get(), ZMQ_LINGER, &kLinger, sizeof kLinger);
+    const std::string port = address.port == 0 ? "*" : std::to_string(address.port);
+    if (zmq_bind(made.socket_.get(), fmt::format("tcp://{}:{}", address.host, port).c_str()) != 0) {
+      return failed(address, "the port cannot be had", "is another program publishing there?");
+    }
+    return made;
+  }
+
+  // `zmq:127.0.0.1:5556`
+  [[nodiscard]] std::string place() const {
+    std::array<char, 128> endpoint{};
+    std::size_t size = endpoint.size();
+    zmq_getsockopt(socket_.get(), ZMQ_LAST_ENDPOINT, endpoint.data(), &size);
+    const std::string_view text = endpoint.data();
+    return "zmq:" +
+           std::string(text.substr(std::min(text.size(), std::string_view("tcp://").size())));
+  }
+
+  // subscribers that do not keep up lose it: a PUB socket never waits
+  void send(std::string_view message) {
+    zmq_send(socket_.get(), message.data(), message.size(), ZMQ_DONTWAIT);
+  }
+
+ private:
+  static Failure failed(const StreamAddress& address, std::string_view what,
+                        std::string hint = {}) {
+    return run_failure(address.text(), fmt::format("{}: {}", what, zmq_strerror(zmq_errno())),
+                       std::move(hint));
+  }
+
+  // the socket goes first
+  std::unique_ptr<void, CloseContext> context_;
+  std::unique_ptr<void, CloseSocket> socket_;
+};
+
+class SonicOutput final : public FrameOutput {
+ public:
+  SonicOutput(Publisher publisher, SonicMessage message)
+      : publisher_(std::move(publisher)), message_(std::move(message)) {}
+
+  [[nodiscard]] Result<void> take(const RobotFrame& frame) override {
+    const std::string_view message = message_.take(frame);
+    if (!message.empty()) publisher_.send(message);
+    return {};
+  }
+
+ private:
+  Publisher publisher_;
+  SonicMessage message_;
+};
+
+Result<SonicOptions> parse_options(const StreamAddress& to) {
+  TRY(check_extras(to, std::array<std::string, 2>{"frames", "joints"}));
+  SonicOptions options;
+  if (const std::string frames = to.extra("frames"); !frames.empty()) {
+    const auto number = parse_number<int>(frames);
+    if (!number) return usage_failure("expected a number of frames, found \"" + frames + "\"");
+    options.frames = *number;
+  }
+  if (const std::string joints = to.extra("joints"); !joints.empty()) {
+    if (joints != "all") return usage_failure("expected joints=all, found \"" + joints + "\"");
+    options.any_robot = true;
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameOutput>> open_zmq_output(const StreamAddress& to,
+                                                     const FrameOutputContext& context) {
+  TRY_ASSIGN(const SonicOptions options, parse_options(to));
+  TRY_ASSIGN(SonicMessage message, SonicMessage::make(*context.robot, context.fps, options));
+  TRY_ASSIGN(Publisher publisher, Publisher::bind(to));
+  context.tell("output", "publishing at " + publisher.place());
+  return std::make_unique<SonicOutput>(std::move(publisher), std::move(message));
+}
+
+bool has_zmq_output() {
+  return true;
+}
+
+}  // namespace retarget
+
+#else
+
+namespace retarget {
+
+Result<std::unique_ptr<FrameOutput>> open_zmq_output(const StreamAddress& to,
+                                                     const FrameOutputContext& /*context*/) {
+  return lacks_library(to, "ZeroMQ", "libzmq3-dev");
+}
+
+bool has_zmq_output() {
+  return false;
+}
+
+}  // namespace retarget
+
+#endif

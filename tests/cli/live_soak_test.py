@@ -1,0 +1,51 @@
+"""bench/live_soak.py in seconds: two minutes of a stream, and that it notices what it is for."""
+
+import stat
+import subprocess
+import sys
+import unittest
+
+from tool import SOURCE, TOOL, ToolTest, is_sanitized, sample
+
+SOAK = SOURCE / "bench/live_soak.py"
+
+# gives a frame for each row but the thousandth, or keeps every row
+FAULTY = """#!{python}
+import sys
+kept = []
+print("first", flush=True)
+for i, row in enumerate(sys.stdin):
+    if {keeps}:
+        kept.append(row * 4)
+    if {loses} and i == 1000:
+        continue
+    print("frame", flush=True)
+"""
+
+
+class Soak(ToolTest):
+    def soak(self, tool, *arguments, minutes=2.0):
+        return subprocess.run([sys.executable, SOAK, tool, sample("walk"), "--minutes", str(minutes), *arguments],
+                              text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=500)
+
+    def test_frames_and_memory_of_both_modes(self):
+        # a sanitizer is slower by ten and keeps what is freed
+        memory = ["--any-memory"] if is_sanitized() else []
+        minutes = 0.3 if is_sanitized() else 2.0
+        for mode in ([], ["--lag", "0.2"]):
+            result = self.soak(TOOL, *mode, *memory, minutes=minutes)
+            self.assertEqual(result.returncode, 0, f"{mode}: {result.stdout}{result.stderr}")
+            sent = int(60 * 50 * minutes) + 200
+            self.assertIn(f"{sent} frames of {sent} rows", result.stdout)
+
+    def test_faults_are_noticed(self):
+        for keeps, loses, told in ((True, False, "memory has grown"), (False, True, "frames")):
+            tool = self.write("faulty", FAULTY.format(python=sys.executable, keeps=keeps, loses=loses))
+            tool.chmod(tool.stat().st_mode | stat.S_IXUSR)
+            result = self.soak(tool, "--patience", "2")
+            self.assertNotEqual(result.returncode, 0, result.stdout)
+            self.assertIn(told, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
