@@ -202,6 +202,7 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
   TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
   wants_models_ = false;
   std::vector<std::string> names;
+  names.reserve(bones.size());
   for (const NatNetBone* bone : bones) names.push_back(plain_bone_name(bone->name, wanted->name));
   names = plain_joint_names(std::move(names));
   ids_.clear();
