@@ -8,7 +8,7 @@ set_property(CACHE RETARGET_LZ4 RETARGET_ZEROMQ RETARGET_REDIS PROPERTY STRINGS 
 set(retarget_live_links "")
 
 # finds a package, and tells the one source that needs it
-function(retarget_live_output choice package target source definition)
+function(retarget_live_package choice package target source definition)
   if(choice STREQUAL "AUTO")
     find_package(${package} QUIET)
   elseif(choice)
