@@ -95,7 +95,7 @@ ByteSource::Event ByteSource::take_bytes(const Descriptor& from) {
     return Event::kPacket;
   }
   waiting_.append(bytes);
-  if (ended && !group_) {
+  if (ended) {
     ended_ = address_.transport == Transport::kStdin;
     connection_.close();
   }

@@ -1,7 +1,5 @@
 #include "stream/message_cutter.h"
 
-#include <utility>
-
 namespace retarget {
 
 void MessageCutter::append(std::string_view bytes) {
@@ -24,10 +22,6 @@ std::optional<std::string_view> MessageCutter::next() {
     return rest.substr(0, *size);
   }
   return std::nullopt;
-}
-
-std::size_t MessageCutter::take_skipped() {
-  return std::exchange(skipped_, 0);
 }
 
 void MessageCutter::clear() {

@@ -93,15 +93,7 @@ void MvnDecoder::restart() {
 
 Result<void> MvnDecoder::take(std::string_view bytes, StreamSink& sink) {
   if (datagrams_) return take_message(bytes, sink);
-  // what is wrong with one message is no fault of those behind it
-  Result<void> first;
-  cutter_.append(bytes);
-  while (const auto message = cutter_.next()) {
-    Result<void> taken = take_message(*message, sink);
-    if (!taken && first) first = std::move(taken);
-  }
-  if (cutter_.take_skipped() > 0 && first) return mvn_failure("bytes that begin no message of MVN");
-  return first;
+  return cutter_.take(bytes, [&](std::string_view message) { return take_message(message, sink); });
 }
 
 Result<void> MvnDecoder::take_message(std::string_view bytes, StreamSink& sink) {

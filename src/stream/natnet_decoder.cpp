@@ -158,16 +158,7 @@ std::string_view NatNetDecoder::request() const {
 
 Result<void> NatNetDecoder::take(std::string_view bytes, StreamSink& sink) {
   if (datagrams_) return take_message(bytes, sink);
-  // what is wrong with one message is no fault of those behind it
-  Result<void> first;
-  cutter_.append(bytes);
-  while (const auto message = cutter_.next()) {
-    Result<void> taken = take_message(*message, sink);
-    if (!taken && first) first = std::move(taken);
-  }
-  if (cutter_.take_skipped() > 0 && first)
-    return natnet_failure("bytes that begin no message of NatNet");
-  return first;
+  return cutter_.take(bytes, [&](std::string_view message) { return take_message(message, sink); });
 }
 
 Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sink) {
@@ -211,6 +202,7 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
   TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
   wants_models_ = false;
   std::vector<std::string> names;
+  names.reserve(bones.size());
   for (const NatNetBone* bone : bones) names.push_back(plain_bone_name(bone->name, wanted->name));
   names = plain_joint_names(std::move(names));
   ids_.clear();

@@ -19,48 +19,47 @@ Failure bad_osc(const char* what) {
 // reads a packet from its beginning
 class OscReader {
  public:
-  explicit OscReader(std::string_view bytes) : rest_(bytes) {}
+  explicit OscReader(std::string_view bytes) : reader_(bytes) {}
 
-  [[nodiscard]] bool empty() const { return rest_.empty(); }
+  [[nodiscard]] bool empty() const { return reader_.left() == 0; }
   Result<std::string_view> bytes(std::size_t size) {
-    if (size > rest_.size()) return bad_osc("it ends too early");
-    const std::string_view taken = rest_.substr(0, size);
-    rest_.remove_prefix(size);
+    const std::string_view taken = reader_.bytes(size);
+    if (!reader_.ok()) return bad_osc("it ends too early");
     return taken;
   }
   // ended by a zero, filled up to a whole number of four bytes
   Result<std::string_view> text() {
-    const std::size_t size = rest_.find('\0');
-    if (size == std::string_view::npos) return bad_osc("a text without an end");
-    TRY_ASSIGN(const std::string_view taken, bytes((size / 4 + 1) * 4));
-    return taken.substr(0, size);
+    const std::string_view taken = reader_.text();
+    if (!reader_.ok()) return bad_osc("a text without an end");
+    TRY(bytes(3 - taken.size() % 4));
+    return taken;
   }
-  Result<std::uint64_t> big_endian(std::size_t size) {
-    TRY_ASSIGN(const std::string_view taken, bytes(size));
-    std::uint64_t value = 0;
-    for (const char byte : taken) value = value << 8 | static_cast<unsigned char>(byte);
+  template <typename Number>
+  Result<Number> number() {
+    const auto value = reader_.number<Number>();
+    if (!reader_.ok()) return bad_osc("it ends too early");
     return value;
   }
 
  private:
-  std::string_view rest_;
+  ByteReader<std::endian::big> reader_;
 };
 
 Result<void> read_argument(char type, OscReader& reader, OscMessage& message) {
   switch (type) {
     case 'i': {
-      TRY_ASSIGN(const auto bits, reader.big_endian(4));
-      message.numbers.push_back(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits)));
+      TRY_ASSIGN(const auto value, reader.number<std::int32_t>());
+      message.numbers.push_back(value);
       return {};
     }
     case 'f': {
-      TRY_ASSIGN(const auto bits, reader.big_endian(4));
-      message.numbers.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+      TRY_ASSIGN(const auto value, reader.number<float>());
+      message.numbers.push_back(static_cast<double>(value));
       return {};
     }
     case 'd': {
-      TRY_ASSIGN(const auto bits, reader.big_endian(8));
-      message.numbers.push_back(std::bit_cast<double>(bits));
+      TRY_ASSIGN(const auto value, reader.number<double>());
+      message.numbers.push_back(value);
       return {};
     }
     case 's':
@@ -79,7 +78,7 @@ Result<void> read_argument(char type, OscReader& reader, OscMessage& message) {
       TRY(reader.bytes(4));
       return {};
     case 'b': {
-      TRY_ASSIGN(const auto size, reader.big_endian(4));
+      TRY_ASSIGN(const std::size_t size, reader.number<std::uint32_t>());
       TRY(reader.bytes((size + 3) / 4 * 4));
       return {};
     }
@@ -99,7 +98,7 @@ Result<void> read_packet(std::string_view packet, int depth, std::vector<OscMess
     if (depth == kMaxDepth) return bad_osc("bundles in bundles in bundles");
     TRY(reader.bytes(kBundle.size() + 8));  // and when it should count
     while (!reader.empty()) {
-      TRY_ASSIGN(const auto size, reader.big_endian(4));
+      TRY_ASSIGN(const auto size, reader.number<std::uint32_t>());
       TRY_ASSIGN(const std::string_view element, reader.bytes(size));
       TRY(read_packet(element, depth + 1, messages));
     }

@@ -186,9 +186,10 @@ def mvnx_document(frames):
 
     def moving(time):
         swing = math.sin(4 * time)
-        return {"Pelvis": about(2, 0.3 * time), "RightUpperArm": about(0, 1.2), "LeftUpperArm": about(0, -0.9 + 0.5 * swing),
+        return {"Pelvis": about(2, 0.3 * time), "T8": about(1, 0.1 * swing),
+                "RightUpperArm": about(0, 1.2), "LeftUpperArm": about(0, -0.9 + 0.5 * swing),
                 "LeftForeArm": about(2, -0.7 * abs(swing)), "RightUpperLeg": about(1, -0.35 * max(swing, 0.0)),
-                "RightLowerLeg": about(1, 0.7 * max(swing, 0.0)), "T8": about(1, 0.1 * swing)}
+                "RightLowerLeg": about(1, 0.7 * max(swing, 0.0))}
 
     segments = "".join(f'<segment label="{name}"/>' for name, _, _ in SEGMENTS)
     joints = "".join(f"<joint><connector1>{SEGMENTS[parent][0]}/j</connector1><connector2>{name}/j</connector2></joint>"
