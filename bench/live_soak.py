@@ -42,6 +42,7 @@ class LiveRun:
         os.set_blocking(self.process.stdout.fileno(), False)
         self.rest = b""
         self.frames = -1  # the first line is none
+        self.held = 0
 
     def send(self, row):
         self.process.stdin.write(row)
@@ -55,6 +56,7 @@ class LiveRun:
         if not got:
             return False
         self.frames += got.count(b"\n")
+        self.held += got.count(b'"holding"') + got.count(b'"standing"')
         return True
 
     def wait_for(self, frames):
@@ -84,20 +86,13 @@ def rows_of(clip):
         yield from rows[-2:0:-1]
 
 
-def delay_of(run, rows):
-    """Sends the first rows; how many frames are on their way from then on."""
+def soak(run, rows, count, delay, real_time):
+    """Sends rows, the next one when the frame has come that the one before makes possible: `delay` frames ago.
+
+    Rows that come too slowly, as others want the processor, are a stream that stalls: the robot is held meanwhile, as
+    many frames as are missing. Gives figures for each tenth.
+    """
     sent = 0
-    while sent < 4 * FPS:
-        run.send(next(rows))
-        sent += 1
-        while run.take(0.02):
-            pass
-    return sent, sent - run.frames
-
-
-def soak(run, rows, count, real_time):
-    """Sends the rest, one row for every frame that has come. Gives a line of figures for each tenth."""
-    sent, delay = delay_of(run, rows)
     tenths = []
     for tenth in range(TENTHS):
         times, processor, began = [], run.processor_time(), time.perf_counter()
@@ -139,7 +134,8 @@ def main():
     mode = ["--mode", "lag", "--lag", str(arguments.lag)] if arguments.lag is not None else ["--mode", "frame"]
     run = LiveRun(arguments.tool, arguments.clip, mode, arguments.patience)
     try:
-        sent, tenths = soak(run, rows_of(arguments.clip), int(60 * FPS * arguments.minutes), arguments.real_time)
+        sent, tenths = soak(run, rows_of(arguments.clip), int(60 * FPS * arguments.minutes),
+                            round(FPS * (arguments.lag or 0.0)), arguments.real_time)
     finally:
         run.process.kill()
         run.process.wait()
@@ -153,7 +149,7 @@ def main():
     late = statistics.mean(tenth["cpu"] for tenth in tenths[-3:])
     if late > MOST_SLOWER * early:
         faults.append(f"a frame takes {1e3 * late:.3f} ms, after {1e3 * early:.3f} ms at first")
-    print(f"{run.frames} frames of {sent} rows; memory {growth:+.2f} MB, processor time {late / early - 1:+.1%} since "
+    print(f"{run.frames} frames of {sent} rows, {run.held} held; memory {growth:+.2f} MB, processor time {late / early - 1:+.1%} since "
           "the beginning")
     sys.exit("; ".join(faults) or 0)
 

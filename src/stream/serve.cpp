@@ -222,7 +222,7 @@ Result<ServeSummary> Server::run() {
   if (!ran) return failure(ran.error());
   summary_.live = pipeline_->statistics();
   summary_.packets = pipeline_->packets();
-  return std::move(summary_);
+  return summary_;
 }
 
 }  // namespace
