@@ -19,6 +19,7 @@ class StandingPose {
 
  private:
   std::vector<double> qpos_;
+  bool stands_fast_ = false;
 };
 
 }  // namespace retarget
