@@ -10,7 +10,11 @@ Markdown: the G1's tables, then means by robot and kind of source, `--ik-config 
     tools/quality_tables.py --tool ... --dynamics
 
 prints the tables of docs/dynamics.md instead: published motions, the published method, the fit, and the fit with
-`--with dynamics`, side by side. FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
+`--with dynamics`, side by side.
+
+    tools/quality_tables.py --tool ... --all-robots
+
+prints the table of docs/robots.md, "On the samples": the fits of all robots, without other data. FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
 github.com/ubisoft/ubisoft-laforge-animation-dataset, the published motions (`g1/` of them) are the data set
 LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face; neither is part of this repository.
 """
@@ -127,19 +131,52 @@ def print_means(tool, pool, robot, clips):
         print(f"| `{name}` | " + " | ".join(cells) + " |")
 
 
+def missed_gates(report):
+    """Names of the gates that a motion misses."""
+    return [gate["metric"] for gate in report["gates"] if gate["passed"] is False]
+
+
+def print_robots(tool, pool, samples):
+    """A row a robot: means over the samples, and what gates they miss."""
+    listed = subprocess.run([tool, "robots", "list", "--json"], capture_output=True, check=True,
+                            text=True)
+    robots = [robot["name"] for robot in json.loads(listed.stdout)]
+    jobs = [(robot, clip) for robot in robots for clip in samples]
+    found = dict(zip(jobs, pool.map(lambda job: figures(tool, job[1], job[0]), jobs)))
+    print("| robot | limb angle | trunk lean | missed gates |\n|---|---|---|---|")
+    for robot in robots:
+        reports = {clip: found[robot, clip] for clip in samples}
+        cells = []
+        for name in ("limb_angle_deg", "trunk_lean_error_deg"):
+            values = [value(report, name) for report in reports.values()]
+            values = [number for number in values if number is not None]
+            cells.append(f"{sum(values) / len(values):.1f}" if values else "-")
+        missed = [f"{clip.stem}: " + ", ".join(f"`{name}`" for name in missed_gates(report))
+                  for clip, report in reports.items() if report and missed_gates(report)]
+        print(f"| `{robot}` | {cells[0]} | {cells[1]} | {'; '.join(missed) or '-'} |")
+
+
 def main():
     """Everything, in the order of the page."""
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tool", required=True)
     shared = os.environ.get("RETARGET_SHARED")
-    parser.add_argument("--data", required=shared is None, type=pathlib.Path,
+    parser.add_argument("--data", type=pathlib.Path,
                         default=shared and pathlib.Path(shared) / "data")
     parser.add_argument("--dynamics", action="store_true",
                         help="print the tables of docs/dynamics.md")
+    parser.add_argument("--all-robots", action="store_true",
+                        help="print the table of docs/robots.md")
     parser.add_argument("--robots", default="unitree_g1")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
+    if args.all_robots:
+        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+            print_robots(args.tool, pool, [DATA / f"{name}.bvh" for name in SAMPLES])
+        return
+    if args.data is None:
+        parser.error("--data FOLDER is needed")
     lafan1 = sorted((args.data / "lafan1").glob("*.bvh"))
     samples = [DATA / f"{name}.bvh" for name in SAMPLES]
     clips = {"LAFAN1": lafan1, "cuts": sorted((args.data / "lafan1_cuts").glob("*.bvh")),

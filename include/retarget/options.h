@@ -249,11 +249,18 @@ struct PartOptions {
 };
 
 /// A robot by its name or folder, or by its model file.
+/// Whether a robot's base moves.
+enum class RobotBase : unsigned char {
+  kAuto,   ///< As the robot's profile says; without, it moves.
+  kFixed,  ///< It stands fast: an upper body on a stand or on wheels, or a robot that is held.
+};
+
 struct RobotChoice {
   std::string name;     ///< `unitree_g1`, `g1`, a folder with model.xml and robot.json.
   std::string model;    ///< Instead of a name: MJCF or URDF.
   std::string profile;  ///< For `model`: robot.json; empty: none.
   std::string variant;  ///< Whose other joints are held: `29`, `23`; empty: the whole robot.
+  RobotBase base = RobotBase::kAuto;
 };
 
 /// How a motion is solved.

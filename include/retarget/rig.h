@@ -7,6 +7,7 @@
 
 #include "retarget/error.h"
 #include "retarget/export.h"
+#include "retarget/options.h"
 
 // Link retarget::rig.
 namespace RETARGET_API retarget {
@@ -29,7 +30,9 @@ struct MadeRobot {
 /// kConfig errors, one sentence each: what load_robot rejects, closed chains, lengths and ranges in
 /// other units, limbs without knee or elbow, a T-pose that cannot be reached, and robots that are
 /// not humanoid: an arm, a quadruped, wheels.
-[[nodiscard]] Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name);
+/// @param base  kFixed: an upper body, whose base stands fast; only its arms must be there.
+[[nodiscard]] Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name,
+                                           RobotBase base = RobotBase::kAuto);
 
 /// Whether a robot of this name can be made from a model and saved `into` a folder, judging by
 /// names and paths. Usage errors: the name is not a valid folder name, the model is inside the
@@ -53,6 +56,7 @@ struct RobotSources {
   std::string profile;  ///< `robot.json`
   std::string config;   ///< For sources in the form of LAFAN1, and for all if there is no other.
   std::string config_of_others;  ///< For all other sources.
+  RobotBase base = RobotBase::kAuto;
 };
 
 /// Form of a description: human-readable, or JSON with more digits.

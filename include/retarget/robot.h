@@ -126,6 +126,9 @@ struct RobotProfile {
   std::vector<Sole> soles;
   std::string soles_source;      ///< Where they are from, for people.
   bool soles_estimated = false;  ///< Nothing measured tells them: feet may float or sink.
+  /// The base stands fast where the model has it: an upper body on a stand or on wheels. The robot has
+  /// no soles then, and follows its human as seen from the human's hips or chest (docs/own_robot.md).
+  bool fixed_base = false;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
   std::vector<RobotVariant> variants;
 };
@@ -133,7 +136,8 @@ struct RobotProfile {
 /// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
 ///
 /// A configuration (qpos) is MuJoCo's: root position x y z (metres), root quaternion w x y z, then
-/// the joints (rad, m), each at its qpos_address.
+/// the joints (rad, m), each at its qpos_address. A robot whose base stands fast has them too, always as
+/// in its zero configuration.
 class Robot {
  public:
   /// @param model  compiled; its first joint is free, all others are hinges or slides. load_robot
@@ -157,6 +161,7 @@ class Robot {
 
   [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
+  [[nodiscard]] bool fixed_base() const { return profile_.fixed_base; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
   /// MuJoCo's warnings about the model, one line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }

@@ -28,7 +28,7 @@ OptionTable batch_keywords(BatchRequest& request) {
       without(batch_table(request, request.run.options.source.memory_gb), {"robot", "output"});
   append(table, without(source_table(request.run.options.source), {"memory"}));
   append(table, without(solving_table(request.run.options), {"memory"}));
-  append(table, without(robot_table(request.run.robot), {"robot"}));
+  append(table, without(robot_table(request.run.robot), {"robot", "base"}));
   table.push_back(dynamics_row(request.of_clip.dynamics));
   return table;
 }

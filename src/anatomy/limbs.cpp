@@ -13,6 +13,7 @@
 #include "anatomy/branches.h"
 #include "anatomy/limb_shape.h"
 #include "base/number_text.h"
+#include "base/option_name.h"
 #include "base/try.h"
 #include "math/so3.h"
 #include "robot/kinematic_tree.h"
@@ -77,6 +78,7 @@ class LimbFinder {
 
  private:
   Result<void> choose_pairs();
+  Result<void> choose_arms();
   [[nodiscard]] Failure no_legs(const std::string& found, const std::string& hint = {}) const;
   [[nodiscard]] bool is_round(int joint) const;
   [[nodiscard]] bool stands_on_wheels() const;
@@ -101,7 +103,9 @@ class LimbFinder {
 };
 
 Failure LimbFinder::no_legs(const std::string& found, const std::string& hint) const {
-  return config_failure(file_, found + ": expected a humanoid with two legs and two arms", hint);
+  const std::string upper = "of an upper body, on a stand or on wheels, " OPTION("base") " fixed";
+  return config_failure(file_, found + ": expected a humanoid with two legs and two arms",
+                        hint.empty() ? upper : hint + "; " + upper);
 }
 
 // whether all that a joint carries lies evenly about its axis, as a wheel does and a foot does not
@@ -230,6 +234,29 @@ Result<void> LimbFinder::choose_pairs() {
   return {};
 }
 
+// of an upper body: the pair that hangs highest and has joints enough for a shoulder and an elbow
+Result<void> LimbFinder::choose_arms() {
+  constexpr int kFewestJoints = 2;
+  std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
+  std::erase_if(pairs, [](const BranchPair& pair) { return pair.joint_count < kFewestJoints; });
+  if (pairs.empty()) {
+    return config_failure(
+        file_,
+        "no two branches of the model are mirror images of each other (" +
+            std::to_string(robot_.joints().size()) +
+            " joints): expected an upper body with two arms",
+        "check that it stands upright along z in its zero configuration, not along y");
+  }
+  const auto& links = robot_.tree().links();
+  const auto arms = std::ranges::max_element(pairs, {}, [&](const BranchPair& pair) {
+    return posed_.anchor(links[pair.first].joint).z() + posed_.anchor(links[pair.second].joint).z();
+  });
+  TRY_ASSIGN(auto shaped_arms, shape(*arms, false));
+  arms_ = shaped_arms;
+  found_.has_legs = false;
+  return {};
+}
+
 // how far the feet reach out ahead of the ankles, less how far behind, in their own size
 double LimbFinder::foot_vote(const Eigen::Vector3d& forward) const {
   double vote = 0.0;
@@ -249,25 +276,32 @@ double LimbFinder::foot_vote(const Eigen::Vector3d& forward) const {
 
 void LimbFinder::find_facing() {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d forward = legs_.pair.across.cross(up);
+  const Eigen::Vector3d& across = (found_.has_legs ? legs_ : arms_).pair.across;
+  const Eigen::Vector3d forward = across.cross(up);
   // each voice is positive when the first branches are the left ones
   double votes = 0.25 * (forward.x() + forward.y());
   const double names = side_by_names(robot_, legs_.limbs) + side_by_names(robot_, arms_.limbs);
   votes += names > 0.0 ? 2.0 : (names < 0.0 ? -2.0 : 0.0);
-  for (const LimbShape& leg : legs_.limbs) votes -= 1.5 * motion_of_bending(leg).dot(forward);
+  if (found_.has_legs) {
+    for (const LimbShape& leg : legs_.limbs) votes -= 1.5 * motion_of_bending(leg).dot(forward);
+    votes += foot_vote(forward);
+  }
   for (const LimbShape& arm : arms_.limbs) votes += 0.5 * motion_of_bending(arm).dot(forward);
-  votes += foot_vote(forward);
   const double sign = votes >= 0.0 ? 1.0 : -1.0;
   found_.forward = sign * forward;
-  found_.left = sign * legs_.pair.across;
+  found_.left = sign * across;
   found_.facing_is_sure = std::abs(votes) > 1.0;
   if (sign * names < 0.0) {
     found_.notes.emplace_back(
-        "the limbs on the robot's left side are named right: its facing is taken from knees and "
-        "feet");
+        found_.has_legs ? "the limbs on the robot's left side are named right: its facing is taken "
+                          "from knees and feet"
+                        : "the arms on the robot's left side are named right: its facing is taken "
+                          "from its elbows");
   }
   if (!found_.facing_is_sure) {
-    found_.notes.emplace_back("knees, feet and names hardly show where the robot faces");
+    found_.notes.emplace_back(found_.has_legs
+                                  ? "knees, feet and names hardly show where the robot faces"
+                                  : "elbows and names hardly show where the robot faces");
   }
   if (sign < 0.0) {
     std::swap(legs_.limbs[0], legs_.limbs[1]);
@@ -389,25 +423,25 @@ void LimbFinder::note_limbs() {
                            "\" was taken for a toe, which follows nothing; the foot is " +
                            name_of(robot_, found_.legs[0].end->body));
   }
-  if (!found_.legs[0].end) {
+  if (found_.has_legs && !found_.legs[0].end) {
     found_.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");
   }
 }
 
 Result<RobotAnatomy> LimbFinder::find() {
-  TRY(choose_pairs());
+  TRY(robot_.fixed_base() ? choose_arms() : choose_pairs());
   find_facing();
-  found_.pelvis = body_of(legs_.pair.parent);
+  found_.pelvis = found_.has_legs ? body_of(legs_.pair.parent) : robot_.root_body();
   found_.torso = body_of(arms_.pair.parent);
   Eigen::Matrix3d upright;
   upright << Eigen::Vector3d::UnitZ(), found_.forward, found_.left;
   found_.pelvis_from_hips = in_body(found_.pelvis, upright);
   found_.torso_from_spine2 = in_body(found_.torso, upright);
   for (std::size_t side = 0; side < 2; ++side) {
-    found_.legs[side] = limb_of(legs_.limbs[side], true);
+    if (found_.has_legs) found_.legs[side] = limb_of(legs_.limbs[side], true);
     found_.arms[side] = limb_of(arms_.limbs[side], false);
   }
-  if (!found_.legs[0].end || !found_.legs[1].end) {
+  if (found_.has_legs && (!found_.legs[0].end || !found_.legs[1].end)) {
     return no_legs("the legs have no ankle joints (a stand or wheels?)");
   }
   found_.head = head();

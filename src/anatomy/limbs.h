@@ -43,12 +43,13 @@ struct Limb {
 
 /// What of a robot is which part of a human.
 struct RobotAnatomy {
-  int pelvis = 0;  ///< The body that both legs hang from.
+  int pelvis = 0;  ///< The body that both legs hang from; without legs the base.
   int torso = 0;   ///< The body that both arms hang from; may be the pelvis.
   Eigen::Matrix3d pelvis_from_hips = Eigen::Matrix3d::Identity();   ///< As body_from_bone.
   Eigen::Matrix3d torso_from_spine2 = Eigen::Matrix3d::Identity();  ///< As body_from_bone.
-  std::array<Limb, 2> legs;                                         ///< Left, right.
-  std::array<Limb, 2> arms;                                         ///< Left, right.
+  bool has_legs = true;      ///< Not that of a robot whose base stands fast.
+  std::array<Limb, 2> legs;  ///< Left, right; without legs these have no joints.
+  std::array<Limb, 2> arms;  ///< Left, right.
   std::optional<LimbPart> head;
   /// Directions in the world of the reference configuration: where the robot faces and its left.
   Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
@@ -68,6 +69,9 @@ struct RobotAnatomy {
 /// Legs are the pair of branches, mirror images of each other, that reaches lowest; arms the pair
 /// of the others with the most joints. The knee or elbow of a branch is the hinge that splits its
 /// joints into two clusters best: axes before it and after it meet in points far from it.
+///
+/// Of a robot whose base stands fast (Robot::fixed_base) only the arms are looked for, the pair that
+/// hangs highest; legs, if it has some, and wheels are none of its limbs.
 ///
 /// kConfig errors, one sentence each: an arm, a quadruped, wheels, no arms, a model that lies.
 [[nodiscard]] Result<RobotAnatomy> find_limbs(const Robot& robot, const std::string& file);

@@ -123,8 +123,8 @@ void ShapeFinder::fit_meshes() {
     const auto add = [&](const CollisionShape& shape) {
       found_.shapes.push_back({shape, ShapeSource::kMesh});
     };
-    const auto foot =
-        std::ranges::find_if(limbs_.legs, [&](const Limb& leg) { return body == leg.end->body; });
+    const auto foot = std::ranges::find_if(
+        limbs_.legs, [&](const Limb& leg) { return leg.end && body == leg.end->body; });
     if (foot != limbs_.legs.end()) {
       add(box_around(body, mesh_[b], foot->end->body_from_bone));
       continue;
@@ -162,6 +162,7 @@ void ShapeFinder::estimate_segments() {
   };
   for (const auto* pair : {&limbs_.legs, &limbs_.arms}) {
     for (const Limb& limb : *pair) {
+      if (limb.joints.empty()) continue;
       add(limb.upper, limb.upper_length);
       add(limb.lower, limb.lower_length);
     }
@@ -252,8 +253,9 @@ RobotShapes ShapeFinder::find() {
   keep_model_shapes();
   fit_meshes();
   estimate_segments();
-  for (std::size_t side = 0; side < 2; ++side) find_sole(side);
-  found_.sole_note = source_text(found_.sole_source);
+  for (std::size_t side = 0; side < 2 && limbs_.has_legs; ++side) find_sole(side);
+  found_.sole_note =
+      limbs_.has_legs ? source_text(found_.sole_source) : "none, the base stands fast";
   if (found_.sole_source == ShapeSource::kEstimated && mesh_files_.absent > 0) {
     found_.sole_note += fmt::format(
         " ({} of {} mesh files that the model names {} not there or cannot be read, such as {})",

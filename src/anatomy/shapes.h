@@ -39,7 +39,8 @@ struct RoughShape {
 /// The soles and shapes of a robot.
 struct RobotShapes {
   std::vector<RoughShape> shapes;
-  std::vector<Sole> soles;  ///< Left, right: heel left, heel right, toe left, toe right.
+  /// Left, right: heel left, heel right, toe left, toe right; without legs none.
+  std::vector<Sole> soles;
   ShapeSource sole_source = ShapeSource::kModel;
   /// Where the soles are from, for people: source_text, and where they are estimated why.
   std::string sole_note;

@@ -81,6 +81,7 @@ class WindowFitter final : public MovingFit {
   void add_steps(int frame, double* h, double* g);
   void hold_limits(int frame, double* h, double* g);
   void release_limits();
+  void move_base(std::span<const double> x, std::span<double> qpos);
   void apply(int frame);
   [[nodiscard]] bool owns(std::size_t phase) const {
     return window_.owns(clip_.feet.phases[phase]);
@@ -141,6 +142,9 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       applied_(at(dofs_)),
       places_(model, clip),
       status_{.begin = window.begin, .end = window.end} {
+  for (int frame = window.begin; model.base_is_held && frame < window.end; ++frame) {
+    for (int i = 0; i < kBase; ++i) held(frame, i) = BoundSide::kLower;
+  }
   if (options.dynamics && FitDynamics::possible(model)) {
     dynamics_.emplace(model, options, window, clip);
   }
@@ -341,7 +345,7 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
   const int stride = chain_.stride();
   const bool from = frame > window_.begin, to = frame + 1 < window_.end;
   double* const coupling = chain_.coupling(local(frame));
-  for (int i = kBase; i < dofs_; ++i) {
+  for (int i = model_.base_is_held ? 0 : kBase; i < dofs_; ++i) {
     if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
     if (!is_held(frame, i)) continue;
     Held row{frame, i, g[i], 0.0, 0.0};
@@ -379,9 +383,7 @@ void WindowFitter::release_limits() {
   }
 }
 
-void WindowFitter::apply(int frame) {
-  const auto x = chain_.solution(local(frame));
-  const auto qpos = clip_.frame(frame, model_.configuration_size);
+void WindowFitter::move_base(std::span<const double> x, std::span<double> qpos) {
   for (int k = 0; k < 3; ++k) {
     applied_[at(k)] = std::clamp(x[at(k)], -kMaxMove, kMaxMove);
     qpos[at(k)] += applied_[at(k)];
@@ -396,6 +398,12 @@ void WindowFitter::apply(int frame) {
   qpos[4] = rotation.x();
   qpos[5] = rotation.y();
   qpos[6] = rotation.z();
+}
+
+void WindowFitter::apply(int frame) {
+  const auto x = chain_.solution(local(frame));
+  const auto qpos = clip_.frame(frame, model_.configuration_size);
+  if (!model_.base_is_held) move_base(x, qpos);
   for (int i = kBase; i < dofs_; ++i) {
     applied_[at(i)] = 0.0;
     if (is_held(frame, i)) continue;

@@ -50,12 +50,19 @@ PathScales path_scales(const TargetBuilder& targets) {
   };
   // everything raised, the feet are raised as the root is; by the feet alone, by their own scale
   PathScales scales{rise(0), rise(0)};
-  if (foot >= 0) {
+  // a base that stands fast goes nowhere
+  if (foot >= 0 && !targets.base_is_held()) {
     high[foot_bone].translation.z() = 1.0;
     targets.build(high, raised);
     scales.foot = rise(foot);
   }
   return scales;
+}
+
+FitOptions options_for(const Robot& robot, FitOptions options) {
+  if (!robot.fixed_base()) return options;
+  options.contact = options.floor = options.foot_height = options.dynamics = false;
+  return options;
 }
 
 LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
@@ -112,7 +119,7 @@ class Fit {
         robot_(robot),
         config_(config),
         limits_(limits),
-        options_(options),
+        options_(options_for(*robot, options)),
         run_(run) {}
 
   Result<FitResult> run();
@@ -144,7 +151,9 @@ class Fit {
 
 // why the robot's feet have less to hold on to than they could
 void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
-  if (robot.profile().soles.empty()) {
+  if (robot.fixed_base()) {
+    report.notes.emplace_back("the base stands fast: no feet, no floor");
+  } else if (robot.profile().soles.empty()) {
     report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
   } else if (!sides.left && !sides.right) {
     report.notes.emplace_back("the source has no feet: no contacts, no floor height");

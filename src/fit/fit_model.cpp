@@ -77,8 +77,10 @@ FitModel ModelMaker::make() {
 
 void ModelMaker::add_dofs() {
   model_.tree = robot_.tree();
-  model_.lower.assign(KinematicTree::kBaseDofs, -kInfinity);
-  model_.upper.assign(KinematicTree::kBaseDofs, kInfinity);
+  model_.base_is_held = robot_.fixed_base();
+  const double root = model_.base_is_held ? 0.0 : kInfinity;
+  model_.lower.assign(KinematicTree::kBaseDofs, -root);
+  model_.upper.assign(KinematicTree::kBaseDofs, root);
   model_.speed_limit.assign(KinematicTree::kBaseDofs, kInfinity);
   for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
     const int joint = model_.tree.links()[link].joint;

@@ -84,10 +84,12 @@ struct BoundingSphere {
 /// All that a fit takes from robot, configuration and options; the same for every frame. Immutable.
 /// Links and degrees of freedom are the tree's.
 struct FitModel {
-  KinematicTree tree;                ///< Of all joints.
-  std::vector<double> lower, upper;  ///< By degree of freedom; infinite for the root.
-  std::vector<double> speed_limit;   ///< By degree of freedom, rad/s or m/s; infinite: none.
-  std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
+  KinematicTree tree;  ///< Of all joints.
+  /// By degree of freedom; infinite for the root, 0 where the base stands fast.
+  std::vector<double> lower, upper;
+  bool base_is_held = false;
+  std::vector<double> speed_limit;  ///< By degree of freedom, rad/s or m/s; infinite: none.
+  std::vector<double> smoothness;   ///< Weight by degree of freedom, per rad/s or m/s.
   std::vector<FitTask> tasks;
   std::vector<FitFoot> feet;
   std::vector<SupportBody> supports;                  ///< What else may carry the robot.

@@ -25,6 +25,9 @@ struct PathScales {
 /// Contacts, floor and overlaps, whose amounts matter in metres, never count less.
 [[nodiscard]] FitOptions sized_options(FitOptions options, double leg);
 
+/// The options for a robot: one whose base stands fast has neither floor nor feet.
+[[nodiscard]] FitOptions options_for(const Robot& robot, FitOptions options);
+
 /// The sides on which the source has what foot contacts are found from.
 [[nodiscard]] SourceSides sides_with_feet(const HumanClipInfo& info);
 

@@ -107,6 +107,10 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
                        task.rotation_weight * task.rotation_weight});
     }
   }
+  if (problem_->robot->fixed_base()) {
+    lower_.head<KinematicTree::kBaseDofs>().setZero();
+    upper_.head<KinematicTree::kBaseDofs>().setZero();
+  }
   errors_.resize(pairs_.size());
   lever_.resize(pairs_.size());
   known_.assign(pairs_.size(), 0);

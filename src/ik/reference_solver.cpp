@@ -139,6 +139,11 @@ void ReferenceSolver::add_task(const FrameTask& task, const Vector6d& error) {
 void ReferenceSolver::set_bounds() {
   lower_.setConstant(-std::numeric_limits<double>::infinity());
   upper_.setConstant(std::numeric_limits<double>::infinity());
+  if (problem_->robot->fixed_base()) {
+    constexpr int kBaseDofs = 6;
+    lower_.head<kBaseDofs>().setZero();
+    upper_.head<kBaseDofs>().setZero();
+  }
   const auto& joints = problem_->robot->joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const double q = data_->qpos[joints[j].qpos_address];

@@ -219,7 +219,7 @@ bool LiveSession::Impl::feed(const HumanPose& human) {
   std::ranges::copy(targets.qpos(), wanted_.begin());
   for (std::size_t k = 0; k < 3; ++k) wanted_[k] += path[static_cast<int>(k)];
   wanted_[2] -= floor;
-  if (options_.floor) body_->holder.stand(body_->feet, wanted_);
+  if (options_.floor && !robot().fixed_base()) body_->holder.stand(body_->feet, wanted_);
   return true;
 }
 

@@ -30,7 +30,7 @@ LiveTargets::LiveTargets(const Plan& plan, const HumanClipInfo& human, TargetBui
       solver_limits_(as_fit_ ? first_limits(*robot_, limits_) : limits_),
       human_(human),
       targets_(std::move(targets)),
-      options_(plan.fit),
+      options_(options_for(*plan.robot.robot, plan.fit)),
       solver_(make_problem(robot_, config_, targets_, solver_limits_), engine_, IkOptions()),
       world_from_target_(static_cast<std::size_t>(targets_.target_count())),
       qpos_(robot_->zero_configuration()),

@@ -14,6 +14,8 @@ StandingPose::StandingPose(const Robot& robot, const LimitSet& limits)
     double& value = qpos_[static_cast<std::size_t>(robot.joints()[joint].qpos_address)];
     value = std::clamp(value, limits.lower[joint], limits.upper[joint]);
   }
+  stands_fast_ = robot.fixed_base();
+  if (stands_fast_) return;
   std::ranges::fill_n(qpos_.begin(), 7, 0.0);
   qpos_[3] = 1.0;
   std::vector<Pose> world_from_body(robot.bodies().size());
@@ -34,6 +36,7 @@ StandingPose::StandingPose(const Robot& robot, const LimitSet& limits)
 }
 
 void StandingPose::place(std::span<const double> qpos) {
+  if (stands_fast_) return;
   qpos_[0] = qpos[0];
   qpos_[1] = qpos[1];
   // of the rotation the turn about the vertical

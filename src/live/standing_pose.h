@@ -18,6 +18,7 @@ class StandingPose {
 
  private:
   std::vector<double> qpos_;
+  bool stands_fast_ = false;
 };
 
 }  // namespace retarget

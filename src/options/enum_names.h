@@ -43,6 +43,10 @@ template <>
 inline constexpr auto kEnumNames<Interpolation> = std::to_array<NamedValue<Interpolation>>(
     {{Interpolation::kLinear, "linear"}, {Interpolation::kCubic, "cubic"}});
 template <>
+inline constexpr auto kEnumNames<RobotBase> = std::to_array<NamedValue<RobotBase>>(
+    {{RobotBase::kAuto, "auto"}, {RobotBase::kFixed, "fixed"}});
+
+template <>
 inline constexpr auto kEnumNames<ScaleRule> = std::to_array<NamedValue<ScaleRule>>(
     {{ScaleRule::kTable, "table"}, {ScaleRule::kHeight, "height"}, {ScaleRule::kLimbs, "limbs"}});
 // kFrame is chosen by its frame, and has no name

@@ -186,7 +186,11 @@ OptionTable robot_table(RobotChoice& options) {
                  {.file = OptionFile::kContent}),
           option("dof", options.variant, kRobotGroup, "NAME",
                  "Variant of the robot with fewer joints, for which the motion is solved: 29, 27, "
-                 "23 or 23-pbhc for the G1 (default: all)")};
+                 "23 or 23-pbhc for the G1 (default: all)"),
+          option("base", options.base, kRobotGroup, "",
+                 "fixed: the robot's base stands fast, on a stand, on wheels or held, and only "
+                 "what it carries follows the human; feet and floor play no part (default: as the "
+                 "robot's profile says)")};
 }
 
 OptionTable solve_table(SolveOptions& options) {

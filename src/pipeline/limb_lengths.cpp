@@ -40,6 +40,7 @@ class RobotMeasure {
       : robot_(robot), config_(config), posed_(robot.tree(), robot.zero_configuration()) {}
 
   Result<RobotLimbs> measure();
+  Result<RobotLimbs> measure_arms();
   Result<double> measure_leg();
 
  private:
@@ -244,6 +245,16 @@ Result<double> RobotMeasure::measure_leg() {
   return legs.length;
 }
 
+Result<RobotLimbs> RobotMeasure::measure_arms() {
+  limbs_.forearms = has_forearms();
+  TRY_ASSIGN(const Pair arms,
+             measure_pair({arm_of(Side::kLeft), arm_of(Side::kRight)}, limbs_.forearms ? 3 : 2));
+  limbs_.shoulder_centre = arms.middle;
+  limbs_.shoulder_line = arms.across;
+  limbs_.lengths.arm = arms.length;
+  return limbs_;
+}
+
 Result<RobotLimbs> RobotMeasure::measure() {
   TRY_ASSIGN(const Pair legs, measure_pair({leg_of(Side::kLeft), leg_of(Side::kRight)}));
   find_ankle_height();
@@ -295,6 +306,10 @@ LimbLengths human_limb_lengths(const HumanPose& world_from_bone, bool forearms) 
 
 Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config) {
   return RobotMeasure(robot, config).measure();
+}
+
+Result<RobotLimbs> robot_arms(const Robot& robot, const ResolvedConfig& config) {
+  return RobotMeasure(robot, config).measure_arms();
 }
 
 Result<double> robot_leg_length(const Robot& robot, const ResolvedConfig& config) {

@@ -64,6 +64,9 @@ inline constexpr std::array kMeasuredBones = {
 /// a limb has no length.
 [[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config);
 
+/// The arms alone, of an upper body: no legs, no trunk, nothing of hips. Errors as robot_limbs.
+[[nodiscard]] Result<RobotLimbs> robot_arms(const Robot& robot, const ResolvedConfig& config);
+
 /// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.
 [[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const ResolvedConfig& config);
 

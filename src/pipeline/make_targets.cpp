@@ -72,6 +72,11 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   const double height = scale == ScaleRule::kTable ? human.height : human.size;
   TargetBuilder targets(config, height, scale);
   TRY(check_bones(human, targets, config.file));
+  if (const auto held = held_base(robot, config)) {
+    targets.hold(*held);
+    if (trunk == TrunkRule::kLines && !human.built) targets.aim_limbs(config);
+    return targets;
+  }
   if (scale != ScaleRule::kLimbs || human.frame_count == 0) return targets;
   TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
   TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));

@@ -78,6 +78,7 @@ class ClipSolver {
  private:
   // the robot's root where the configuration wants it
   void place_root(std::span<const Pose> world_from_target) {
+    if (robot_->fixed_base()) return;
     const Pose& pose = world_from_target.front();
     if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
     std::ranges::copy(pose.translation, qpos_.begin());

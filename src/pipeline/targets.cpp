@@ -58,7 +58,10 @@ TargetBuilder::TargetBuilder(const ResolvedConfig& config, const RobotLimbs& rob
       rule.scale = trunk_scale_;
     }
   }
-  if (!trunk_) return;
+  if (trunk_) aim_limbs(config);
+}
+
+void TargetBuilder::aim_limbs(const ResolvedConfig& config) {
   const ConfigTask* const torso = torso_task(config);
   find_parts(torso == nullptr ? std::nullopt : std::optional(torso->bone));
 }
@@ -166,6 +169,14 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
     if (rule.of_arm) scaled += shoulders_moved;
     scaled += rule.leg_side * left_hip_moved;
     world_from_target[i] = offset_target(rotation, scaled, rule.position_offset);
+  }
+  if (!held_) return;
+  const Eigen::Quaterniond turn = held_->turn(world_from_bone);
+  const Eigen::Vector3d from = world_from_target[0].translation;
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    Pose& target = world_from_target[i];
+    target = {(turn * target.rotation).normalized(),
+              held_->place() + turn * (target.translation - from)};
   }
 }
 

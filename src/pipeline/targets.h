@@ -9,6 +9,7 @@
 
 #include "human/human_clip.h"
 #include "ik/ik_solver.h"
+#include "pipeline/held_base.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_aim.h"
 #include "pipeline/trunk_lines.h"
@@ -41,6 +42,8 @@ namespace retarget {
 /// as the human's; arms are then moved along with its shoulders, by the way between where s_trunk has
 /// the middle of the shoulders and where the robot's is, and each leg with its hip, by the way between
 /// where s_leg has the hip and where the robot's is: hips are not as wide as legs are long.
+/// All targets of a robot whose base stands fast are then seen from the base (HeldBase), with the root's
+/// in its place.
 /// Here r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
 /// not use has those of table 2.
 class TargetBuilder {
@@ -55,6 +58,12 @@ class TargetBuilder {
   /// Arms and legs turn as their bones from now on: those of a robot, whose elbows and knees are
   /// hinges already, and whose bones know more of them than the lines between joints.
   void keep_bones() { aims_limbs_ = false; }
+
+  /// Targets are those of a human as a robot sees it whose base stands fast, from now on.
+  void hold(const HeldBase& base) { held_ = base; }
+  [[nodiscard]] bool base_is_held() const { return held_.has_value(); }
+  /// Arms and legs point as the lines between their joints do, as with a TrunkAim.
+  void aim_limbs(const ResolvedConfig& config);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
   /// Bone of each target; the root first.
@@ -93,6 +102,7 @@ class TargetBuilder {
   double leg_scale_ = 1.0, trunk_scale_ = 1.0;
   double lift_ = 0.0;  // metres
   std::optional<TrunkAim> trunk_;
+  std::optional<HeldBase> held_;
 };
 
 /// The targets of a human's clip under a way of scaling.

@@ -50,6 +50,8 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
       std::string("a profile defines them (docs/robots.md)") +
       (may_have_profile ? ": " OPTION("robot-profile") " FILE" : ", this robot's does not");
   auto completed = complete_bare_robot(*loaded.robot, loaded.model);
+  const bool stands = loaded.robot->fixed_base();
+  if (!completed && stands) return;
   if (!completed) {
     loaded.warnings.push_back(
         {0, 0,
@@ -58,7 +60,7 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
                      remedy, completed.error().message)});
     return;
   }
-  loaded.notes.push_back({"soles", completed->note + "; " + remedy});
+  if (!stands) loaded.notes.push_back({"soles", completed->note + "; " + remedy});
   if (completed->guessed) warn_of_guessed_soles(loaded);
   if (const int parts = completed->shapeless; parts > 0) {
     loaded.warnings.push_back(
@@ -97,9 +99,11 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
     loaded.model = files.model.string();
     loaded.profile = files.profile.string();
   }
-  TRY_ASSIGN(loaded.robot, load_robot_files(loaded.model, loaded.profile));
-  if (soles == Soles::kFound && loaded.robot->profile().soles.empty()) find_soles(choice, loaded);
-  if (loaded.robot->profile().soles_estimated) {
+  TRY_ASSIGN(loaded.robot, load_robot_files(loaded.model, loaded.profile, choice.base));
+  const bool bare =
+      loaded.robot->fixed_base() ? loaded.profile.empty() : loaded.robot->profile().soles.empty();
+  if (soles == Soles::kFound && bare) find_soles(choice, loaded);
+  if (loaded.robot->profile().soles_estimated && !loaded.robot->fixed_base()) {
     loaded.notes.push_back({"soles", loaded.robot->profile().soles_source + ": " + loaded.profile});
     warn_of_guessed_soles(loaded);
   }

@@ -50,6 +50,8 @@ ScaleRule choose_scale(const HumanInClip& human, const Robot& robot, const Resol
                        const Options& options) {
   const SolveOptions& solve = options.solve;
   if (solve.scale) return *solve.scale;
+  // the places of an upper body's hands are not followed
+  if (robot.fixed_base()) return ScaleRule::kHeight;
   // the published method takes every body of LAFAN1 for one, and the tables that are made for it do
   const bool as_published =
       solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");

@@ -132,7 +132,8 @@ void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks) {
   if (soles) {
     measure_depth(draft, tracks.lowest_sole, "foot_pen_1cm_pct", "foot_pen_max_cm");
   }
-  if (soles || !tracks.self_contact.empty()) {
+  const bool floor = !draft.clip.robot().fixed_base();
+  if (floor && (soles || !tracks.self_contact.empty())) {
     measure_depth(draft, tracks.lowest, "body_pen_1cm_pct", "body_pen_max_cm");
     const auto high =
         std::ranges::count_if(tracks.lowest, [](const Lowest& low) { return low.height > kHigh; });

@@ -8,6 +8,7 @@
 #include "human/contact_plan.h"
 #include "human/human_clip.h"
 #include "human/source_feet.h"
+#include "pipeline/held_base.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/limit_diagnosis.h"
 #include "quality/acceleration_metrics.h"
@@ -80,6 +81,18 @@ void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
   }
 }
 
+// a robot whose base stands fast has its human before itself, and no floor
+void measure_held(const ReportBuilder& draft, const BodyTracks& tracks,
+                  const QualitySource& source) {
+  const int frames = std::min(draft.clip.frame_count(), source.human->frame_count);
+  draft.report.source_frames = frames;
+  const HumanClip seen = seen_by(HeldBase(draft.clip.robot(), *source.config),
+                                 source.config->root_bone, *source.human);
+  QualitySource held = source;
+  held.human = &seen;
+  measure_tracking(draft, tracks, held, frames);
+}
+
 }  // namespace
 
 QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
@@ -102,7 +115,9 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
       track_bodies(clip, tracked ? tracked_bodies(*source->config) : std::vector<int>(),
                    options.self_collision_stride);
   measure_bodies(draft, tracks);
-  if (source != nullptr) {
+  if (tracked && clip.robot().fixed_base()) {
+    measure_held(draft, tracks, *source);
+  } else if (source != nullptr) {
     const int frames = std::min(clip.frame_count(), source->human->frame_count);
     report.source_frames = frames;
     // what stands is learned from the part that is compared

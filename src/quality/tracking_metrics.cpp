@@ -231,7 +231,8 @@ const Row* TrackingMeasure::row_of(Bone bone) const {
 
 void TrackingMeasure::measure_limbs() const {
   // between the joints' centres where the robot's tree tells them, else between the bodies' origins
-  const auto limbs = robot_limbs(draft_.clip.robot(), config_);
+  const Robot& robot = draft_.clip.robot();
+  const auto limbs = robot.fixed_base() ? robot_arms(robot, config_) : robot_limbs(robot, config_);
   std::vector<double> all;
   double worst = 0.0;
   for (const LimbSegment& segment : kLimbSegments) {

@@ -278,7 +278,8 @@ void Doctor::check_profile() {
          (missing.size() == robot_.output_joints().size() ? "any joint" : list_names(missing, 6)) +
          ": " + number_text(profile.default_speed_limit) + " rad/s is used");
   }
-  if (profile.soles.size() < 2) note("the soles are not known (\"soles\" in robot.json)");
+  if (profile.soles.size() < 2 && !profile.fixed_base)
+    note("the soles are not known (\"soles\" in robot.json)");
   if (profile.t_pose.empty() && limbs_) {
     note("the T-pose is not known (\"t_pose\" in robot.json)");
   }
@@ -298,7 +299,7 @@ std::vector<RobotFinding> Doctor::examine() {
   }
   if (limbs_ && resolved_) {
     check_offsets();
-    check_reach();
+    if (limbs_->has_legs) check_reach();
     check_sides_of_config();
   }
   if (resolved_) check_moved_joints();

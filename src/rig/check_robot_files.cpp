@@ -34,6 +34,7 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
       if (read) config = std::move(*read);
     }
     for (RobotFinding& finding : check_robot(robot, config ? &*config : nullptr)) {
+      finding.text = spell_options(finding.text, spelling);
       if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
         continue;
       // what only the second configuration is to blame for
@@ -49,12 +50,12 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
 Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
                                                    OptionSpelling spelling) {
   const std::string name = std::filesystem::path(sources.model).stem().string();
-  TRY_ASSIGN(auto imported, import_robot(sources.model, name));
+  TRY_ASSIGN(auto imported, import_robot(sources.model, name, sources.base));
   std::vector<RobotFinding> findings;
   const auto limbs = find_limbs(*imported.robot, sources.model);
   if (limbs) {
     const auto chains = check_closed_chains(imported, *limbs, sources.model, imported.notes);
-    if (!chains) findings.push_back({true, full_message(chains.error())});
+    if (!chains) findings.push_back({true, spell_options(full_message(chains.error()), spelling)});
     imported.notes.insert(imported.notes.end(), limbs->notes.begin(), limbs->notes.end());
   }
   for (const std::string& warning : imported.robot->warnings())
@@ -76,10 +77,10 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
     return check_bare_model(sources, spelling);
   }
   std::vector<RobotFinding> findings;
-  auto robot = load_robot_files(sources.model, sources.profile);
+  auto robot = load_robot_files(sources.model, sources.profile, sources.base);
   if (!robot) {
     // a profile at fault does not hide what is odd about the model
-    TRY_ASSIGN(auto bare, load_robot_files(sources.model));
+    TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
     findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
     robot = std::move(bare);
   }

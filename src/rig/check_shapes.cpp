@@ -49,8 +49,9 @@ constexpr const char* kNotCounted =
 std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& model_path) {
   std::vector<RobotFinding> findings;
   const RobotProfile& profile = robot.profile();
-  if (profile.soles_estimated) findings.push_back({false, "the soles are " + profile.soles_source});
-  if (profile.soles.empty()) {
+  if (profile.soles_estimated && !profile.fixed_base)
+    findings.push_back({false, "the soles are " + profile.soles_source});
+  if (profile.soles.empty() && !profile.fixed_base) {
     const auto completed = complete_bare_robot(robot, model_path);
     if (!completed) return findings;
     findings.push_back({false, "a run takes the soles as " + completed->note});

@@ -49,6 +49,7 @@ class ConfigMaker {
  public:
   ConfigMaker(const Robot& robot, const RobotAnatomy& limbs, const DeriveOptions& options)
       : robot_(robot), limbs_(limbs), options_(options), scales_(derive_scales(limbs)) {
+    if (!limbs.has_legs) return;
     const TreeState posed(robot.tree(), reference_configuration(robot));
     const auto root_of = [&](const Limb& limb) -> Eigen::Vector3d {
       return posed.world_from_body(limb.upper.body) * limb.upper.joint;
@@ -73,7 +74,7 @@ class ConfigMaker {
   DerivedScales scales_;
   double wider_ = 0.0;   // half the hips' width beyond the scaled human's
   double higher_ = 0.0;  // ankles over the soles beyond the scaled human's
-  Eigen::Vector3d hips_in_pelvis_;
+  Eigen::Vector3d hips_in_pelvis_ = Eigen::Vector3d::Zero();
 };
 
 // from the joint to the body's origin, in the body's frame; legs stand apart and high as the robot's
@@ -97,7 +98,7 @@ RetargetingConfig ConfigMaker::make() const {
   constexpr double kWholeHeight = kHuman.height / kHeightAssumption;
   RetargetingConfig config;
   config.robot_root = robot_.bodies()[limbs_.pelvis].name;
-  config.human_root = "Hips";
+  config.human_root = std::string(bone_name(bone_parts(limbs_).front().bone));
   config.human_height_assumption = kHeightAssumption;
   for (const BonePart& part : bone_parts(limbs_)) {
     const std::string name(bone_name(part.bone));
@@ -108,7 +109,9 @@ RetargetingConfig ConfigMaker::make() const {
     config.scales.emplace_back(name, rounded(scale, 4));
     const Limb& arm = limbs_.arms[side_of(part.bone) == Side::kLeft ? 0 : 1];
     for (int pass = 0; pass < 2; ++pass) {
-      const Weights weights = weights_of(part.bone, pass, arm.end_joints);
+      Weights weights = weights_of(part.bone, pass, arm.end_joints);
+      // where an upper body stands says nothing of where its human does: its limbs turn as the human's
+      if (!limbs_.has_legs) weights.position = 0.0;
       IkMatch row;
       row.body = robot_.bodies()[part.part.body].name;
       row.bone = name;
@@ -140,8 +143,8 @@ DerivedScales derive_scales(const RobotAnatomy& limbs) {
                   pair[1].lower_length);
   };
   DerivedScales scales;
-  scales.leg = mean_length(limbs.legs) / (kHuman.thigh + kHuman.shin);
   scales.arm = mean_length(limbs.arms) / (kHuman.upper_arm + kHuman.forearm);
+  scales.leg = limbs.has_legs ? mean_length(limbs.legs) / (kHuman.thigh + kHuman.shin) : scales.arm;
   return scales;
 }
 

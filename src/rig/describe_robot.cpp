@@ -40,11 +40,13 @@ std::string limbs_section(const RobotFindings& findings) {
   std::string text =
       "## Limbs\n\n| part | bodies | bends at | lengths | how sure |\n|---|---|---|---|---|\n";
   text += fmt::format(
-      "| pelvis | {} | | | both legs hang from it |\n| torso | {}{} | | | both arms hang from it "
-      "|\n",
-      body_name(findings, limbs.pelvis), body_name(findings, limbs.torso),
-      limbs.torso == limbs.pelvis ? " (the pelvis)" : "");
+      "| {} | {} | | | {} |\n| torso | {}{} | | | both arms hang from it |\n",
+      limbs.has_legs ? "pelvis" : "base", body_name(findings, limbs.pelvis),
+      limbs.has_legs ? "both legs hang from it" : "it stands fast",
+      body_name(findings, limbs.torso),
+      limbs.torso == limbs.pelvis ? (limbs.has_legs ? " (the pelvis)" : " (the base)") : "");
   for (const bool is_leg : {true, false}) {
+    if (is_leg && !limbs.has_legs) continue;
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = is_leg ? limbs.legs[side] : limbs.arms[side];
       const int middle = limb.joints[limb.middle];
@@ -85,17 +87,25 @@ std::string rest_section(const RobotFindings& findings) {
   const auto count = [&](ShapeSource source) {
     return std::ranges::count(findings.shapes.shapes, source, &RoughShape::source);
   };
+  const auto shapes_text = fmt::format(
+      "* Collision shapes: {} of the model, {} fitted to meshes, {} estimated. Neighbours in the "
+      "tree and what overlaps by the model itself may touch.\n* Speed limits: {} of {} joints from "
+      "the model, else {} rad/s.\n",
+      count(ShapeSource::kModel), count(ShapeSource::kMesh), count(ShapeSource::kEstimated),
+      findings.speed_count, findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
+  if (!findings.limbs.has_legs) {
+    return "## Base, shapes, speeds\n\n* The base stands fast: limbs turn as the human's, as seen "
+           "from the human's " +
+           std::string(findings.limbs.torso == findings.limbs.pelvis ? "chest" : "hips") + ".\n" +
+           shapes_text;
+  }
   return fmt::format(
       "## Scales\n\nLegs are {} of the human's, arms {}: a straight human leg is a straight robot "
       "leg, "
       "arms likewise.\n\n## Soles, shapes, speeds\n\n* Soles: {}. The ankles stand {} above them.\n"
-      "* Collision shapes: {} of the model, {} fitted to meshes, {} estimated. Neighbours in the "
-      "tree and what overlaps by the model itself may touch.\n* Speed limits: {} of {} joints from "
-      "the model, else {} rad/s.\n",
+      "{}",
       number_text(rounded(scales.leg, 3)), number_text(rounded(scales.arm, 3)),
-      findings.shapes.sole_note, metres(findings.shapes.ankle_height), count(ShapeSource::kModel),
-      count(ShapeSource::kMesh), count(ShapeSource::kEstimated), findings.speed_count,
-      findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
+      findings.shapes.sole_note, metres(findings.shapes.ankle_height), shapes_text);
 }
 
 }  // namespace
@@ -111,6 +121,7 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
   for (const bool is_leg : {true, false}) {
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = is_leg ? findings.limbs.legs[side] : findings.limbs.arms[side];
+      if (limb.joints.empty()) continue;
       if (limb.clarity >= kClear) continue;
       const int middle = limb.joints[limb.middle];
       notes.push_back(
@@ -144,6 +155,11 @@ std::vector<std::string> summary_of(const RobotFindings& findings) {
   double worst = 0.0;
   for (const TPoseResidual& residual : findings.t_pose.residuals) {
     worst = std::max({worst, residual.direction, residual.twist});
+  }
+  if (!limbs.has_legs) {
+    return {"base: " + body_name(findings, limbs.pelvis) + ", which stands fast",
+            "left arm: " + chain_text(findings, limbs.arms[0]),
+            "T-pose: every bone within " + degrees_text(worst) + " degrees"};
   }
   return {"trunk: " + body_name(findings, limbs.pelvis) +
               (limbs.torso == limbs.pelvis ? "" : ", " + body_name(findings, limbs.torso)),

@@ -35,7 +35,8 @@ std::string quoted_names(std::vector<std::string> names) {
 
 }  // namespace
 
-Result<ImportedRobot> import_robot(const std::string& path, const std::string& name) {
+Result<ImportedRobot> import_robot(const std::string& path, const std::string& name,
+                                   RobotBase base) {
   ModelChanges changes;
   changes.float_base = true;
   changes.name_all = true;
@@ -43,10 +44,11 @@ Result<ImportedRobot> import_robot(const std::string& path, const std::string& n
   TRY(check_robot_joints(*loaded.model, path));
   TRY(check_names(*loaded.model, path));
   ImportedRobot imported;
+  const bool fixed = base == RobotBase::kFixed;
   if (!loaded.sliding.empty()) {
-    imported.notes.push_back("the root moved by " + quoted_names(loaded.sliding) +
-                             ": a free joint takes their place");
-  } else if (!loaded.floated_body.empty()) {
+    imported.notes.push_back("the root moved by " + quoted_names(loaded.sliding) + ": " +
+                             (fixed ? "they are held" : "a free joint takes their place"));
+  } else if (!loaded.floated_body.empty() && !fixed) {
     imported.notes.push_back("the model had no free joint: \"" + loaded.floated_body +
                              "\" was made to float");
   }
@@ -58,6 +60,7 @@ Result<ImportedRobot> import_robot(const std::string& path, const std::string& n
   imported.excluded = std::move(loaded.excluded);
   RobotProfile profile;
   profile.name = name;
+  profile.fixed_base = fixed;
   profile.coupled_joints = std::move(loaded.couplings);
   imported.robot = std::make_shared<Robot>(std::move(loaded.model), std::move(profile),
                                            std::move(loaded.warnings));
@@ -70,7 +73,10 @@ Result<void> check_closed_chains(const ImportedRobot& imported, const RobotAnato
   const KinematicTree& tree = robot.tree();
   std::vector<int> ends;
   for (const auto* pair : {&limbs.legs, &limbs.arms}) {
-    for (const Limb& limb : *pair) ends.push_back(tree.link_of_joint(limb.joints.back()));
+    for (const Limb& limb : *pair) {
+      if (limb.joints.empty()) continue;
+      ends.push_back(tree.link_of_joint(limb.joints.back()));
+    }
   }
   // moves with a limb or carries one
   const auto is_main = [&](const std::string& name) {

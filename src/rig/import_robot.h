@@ -13,7 +13,8 @@
 
 namespace retarget {
 
-/// A robot read from a model that was not made for this program: floating, every part named.
+/// A robot read from a model that was not made for this program: floating, or a base that stands fast,
+/// and every part named.
 struct ImportedRobot {
   std::shared_ptr<Robot> robot;
   std::vector<std::string> notes;                             ///< What was changed, one line each.
@@ -22,8 +23,10 @@ struct ImportedRobot {
 };
 
 /// Reads a model. Its profile has nothing but the name and couplings of joints.
+/// @param base  kFixed: the robot's base stands fast (Robot::fixed_base).
 /// kConfig errors: what load_model and check_robot_joints reject, names that are not UTF-8.
-[[nodiscard]] Result<ImportedRobot> import_robot(const std::string& path, const std::string& name);
+[[nodiscard]] Result<ImportedRobot> import_robot(const std::string& path, const std::string& name,
+                                                 RobotBase base = RobotBase::kAuto);
 
 /// Tells what a tree makes of a robot's closed chains: rods and other helpers beside the limbs stay
 /// as they are, which `notes` says.

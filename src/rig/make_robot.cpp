@@ -85,6 +85,7 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
   json["name"] = robot.name();
   json["description"] = robot.name() + ", " + std::to_string(robot.joints().size()) + " joints";
   json["source"] = source;
+  if (robot.fixed_base()) json["base"] = "fixed";
   json["joint_order"] = robot.joint_names();
   json["speed_limits"] = Json::object();
   for (const RobotJoint& joint : robot.joints()) {
@@ -112,10 +113,11 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
 
 }  // namespace
 
-Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
+Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name,
+                             RobotBase base) {
   MadeRobot made;
   made.name = name;
-  TRY_ASSIGN(auto imported, import_robot(model_path, name));
+  TRY_ASSIGN(auto imported, import_robot(model_path, name, base));
   Robot& robot = *imported.robot;
   made.notes = std::move(imported.notes);
   for (RobotFinding& finding : model_findings(robot)) {

@@ -173,7 +173,9 @@ std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pat
         std::clamp(position, limits.lower[joint], limits.upper[joint]);
   };
   for (const auto* pair : {&limbs.legs, &limbs.arms}) {
-    for (const Limb& limb : *pair) set(limb.joints[limb.middle], limb.straight);
+    for (const Limb& limb : *pair) {
+      if (!limb.joints.empty()) set(limb.joints[limb.middle], limb.straight);
+    }
   }
   for (std::size_t side = 0; side < 2; ++side) {
     const Limb& arm = limbs.arms[side];
@@ -214,14 +216,17 @@ BoneAxesError bone_axes_error(const Eigen::Matrix3d& axes, const Eigen::Matrix3d
 
 std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
   std::vector<BonePart> parts;
-  parts.push_back({Bone::kHips, {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
+  // a base that carries the arms itself is the chest of an upper body
+  const bool is_chest = !limbs.has_legs && limbs.torso == limbs.pelvis;
+  parts.push_back({is_chest ? Bone::kSpine2 : Bone::kHips,
+                   {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
   const auto add_limb = [&](const Limb& limb, std::size_t side,
                             const std::array<LimbBone, 3>& bones) {
     parts.push_back({side_bone(kSides[side], bones[0]), limb.upper});
     parts.push_back({side_bone(kSides[side], bones[1]), limb.lower});
     if (limb.end) parts.push_back({side_bone(kSides[side], bones[2]), *limb.end});
   };
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (std::size_t side = 0; side < 2 && limbs.has_legs; ++side) {
     add_limb(limbs.legs[side], side, {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFootMod});
   }
   if (limbs.torso != limbs.pelvis) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
 #include "robot/check_model.h"
@@ -262,10 +263,13 @@ Result<void> check_robot_joints(const mjModel_& model, const std::string& path) 
   const int* types = model.jnt_type;
   const auto free_joints = std::count(types, types + model.njnt, mjJNT_FREE);
   if (free_joints == 0) {
-    return config_failure(path, "the model has no free joint: its base cannot move",
-                          std::filesystem::path(path).extension() == ".urdf"
-                              ? "convert the URDF to MJCF and add <freejoint/> to the root body"
-                              : "add <freejoint/> to the root body");
+    return config_failure(
+        path, "the model has no free joint: its base cannot move",
+        std::filesystem::path(path).extension() == ".urdf"
+            ? "convert the URDF to MJCF and add <freejoint/> to the root body; "
+              "of a robot that stands fast, " OPTION("base") " fixed"
+            : "add <freejoint/> to the root body; of a robot that stands fast, " OPTION(
+                  "base") " fixed");
   }
   if (free_joints > 1) {
     return config_failure(path, "the model has " + std::to_string(free_joints) +

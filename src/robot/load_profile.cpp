@@ -22,6 +22,7 @@ const std::vector<std::string> kKeys = {"name",
                                         "description",
                                         "source",
                                         "licence",
+                                        "base",
                                         "joint_order",
                                         "limit_sets",
                                         "default_limits",
@@ -75,6 +76,7 @@ class ProfileReader {
     profile_.description = members_.text("description");
     profile_.source = members_.text("source");
     profile_.licence = members_.text("licence");
+    read_base();
     read_joint_order();
     read_limit_sets();
     profile_.default_limits = members_.text("default_limits");
@@ -264,6 +266,13 @@ class ProfileReader {
       }
       profile_.variants.push_back(std::move(variant));
     }
+  }
+
+  void read_base() {
+    const std::string base = members_.text("base");
+    profile_.fixed_base = base == "fixed";
+    if (base.empty() || base == "fixed" || base == "floating") return;
+    faults_.add("\"base\" must be \"fixed\" or \"floating\", found " + quoted(base));
   }
 
   void read_soles() {

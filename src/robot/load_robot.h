@@ -4,6 +4,7 @@
 #include <string>
 
 #include "retarget/error.h"
+#include "retarget/options.h"
 #include "retarget/robot.h"
 #include "robot/find_robot.h"
 
@@ -15,7 +16,8 @@ namespace retarget {
 /// assets, actuators, sensors, tendons, equalities, keyframes. So no file is needed beside the
 /// MJCF and what it includes; inertias that come from meshes are lost. MuJoCo's errors become ours
 /// (kConfig, with the line where MuJoCo tells it), its warnings Robot::warnings; nothing is
-/// printed. The model must have one free joint, its first, and else hinges and slides.
+/// printed. The model must have one free joint, its first, and else hinges and slides; that of a robot
+/// whose base stands fast may have none.
 ///
 /// Without a profile the robot has its file's name, its model's joint order and ranges, and no
 /// soles. A profile is JSON; every key but `name` may be left out:
@@ -23,6 +25,7 @@ namespace retarget {
 /// | key | value |
 /// |---|---|
 /// | `name`, `description`, `source`, `licence` | texts |
+/// | `base` | `floating` (default) or `fixed`: the robot has no soles, whatever `soles` says |
 /// | `joint_order` | joint names: the output columns; joints not named are not written |
 /// | `limit_sets` | name: `{"source": text, "ranges": {joint: [lower, upper]}}`, rad or m; joints
 /// not named keep the model's range; the set `model` is always there |
@@ -45,7 +48,9 @@ namespace retarget {
 /// [name, ...]}`; see variant.h |
 ///
 /// Faults of a profile are named all at once (kConfig), with the nearest name where one is unknown.
+/// @param base  kFixed: whatever the profile says.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot_files(
-    const std::string& model_path, const std::string& profile_path = {});
+    const std::string& model_path, const std::string& profile_path = {},
+    RobotBase base = RobotBase::kAuto);
 
 }  // namespace retarget

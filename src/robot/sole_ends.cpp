@@ -8,6 +8,8 @@
 namespace retarget {
 namespace {
 
+constexpr double kNoWidth = 1e-3;  // metres: corners on a line tell no plane
+
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
   const Eigen::Vector3d sum =
       std::accumulate(points.begin(), points.end(), Eigen::Vector3d(0.0, 0.0, 0.0));
@@ -42,6 +44,20 @@ std::vector<int> ends_of_points(const Sole& sole) {
   return ends;
 }
 
+// from the middle line to the corner that is farthest from it, square to the line
+Eigen::Vector3d across_sole(const std::array<std::vector<Eigen::Vector3d>, 2>& corners,
+                            const SoleShape& shape, const Eigen::Vector3d& forward) {
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+  for (std::size_t end = 0; end < 2; ++end) {
+    for (const Eigen::Vector3d& corner : corners[end]) {
+      const Eigen::Vector3d out = corner - shape.ends[end].middle;
+      const Eigen::Vector3d square = out - forward * forward.dot(out);
+      if (square.norm() > across.norm()) across = square;
+    }
+  }
+  return across;
+}
+
 }  // namespace
 
 std::optional<SoleShape> sole_shape(const Sole& sole) {
@@ -63,10 +79,16 @@ std::optional<SoleShape> sole_shape(const Sole& sole) {
   }
   const Eigen::Vector3d heel = shape.ends[kSoleHeel].middle;
   const Eigen::Vector3d forward = (shape.ends[kSoleToe].middle - heel).normalized();
-  // distance of the origin from the heel-toe line is its height, for ankles stand above it
-  const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
+  // what is up: square to the corners' plane, to where the body's origin is
+  const Eigen::Vector3d to_origin = forward * forward.dot(heel) - heel;
+  const Eigen::Vector3d across = across_sole(corners, shape, forward);
+  Eigen::Vector3d above = to_origin;
+  if (across.norm() > kNoWidth) {
+    above = forward.cross(across);
+    if (above.dot(to_origin) < 0.0) above = -above;
+  }
   shape.sideways = above.cross(forward).normalized();
-  shape.body_height = (heel - forward * forward.dot(heel)).norm();
+  shape.body_height = to_origin.dot(above.normalized());
   for (std::size_t end = 0; end < 2; ++end) {
     SolePoints& of_end = shape.ends[end];
     const Eigen::Vector3d outwards = end == kSoleToe ? forward : Eigen::Vector3d(-forward);

@@ -111,11 +111,13 @@ SummaryLine clip_line(const Clip& clip) {
                       (clip.origin().choices.empty() ? "" : "; " + clip.origin().choices)};
 }
 
-std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose) {
+std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor, bool verbose) {
   std::vector<SummaryLine> lines;
   for (const std::string& note : report.notes) lines.push_back({"fit", note});
-  lines.push_back({"floor", floor_text(report) + (report.floor_found ? "" : " (a guess)") + ", " +
-                                count_text(report.contact_phases, "contact phase")});
+  if (has_floor) {
+    lines.push_back({"floor", floor_text(report) + (report.floor_found ? "" : " (a guess)") + ", " +
+                                  count_text(report.contact_phases, "contact phase")});
+  }
   for (const FitTermReport& term : report.terms) {
     if (!verbose) break;
     std::string worst;

@@ -16,8 +16,10 @@ namespace retarget {
 
 /// The clip as it was read.
 [[nodiscard]] SummaryLine clip_line(const Clip& clip);
-/// What a fit found and what is left; verbose: also what its terms cost.
-[[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose);
+/// What a fit found and what is left; has_floor: of a robot that stands on one; verbose: also what
+/// its terms cost.
+[[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor,
+                                                 bool verbose);
 /// How near the motion comes to the joint limits, which joints stay at one, and why.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 

@@ -54,7 +54,7 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
   observer.end_progress();
   if (!motion) return motion;
   if (motion->fit && outputs != nullptr) {
-    observer.lines(fit_lines(*motion->fit, request.verbose));
+    observer.lines(fit_lines(*motion->fit, !motion->clip.robot().fixed_base(), request.verbose));
   }
   const int frames = motion->clip.frame_count();
   observer.line("solved", count_text(frames, "frame") + " at " + to_text(motion->clip.rate()) +

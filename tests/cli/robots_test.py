@@ -50,6 +50,38 @@ class Robots(ToolTest):
         self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
                           "--force")
 
+    def test_an_upper_body_whose_base_stands_fast(self):
+        limb = ("<body name='{0}_upper' pos='0 {1} 0.4'><joint name='{0}_pitch' axis='0 1 0'/>"
+                "<joint name='{0}_roll' axis='1 0 0'/><joint name='{0}_yaw' axis='0 0 1'/>"
+                "<body name='{0}_fore' pos='0 0 -0.25'><joint name='{0}_elbow' axis='0 1 0' range='-2.5 0.1'/>"
+                "<body name='{0}_hand' pos='0 0 -0.25'><joint name='{0}_wrist' axis='0 0 1'/>"
+                "<geom size='0.03' mass='0.3'/></body><geom size='0.03' mass='1'/></body><geom size='0.04' mass='1'/></body>")
+        self.write("torso.xml", "<mujoco><compiler angle='radian'/><default><joint range='-2.8 2.8'/></default><worldbody>"
+                   "<body name='stand' pos='0 0 0.8'><geom size='0.1' mass='9'/><body name='torso'>"
+                   "<joint name='waist' axis='0 0 1' range='-1 1'/><geom size='0.1' mass='9'/>" +
+                   limb.format("left", 0.2) + limb.format("right", -0.2) + "</body></body></worldbody></mujoco>")
+        refused = self.run_tool("robots", "add", "torso", "--model", "torso.xml")
+        self.assert_fails(refused, 4, "--base fixed")
+        self.assert_done(self.run_tool("robots", "add", "torso", "--model", "torso.xml", "--base", "fixed"))
+        self.assertIn("0 errors", self.output_of("check", "torso"))
+        bare = ("--robot-xml", "torso.xml", "--base", "fixed", "--ik-config", "torso/ik.json")
+        for robot in (("--robot", "torso"), bare):
+            for method in ("fit", "gmr"):
+                run = self.run_tool("--bvh", sample("walk"), "--frames", ":60", *robot, "--method", method,
+                                    "--report", "r.json", "-o", "x.csv")
+                self.assert_done(run)
+                rows = read_rows((self.folder / "x.csv").read_text())
+                self.assertEqual({tuple(row[:7]) for row in rows}, {(0, 0, 0.8, 0, 0, 0, 1)})
+                motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
+                self.assertFalse([name for name in motion if name.startswith(("float", "stance", "body_pen"))])
+                self.assertLess(motion["limb_angle_deg"][0], 8)
+        # a robot with legs that is held: nothing of its feet's path moves it
+        for method in ("fit", "gmr"):
+            held = self.run_tool("--bvh", sample("walk"), "--frames", ":60", "--robot", "g1", "--base", "fixed",
+                                 "--method", method, "-o", "-")
+            self.assert_done(held)
+            self.assertEqual({tuple(row[:7]) for row in read_rows(held.stdout)}, {(0, 0, 0.793, 0, 0, 0, 1)})
+
     def test_bodies_that_overlap_by_the_model_itself(self):
         """They are named wherever the model is used, and in the new robot's list."""
         thick = '<geom type="box" pos="0 0 -0.05" size="0.05 0.12 0.04" mass="0"/>'

@@ -136,12 +136,28 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots(robot
                          [](const auto& robot) { return robot.param; });
 
 TEST(ShippedRobotsList, ContainsTheKnownRobots) {
-  EXPECT_THAT(list_robots(robots_folder()),
-              testing::IsSupersetOf({"berkeley_humanoid_lite", "booster_k1", "booster_t1",
-                                     "booster_t1_29dof", "engineai_pm01", "fourier_n1",
-                                     "hightorque_hi", "kuavo_s45", "pal_talos", "pnd_adam_lite",
-                                     "stanford_toddy", "tienkung", "unitree_g1",
-                                     "unitree_g1_with_hands", "unitree_h1", "unitree_h1_2"}));
+  const std::vector<std::string> known = {"agibot_x2",
+                                          "berkeley_humanoid_lite",
+                                          "booster_k1",
+                                          "booster_t1",
+                                          "booster_t1_29dof",
+                                          "engineai_pm01",
+                                          "fourier_gr3",
+                                          "fourier_n1",
+                                          "hightorque_hi",
+                                          "kuavo_s45",
+                                          "limx_oli",
+                                          "pal_talos",
+                                          "pnd_adam_lite",
+                                          "stanford_toddy",
+                                          "tienkung",
+                                          "unitree_g1",
+                                          "unitree_g1_with_hands",
+                                          "unitree_h1",
+                                          "unitree_h1_2",
+                                          "unitree_h2",
+                                          "unitree_r1"};
+  EXPECT_THAT(list_robots(robots_folder()), testing::IsSupersetOf(known));
 }
 
 }  // namespace

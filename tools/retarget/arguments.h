@@ -106,6 +106,7 @@ struct RobotsArguments {
   std::string model;         ///< Of a new robot: MJCF or URDF.
   std::string output = ".";  ///< Folder that a new robot's folder goes into.
   bool force = false;        ///< Replace an existing folder.
+  RobotBase base = RobotBase::kAuto;
   bool json = false;
 };
 

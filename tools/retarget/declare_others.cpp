@@ -78,16 +78,20 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
   const auto robot = [&](const char* type, const char* help) {
     return word("robot", arguments.robot, type, help);
   };
+  const Option base = option("base", arguments.base, kRobotGroup, "",
+                             "fixed: an upper body, whose base stands fast, on a stand, on wheels "
+                             "or held; it needs no legs (default: as robot.json says)");
   const Option json = option("json", arguments.json, kOutputGroup, "", "Print JSON");
   add(RobotsAction::kList, "list", "List the robots", {json});
   add(RobotsAction::kShow, "show", "A robot's joints, limits, retargeting configuration and size",
       {robot("ROBOT", "Name or folder"), json});
   add(RobotsAction::kCheck, "check", "List errors and oddities of a robot; exit code 4 on errors",
-      {robot("ROBOT", "Name, folder or model file")});
+      {robot("ROBOT", "Name, folder or model file"), base});
   add(RobotsAction::kAdd, "add", "Make a robot's folder from a model",
       {word("name", arguments.robot, "NAME", "The new robot's name"),
        option("model", arguments.model, kInputGroup, "FILE", "MJCF, or URDF; meshes are not needed",
               {.required = true}),
+       base,
        option("output", arguments.output, kOutputGroup, "DIR",
               "Folder to put the robot's folder into", {.letter = "o"}),
        option("force", arguments.force, kOutputGroup, "", "Replace an existing folder")});

@@ -31,9 +31,11 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
                           false)});
-  declare(*command, without(run_command_table(arguments.run),
-                            {"bvh", "smpl", "write-map", "robot", "output", "report", "html", "png",
-                             "strip", "memory", "verbose", "gate", "mirror", "contacts"}));
+  // base: here the folder that paths start below; robots say themselves whether theirs stands fast
+  declare(*command,
+          without(run_command_table(arguments.run),
+                  {"bvh", "smpl", "write-map", "robot", "base", "output", "report", "html", "png",
+                   "strip", "memory", "verbose", "gate", "mirror", "contacts"}));
   declare(*command, batch_table(arguments));
   for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
   return command;
@@ -44,14 +46,14 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
       "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
-  declare(*command, only(run_command_table(arguments.run),
-                         {"bvh",     "smpl",        "smpl-model",    "lenient",    "root",
-                          "take",    "joint-names", "source-fps",    "memory",     "map",
-                          "partial", "rest",        "tpose-frame",   "tpose-file", "unit",
-                          "up",      "forward",     "height",        "start",      "lead-in",
-                          "robot",   "robot-xml",   "robot-profile", "ik-config",  "limits",
-                          "scale",   "write-map",   "quiet",         "data-dir",   "mirror",
-                          "dof",     "from-robot"}));
+  declare(*command,
+          only(run_command_table(arguments.run),
+               {"bvh",         "smpl",       "smpl-model", "lenient",   "root",          "take",
+                "joint-names", "source-fps", "memory",     "map",       "partial",       "rest",
+                "tpose-frame", "tpose-file", "unit",       "up",        "forward",       "height",
+                "start",       "lead-in",    "robot",      "robot-xml", "robot-profile", "base",
+                "ik-config",   "limits",     "scale",      "write-map", "quiet",         "data-dir",
+                "mirror",      "dof",        "from-robot"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));

@@ -62,10 +62,12 @@ Result<std::vector<RobotFinding>> examine(const RobotsArguments& arguments) {
   const fs::path model = arguments.robot;
   if ((model.extension() == ".xml" || model.extension() == ".urdf") && is_file(model)) {
     const fs::path profile = model.parent_path() / "robot.json";
-    return check_robot(with_configs(model, is_file(profile) ? profile : fs::path(), data_folder),
-                       option_as_flag);
+    auto sources = with_configs(model, is_file(profile) ? profile : fs::path(), data_folder);
+    sources.base = arguments.base;
+    return check_robot(sources, option_as_flag);
   }
-  TRY_ASSIGN(const auto robot, find_sources(arguments.robot, data_folder));
+  TRY_ASSIGN(auto robot, find_sources(arguments.robot, data_folder));
+  robot.base = arguments.base;
   return check_robot(robot, option_as_flag);
 }
 
@@ -85,7 +87,7 @@ Result<ExitCode> check(const RobotsArguments& arguments) {
 
 Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
   TRY(check_new_robot(arguments.model, arguments.robot, arguments.output));
-  TRY_ASSIGN(const auto made, make_robot(arguments.model, arguments.robot));
+  TRY_ASSIGN(const auto made, make_robot(arguments.model, arguments.robot, arguments.base));
   for (const std::string& line : made.summary) {
     const std::size_t colon = line.find(": ");
     console.line(line.substr(0, colon), line.substr(colon + 2));
