@@ -248,13 +248,13 @@ struct PartOptions {
   LeadIn lead_in = LeadIn::kAuto;
 };
 
-/// A robot by its name or folder, or by its model file.
 /// Whether a robot's base moves.
 enum class RobotBase : unsigned char {
   kAuto,   ///< As the robot's profile says; without, it moves.
   kFixed,  ///< It stands fast: an upper body on a stand or on wheels, or a robot that is held.
 };
 
+/// A robot by its name or folder, or by its model file.
 struct RobotChoice {
   std::string name;     ///< `unitree_g1`, `g1`, a folder with model.xml and robot.json.
   std::string model;    ///< Instead of a name: MJCF or URDF.
