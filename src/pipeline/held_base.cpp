@@ -13,7 +13,7 @@ namespace {
 // the turn about the vertical that a rotation holds; none where it turns upside down
 Eigen::Quaterniond heading_of(const Eigen::Quaterniond& rotation) {
   constexpr double kTurned = 1e-9;
-  const double norm = std::hypot(rotation.w(), rotation.z());
+  const double norm = std::sqrt(rotation.w() * rotation.w() + rotation.z() * rotation.z());
   if (!(norm > kTurned)) return Eigen::Quaterniond::Identity();
   return {rotation.w() / norm, 0.0, 0.0, rotation.z() / norm};
 }

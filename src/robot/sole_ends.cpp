@@ -9,6 +9,7 @@ namespace retarget {
 namespace {
 
 constexpr double kNoWidth = 1e-3;  // metres: corners on a line tell no plane
+constexpr double kBeside = 1e-3;   // metres: an origin nearer to the middle line is above it
 
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
   const Eigen::Vector3d sum =
@@ -83,12 +84,16 @@ std::optional<SoleShape> sole_shape(const Sole& sole) {
   const Eigen::Vector3d to_origin = forward * forward.dot(heel) - heel;
   const Eigen::Vector3d across = across_sole(corners, shape, forward);
   Eigen::Vector3d above = to_origin;
+  shape.body_height = to_origin.norm();
   if (across.norm() > kNoWidth) {
-    above = forward.cross(across);
-    if (above.dot(to_origin) < 0.0) above = -above;
+    const Eigen::Vector3d normal = forward.cross(across).normalized();
+    const double height = normal.dot(to_origin);
+    if ((to_origin - normal * height).norm() > kBeside) {
+      above = height < 0.0 ? Eigen::Vector3d(-normal) : normal;
+      shape.body_height = std::abs(height);
+    }
   }
   shape.sideways = above.cross(forward).normalized();
-  shape.body_height = to_origin.dot(above.normalized());
   for (std::size_t end = 0; end < 2; ++end) {
     SolePoints& of_end = shape.ends[end];
     const Eigen::Vector3d outwards = end == kSoleToe ? forward : Eigen::Vector3d(-forward);
