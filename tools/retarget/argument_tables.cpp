@@ -154,8 +154,8 @@ OptionTable view_table(ViewArguments& arguments) {
                       "smpl-model",    "start",       "lead-in",    "map",       "partial",
                       "rest",          "tpose-frame", "tpose-file", "unit",      "up",
                       "forward",       "height",      "write-map",  "robot",     "robot-xml",
-                      "robot-profile", "base",        "dof",        "ik-config", "limits",    "scale",
-                      "quiet",         "data-dir",    "mirror",     "from-robot"}));
+                      "robot-profile", "base",        "dof",        "ik-config", "limits",
+                      "scale",         "quiet",       "data-dir",   "mirror",    "from-robot"}));
   append(table, reading_table(arguments.reading));
   return table;
 }
