@@ -24,6 +24,6 @@ python=$("$root/tools/setup.sh" "${options[@]}" --print-python)
 cd -- "$root"
 # CI builds everything once: several files at a time are quicker then
 cmake --preset release -DRETARGET_BUILD_PYTHON=$module -DRETARGET_PYTHON="$python" \
-  ${CI:+-DRETARGET_UNITY_BUILD=ON}
+  ${CI:+-DRETARGET_UNITY_BUILD=ON -DRETARGET_UNITY_FILES=24 -DRETARGET_PRECOMPILE_HEADERS=ON}
 cmake --build --preset release --parallel "$jobs"
 exec ctest --preset release --parallel "$jobs" "$@"
