@@ -14,7 +14,9 @@ prints the tables of docs/dynamics.md instead: published motions, the published 
 
     tools/quality_tables.py --tool ... --all-robots
 
-prints the table of docs/robots.md, "On the samples": the fits of all robots, without other data. FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
+prints the tables of docs/robots.md, "On the samples" and "On walks": the fits of all robots; the former needs no other data.
+
+FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
 github.com/ubisoft/ubisoft-laforge-animation-dataset, the published motions (`g1/` of them) are the data set
 LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face; neither is part of this repository.
 """
@@ -36,6 +38,9 @@ FIGURES = {"jumps": 0, "joint_at_limit_pct": 1, "fast_3pi_pct": 1, "speed_limit_
 MEANS = ["limb_angle_deg", "trunk_lean_error_deg", "root_jerk_mean", "acc_p99", "contact_slip_mean",
          "self_all_1cm_pct", "body_pen_1cm_pct", "flight_peak_max_cm", "jumps"]
 SAMPLES = ["walk", "turn_in_place", "squat", "wave", "get_up"]
+WALKS = ["lafan1_cuts/walk1_subject1_walk.bvh", "dialects/cmu_daz_03_03.bvh",
+         "dialects/cmu_motionbuilder_12_01_walk.bvh", "dialects/games105_walk60.bvh",
+         "dialects/makehuman_walk1.bvh", "dialects/soma_walk_forward_120fps.bvh", "smpl/smpl_walk.npz"]
 NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root", "slimevr_hmd_root",
              "geno_stance", "soma_zero_frame0"}
 DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
@@ -136,16 +141,16 @@ def missed_gates(report):
     return [gate["metric"] for gate in report["gates"] if gate["passed"] is False]
 
 
-def print_robots(tool, pool, samples):
-    """A row a robot: means over the samples, and what gates they miss."""
+def print_robots(tool, pool, clips):
+    """A row a robot: means over clips, and what gates they miss."""
     listed = subprocess.run([tool, "robots", "list", "--json"], capture_output=True, check=True,
                             text=True)
     robots = [robot["name"] for robot in json.loads(listed.stdout)]
-    jobs = [(robot, clip) for robot in robots for clip in samples]
+    jobs = [(robot, clip) for robot in robots for clip in clips]
     found = dict(zip(jobs, pool.map(lambda job: figures(tool, job[1], job[0]), jobs)))
     print("| robot | limb angle | trunk lean | missed gates |\n|---|---|---|---|")
     for robot in robots:
-        reports = {clip: found[robot, clip] for clip in samples}
+        reports = {clip: found[robot, clip] for clip in clips}
         cells = []
         for name in ("limb_angle_deg", "trunk_lean_error_deg"):
             values = [value(report, name) for report in reports.values()]
@@ -167,13 +172,16 @@ def main():
     parser.add_argument("--dynamics", action="store_true",
                         help="print the tables of docs/dynamics.md")
     parser.add_argument("--all-robots", action="store_true",
-                        help="print the table of docs/robots.md")
+                        help="print the tables of docs/robots.md")
     parser.add_argument("--robots", default="unitree_g1")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
     if args.all_robots:
         with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
             print_robots(args.tool, pool, [DATA / f"{name}.bvh" for name in SAMPLES])
+            if args.data:
+                print()
+                print_robots(args.tool, pool, [args.data / name for name in WALKS])
         return
     if args.data is None:
         parser.error("--data FOLDER is needed")
