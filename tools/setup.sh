@@ -6,7 +6,7 @@
 #   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
 #   --tool          only what a build of the tool needs, without the tests' libraries
 #   --python        also what the Python module is built and tested with: Python's headers, and
-#                   nanobind and pytest as wheels in build/deps/python (tools/python.txt)
+#                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt)
 #   --package       also what tools/package.sh makes a .deb with
 #   --print-python  install nothing; print the Python that is taken
 #   --check         install nothing; say what is missing and exit with 1 when something is
@@ -328,11 +328,11 @@ install_mujoco() {
   mv -T -- "$fetch_folder/wheel/mujoco" "$deps/mujoco"
 }
 
-# nanobind, pytest and what they need, pinned by tools/python.txt
+# nanobind, pytest, clients of streams and what they need, pinned by tools/python.txt
 install_python_tools() {
   local deps=$root/build/deps
   make_fetch_folder
-  say "fetching nanobind and pytest (tools/python.txt) into build/deps/python"
+  say "fetching nanobind, pytest and clients of streams (tools/python.txt) into build/deps/python"
   pip_fetch "$chosen_python" "$fetch_folder/python" "$root/tools/python.txt" || {
     say "cannot fetch what tools/python.txt pins: pip's messages are above. Nothing was installed of it." \
       "$kWithoutPython"
@@ -406,7 +406,7 @@ check_only() {
   [ -z "$1" ] || list_missing "$1"
   has_mujoco || exit 1
   if $with_python && ! has_python_tools; then
-    say "missing: nanobind and pytest (tools/python.txt; tools/setup.sh --python fetches them)"
+    say "missing: nanobind, pytest or clients of streams (tools/python.txt; tools/setup.sh --python fetches them)"
     exit 1
   fi
   exit 0
