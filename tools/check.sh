@@ -52,7 +52,7 @@ check_asan() {
 # CI's share of asan: compiling the numerical modules' tests with it takes longer than all else. With
 # clang, so that one library serves these tests and the fuzzing.
 check_asan-input() {
-  local modules=(base batch bvh edit fuzz human io motion robot smpl) compiler
+  local modules=(base batch bvh edit fuzz human io motion robot smpl stream) compiler
   compiler=$(tools/find_clang.sh)
   cmake --preset fuzz -DCMAKE_CXX_COMPILER="$compiler"
   cmake --build --preset fuzz --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"

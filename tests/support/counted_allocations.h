@@ -25,6 +25,15 @@ inline void* counted_allocation(std::size_t size) {
 [[gnu::noinline]] void* operator new[](std::size_t size) {
   return retarget::counted_allocation(size);
 }
+// the algorithms of the standard library that take scratch memory where there is some
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  ++retarget::allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
+[[gnu::noinline]] void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  ++retarget::allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
