@@ -173,7 +173,9 @@ TEST(Osc, HasTextsAndNumbersInTheirOrder) {
                             std::string(8, '\1') + osc_text("word") +
                             big_endian(std::bit_cast<std::uint32_t>(0.5F)) +
                             std::string("\x40\x00\0\0\0\0\0\0", 8);
-  const auto messages = read_osc(bundle_of({bytes, osc_text("/b")}));
+  // what is read points into it
+  const std::string bundle = bundle_of({bytes, osc_text("/b")});
+  const auto messages = read_osc(bundle);
   ASSERT_TRUE(messages);
   ASSERT_EQ(messages->size(), 2U);
   EXPECT_EQ((*messages)[0].address, "/a");
