@@ -22,8 +22,8 @@ if [ -n "${RETARGET_NO_PYTHON:-}" ] && [ "$RETARGET_NO_PYTHON" != 0 ]; then modu
 "$root/tools/setup.sh" "${options[@]}"
 python=$("$root/tools/setup.sh" "${options[@]}" --print-python)
 cd -- "$root"
-# CI builds everything once: several files at a time are quicker then
+# CI builds everything once: many files at a time are quicker then, and are what tools/demo.sh builds
 cmake --preset release -DRETARGET_BUILD_PYTHON=$module -DRETARGET_PYTHON="$python" \
-  ${CI:+-DRETARGET_UNITY_BUILD=ON -DRETARGET_UNITY_FILES=24 -DRETARGET_PRECOMPILE_HEADERS=ON}
+  ${CI:+-DRETARGET_UNITY_BUILD=ON -DRETARGET_UNITY_FILES=64 -DRETARGET_PRECOMPILE_HEADERS=ON}
 cmake --build --preset release --parallel "$jobs"
 exec ctest --preset release --parallel "$jobs" "$@"

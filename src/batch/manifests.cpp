@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kStem = "manifest";
-constexpr const char* kEnd = ".jsonl";
+constexpr const char* kFileEnding = ".jsonl";
 constexpr std::size_t kNamedWorst = 3;
 
 Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observer& observer) {
@@ -126,8 +126,8 @@ std::string shard_file_name(const std::string& stem, const Shard& shard, const s
 Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
                                       const BatchRequest& request, Observer& observer) {
   BatchManifests manifests;
-  manifests.path = folder + "/" + shard_file_name(kStem, shard, kEnd);
-  const std::string whole = folder + "/" + kStem + kEnd;
+  manifests.path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
+  const std::string whole = folder + "/" + kStem + kFileEnding;
   std::error_code ignored;
   if (request.redo) {
     if (shard.count > 1) return manifests;
@@ -161,7 +161,7 @@ bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
 Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                               const std::set<std::string>& known, const DataSetRules& rules,
                               Observer& observer) {
-  const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
+  const std::string path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
   TRY_ASSIGN(auto own, read_entries(path, observer));
   std::vector<ManifestEntry> entries = std::move(own);
   std::vector<std::string> parts;
@@ -198,7 +198,7 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
 Result<std::size_t> merge_manifests(const std::string& folder,
                                     const std::vector<std::string>& further,
                                     const DataSetRules& rules, Observer& observer) {
-  const std::string path = folder + "/" + kStem + kEnd;
+  const std::string path = folder + "/" + kStem + kFileEnding;
   const std::vector<std::string> parts = manifests_beside(folder, path);
   std::error_code ignored;
   // of entries of one time the later in this list counts: parts are newer than the whole
