@@ -53,8 +53,8 @@ def test_what_a_callback_raises_is_raised(long_walk: retarget.Clip, g1: retarget
 @pytest.mark.parametrize("method", ["gmr", "fit"])
 def test_an_interrupt(method: str, long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     # long enough for single frames at any machine's speed: the signal must come before the end
-    longer = retarget.edit.resample(long_walk, speed=0.2)
-    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    longer = retarget.edit.resample(long_walk, speed=0.4)
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
