@@ -68,5 +68,16 @@ class ByteReader {
 inline void append_big_endian(std::string& bytes, std::uint64_t value, int size) {
   for (int i = size; i-- > 0;) bytes += static_cast<char>(value >> (8 * i));
 }
+inline void append_big_endian(std::string& bytes, float value) {
+  append_big_endian(bytes, std::bit_cast<std::uint32_t>(value), 4);
+}
+
+/// The same, the least significant byte first.
+inline void append_little_endian(std::string& bytes, std::uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i));
+}
+inline void append_little_endian(std::string& bytes, float value) {
+  append_little_endian(bytes, std::bit_cast<std::uint32_t>(value), 4);
+}
 
 }  // namespace retarget

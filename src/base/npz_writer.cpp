@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include "base/little_endian.h"
+#include "base/byte_order.h"
 #include "base/try.h"
 #include "base/utf8.h"
 
@@ -42,7 +42,7 @@ NpyArray float32_array(std::span<const double> values, std::vector<std::size_t> 
   NpyArray array = array_of(NpyKind::kFloat, 4, std::move(shape));
   array.data.reserve(4 * values.size());
   for (const double value : values) {
-    append_little_endian(array.data, std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+    append_little_endian(array.data, static_cast<float>(value));
   }
   return array;
 }

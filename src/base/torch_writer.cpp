@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/little_endian.h"
+#include "base/byte_order.h"
 #include "base/pickle_opcodes.h"
 #include "base/utf8.h"
 #include "base/zip_writer.h"

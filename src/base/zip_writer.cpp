@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/little_endian.h"
+#include "base/byte_order.h"
 #include "base/option_name.h"
 
 namespace retarget {

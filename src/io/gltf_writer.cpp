@@ -1,10 +1,11 @@
 #include "io/gltf_writer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "base/byte_order.h"
 
 namespace retarget {
 namespace {
@@ -15,10 +16,6 @@ constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A,
                         kBinaryChunk = 0x004E4942;
-
-void append_little_endian(std::string& bytes, std::uint32_t value, int size) {
-  for (int i = 0; i < size; ++i) bytes += static_cast<char>((value >> (8 * i)) & 0xFF);
-}
 
 void pad(std::string& bytes, char filler) {
   while (bytes.size() % 4 != 0) bytes += filler;
@@ -75,7 +72,7 @@ int GltfWriter::add_accessor(int components, int component_type, std::size_t cou
 int GltfWriter::add_floats(std::span<const float> values, int components, Use use) {
   const std::size_t first_byte = bytes_.size(), width = static_cast<std::size_t>(components);
   for (const float value : values) {
-    append_little_endian(bytes_, std::bit_cast<std::uint32_t>(value), 4);
+    append_little_endian(bytes_, value);
   }
   const int accessor = add_accessor(components, kFloat, values.size() / width,
                                     use == Use::kVertices ? kArrayBuffer : 0, first_byte);

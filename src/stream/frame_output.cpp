@@ -42,7 +42,7 @@ class ByteOutput final : public FrameOutput {
 
 Result<std::unique_ptr<FrameOutput>> open_byte_output(const StreamAddress& to,
                                                       const FrameOutputContext& context) {
-  TRY_ASSIGN(auto writer, make_frame_writer(to.format, to.file, context.robot, context.fps));
+  auto writer = make_frame_writer(to.format, to.file, context.robot, context.fps);
   TRY_ASSIGN(ByteSink sink, ByteSink::open(to));
   const std::string header = writer->header();
   if (!header.empty()) TRY(sink.write(header));

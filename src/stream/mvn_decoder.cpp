@@ -17,6 +17,7 @@
 #include "base/number_text.h"
 #include "base/try.h"
 #include "stream/formats.h"
+#include "stream/local_pose.h"
 #include "stream/message_cutter.h"
 #include "stream/mvn_protocol.h"
 #include "stream/mvn_segments.h"
@@ -242,10 +243,10 @@ bool MvnDecoder::waits_for_scale(std::uint32_t milliseconds) {
 
 void MvnDecoder::learn_from_frame(StreamSink& sink) {
   std::array<Eigen::Vector3d, kMvnSegmentCount> offsets;
-  offsets[0] = world_from_segment_[0].translation;
-  for (std::size_t i = 1; i < kMvnSegmentCount; ++i) {
-    const Pose& parent = world_from_segment_[static_cast<std::size_t>(kMvnSegments[i].parent)];
-    offsets[i] = parent.inverse() * world_from_segment_[i].translation;
+  for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
+    offsets[i] =
+        parent_from_joint(world_from_segment_, kMvnSegments[i].parent, world_from_segment_[i])
+            .translation;
   }
   tell(offsets, 0.0, sink);
 }

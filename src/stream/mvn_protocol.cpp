@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/byte_order.h"
+#include "base/lower_case.h"
 #include "stream/mvn_segments.h"
 
 namespace retarget {
@@ -20,7 +22,7 @@ bool is_mvn_digit(char c) {
 }
 
 void append_mvn_float(std::string& bytes, double value) {
-  append_big_endian(bytes, std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+  append_big_endian(bytes, static_cast<float>(value));
 }
 
 void append_mvn_vector(std::string& bytes, const Eigen::Vector3d& vector) {
@@ -48,9 +50,9 @@ std::optional<std::size_t> mvn_segment(std::string_view name) {
   const auto plain = [](std::string_view text) {
     std::string letters;
     for (const char c : text) {
-      if (c != ' ' && c != '_') letters += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+      if (c != ' ' && c != '_') letters += c;
     }
-    return letters;
+    return lower_case(std::move(letters));
   };
   const std::string wanted = plain(name);
   const auto* const found = std::ranges::find_if(

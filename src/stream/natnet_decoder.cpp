@@ -73,17 +73,18 @@ struct PlaceErrors {
   double local = 0.0;  // if they are against parents
 };
 
-PlaceErrors place_errors(std::span<const int> parents, std::span<const Eigen::Vector3d> offsets,
-                         double metres, std::span<const Pose> poses) {
+// @param metres  of a unit of the joints' offsets
+PlaceErrors place_errors(std::span<const StreamJoint> joints, double metres,
+                         std::span<const Pose> poses) {
   PlaceErrors errors;
-  for (std::size_t i = 0; i < parents.size(); ++i) {
-    if (parents[i] < 0) continue;
-    const Pose& parent = poses[static_cast<std::size_t>(parents[i])];
-    const Eigen::Vector3d offset = metres * offsets[i];
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].parent < 0) continue;
+    const Pose& parent = poses[static_cast<std::size_t>(joints[i].parent)];
+    const Eigen::Vector3d offset = metres * joints[i].offset;
     errors.local += (poses[i].translation - offset).norm();
     errors.world += (parent.inverse() * poses[i].translation - offset).norm();
   }
-  const double count = std::max<double>(1.0, static_cast<double>(parents.size()) - 1.0);
+  const double count = std::max<double>(1.0, static_cast<double>(joints.size()) - 1.0);
   errors.local /= count;
   errors.world /= count;
   return errors;
@@ -119,8 +120,7 @@ class NatNetDecoder final : public Decoder {
   bool wants_models_ = true;
   int frames_waited_ = 0;
   StreamSkeleton skeleton_;
-  std::vector<int> ids_, parents_;  // of the bones
-  std::vector<Eigen::Vector3d> offsets_;
+  std::vector<int> ids_;         // of the bones, by joint
   std::optional<int> streamed_;  // the skeleton's ID
   std::optional<bool> is_local_;
   NatNetFrame frame_;
@@ -206,14 +206,12 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
   for (const NatNetBone* bone : bones) names.push_back(plain_bone_name(bone->name, wanted->name));
   names = plain_joint_names(std::move(names));
   ids_.clear();
-  parents_.clear();
-  offsets_.clear();
   std::vector<StreamJoint> joints;
   for (const NatNetBone* bone : bones) {
     const auto parent = std::ranges::find(ids_, bone->parent);
-    parents_.push_back(parent == ids_.end() ? -1 : static_cast<int>(parent - ids_.begin()));
-    joints.push_back({names[ids_.size()], parents_.back(), bone->offset});
-    offsets_.push_back(bone->offset);
+    joints.push_back({names[ids_.size()],
+                      parent == ids_.end() ? -1 : static_cast<int>(parent - ids_.begin()),
+                      bone->offset});
     ids_.push_back(bone->id);
   }
   streamed_ = wanted->id;
@@ -236,7 +234,8 @@ Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sin
   TRY(place_bones());
   decide_coordinates();
   for (std::size_t i = 0; *is_local_ && i < poses_.size(); ++i) {
-    if (parents_[i] >= 0) poses_[i] = poses_[static_cast<std::size_t>(parents_[i])] * poses_[i];
+    const int parent = skeleton_.joints()[i].parent;
+    if (parent >= 0) poses_[i] = poses_[static_cast<std::size_t>(parent)] * poses_[i];
   }
   skeleton_.give(frame_.time, poses_, sink);
   return {};
@@ -267,7 +266,7 @@ Result<void> NatNetDecoder::place_bones() {
 
 void NatNetDecoder::decide_coordinates() {
   if (is_local_) return;
-  const PlaceErrors errors = place_errors(parents_, offsets_, 1.0, poses_);
+  const PlaceErrors errors = place_errors(skeleton_.joints(), 1.0, poses_);
   is_local_ = errors.local < errors.world;
 }
 
@@ -283,21 +282,20 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
                                       frame_.bones.size(),
                                       count_text(known.joint_count(), "joint")));
   }
-  std::vector<int> ids, parents;
-  std::vector<Eigen::Vector3d> offsets;
+  std::vector<int> ids;
+  std::vector<StreamJoint> joints;
   std::vector<Pose> poses;
   double length = 0.0;
   for (int i = 0; i < known.joint_count(); ++i) {
     const NatNetBonePose& bone = frame_.bones[static_cast<std::size_t>(i)];
     ids.push_back(bone.id);
     poses.push_back(bone.pose);
-    parents.push_back(known.joint(i).parent);
-    offsets.push_back(known.joint(i).offset);
+    joints.push_back({known.joint(i).name, known.joint(i).parent, known.joint(i).offset});
     if (i > 0) length += known.joint(i).offset.norm() / known.joint_count();
   }
   double best = std::numeric_limits<double>::infinity(), metres = 1.0;
   for (const double units : kUnitsPerMetre) {
-    const PlaceErrors errors = place_errors(parents, offsets, 1.0 / units, poses);
+    const PlaceErrors errors = place_errors(joints, 1.0 / units, poses);
     const double error = std::min(errors.local, errors.world) * units;
     if (error < best) {
       best = error;
@@ -308,14 +306,8 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   if (!(best < kMaxError * length)) {
     return natnet_failure(undescribed + ", and are not where the skeleton's file has them");
   }
-  std::vector<StreamJoint> joints;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    offsets[i] *= metres;
-    joints.push_back({known.joint(static_cast<int>(i)).name, parents[i], offsets[i]});
-  }
+  for (StreamJoint& joint : joints) joint.offset *= metres;
   ids_ = std::move(ids);
-  parents_ = std::move(parents);
-  offsets_ = std::move(offsets);
   streamed_ = frame_.skeleton;
   is_local_ = chosen_local_;
   skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);

@@ -41,6 +41,13 @@ struct NatNetVersion {
   auto operator<=>(const NatNetVersion&) const = default;
 };
 
+/// From here on a section says how long it is, there are assets, and stamps are of one clock for all.
+inline constexpr NatNetVersion kNatNetSizedSections = {4, 1};
+/// From here on bones are described with a rotation.
+inline constexpr NatNetVersion kNatNetBoneRotations = {4, 2};
+inline constexpr std::size_t kNatNetServerName = 256;    ///< Bytes of the program's name.
+inline constexpr std::uint32_t kNatNetSkeletonType = 2;  ///< Of what is described.
+
 /// `4.1`; nothing: it is none that can be read.
 [[nodiscard]] std::optional<NatNetVersion> natnet_version(std::string_view text);
 

@@ -18,9 +18,7 @@ namespace {
 using NatNetReader = ByteReader<std::endian::little>;
 
 constexpr NatNetVersion kFirstRead = {3, 0};
-constexpr NatNetVersion kSizedSections = {4, 1};  // and assets, and stamps of one clock for all
 constexpr NatNetVersion kMarkerNames = {4, 0};
-constexpr NatNetVersion kBoneRotations = {4, 2};
 
 Failure cut_off(const char* what) {
   return input_failure({}, std::string(what) + " of NatNet that is cut off or of another version");
@@ -59,7 +57,7 @@ void skip_texts(NatNetReader& reader) {
 template <typename SkipItem>
 void skip_section(NatNetReader& reader, NatNetVersion version, SkipItem skip_item) {
   const std::size_t count = read_count(reader);
-  if (version >= kSizedSections) {
+  if (version >= kNatNetSizedSections) {
     reader.bytes(read_count(reader));
   } else {
     skip_each(reader, count, skip_item);
@@ -78,7 +76,7 @@ NatNetBone read_bone(NatNetReader& reader, NatNetVersion version) {
   bone.id = reader.number<std::int32_t>();
   bone.parent = reader.number<std::int32_t>();
   bone.offset = read_natnet_vector(reader);
-  if (version >= kBoneRotations) reader.bytes(16);
+  if (version >= kNatNetBoneRotations) reader.bytes(16);
   // markers: places, labels, names
   const std::size_t markers = read_count(reader);
   skip(reader, markers, 16);
@@ -164,7 +162,7 @@ bool make_sound(Pose& pose) {
 void read_skeletons_of_frame(NatNetReader& reader, NatNetVersion version, std::optional<int> wanted,
                              NatNetFrame& frame) {
   const std::size_t count = read_count(reader);
-  if (version >= kSizedSections) reader.bytes(4);
+  if (version >= kNatNetSizedSections) reader.bytes(4);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
     const int id = reader.number<std::int32_t>();
     const std::size_t bones = read_count(reader);
@@ -178,7 +176,7 @@ void read_skeletons_of_frame(NatNetReader& reader, NatNetVersion version, std::o
 }
 
 void skip_rest_of_frame(NatNetReader& reader, NatNetVersion version) {
-  if (version >= kSizedSections) skip_section(reader, version, [] {});  // assets
+  if (version >= kNatNetSizedSections) skip_section(reader, version, [] {});  // assets
   constexpr std::size_t kLabelledMarker = 26;
   skip_section(reader, version, [&] { reader.bytes(kLabelledMarker); });
   skip_section(reader, version, [&] { skip_channels(reader); });  // force plates
@@ -196,9 +194,8 @@ std::optional<NatNetVersion> natnet_version(std::string_view text) {
 }
 
 Result<NatNetVersion> read_natnet_server(std::string_view payload) {
-  constexpr std::size_t kNameSize = 256;
   NatNetReader reader(payload);
-  reader.bytes(kNameSize + 4);  // and the version of the program
+  reader.bytes(kNatNetServerName + 4);  // and the version of the program
   const NatNetVersion version = {reader.number<std::uint8_t>(), reader.number<std::uint8_t>()};
   if (!reader.ok()) return cut_off("a server's description");
   if (version < kFirstRead) {
@@ -216,16 +213,16 @@ Result<std::vector<NatNetSkeleton>> read_natnet_skeletons(std::string_view paylo
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
     const auto type = reader.number<std::uint32_t>();
     NatNetReader item = reader;
-    if (version >= kSizedSections) {
+    if (version >= kNatNetSizedSections) {
       item = NatNetReader(reader.bytes(read_count(reader)));
     }
     if (type == kSkeletonType) {
       skeletons.push_back(read_skeleton(item, version));
       if (!item.ok()) return cut_off("a skeleton's description");
-    } else if (version < kSizedSections && !skip_description(item, type, version)) {
+    } else if (version < kNatNetSizedSections && !skip_description(item, type, version)) {
       break;
     }
-    if (version < kSizedSections) reader = item;
+    if (version < kNatNetSizedSections) reader = item;
   }
   if (!reader.ok()) return cut_off("a description");
   return skeletons;

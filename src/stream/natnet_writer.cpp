@@ -4,17 +4,13 @@
 #include <bit>
 
 #include "base/byte_order.h"
-#include "base/little_endian.h"
 #include "stream/natnet_protocol.h"
 
 namespace retarget {
 namespace {
 
-constexpr NatNetVersion kSizes = {4, 1};
-constexpr NatNetVersion kRotations = {4, 2};
-
 void append_natnet_float(std::string& bytes, double value) {
-  append_little_endian(bytes, std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+  append_little_endian(bytes, static_cast<float>(value));
 }
 
 void append_natnet_vector(std::string& bytes, const Eigen::Vector3d& vector) {
@@ -28,7 +24,7 @@ void append_text(std::string& bytes, const std::string& text) {
 void append_section(std::string& bytes, NatNetVersion version, std::size_t count,
                     const std::string& items) {
   append_little_endian(bytes, count, 4);
-  if (version >= kSizes) append_little_endian(bytes, items.size(), 4);
+  if (version >= kNatNetSizedSections) append_little_endian(bytes, items.size(), 4);
   bytes += items;
 }
 
@@ -57,9 +53,8 @@ std::optional<std::size_t> natnet_message_size(std::string_view header) {
 }
 
 std::string natnet_server_payload(NatNetVersion version, int data_port) {
-  constexpr std::size_t kNameSize = 256;
   std::string bytes = "retarget";
-  bytes.resize(kNameSize, '\0');
+  bytes.resize(kNatNetServerName, '\0');
   // the program's version, then that of the stream
   for (const int number : {1, 0, 0, 0, version.major, version.minor, 0, 0}) {
     append_little_endian(bytes, static_cast<std::uint64_t>(number), 1);
@@ -80,15 +75,15 @@ std::string natnet_skeleton_payload(const NatNetSkeleton& skeleton, NatNetVersio
     append_little_endian(item, static_cast<std::uint32_t>(bone.id), 4);
     append_little_endian(item, static_cast<std::uint32_t>(bone.parent), 4);
     append_natnet_vector(item, bone.offset);
-    if (version >= kRotations) {
+    if (version >= kNatNetBoneRotations) {
       for (const double value : {0.0, 0.0, 0.0, 1.0}) append_natnet_float(item, value);
     }
     append_little_endian(item, 0, 4);  // markers
   }
   std::string bytes;
   append_little_endian(bytes, 1, 4);
-  append_little_endian(bytes, 2, 4);  // a skeleton
-  if (version >= kSizes) append_little_endian(bytes, item.size(), 4);
+  append_little_endian(bytes, kNatNetSkeletonType, 4);
+  if (version >= kNatNetSizedSections) append_little_endian(bytes, item.size(), 4);
   return bytes + item;
 }
 
@@ -110,13 +105,14 @@ std::string natnet_frame_payload(const NatNetFrame& frame, NatNetVersion version
   for (int i = 0; i < 3; ++i) append_section(bytes, version, 0, {});
   append_section(bytes, version, 1, skeleton);
   // labelled markers, force plates, devices; assets before them
-  for (int i = version >= kSizes ? 0 : 1; i < 4; ++i) append_section(bytes, version, 0, {});
+  for (int i = version >= kNatNetSizedSections ? 0 : 1; i < 4; ++i)
+    append_section(bytes, version, 0, {});
   append_little_endian(bytes, 0, 8);  // time code
   append_little_endian(bytes, std::bit_cast<std::uint64_t>(frame.time), 8);
   append_little_endian(bytes, 0, 8);
   append_little_endian(bytes, 0, 8);
   append_little_endian(bytes, 0, 8);
-  if (version >= kSizes) append_little_endian(bytes, 0, 8);
+  if (version >= kNatNetSizedSections) append_little_endian(bytes, 0, 8);
   append_little_endian(bytes, frame.models_changed ? 2 : 0, 2);
   append_little_endian(bytes, 0, 4);  // the end
   return bytes;

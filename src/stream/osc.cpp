@@ -142,10 +142,11 @@ void OscBundle::add(std::string_view address, std::string_view types, std::strin
     }
     const double number = numbers.front();
     numbers = numbers.subspan(1);
-    append_big_endian(message,
-                      type == 'i' ? static_cast<std::uint32_t>(static_cast<std::int32_t>(number))
-                                  : std::bit_cast<std::uint32_t>(static_cast<float>(number)),
-                      4);
+    if (type == 'i') {
+      append_big_endian(message, static_cast<std::uint32_t>(static_cast<std::int32_t>(number)), 4);
+    } else {
+      append_big_endian(message, static_cast<float>(number));
+    }
   }
   append_big_endian(bytes_, message.size(), 4);
   bytes_ += message;

@@ -1,14 +1,10 @@
 #include "stream/patient_connection.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 
 #include <cerrno>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -35,19 +31,9 @@ void PatientConnection::retry(Clock::time_point now) {
 
 void PatientConnection::begin(Clock::time_point now) {
   next_try_ = now + kTryAgain;
-  socket_ = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket_.is_open()) return close(std::strerror(errno));
-  // each frame leaves at once
-  const int yes = 1;
-  ::setsockopt(socket_.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  sockaddr_in place{};
-  place.sin_family = AF_INET;
-  place.sin_port = htons(static_cast<std::uint16_t>(address_.port));
-  inet_pton(AF_INET, address_.host.c_str(), &place.sin_addr);
-  const auto* const to = reinterpret_cast<const sockaddr*>(&place);
-  if (::connect(socket_.number(), to, sizeof place) != 0 && errno != EINPROGRESS) {
-    close(std::strerror(errno));
-  }
+  auto begun = begin_connection(address_);
+  if (!begun) return close(std::move(begun).error().message);
+  socket_ = *std::move(begun);
 }
 
 void PatientConnection::finish(double seconds) {

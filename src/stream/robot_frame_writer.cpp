@@ -91,15 +91,13 @@ std::unique_ptr<RobotFrameWriter> make_csv_frame_writer(std::shared_ptr<const Ro
   return std::make_unique<CsvFrameWriter>(std::move(robot));
 }
 
-Result<std::unique_ptr<RobotFrameWriter>> make_frame_writer(const std::string& format,
-                                                            const std::string& file,
-                                                            std::shared_ptr<const Robot> robot,
-                                                            double fps) {
+std::unique_ptr<RobotFrameWriter> make_frame_writer(const std::string& format,
+                                                    const std::string& file,
+                                                    std::shared_ptr<const Robot> robot,
+                                                    double fps) {
   const bool csv = format == "csv" || (format.empty() && file.ends_with(".csv"));
   if (csv) return make_csv_frame_writer(std::move(robot));
-  if (format.empty() || format == "jsonl") return make_json_frame_writer(std::move(robot), fps);
-  return usage_failure(
-      fmt::format("robot frames are written as jsonl or csv, found format \"{}\"", format));
+  return make_json_frame_writer(std::move(robot), fps);
 }
 
 }  // namespace retarget

@@ -29,8 +29,8 @@ class RobotFrameWriter {
 [[nodiscard]] std::unique_ptr<RobotFrameWriter> make_csv_frame_writer(
     std::shared_ptr<const Robot> robot);
 
-/// `jsonl` or `csv`; empty: `csv` for files that end so, else `jsonl`. kUsage error: others.
-[[nodiscard]] Result<std::unique_ptr<RobotFrameWriter>> make_frame_writer(
+/// @param format  `jsonl` or `csv`; empty: `csv` for files that end so, else `jsonl`.
+[[nodiscard]] std::unique_ptr<RobotFrameWriter> make_frame_writer(
     const std::string& format, const std::string& file, std::shared_ptr<const Robot> robot,
     double fps);
 

@@ -32,9 +32,9 @@ Failure socket_failure(const StreamAddress& address, const char* what, std::stri
                      std::move(hint));
 }
 
-Result<Descriptor> open_socket(const StreamAddress& address) {
+Result<Descriptor> open_socket(const StreamAddress& address, int flags = 0) {
   const bool udp = address.transport == Transport::kUdp;
-  Descriptor made(::socket(AF_INET, (udp ? SOCK_DGRAM : SOCK_STREAM) | SOCK_CLOEXEC, 0));
+  Descriptor made(::socket(AF_INET, (udp ? SOCK_DGRAM : SOCK_STREAM) | SOCK_CLOEXEC | flags, 0));
   if (!made.is_open()) return socket_failure(address, "no socket can be had");
   const int yes = 1;
   if (!udp) {
@@ -119,6 +119,16 @@ int wait_for(const Descriptor& first, const Descriptor& second, double seconds) 
   if (::poll(waiting.data(), waiting.size(), milliseconds) <= 0) return -1;
   if (waiting[0].revents != 0) return 0;
   return waiting[1].revents != 0 ? 1 : -1;
+}
+
+Result<Descriptor> begin_connection(const StreamAddress& address) {
+  TRY_ASSIGN(Descriptor made, open_socket(address, SOCK_NONBLOCK));
+  const sockaddr_in place = socket_address(address);
+  const auto* const to = reinterpret_cast<const sockaddr*>(&place);
+  if (::connect(made.number(), to, sizeof place) != 0 && errno != EINPROGRESS) {
+    return run_failure(address.text(), std::strerror(errno));
+  }
+  return made;
 }
 
 std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended) {

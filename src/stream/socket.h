@@ -48,6 +48,8 @@ class Descriptor {
 /// @return which: 0, 1; -1: neither within the time.
 [[nodiscard]] int wait_for(const Descriptor& first, const Descriptor& second, double seconds);
 
+/// A socket that begins to connect to an address and waits for nothing, now or later.
+[[nodiscard]] Result<Descriptor> begin_connection(const StreamAddress& address);
 /// What has come, as far as it fits; empty: nothing. Of a connection or a pipe that has ended: an
 /// empty text, and `ended`.
 [[nodiscard]] std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended);

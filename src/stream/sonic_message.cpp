@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "base/little_endian.h"
+#include "base/byte_order.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -26,10 +25,6 @@ constexpr int kMaxFrames = 100;
 template <typename T>
 void shift(std::vector<T>& values, std::size_t width) {
   std::move(values.begin() + static_cast<std::ptrdiff_t>(width), values.end(), values.begin());
-}
-
-void append_float(std::string& bytes, float value) {
-  append_little_endian(bytes, std::bit_cast<std::uint32_t>(value), 4);
 }
 
 std::string header_of(std::size_t frames, std::size_t joints, bool left_hand, bool right_hand) {
@@ -124,7 +119,7 @@ void SonicMessage::add(const RobotFrame& frame) {
 void SonicMessage::write() {
   message_.resize(payload_);
   for (const auto* values : {&positions_, &velocities_, &rotations_}) {
-    for (const float value : *values) append_float(message_, value);
+    for (const float value : *values) append_little_endian(message_, value);
   }
   for (const std::int64_t index : indices_) {
     append_little_endian(message_, static_cast<std::uint64_t>(index), 8);
@@ -133,7 +128,8 @@ void SonicMessage::write() {
 
 void SonicMessage::write_hand(const Hand& hand, std::span<const double> qpos) {
   if (!hand) return;
-  for (const std::size_t address : *hand) append_float(message_, static_cast<float>(qpos[address]));
+  for (const std::size_t address : *hand)
+    append_little_endian(message_, static_cast<float>(qpos[address]));
 }
 
 }  // namespace retarget

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "stream/local_pose.h"
+
 namespace retarget {
 namespace {
 
@@ -87,11 +89,9 @@ void StreamSkeleton::give(double time, std::span<const Pose> world_from_joint, S
   frame_.time = time;
   frame_.rotations.resize(sources_.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    Pose pose = world_from_joint[sources_[i]];
-    if (parents_[i] >= 0) {
-      const std::size_t parent = sources_[static_cast<std::size_t>(parents_[i])];
-      pose = world_from_joint[parent].inverse() * pose;
-    }
+    const int parent =
+        parents_[i] < 0 ? -1 : static_cast<int>(sources_[static_cast<std::size_t>(parents_[i])]);
+    const Pose pose = parent_from_joint(world_from_joint, parent, world_from_joint[sources_[i]]);
     frame_.rotations[i] = pose.rotation.normalized();
     if (slots_[i] < 0) continue;
     frame_.translations[static_cast<std::size_t>(slots_[i])] = units_per_metre_ * pose.translation;

@@ -13,7 +13,7 @@
 #include "stream/formats.h"
 #include "stream/human_bones.h"
 #include "stream/mvn_segments.h"
-#include "stream_support.h"
+#include "stream/stream_support.h"
 
 namespace retarget {
 namespace {

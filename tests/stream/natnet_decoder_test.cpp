@@ -12,7 +12,7 @@
 #include "base/data_folder.h"
 #include "stream/clip_axes.h"
 #include "stream/formats.h"
-#include "stream_support.h"
+#include "stream/stream_support.h"
 
 namespace retarget {
 namespace {

@@ -2,7 +2,10 @@
 
 // What the tests of binary formats share: a sink that keeps, and what comes back as poses in the world.
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +13,7 @@
 
 #include "motion/forward_kinematics.h"
 #include "retarget/load.h"
+#include "retarget/robot.h"
 #include "stream/decoder.h"
 
 namespace retarget {
@@ -43,6 +47,23 @@ class KeptStream final : public StreamSink {
 
 inline Clip sample_clip(const std::string& name) {
   return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
+}
+
+// Of a G1 that follows somebody who faces a z that is -y here, whose left arm hangs down and whose right one is
+// held out.
+inline void expect_left_arm_down(const Robot& robot, std::span<const double> qpos) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, qpos, world_from_body);
+  const auto place = [&](const char* body) {
+    return world_from_body[static_cast<std::size_t>(robot.find_body(body).value())].translation;
+  };
+  const Eigen::Vector3d left = place("left_wrist_yaw_link"), right = place("right_wrist_yaw_link");
+  EXPECT_LT(left.z(), right.z() - 0.2);
+  EXPECT_GT(left.x(), 0.05);
+  EXPECT_LT(right.x(), -0.2);
+  const Eigen::Quaterniond root(qpos[3], qpos[4], qpos[5], qpos[6]);
+  EXPECT_LT((root * Eigen::Vector3d::UnitX()).y(), -0.95);
+  EXPECT_NEAR((root * Eigen::Vector3d::UnitZ()).z(), 1.0, 0.05);
 }
 
 // metres and radians, the larger one
