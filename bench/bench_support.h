@@ -8,11 +8,11 @@
 #include <memory>
 #include <string>
 
-#include "bvh/read_bvh.h"
-#include "human/human_clip.h"
-#include "pipeline/targets.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/retargeting_config.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
+#include "solve/targets/targets.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {
@@ -25,7 +25,7 @@ struct BenchCase {
   HumanClip human;
 };
 
-/// The folder of real clips, or the repository's samples where it is not there.
+/// The folder of real clips, or the repository's samples if it is missing.
 inline std::filesystem::path clip_path(const std::string& name) {
   const std::filesystem::path source = RETARGET_SOURCE_DIR;
   const char* chosen = std::getenv("RETARGET_SHARED");

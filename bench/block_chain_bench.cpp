@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "fit/block_chain.h"
+#include "solve/fit/block_chain.h"
 
 namespace retarget {
 namespace {

@@ -2,7 +2,7 @@
 // method on the same clip, in the same run, is the yardstick.
 
 #include "bench_support.h"
-#include "fit/fit.h"
+#include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {

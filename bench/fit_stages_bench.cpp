@@ -3,22 +3,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/math/so3.h"
+#include "base/math/step_bounds.h"
 #include "bench_support.h"
-#include "fit/clip_fitter.h"
-#include "fit/fit_windows.h"
-#include "fit/frame_costs.h"
-#include "fit/joint_speeds.h"
-#include "fit/start_frames.h"
-#include "math/so3.h"
-#include "math/step_bounds.h"
-#include "pipeline/solve_frames.h"
+#include "solve/fit/clip_fitter.h"
+#include "solve/fit/fit_windows.h"
+#include "solve/fit/frame_costs.h"
+#include "solve/fit/joint_speeds.h"
+#include "solve/fit/start_frames.h"
+#include "solve/targets/solve_frames.h"
 
 namespace retarget {
 namespace {
 
 constexpr const char* kClip = "walk4_subject1";
 
-// what a fit has before its first step; targets are those of the published method
+// The state of a fit before its first step; targets are those of the published method.
 struct StagesCase {
   BenchCase bench = load_case(kClip);
   FitOptions options;
@@ -165,7 +165,7 @@ void fit_step_smoothing(benchmark::State& state) {
 }
 BENCHMARK(fit_step_smoothing)->Unit(benchmark::kMillisecond);
 
-// what the report says of the terms, which is what judging a step by its cost would take
+// The costs of the terms in the report; a step that is judged by its cost would take this long.
 void fit_costs(benchmark::State& state) {
   const StagesCase& work = stages();
   const FitWindow window = work.window();

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "hands/hand_solver.h"
-#include "hands/hand_target.h"
-#include "math/trigonometry.h"
-#include "robot/load_robot.h"
+#include "base/math/trigonometry.h"
+#include "robot/model/load_robot.h"
+#include "solve/hands/hand_solver.h"
+#include "solve/hands/hand_target.h"
 #include "support/finger_clip.h"
 
 namespace retarget {

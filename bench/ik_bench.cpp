@@ -1,7 +1,7 @@
 // Whole clips through each engine: time a frame, and a step of the inverse kinematics.
 
 #include "bench_support.h"
-#include "ik/ik_solver.h"
+#include "solve/ik/ik_solver.h"
 
 namespace retarget {
 namespace {

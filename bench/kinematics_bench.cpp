@@ -1,16 +1,16 @@
 // Single steps of the inverse kinematics, forward kinematics and resampling, over whole clips.
 
 #include "bench_support.h"
-#include "ik/ik_solver.h"
 #include "motion/forward_kinematics.h"
 #include "motion/resample.h"
+#include "solve/ik/ik_solver.h"
 
 namespace retarget {
 namespace {
 
 constexpr const char* kClip = "walk4_subject1";
 
-// poses along a clip, each with the targets of a few frames later: what a step is taken from
+// Poses along a clip, each with the targets of a few frames later: the input of a step.
 struct StepCases {
   std::shared_ptr<const IkProblem> problem;
   std::vector<std::vector<double>> qpos;

@@ -1,8 +1,8 @@
-"""Time from a packet to its robot frame over loopback, beside an echo that does nothing.
+"""Measures the time from a packet to its robot frame over loopback, compared with a plain echo.
 
-In one run, 50 times a second each: a row of a clip to `retarget live`, whose robot frame comes back; the same bytes
-to an echo, which come back as they are. Both are programs of their own, so that each way is one packet in and one out.
-The echo is a few lines of Python, or a program: --echo build/release/bench/udp_echo (bench/udp_echo.cpp).
+One run sends, 50 times a second, a row of a clip to `retarget live`, which returns a robot frame, and the same bytes to
+an echo, which returns them unchanged. Both are separate processes, so each path has one packet in and one out. The
+echo is a few lines of Python, or a program: --echo build/release/bench/udp_echo (bench/udp_echo.cpp).
 
     python3 bench/live_latency.py build/release/tools/retarget/retarget data/walk.bvh --seconds 60
 """
@@ -28,14 +28,14 @@ while True:
 
 
 def receiver() -> socket.socket:
-    """A socket at a free port of this machine."""
+    """Opens a socket at a free port of this machine."""
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     made.bind(("127.0.0.1", 0))
     return made
 
 
 def drained(taken: socket.socket) -> None:
-    """Takes what is left of earlier packets."""
+    """Discards earlier packets."""
     taken.setblocking(False)
     try:
         while True:
@@ -45,20 +45,20 @@ def drained(taken: socket.socket) -> None:
 
 
 def next_frame(taken: socket.socket) -> None:
-    """Waits for a robot frame; first lines come again now and then."""
+    """Waits for a robot frame and skips header lines, which are repeated now and then."""
     while taken.recv(65536).startswith(b'{"robot"'):
         pass
 
 
 def text_of(times: list[float]) -> str:
-    """Percentiles in milliseconds."""
+    """Formats percentiles in milliseconds."""
     times = sorted(times)
     return "  ".join(f"{name} {1e3 * times[min(len(times) - 1, int(share * len(times)))]:.3f} ms"
                      for name, share in (("p50", 0.5), ("p99", 0.99), ("max", 1.0)))
 
 
 def main() -> None:
-    """Sends and measures."""
+    """Sends rows and measures the delays."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tool")
     parser.add_argument("clip", type=pathlib.Path)
@@ -87,7 +87,7 @@ def main() -> None:
         there, here = [], []
         begin = time.perf_counter()
         for i in range(int(50 * arguments.seconds)):
-            # there and back, as a performer's two seconds of walking over and over
+            # Play the clip back and forth, like a performer who repeats two seconds of walking.
             place = i % (2 * len(rows) - 2)
             row = rows[min(place, 2 * len(rows) - 2 - place)].encode()
             time.sleep(max(0.0, begin + i / 50 - time.perf_counter()))
@@ -98,12 +98,12 @@ def main() -> None:
                 next_frame(back)
                 there.append(time.perf_counter() - sent)
             except TimeoutError:
-                pass  # a window that fills
+                pass  # The window is still filling.
             sent = time.perf_counter()
             own.sendto(row, ("127.0.0.1", echo_port))
             own.recv(65536)
             here.append(time.perf_counter() - sent)
-        warm = 100  # first frames find their way, and windows fill
+        warm = 100  # Exclude the first frames, in which solver and windows start up.
         print(f"live   {text_of(there[warm:])}  ({len(there)} of {len(here)} packets)")
         print(f"echo   {text_of(here[warm:])}")
         print(f"median above the echo {1e3 * (statistics.median(there[warm:]) - statistics.median(here[warm:])):.3f} ms")

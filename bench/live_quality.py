@@ -1,6 +1,6 @@
-"""Quality of live runs by their lag: the table of docs/live.md.
+"""Measures the quality of live runs for several lags: the table of docs/live.md.
 
-Each clip is played through a pipe to `retarget live` and what comes out is measured as any motion.
+Each clip is played through a pipe to `retarget live`, and the resulting motion is measured like any other.
 
     python3 bench/live_quality.py build/release/tools/retarget/retarget data/*.bvh
 """
@@ -18,14 +18,14 @@ FPS = 50
 
 
 def measured(tool: str, robot: str, clip: pathlib.Path, motion: pathlib.Path) -> dict:
-    """The figures of a motion beside its clip, and which gates it missed."""
+    """Returns the metrics of a motion compared with its clip, and the missed gates."""
     done = subprocess.run([tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--fps", str(FPS), "--json", "-"],
                           capture_output=True, text=True, check=False)
     return json.loads(done.stdout)["motions"][0]
 
 
 def live(tool: str, robot: str, clip: pathlib.Path, output: pathlib.Path, lag_ms: int | None) -> None:
-    """Plays a clip to a live run; no lag: frame by frame."""
+    """Plays a clip to a live run; without a lag, frame by frame."""
     mode = ["--mode", "frame"] if lag_ms is None else ["--mode", "lag", "--lag", str(lag_ms / 1000)]
     player = subprocess.Popen([tool, "live", "-q", "--play", clip, "--to", "stdout", "--speed", "0"],
                               stdout=subprocess.PIPE)
@@ -36,13 +36,13 @@ def live(tool: str, robot: str, clip: pathlib.Path, output: pathlib.Path, lag_ms
 
 
 def figure(report: dict, key: str) -> float:
-    """A figure of a report as JSON has it."""
+    """Returns a metric of a JSON report."""
     value = report[key]
     return value[0] if isinstance(value, list) else value
 
 
 def main() -> None:
-    """Prints a row of means over the clips for each lag, and for the fit of the whole clip."""
+    """Prints a row of means over the clips for each lag, and one for the offline fit."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tool")
     parser.add_argument("clips", nargs="+", type=pathlib.Path)

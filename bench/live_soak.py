@@ -1,14 +1,14 @@
-"""A live run over minutes or hours: no frame is lost, memory does not grow, no frame takes longer than at first.
+"""Checks a live run over minutes or hours: no lost frames, no growth of memory or of time per frame.
 
-Rows of a clip, there and back again, go to `retarget live` one by one, and the robot frames that come of them are
-taken, as fast as it goes or 50 times a second. The run is cut into tenths; the first two are the beginning, in which
-windows fill and the solver's lists find their size. Fails where
+The script sends rows of a clip, back and forth, to `retarget live` one by one and reads the robot frames, as fast as
+possible or 50 times a second. The run is divided into tenths. The first two are the beginning, in which windows fill and
+the solver's buffers reach their size. The script fails if
 
-* there are not as many robot frames as rows,
-* the resident memory after the beginning and at the end differ by more than a megabyte,
-* the processor time of a frame in the last tenths is half as much again as behind the beginning.
+* the numbers of robot frames and rows differ,
+* the resident memory after the beginning and at the end differs by more than a megabyte,
+* the processor time per frame in the last tenths exceeds that after the beginning by half.
 
-Times by the clock are printed and judged by nobody: other programs take part in them.
+Wall-clock times are printed but not checked, because other programs affect them.
 
     python3 bench/live_soak.py build/release/tools/retarget/retarget data/walk.bvh --lag 0.2 --minutes 60 --real-time
 """
@@ -32,7 +32,7 @@ MOST_SLOWER = 1.5
 
 
 class LiveRun:
-    """A run that takes rows of BVH from a pipe and gives robot frames to another."""
+    """A run that reads BVH rows from one pipe and writes robot frames to another."""
 
     def __init__(self, tool, clip, mode, patience):
         self.patience = patience
@@ -42,7 +42,7 @@ class LiveRun:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         os.set_blocking(self.process.stdout.fileno(), False)
         self.rest = b""
-        self.frames = -1  # the first line is none
+        self.frames = -1  # The first line is a header.
         self.held = 0
 
     def send(self, row):
@@ -50,7 +50,7 @@ class LiveRun:
         self.process.stdin.flush()
 
     def take(self, seconds):
-        """Counts what has come, or comes within so many seconds; False: nothing."""
+        """Counts frames that arrive within the given time. Returns False without any."""
         if not select.select([self.process.stdout], [], [], seconds)[0]:
             return False
         got = self.process.stdout.read(1 << 20)
@@ -61,27 +61,30 @@ class LiveRun:
         return True
 
     def wait_for(self, frames):
-        """Whether there are so many."""
+        """Waits for this number of frames. Returns whether they have arrived."""
         while self.frames < frames:
             if not self.take(self.patience):
                 return False
         return True
 
     def resident(self):
-        """Bytes."""
+        """Returns the resident memory in bytes."""
         pages = int(pathlib.Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
     def processor_time(self):
-        """Seconds so far, by a clock of nanoseconds: /proc counts in hundredths, as long as some hundred frames."""
+        """Returns the processor time in seconds, with nanosecond resolution.
+
+        The hundredths of a second of /proc are as long as some hundred frames.
+        """
         clock = ctypes.c_int()
         if ctypes.CDLL(None).clock_getcpuclockid(self.process.pid, ctypes.byref(clock)) != 0:
-            raise RuntimeError("the run's processor time is not to be had")
+            raise RuntimeError("the processor time of the run is unavailable")
         return time.clock_gettime(clock.value)
 
 
 def rows_of(clip):
-    """The rows of a clip there and back again, for ever."""
+    """Yields the rows of a clip back and forth, without end."""
     text = clip.read_text()
     rows = [row.encode() + b"\n" for row in text[text.index("Frame Time:"):].splitlines()[1:] if row.strip()]
     while True:
@@ -90,10 +93,10 @@ def rows_of(clip):
 
 
 def soak(run, rows, count, delay, real_time):
-    """Sends rows, the next one when the frame has come that the one before makes possible: `delay` frames ago.
+    """Sends each row after the frame that the previous row completes, `delay` frames earlier, has arrived.
 
-    Rows that come too slowly, as others want the processor, are a stream that stalls: the robot is held meanwhile, as
-    many frames as are missing. Gives figures for each tenth.
+    If other processes delay the rows, the stream stalls and the robot is held for the missing frames. Returns values
+    for each tenth.
     """
     sent = 0
     tenths = []
@@ -124,7 +127,7 @@ def soak(run, rows, count, delay, real_time):
 
 
 def main():
-    """Runs it and judges."""
+    """Runs the test and checks the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tool")
     parser.add_argument("clip", type=pathlib.Path)

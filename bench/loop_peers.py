@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Times a loop in Python over the frames of a clip: retarget.gmr's class beside the published
+"""Times a Python loop over the frames of a clip: retarget.gmr's class compared with the published
 method.
 
-One process, interleaved repetitions, one thread. Every peer gets frames that are loaded already and
-gives a configuration per frame; none writes anything. The peers:
+The loop runs in one process and one thread, with interleaved repetitions. Every peer gets loaded
+frames and returns a configuration per frame; none writes a file. The peers:
 
   retarget    retarget.gmr.GeneralMotionRetargeting.retarget
   python      the Python reference (retarget_oracle.py on mink, MuJoCo and DAQP). Its targets are made
-              before the clock starts, all at once: its loop has the inverse kinematics alone
-  published   general_motion_retargeting's own class, where that package is installed
+              before the clock starts, so its loop contains only the inverse kinematics
+  published   general_motion_retargeting's own class, if that package is installed
 
-Prints JSON; bench/compare_peers runs this and shows it.
+Prints JSON, which bench/compare_peers displays.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-Loop = Callable[[int], Any]  # solves so many frames from the first on, gives their configurations
+Loop = Callable[[int], Any]  # Solves the first n frames and returns their configurations.
 
 
 def arguments() -> argparse.Namespace:
@@ -89,7 +89,7 @@ def published_loop(bvh: pathlib.Path) -> Loop:
 
 
 def difference(ours: Sequence[Any], other: Sequence[Any]) -> float:
-    """Largest one in any value of any frame, quaternions of either sign."""
+    """Returns the largest difference of any value in any frame, for either sign of quaternions."""
     import numpy as np
     a, b = np.array(ours)[:len(other)], np.array(other)[:len(ours)]
     signs = np.sign(np.sum(a[:, 3:7] * b[:, 3:7], axis=1, keepdims=True))

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""How long a page's script takes for a picture: two robots and their source through a minute of motion.
+"""Measures the script time per frame of a page with two robots and their source, over a minute of motion.
 
     bench/page_callback.py build/release/tools/retarget/retarget dance.bvh [--robot NAME] [--size 1280x720]
 
-makes two motions of the first minute (published method and fit), plays their page in Chromium without a
-window at four times the speed, traces it, and prints median and 95th percentile of what
-requestAnimationFrame's callback takes, in milliseconds: by the clock, and of the thread's own time, which other
-programs do not lengthen. WebGL is done by the processor there (SwiftShader), in another process; the
-callback is the script alone. Needs Chromium; no window, no graphics card."""
+makes two motions of the first minute (published method and fit), plays their page in headless Chromium at four
+times the speed, traces it, and prints the median and the 95th percentile of the duration of the
+requestAnimationFrame callback in milliseconds: as wall-clock time, and as thread time, which other programs do not
+affect. Another process renders WebGL on the processor (SwiftShader), so the callback is only the script. Needs
+Chromium, but no window and no graphics card."""
 
 import argparse
 import pathlib
@@ -25,7 +25,7 @@ CALLBACK = "FireAnimationFrame"
 
 
 def make_page(tool, clip, robot, folder):
-    """A page of two motions of a clip's first minute beside it."""
+    """Makes a page with two motions of a clip's first minute and the source."""
 
     def run(*arguments):
         subprocess.run([tool, *map(str, arguments), "--quiet"], check=True)
@@ -40,7 +40,7 @@ def make_page(tool, clip, robot, folder):
 
 
 def trace(browser, seconds):
-    """What the browser traced of its timeline while the page played, one event each."""
+    """Returns the timeline events that the browser traced while the page played."""
     browser.send(
         "Tracing.start",
         {"traceConfig": {"includedCategories": ["devtools.timeline"]},

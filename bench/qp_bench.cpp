@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "ik/box_qp.h"
+#include "solve/ik/box_qp.h"
 
 namespace retarget {
 namespace {

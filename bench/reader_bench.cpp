@@ -6,9 +6,9 @@
 #include <random>
 
 #include "bench_support.h"
-#include "bvh/motion_rows.h"
-#include "bvh/number_line.h"
-#include "bvh/read_bvh.h"
+#include "formats/bvh/motion_rows.h"
+#include "formats/bvh/number_parser.h"
+#include "formats/bvh/read_bvh.h"
 
 namespace retarget {
 namespace {
@@ -39,7 +39,7 @@ void set_rate(benchmark::State& state) {
   state.SetBytesProcessed(static_cast<std::int64_t>(rows_text().size()) * state.iterations());
 }
 
-// the plain way: what the readers are held against
+// The straightforward implementation, as a reference for the readers.
 void rows_by_from_chars(benchmark::State& state) {
   const std::string& text = rows_text();
   for (auto _ : state) {
@@ -77,7 +77,7 @@ void rows_by_line(benchmark::State& state, ReadNumberLine reader) {
 BENCHMARK_CAPTURE(rows_by_line, portable, read_number_line_portable)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(rows_by_line, vector, vector_number_line_reader())->Unit(benchmark::kMillisecond);
 
-// with all checks: what the reader of files runs
+// The code path of the file reader, with all checks.
 void rows_checked(benchmark::State& state) {
   const std::string& text = rows_text();
   const SourceText source(text, "");

@@ -1,7 +1,7 @@
-// What surrounds the inverse kinematics: reading, kinematics, targets, writing.
+// Stages around the inverse kinematics: reading, kinematics, targets, writing.
 
-#include "base/file.h"
 #include "bench_support.h"
+#include "retarget/file.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "support/lafan1_map.h"

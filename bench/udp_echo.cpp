@@ -1,4 +1,4 @@
-// Sends every datagram back: what a way there and back costs without any work, for bench/live_latency.py.
+// Sends every datagram back: the cost of a round trip without any work, for bench/live_latency.py.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

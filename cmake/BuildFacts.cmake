@@ -1,4 +1,5 @@
-# What `retarget --version` tells of the build: the version, and the git commit as of each build.
+# The build information of `retarget --version`: the version, and the git commit at the time of each
+# build.
 
 set(retarget_facts_folder ${PROJECT_BINARY_DIR}/generated)
 add_custom_target(retarget_build_facts

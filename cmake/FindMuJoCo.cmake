@@ -8,14 +8,14 @@
 #   3. the wheel that tools/setup.sh puts into build/deps;
 #   4. the wheel of the Python in use;
 #   5. system paths.
-# A MuJoCo that was asked for by (1) and does not serve is an error, not a reason to look on.
+# If (1) names a MuJoCo that cannot be used, that is an error; the search does not continue.
 
 if(TARGET mujoco::mujoco)
   set(MuJoCo_FOUND TRUE)
   return()
 endif()
 
-# major.minor.patch from mjVERSION_HEADER: three digits up to 3.4.0, seven from 3.6.0 on
+# major.minor.patch from mjVERSION_HEADER: three digits up to 3.4.0, seven since 3.6.0
 function(_mujoco_header_version include_dir result)
   set(${result} "" PARENT_SCOPE)
   if(NOT EXISTS "${include_dir}/mujoco/mujoco.h")

@@ -1,6 +1,7 @@
-# RETARGET_HARDENING: what compiler and linker can do so that a fault in reading a stranger's file
-# ends the process instead of doing the stranger's will. For the library and what is built along
-# with it; users of an installed library choose their own flags. docs/building.md has what it costs.
+# RETARGET_HARDENING: options of compiler and linker with which an error in reading an untrusted file
+# ends the process instead of executing an attacker's code. They apply to the library and everything
+# that is built with it; users of an installed library choose their own flags. docs/building.md
+# states the costs.
 
 include(CheckCXXCompilerFlag)
 include(CheckLinkerFlag)
@@ -21,7 +22,8 @@ if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR
 endif()
 set(retarget_is_hardened ON)
 
-# jumps land where functions begin. Clang takes both everywhere, and warns of the one that is in vain
+# Indirect jumps land only where functions begin. Clang accepts both options everywhere, and warns
+# about the one without effect.
 set(landing -fcf-protection)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)")
   set(landing -mbranch-protection=standard)

@@ -5,8 +5,8 @@
 #   lib/libretarget_*.a            edit, rig, live, batch (Library.cmake)
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
-#   share/retarget/                robots/ and configs/
-#   share/doc/retarget/            the docs that help and messages name, licences of all that is inside
+#   share/retarget/                robots/ and configs/; robots/index.json names all robots there are
+#   share/doc/retarget/            docs that help and messages name, licences of all included parts
 #   share/man, bash-completion, zsh, fish   made by the tool
 
 include(CMakePackageConfigHelpers)
@@ -30,7 +30,7 @@ endif()
 if(TARGET retarget_cli)
   install(TARGETS retarget_cli DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-# what a shell and man know of the tool, it says itself
+# The tool generates its own completions and man page.
 if(TARGET retarget_cli AND NOT CMAKE_CROSSCOMPILING)
   function(retarget_install_generated what folder name)
     set(file ${PROJECT_BINARY_DIR}/generated/${what}/${name})
@@ -61,6 +61,19 @@ if(RETARGET_BUNDLE_MUJOCO)
 endif()
 include(cmake/RunPath.cmake)
 
+# a shared library finds its data beside itself; a static one learns of it from the package
+if(BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH retarget_data_from_library
+    /${CMAKE_INSTALL_LIBDIR} /${CMAKE_INSTALL_DATADIR}/retarget)
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}" OR IS_ABSOLUTE "${CMAKE_INSTALL_DATADIR}")
+    file(RELATIVE_PATH retarget_data_from_library
+      ${CMAKE_INSTALL_FULL_LIBDIR} ${CMAKE_INSTALL_FULL_DATADIR}/retarget)
+  endif()
+  set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/app/plan/installed_data_folder.cpp APPEND PROPERTY
+    COMPILE_DEFINITIONS RETARGET_DATA_FROM_LIBRARY="${retarget_data_from_library}")
+  target_link_libraries(retarget PRIVATE ${CMAKE_DL_LIBS})
+endif()
+
 configure_package_config_file(cmake/retargetConfig.cmake.in
   ${PROJECT_BINARY_DIR}/retargetConfig.cmake
   INSTALL_DESTINATION ${retarget_package_folder}
@@ -69,7 +82,7 @@ configure_package_config_file(cmake/retargetConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/retargetConfig.cmake
-  ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/FindMuJoCo.cmake cmake/FindLibZip.cmake
+  ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/package_data_folder.cpp.in cmake/FindMuJoCo.cmake cmake/FindLibZip.cmake
   cmake/FindLZ4.cmake cmake/FindZeroMQ.cmake cmake/FindRedisClient.cmake
   DESTINATION ${retarget_package_folder})
 if(PROJECT_IS_TOP_LEVEL)

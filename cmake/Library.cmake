@@ -1,12 +1,12 @@
 # retarget_add_library(NAME [ROOMS room...] [PUBLIC library...] [PRIVATE library...]): a library of the
-# rooms src/ROOM, with our warnings and hardening, installed and exported as retarget::NAME (the core,
+# folders src/ROOM, with our warnings and hardening, installed and exported as retarget::NAME (the core,
 # `retarget`, as retarget::retarget). The core has every room that no other library has, so it comes last.
 #
 # The libraries see each other's internal headers, and so internal names. A shared build hides these:
 # there the core has the rooms of all, and the others are names for it.
 
 set(retarget_libraries "")     # those with objects of their own: flags of a build go to each
-set(retarget_exported "")      # what is installed
+set(retarget_exported "")      # targets to install
 set(retarget_taken_rooms "")   # by libraries beside the core
 set(retarget_shared_links "")  # of the rooms that a shared core takes in
 
@@ -14,10 +14,11 @@ set(retarget_shared_links "")  # of the rooms that a shared core takes in
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
-    string(REGEX REPLACE "^.*/src/([^/]+)/.*$" "\\1" room ${source})
+    string(REGEX REPLACE "^.*/src/(.+)/[^/]+$" "\\1" room ${source})
     if(room STREQUAL source)
       continue()
     endif()
+    string(REPLACE "/" "_" room ${room})
     math(EXPR ${room}_files "${${room}_files} + 1")
     math(EXPR group "${${room}_files} / ${RETARGET_UNITY_FILES}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${group})

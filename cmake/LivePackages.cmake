@@ -1,5 +1,6 @@
-# What `retarget live` unpacks packets with and sends through, where the library is there: RETARGET_LZ4,
-# RETARGET_ZEROMQ and RETARGET_REDIS are AUTO, ON (an error without it) or OFF. retarget_live_links has what to link.
+# Libraries with which `retarget live` unpacks packets and sends frames: RETARGET_LZ4,
+# RETARGET_ZEROMQ and RETARGET_REDIS are AUTO (used if available), ON (an error without the library)
+# or OFF. retarget_live_links lists them for linking.
 
 set(RETARGET_LZ4 AUTO CACHE STRING "Compressed packets of live runs (LZ4): AUTO, ON, OFF")
 set(RETARGET_ZEROMQ AUTO CACHE STRING "ZeroMQ outputs of live runs: AUTO, ON, OFF")
@@ -15,10 +16,10 @@ function(retarget_live_package choice package target source definition)
     find_package(${package} REQUIRED)
   endif()
   if(TARGET ${target})
-    set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/stream/${source} APPEND PROPERTY COMPILE_DEFINITIONS ${definition})
+    set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/live/stream/${source} APPEND PROPERTY COMPILE_DEFINITIONS ${definition})
     set(retarget_live_links ${retarget_live_links} ${target} PARENT_SCOPE)
   else()
-    message(STATUS "${package} is not used: src/stream/${source} does without")
+    message(STATUS "${package} is not used: src/live/stream/${source} does without")
   endif()
 endfunction()
 

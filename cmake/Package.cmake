@@ -3,8 +3,8 @@
 set(CPACK_GENERATOR "DEB;TGZ")
 set(CPACK_PACKAGE_NAME retarget)
 set(CPACK_PACKAGE_VENDOR retarget)
-# a Debian maintainer: CITATION.cff's name with an address that nobody has. Who publishes packages of
-# their own sets theirs: -DRETARGET_PACKAGE_CONTACT="NAME <ADDRESS>"
+# The Debian maintainer: the name in CITATION.cff with an invalid address. Publishers of packages
+# set their own: -DRETARGET_PACKAGE_CONTACT="NAME <ADDRESS>"
 set(RETARGET_PACKAGE_CONTACT "retarget contributors <contributors@retarget.invalid>"
   CACHE STRING "Maintainer of the packages")
 mark_as_advanced(RETARGET_PACKAGE_CONTACT)
@@ -14,14 +14,14 @@ set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_RESOURCE_FILE_README ${PROJECT_SOURCE_DIR}/README.md)
 set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
-# what belongs to a wheel is none of the tree
+# Files of a wheel are not part of the tree.
 set(CPACK_COMPONENTS_ALL Unspecified)
 set(CPACK_ARCHIVE_COMPONENT_INSTALL OFF)
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "")
-# what the tool is linked with decides the rest; MuJoCo is inside
+# The libraries that the tool is linked with decide the rest; MuJoCo is inside.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 get_filename_component(mujoco_folder "${MuJoCo_RUNTIME_LIBRARY}" REALPATH)
 get_filename_component(mujoco_folder "${mujoco_folder}" DIRECTORY)

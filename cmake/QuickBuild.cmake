@@ -1,5 +1,5 @@
-# What RETARGET_PRECOMPILE_HEADERS and RETARGET_UNITY_BUILD do for libraries and tool alike, where much
-# is compiled at a time.
+# RETARGET_PRECOMPILE_HEADERS and RETARGET_UNITY_BUILD for the library and the tool, which speed up
+# builds of many files.
 
 foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarget_batch retarget_cli)
   if(NOT TARGET ${target})

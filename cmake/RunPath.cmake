@@ -1,8 +1,8 @@
 # Where the tool and a shared library of ours look for libraries, in the build tree and installed.
 #
-# CMake ends a run path that an install is to change with a colon, or with as many as the new one
-# needs; the loader takes what stands between colons, or behind the last, for the working directory
-# and loads code from there. So the targets are linked with a run path that CMake leaves alone: the
+# If an install changes a run path, CMake pads the old one with colons to the length of the new one.
+# The loader treats an empty entry between or after colons as the working directory and loads code
+# from there. Therefore the targets are linked with a run path that CMake leaves alone: the
 # folders of the build tree, then those of the installed tree. The install keeps the latter, which
 # fit into the place of both.
 file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
@@ -13,7 +13,7 @@ if(RETARGET_BUNDLE_MUJOCO)
   list(PREPEND installed_retarget_cli "$ORIGIN/${library_from_bin}/retarget")
 endif()
 
-# one target's run path. build_folders: what only the build tree may name
+# Sets one target's run path. build_folders: folders that only the build tree may name
 function(retarget_set_run_path target build_folders installed destination)
   if(APPLE)
     # no separators there: each folder is an entry of its own, which the install replaces
@@ -44,7 +44,8 @@ get_filename_component(mujoco_folder "${MuJoCo_RUNTIME_LIBRARY}" DIRECTORY)
 get_filename_component(mujoco_folder "${mujoco_folder}" ABSOLUTE)
 string(FIND "${mujoco_folder}/" "${PROJECT_SOURCE_DIR}/" in_source)
 string(FIND "${mujoco_folder}/" "${PROJECT_BINARY_DIR}/" in_build)
-# one outside of both is among the folders of the link, which an install keeps unless it bundles
+# The linker already lists a folder outside the source and build trees, and an install keeps it
+# unless it bundles MuJoCo.
 if(in_source EQUAL 0 OR in_build EQUAL 0 OR RETARGET_BUNDLE_MUJOCO)
   list(APPEND build_folders "${mujoco_folder}")
 endif()

@@ -1,6 +1,6 @@
-# sanitizer_runtime(RUNTIME): what a program that has no sanitizer (Python) must load before a module that has
-# one, for LD_PRELOAD; empty where the build has none that would have to. NOTFOUND where there is no such
-# library, or none that works: clang's thread sanitizer crashes in a program that it did not link.
+# sanitizer_runtime(RUNTIME): the runtime library, for LD_PRELOAD, that a program without a sanitizer
+# (Python) must load before a module with one; empty if the build needs none. NOTFOUND if the library
+# is missing or unusable: clang's thread sanitizer crashes in a program that it did not link.
 function(sanitizer_runtime runtime)
   set(${runtime} "" PARENT_SCOPE)
   string(REGEX MATCHALL "-fsanitize=[^ ]+" sanitizers "${CMAKE_CXX_FLAGS}")

@@ -1,5 +1,5 @@
-# ufbx (third_party/ufbx) is a part of the core: what reads FBX files, and no more of it. It opens no file,
-# and its sines are ours (src/scene/fbx_math.cpp), so that every machine gets the same bytes.
+# ufbx (third_party/ufbx), the part of the core that only reads FBX files. It opens no file,
+# and its sines are ours (src/formats/scene/fbx_math.cpp), so that every machine gets the same bytes.
 target_sources(retarget PRIVATE third_party/ufbx/ufbx.c)
 target_include_directories(retarget SYSTEM PRIVATE third_party)
 set(retarget_ufbx_options -w -fvisibility=hidden)

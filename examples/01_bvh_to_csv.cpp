@@ -1,4 +1,4 @@
-// A motion file to a robot's motion, with every default of the command line:
+// Retargets a motion file to a robot with the defaults of the command line:
 //     01_bvh_to_csv walk.bvh unitree_g1 walk.csv
 
 #include <retarget/retarget.h>

@@ -1,4 +1,4 @@
-// Every BVH below a folder, to one robot, which is set up once. A bad file does not stop the rest:
+// Retargets every BVH below a folder to one robot, set up once. A bad file does not stop the run:
 //     04_whole_folder clips unitree_g1 out
 
 #include <retarget/retarget.h>

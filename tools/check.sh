@@ -1,26 +1,29 @@
 #!/usr/bin/env bash
-# The checks beyond the tests, for developers and CI.
+# Runs checks in addition to the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer]   (default: all eight)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words]
+#                                                                        (default: all nine)
 #
 #   format  clang-format (version 14) would change nothing
-#   shell   shellcheck finds nothing in the scripts
+#   shell   shellcheck has no findings in the scripts
 #   asan    all tests pass under the address and undefined behaviour sanitizers
-#   asan-input   the same for the modules that read what users bring, and the command line, on the
-#           library that fuzz is linked with
+#   asan-input   the same for the modules that read users' files, and the command line, on the
+#           library that fuzz links
 #   tsan    the tests of batches, fit and pipeline pass under the thread sanitizer
-#   tidy    clang-tidy finds nothing in the library and the tool
-#   fuzz    every reader is fuzzed for ten seconds (tools/fuzz.sh) and nothing breaks
-#   arm64   the library and the tool compile for ARM64, where its cross compiler is there
-#   viewer  the script of pages is what viewer/src makes, where there is Node (tools/viewer_bundle.sh)
+#   tidy    clang-tidy has no findings in the library and the tool
+#   fuzz    fuzzing every reader for ten seconds (tools/fuzz.sh) finds no fault
+#   arm64   the library and the tool compile for ARM64; skipped without a cross compiler
+#   viewer  the script of pages is up to date with viewer/src; skipped without Node (tools/viewer_bundle.sh)
+#   words   comments, messages and pages contain no more of the wording in tools/words.txt than
+#           tools/words_baseline.txt allows (tools/check_words.py)
 #
-# Needs what tools/setup.sh --dev installs, and calls it. JOBS: how many processes.
+# Calls tools/setup.sh --dev to install dependencies. JOBS: the number of processes.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=${JOBS:-$(nproc)}
 
-# the files of the repository (or of an unpacked archive of it) with the given endings
+# Lists the files of the repository (or of an unpacked archive of it) with the given extensions.
 files() {
   local name tests=()
   for name; do tests+=(-o -name "$name"); done
@@ -41,7 +44,7 @@ check_shell() {
   { files '*.sh' '*.sbatch'; printf '.ci/run\0'; } | xargs -0 -r shellcheck
 }
 
-# the Python module, too
+# Includes the Python module.
 check_asan() {
   "$root/tools/setup.sh" --python
   cmake --preset asan -DRETARGET_BUILD_PYTHON=ON -DRETARGET_PYTHON="$("$root/tools/setup.sh" --python --print-python)"
@@ -49,18 +52,18 @@ check_asan() {
   ctest --preset asan --parallel "$jobs"
 }
 
-# CI's share of asan: compiling the numerical modules' tests with it takes longer than all else. With
-# clang, so that one library serves these tests and the fuzzing.
+# The part of asan that CI runs, because compiling the tests of the numerical modules takes longest.
+# Uses clang so that these tests and the fuzzing share one library.
 check_asan-input() {
   local modules=(base batch bvh edit fuzz human io motion robot smpl stream) compiler
-  # its tests talk to other people's clients
+  # The tests of the streams use third-party clients.
   "$root/tools/setup.sh" --python
   compiler=$(tools/find_clang.sh)
   cmake --preset fuzz -DCMAKE_CXX_COMPILER="$compiler"
   cmake --build --preset fuzz --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
-  # of the command line what brings odd input; the rest solves ordinary clips, slowly
+  # Run only command line tests with unusual input; the others solve ordinary clips, slowly.
   ctest --preset fuzz --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
-    -E '^cli\.(human|run|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak)$'
+    -E '^cli\.(human|run|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak|perturbations|noise)$'
 }
 
 check_tsan() {
@@ -84,18 +87,25 @@ check_viewer() {
   "$root/tools/viewer_bundle.sh" --check
 }
 
+check_words() {
+  python3 "$root/tools/check_words.py"
+}
+
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer)
+[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words)" >&2
     exit 2
   fi
 done
 
-# the sanitizers come with the compiler
-case "${checks[*]}" in asan | tsan) developer=() ;; *) developer=(--dev) ;; esac
-"$root/tools/setup.sh" "${developer[@]}"
+# The compiler includes the sanitizers, and the words need only Python.
+case "${checks[*]}" in
+  words) ;;
+  asan | tsan) "$root/tools/setup.sh" ;;
+  *) "$root/tools/setup.sh" --dev ;;
+esac
 cd -- "$root"
 for check in "${checks[@]}"; do
   echo "check: $check"

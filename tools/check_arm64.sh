@@ -4,8 +4,8 @@
 #   tools/check_arm64.sh
 #
 # Needs the cross compiler aarch64-linux-gnu-g++ (Debian and Ubuntu: g++-aarch64-linux-gnu), which
-# tools/setup.sh leaves to you; without it, says so and exits with 0. Nothing is linked: the headers that
-# are used serve every processor, MuJoCo's library here does not. JOBS: how many processes.
+# tools/setup.sh does not install; without it, prints a message and exits with 0. Nothing is linked: the
+# headers are the same for every processor, but the MuJoCo library is not. JOBS: the number of processes.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -24,7 +24,7 @@ cmake -S "$root" -B "$folder" -G Ninja -DCMAKE_SYSTEM_NAME=Linux \
   -DRETARGET_CCACHE=OFF -DRETARGET_WERROR=ON >/dev/null
 cmake --build "$folder" --target retarget_build_facts >/dev/null
 
-# the build's own commands, up to the errors and warnings alone: "file<NUL>command<NUL>" each
+# Prints the commands of the build, reduced to syntax checks, as "file<NUL>command<NUL>".
 commands() {
   python3 - "$folder/compile_commands.json" <<'CODE'
 import json, sys

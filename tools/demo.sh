@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Retargets the sample walk to the Unitree G1 and says where the CSV is; installs what is missing
-# (tools/setup.sh) and builds the tool first, in a folder of its own (preset demo). Safe to repeat.
+# Retargets the sample walk to the Unitree G1 and prints the path of the CSV. First installs missing
+# packages (tools/setup.sh) and builds the tool in a separate folder (preset demo). Safe to repeat.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
-# a relative MuJoCo_ROOT is meant from where the user is
+# A relative MuJoCo_ROOT is relative to the working directory of the user.
 if [ -n "${MuJoCo_ROOT:-}" ]; then
   MuJoCo_ROOT=$(realpath -- "$MuJoCo_ROOT")
   export MuJoCo_ROOT

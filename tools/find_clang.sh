@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Prints the clang++ that the sanitizers and libFuzzer are built with: CXX where that is one, else version
-# 14, else any.
+# Prints the clang++ for builds with sanitizers and libFuzzer: CXX if it is clang++, otherwise version 14,
+# otherwise any version.
 set -euo pipefail
 
 for name in "${CXX:-}" clang++-14 clang++ /usr/lib/llvm-*/bin/clang++; do

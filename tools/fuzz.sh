@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Fuzzing of every reader, and of the way from a BVH to a robot's CSV, under the address and undefined
-# behaviour sanitizers. docs/security.md says what is fuzzed.
+# Fuzzes every reader, and the conversion from a BVH to a robot's CSV, under the address and undefined
+# behaviour sanitizers. docs/security.md lists the targets.
 #
-#   tools/fuzz.sh MINUTES [TARGET...]        MINUTES of all targets together; bvh, npz, csv, ...
-#   FUZZ_SECONDS=10 tools/fuzz.sh            so many seconds of each, from the kept inputs alone
-#   tools/fuzz.sh threads                    no fuzzing: the thread sanitizer on batch, fit and pipeline
+#   tools/fuzz.sh MINUTES [TARGET...]        MINUTES for all targets together; bvh, npz, csv, ...
+#   FUZZ_SECONDS=10 tools/fuzz.sh            ten seconds per target, from the committed inputs
+#   tools/fuzz.sh threads                    no fuzzing: run batch, fit and pipeline under the thread sanitizer
 #
-# Builds with clang into build/fuzz. What was found interesting is kept in build/fuzz/corpus and goes on
-# from there the next time; what breaks a reader is written to build/fuzz/findings, and the exit code is 1.
-# Runs of FUZZ_SECONDS begin from tests/fuzz/seeds and tests/fuzz/regressions every time, with the same seed
-# of randomness. Needs what tools/setup.sh --dev installs. JOBS: how many processes. CXX: another clang++.
+# Builds with clang into build/fuzz. Interesting inputs are kept in build/fuzz/corpus, where the next run
+# continues. Inputs that break a reader are written to build/fuzz/findings, and the exit code is 1.
+# Runs with FUZZ_SECONDS always begin from tests/fuzz/seeds and tests/fuzz/regressions, with the same random
+# seed. Needs tools/setup.sh --dev. JOBS: the number of processes. CXX: another clang++.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -22,7 +22,7 @@ fail() {
   exit 2
 }
 
-# batches fork, and a clip's run has up to three threads; the fit divides its windows among several
+# Batches fork, a run of a clip has up to three threads, and the fit distributes its windows over threads.
 check_threads() {
   local rooms=(batch pipeline fit)
   cmake --preset tsan
@@ -30,7 +30,7 @@ check_threads() {
   ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch(_|$)"
 }
 
-# what the repository has of a kind of file beside tests/fuzz/seeds and tests/fuzz/regressions
+# Collects files of one kind from the repository, in addition to tests/fuzz/seeds and tests/fuzz/regressions.
 other_seeds() {
   case $1 in
     bvh) find tests/bvh/conformance -name '*.bvh' ;;
@@ -43,7 +43,7 @@ other_seeds() {
   esac
 }
 
-# the beginnings are enough: a fuzzer is slow with large files
+# Use only the beginning of large files, with which a fuzzer is slow.
 take_other_seeds() {
   local folder=$build/seeds/$1 file number=0
   rm -rf -- "$folder"
@@ -57,7 +57,7 @@ take_other_seeds() {
   done < <(other_seeds "$1" | sort)
 }
 
-# fuzz TARGET SECONDS: whether nothing broke; its messages are in a log
+# fuzz TARGET SECONDS: succeeds if nothing broke; writes messages to a log.
 fuzz() {
   local target=$1 folder=$build/corpus/$1 options
   options=(-max_total_time="$2" -timeout=20 -rss_limit_mb=2048 -max_len=65536 -verbosity=1
@@ -78,7 +78,7 @@ fuzz() {
     >"$build/$target.log" 2>&1
 }
 
-# TARGET: what its log says, on one line
+# Summarises the log of TARGET on one line.
 report() {
   awk -v target="$1" '
     /^#[0-9]/ { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "ft:") ft = $(i + 1) } }
@@ -88,7 +88,7 @@ report() {
   ' "$build/$1.log"
 }
 
-# fuzz, and what came of it; `passed` is a file that others see
+# Fuzzes a target and reports the result; the file `passed` communicates it to other processes.
 run() {
   rm -f -- "$build/$1.passed"
   if fuzz "$1" "$2"; then : >"$build/$1.passed"; fi

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""The tables of docs/quality.md, measured anew.
+"""Measures motions and prints tables of their metrics in Markdown.
 
     tools/quality_tables.py --tool build/release/tools/retarget/retarget --data FOLDER [--robots A,B]
 
-FOLDER has lafan1/, lafan1_cuts/, dialects/ with BVH files and unitree_g1_csv/ with published motions. Prints
-Markdown: the G1's tables, then means by robot and kind of source, `--ik-config published --scale table`
--> default where the robot has a published configuration.
+prints the tables of docs/quality.md for your own copy of the data: first those of the G1, then means by robot and kind
+of source. For robots with a published configuration these are `--ik-config published --scale table` -> default.
 
     tools/quality_tables.py --tool ... --dynamics
 
@@ -14,11 +13,13 @@ prints the tables of docs/dynamics.md instead: published motions, the published 
 
     tools/quality_tables.py --tool ... --all-robots
 
-prints the tables of docs/robots.md, "On the samples" and "On walks": the fits of all robots; the former needs no other data.
+prints the tables of docs/robots.md, "On the samples" and "On walks": the fits of all robots. The former needs no
+other data.
 
-FOLDER is $RETARGET_SHARED/data unless it is given. lafan1/ is from
-github.com/ubisoft/ubisoft-laforge-animation-dataset, the published motions (`g1/` of them) are the data set
-LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face; neither is part of this repository.
+FOLDER has lafan1/, lafan1_cuts/ and dialects/ with BVH files, smpl/, and unitree_g1_csv/ with published motions. The
+default is $RETARGET_SHARED/data. lafan1/ is from github.com/ubisoft/ubisoft-laforge-animation-dataset. The published
+motions are `g1/` of the data set LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face. Neither is part of this
+repository. tools/docs_figures.py writes the same tables into the documents.
 """
 import argparse
 import concurrent.futures
@@ -38,131 +39,234 @@ FIGURES = {"jumps": 0, "joint_at_limit_pct": 1, "fast_3pi_pct": 1, "speed_limit_
 MEANS = ["limb_angle_deg", "trunk_lean_error_deg", "root_jerk_mean", "acc_p99", "contact_slip_mean",
          "self_all_1cm_pct", "body_pen_1cm_pct", "flight_peak_max_cm", "jumps"]
 SAMPLES = ["walk", "turn_in_place", "squat", "wave", "get_up"]
-WALKS = ["lafan1_cuts/walk1_subject1_walk.bvh", "dialects/cmu_daz_03_03.bvh",
-         "dialects/cmu_motionbuilder_12_01_walk.bvh", "dialects/games105_walk60.bvh",
-         "dialects/makehuman_walk1.bvh", "dialects/soma_walk_forward_120fps.bvh", "smpl/smpl_walk.npz"]
+WALKS = {"lafan1_cuts/walk1_subject1_walk.bvh": "LAFAN1", "dialects/cmu_daz_03_03.bvh": "CMU 03_03",
+         "dialects/cmu_motionbuilder_12_01_walk.bvh": "CMU 12_01",
+         "dialects/games105_walk60.bvh": "GAMES-105", "dialects/makehuman_walk1.bvh": "MakeHuman",
+         "dialects/soma_walk_forward_120fps.bvh": "SOMA", "smpl/smpl_walk.npz": "SMPL"}
 NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root", "slimevr_hmd_root",
              "geno_stance", "soma_zero_frame0"}
 DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
             "root_jerk_mean": 0, "stance_slip_mean": 4, "torque_over_pct": 1}
-METHODS = {"`--method gmr`": ("--method", "gmr"), "fit": (),
-           "fit `--with dynamics`": ("--with", "dynamics")}
-AS_PUBLISHED = ("--ik-config", "published", "--scale", "table")
+# Methods and the options that run them; None: Unitree's published motion of the clip.
+METHODS = {"fit": (), "gmr": ("--method", "gmr"), "dynamics": ("--with", "dynamics"),
+           "as-published": ("--ik-config", "published", "--scale", "table"), "published": None}
+METHOD_TITLES = {"published": "published data", "gmr": "`--method gmr`", "fit": "fit",
+                 "dynamics": "fit `--with dynamics`"}
+# Marks a value that was not measured.
+SKIPPED = object()
 
 
-def figures(tool, clip, robot, options=(), motion=None):
-    """The report of a run, or of a motion that is there; None where the tool fails."""
-    with tempfile.TemporaryDirectory() as folder:
-        report = os.path.join(folder, "report.json")
-        command = [tool, "--bvh", clip, "--robot", robot, "-o", os.path.join(folder, "out.csv"),
-                   "--report", report, "-q", *options]
-        if motion:
-            command = [tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json", report,
-                       "--gate", "none", *options]
-        result = subprocess.run(command, capture_output=True, check=False, text=True)
-        if not os.path.exists(report):
-            print(f"{clip}, {robot}: {result.stderr.strip()}", file=sys.stderr)
-            return None
-        with open(report, encoding="utf-8") as file:
-            return json.load(file)["motions"][0]
-
-
-def dynamics(tool, clip, robot, options):
-    """The report with figures of inverse dynamics of a run's motion."""
-    with tempfile.TemporaryDirectory() as folder:
-        motion = os.path.join(folder, "out.csv")
-        subprocess.run([tool, "--bvh", clip, "--robot", robot, "-o", motion, "-q", *options],
-                       check=True)
-        return figures(tool, clip, robot, ("--dynamics",), motion)
-
-
-def print_dynamics(tool, pool, robot, clips, published):
-    """A table a figure: a row a clip, a column a method."""
-    reports = {}
-    if robot == "unitree_g1":
-        reports["published data"] = [
-            figures(tool, clip, robot, ("--dynamics",), published / f"{clip.stem}.csv")
-            if (published / f"{clip.stem}.csv").exists() else None for clip in clips]
-    for method, options in METHODS.items():
-        reports[method] = list(pool.map(lambda clip: dynamics(tool, clip, robot, options), clips))
-    for name, digits in DYNAMICS.items():
-        print(f"\n`{name}`, {robot}:\n\n| clip | " + " | ".join(reports) + " |")
-        print("| --- |" + " --- |" * len(reports))
-        for i, clip in enumerate(clips):
-            cells = [value(of_method[i], name) for of_method in reports.values()]
-            texts = ["" if cell is None else f"{cell:.{digits}f}" for cell in cells]
-            print(f"| {clip.stem} | " + " | ".join(texts) + " |")
+def short(clip):
+    """Shortens walk4_subject1 to walk4_s1."""
+    return clip.stem.replace("subject", "s")
 
 
 def value(report, name):
-    """The mean of a figure."""
+    """Returns the mean of a metric, or None if it was not measured."""
     found = None if report is None else report.get(name)
     return found[0] if isinstance(found, list) else found
 
 
-def print_table(title, names, reports):
-    """One column per clip, one row per figure."""
-    print(f"\n{title}\n\n| figure | " + " | ".join(names) + " |")
-    print("| --- |" + " --- |" * len(names))
-    for name, digits in FIGURES.items():
-        cells = [value(report, name) for report in reports]
-        if any(cell is not None for cell in cells):
-            texts = ["-" if cell is None else f"{cell:.{digits}f}" for cell in cells]
-            print(f"| `{name}` | " + " | ".join(texts) + " |")
-
-
-def short(clip):
-    """walk4_subject1 as walk4_s1."""
-    return clip.stem.replace("subject", "s")
-
-
-def print_means(tool, pool, robot, clips):
-    """Before -> after, a column a kind of source."""
-    rows = {}
-    for kind, files in clips.items():
-        after = list(pool.map(lambda clip: figures(tool, clip, robot), files))
-        before = list(pool.map(lambda clip: figures(tool, clip, robot, AS_PUBLISHED), files))
-        for name in MEANS:
-            pairs = [(value(a, name), value(b, name)) for a, b in zip(before, after)]
-            both = [pair for pair in pairs if None not in pair]
-            alone = [b for _, b in pairs if b is not None]
-            if both:
-                cell = " -> ".join(f"{sum(part) / len(both):.3g}" for part in zip(*both))
-            else:
-                cell = f"{sum(alone) / len(alone):.3g}" if alone else "-"
-            rows.setdefault(name, []).append(cell)
-    print(f"\n`{robot}`:\n\n| mean of | " + " | ".join(clips) + " |\n| --- |" + " --- |" * len(clips))
-    for name, cells in rows.items():
-        print(f"| `{name}` | " + " | ".join(cells) + " |")
-
-
 def missed_gates(report):
-    """Names of the gates that a motion misses."""
+    """Returns the names of the gates that a motion misses."""
     return [gate["metric"] for gate in report["gates"] if gate["passed"] is False]
 
 
-def print_robots(tool, pool, clips):
-    """A row a robot: means over clips, and what gates they miss."""
+class Clips:
+    """Clips of data/ and, if given, of a folder with other data."""
+
+    def __init__(self, folder=None):
+        self.folder = folder
+        found = {"samples": [DATA / f"{name}.bvh" for name in SAMPLES], "lafan1": [], "cuts": [],
+                 "skeletons": [], "walks": []}
+        if folder:
+            found["lafan1"] = sorted((folder / "lafan1").glob("*.bvh"))
+            found["cuts"] = sorted((folder / "lafan1_cuts").glob("*.bvh"))
+            found["skeletons"] = [clip for clip in sorted((folder / "dialects").glob("*.bvh"))
+                                  if clip.stem not in NO_HUMANS]
+            found["walks"] = [folder / name for name in WALKS if (folder / name).exists()]
+        self.sets = found
+
+    def named(self, names):
+        """Returns clips of sets and single names, separated by commas; None if some are missing."""
+        clips = []
+        for name in names.split(","):
+            known = self.sets.get(
+                name, [clip for each in self.sets.values() for clip in each if clip.stem == name][:1])
+            if not known:
+                return None
+            clips += known
+        return clips
+
+    def published(self, clip):
+        """Returns Unitree's motion of a clip, or None if there is none."""
+        motion = self.folder / "unitree_g1_csv" / f"{clip.stem}.csv" if self.folder else None
+        return motion if motion and motion.exists() else None
+
+
+class Reports:
+    """Reports of motions, each measured once. `measure` measures the reports requested since its last call."""
+
+    def __init__(self, tool, clips, jobs=None, may_measure=lambda clip, robot: True):
+        self.tool, self.clips, self.jobs, self.may_measure = tool, clips, jobs, may_measure
+        self.known, self.wanted = {}, set()
+
+    def get(self, clip, robot="unitree_g1", method="fit", dynamics=False):
+        """Returns a report; None if the tool fails or the motion is missing; SKIPPED if it is not measured."""
+        job = (clip, robot, method, dynamics)
+        if job not in self.known and self.may_measure(clip, robot):
+            self.wanted.add(job)
+        return self.known.get(job, SKIPPED)
+
+    def measure(self):
+        """Measures the requested reports. Returns whether there were any."""
+        wanted = sorted(self.wanted, key=str)
+        self.wanted.clear()
+        with concurrent.futures.ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool:
+            self.known.update(zip(wanted, pool.map(self._report, wanted)))
+        return bool(wanted)
+
+    def _report(self, job):
+        clip, robot, method, dynamics = job
+        options = ["--dynamics"] if dynamics else []
+        with tempfile.TemporaryDirectory() as folder:
+            report = os.path.join(folder, "report.json")
+            if METHODS[method] is None:
+                motion = self.clips.published(clip)
+                if motion is None:
+                    return None
+                command = [self.tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json",
+                           report, "--gate", "none", *options]
+            else:
+                command = [self.tool, clip, robot, "-o", os.path.join(folder, "out.csv"), "--report",
+                           report, "-q", *METHODS[method], *options]
+            done = subprocess.run(command, capture_output=True, check=False, text=True)
+            if not os.path.exists(report):
+                if method != "as-published":
+                    print(f"{clip}, {robot}: {done.stderr.strip()}", file=sys.stderr)
+                return None
+            with open(report, encoding="utf-8") as file:
+                return json.load(file)["motions"][0]
+
+
+class Table:
+    """Cells by rows and columns; SKIPPED cells were not measured."""
+
+    def __init__(self, corner, columns, line="---"):
+        self.corner, self.columns, self.line = corner, columns, line
+        self.rows = {}
+
+    def lines(self, old=()):
+        """Returns Markdown lines; cells that were not measured keep their value in the old lines."""
+        cells = {}
+        parted = [[cell.strip() for cell in line.strip().strip("|").split(" | ")] for line in old]
+        for row in parted[2:]:
+            cells.update({(row[0], name): cell for name, cell in zip(parted[0][1:], row[1:])})
+        texts = [[self.corner, *self.columns]]
+        texts += [[name, *(cells.get((name, column), "") if cell is SKIPPED else cell
+                           for column, cell in zip(self.columns, row))]
+                  for name, row in self.rows.items()]
+        lines = ["| " + " | ".join(row) + " |" for row in texts]
+        return [lines[0], "|" + "|".join([f" {self.line} "] * len(texts[0])) + "|", *lines[1:]]
+
+
+def clip_table(reports, clips, method):
+    """Returns a table with one column per clip and one row per metric that any of them has."""
+    found = [reports.get(clip, method=method) for clip in clips]
+    table = Table("figure", [short(clip) for clip in clips])
+    for name, digits in FIGURES.items():
+        cells = [report if report is SKIPPED else value(report, name) for report in found]
+        if any(cell is not None for cell in cells):
+            table.rows[f"`{name}`"] = [cell if cell is SKIPPED else "-" if cell is None
+                                       else f"{cell:.{digits}f}" for cell in cells]
+    return table
+
+
+def mean_cell(pairs, name):
+    """Returns `before -> after` of the clips with both, otherwise the mean of the existing values."""
+    both = [(value(a, name), value(b, name)) for a, b in pairs]
+    both = [pair for pair in both if None not in pair]
+    if both:
+        return " -> ".join(f"{sum(part) / len(both):.3g}" for part in zip(*both))
+    alone = [value(b, name) for _, b in pairs if value(b, name) is not None]
+    return f"{sum(alone) / len(alone):.3g}" if alone else "-"
+
+
+def means_table(reports, robot):
+    """Returns a table of published configuration -> default, one column per kind of source."""
+    kinds = {"LAFAN1": "lafan1", "cuts": "cuts", "other skeletons": "skeletons", "samples": "samples"}
+    table = Table("mean of", list(kinds))
+    table.rows = {f"`{name}`": [] for name in MEANS}
+    for kind in kinds.values():
+        pairs = [(reports.get(clip, robot, "as-published"), reports.get(clip, robot))
+                 for clip in reports.clips.sets[kind]]
+        known = pairs and not any(SKIPPED in pair for pair in pairs)
+        for name in MEANS:
+            table.rows[f"`{name}`"].append(mean_cell(pairs, name) if known else SKIPPED)
+    return table
+
+
+def robot_names(tool):
+    """Returns all robots that the tool lists."""
     listed = subprocess.run([tool, "robots", "list", "--json"], capture_output=True, check=True,
                             text=True)
-    robots = [robot["name"] for robot in json.loads(listed.stdout)]
-    jobs = [(robot, clip) for robot in robots for clip in clips]
-    found = dict(zip(jobs, pool.map(lambda job: figures(tool, job[1], job[0]), jobs)))
-    print("| robot | limb angle | trunk lean | missed gates |\n|---|---|---|---|")
-    for robot in robots:
-        reports = {clip: found[robot, clip] for clip in clips}
+    return [robot["name"] for robot in json.loads(listed.stdout)]
+
+
+def robots_table(reports, clips):
+    """Returns a table with one row per robot: means over clips, and missed gates."""
+    table = Table("robot", ["limb angle", "trunk lean", "missed gates"])
+    names = {pathlib.Path(path).stem: name for path, name in WALKS.items()}
+    for robot in robot_names(reports.tool):
+        found = {clip: reports.get(clip, robot) for clip in clips}
+        if SKIPPED in found.values():
+            table.rows[f"`{robot}`"] = [SKIPPED] * 3
+            continue
         cells = []
         for name in ("limb_angle_deg", "trunk_lean_error_deg"):
-            values = [value(report, name) for report in reports.values()]
+            values = [value(report, name) for report in found.values()]
             values = [number for number in values if number is not None]
             cells.append(f"{sum(values) / len(values):.1f}" if values else "-")
-        missed = [f"{clip.stem}: " + ", ".join(f"`{name}`" for name in missed_gates(report))
-                  for clip, report in reports.items() if report and missed_gates(report)]
-        print(f"| `{robot}` | {cells[0]} | {cells[1]} | {'; '.join(missed) or '-'} |")
+        missed = [f"{names.get(clip.stem, clip.stem)}: "
+                  + ", ".join(f"`{name}`" for name in missed_gates(report))
+                  for clip, report in found.items() if report and missed_gates(report)]
+        table.rows[f"`{robot}`"] = [*cells, "; ".join(missed) or "-"]
+    return table
+
+
+def dynamics_table(reports, robot, clips, name):
+    """Returns a table with one row per clip and one column per method."""
+    methods = [each for each in METHOD_TITLES if each != "published" or robot == "unitree_g1"]
+    table = Table("clip", [METHOD_TITLES[each] for each in methods])
+    for clip in clips:
+        cells = [reports.get(clip, robot, each, True) for each in methods]
+        cells = [cell if cell is SKIPPED else value(cell, name) for cell in cells]
+        table.rows[clip.stem] = [cell if cell is SKIPPED else "" if cell is None
+                                 else f"{cell:.{DYNAMICS[name]}f}" for cell in cells]
+    return table
+
+
+def tables_of(reports, args):
+    """Returns (title, table) of the requested tables, in the order of the page."""
+    clips = reports.clips.sets
+    robots = args.robots.split(",")
+    if args.all_robots:
+        return [("On the samples:", robots_table(reports, clips["samples"])),
+                *([("On walks:", robots_table(reports, clips["walks"]))] if clips["walks"] else [])]
+    if args.dynamics:
+        whole = clips["lafan1"] + clips["cuts"] + clips["samples"]
+        return [(f"`{name}`, {robot}:", dynamics_table(reports, robot, whole, name))
+                for robot in robots for name in DYNAMICS]
+    published = [clip for clip in clips["lafan1"] if reports.clips.published(clip)]
+    titles = {"gmr": "Published method, `--method gmr`:", "fit": "Ours, `--method fit`:"}
+    return [*((title, clip_table(reports, clips[kind], method)) for kind in ("lafan1", "samples")
+              for method, title in titles.items()),
+            ("Unitree's published motions:", clip_table(reports, published, "published")),
+            *((f"`{robot}`:", means_table(reports, robot)) for robot in robots)]
 
 
 def main():
-    """Everything, in the order of the page."""
+    """Prints tables."""
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tool", required=True)
@@ -176,41 +280,13 @@ def main():
     parser.add_argument("--robots", default="unitree_g1")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
-    if args.all_robots:
-        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-            print_robots(args.tool, pool, [DATA / f"{name}.bvh" for name in SAMPLES])
-            if args.data:
-                print()
-                print_robots(args.tool, pool, [args.data / name for name in WALKS])
-        return
-    if args.data is None:
+    if args.data is None and not args.all_robots:
         parser.error("--data FOLDER is needed")
-    lafan1 = sorted((args.data / "lafan1").glob("*.bvh"))
-    samples = [DATA / f"{name}.bvh" for name in SAMPLES]
-    clips = {"LAFAN1": lafan1, "cuts": sorted((args.data / "lafan1_cuts").glob("*.bvh")),
-             "other skeletons": [clip for clip in sorted((args.data / "dialects").glob("*.bvh"))
-                                 if clip.stem not in NO_HUMANS],
-             "samples": samples}
-    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        if args.dynamics:
-            for robot in args.robots.split(","):
-                print_dynamics(args.tool, pool, robot, lafan1 + clips["cuts"] + samples,
-                               args.data / "unitree_g1_csv")
-            return
-        for files in (lafan1, samples):
-            for title, options in (("Published method, `--method gmr`:", ("--method", "gmr")),
-                                   ("Ours, `--method fit`:", ())):
-                found = list(pool.map(lambda clip: figures(args.tool, clip, "unitree_g1", options),
-                                      files))
-                print_table(title, [short(clip) for clip in files], found)
-        motions = [clip for clip in lafan1
-                   if (args.data / "unitree_g1_csv" / f"{clip.stem}.csv").exists()]
-        found = [figures(args.tool, clip, "unitree_g1",
-                         motion=args.data / "unitree_g1_csv" / f"{clip.stem}.csv")
-                 for clip in motions]
-        print_table("Unitree's published motions:", [short(clip) for clip in motions], found)
-        for robot in args.robots.split(","):
-            print_means(args.tool, pool, robot, clips)
+    reports = Reports(args.tool, Clips(args.data), args.jobs)
+    tables_of(reports, args)
+    reports.measure()
+    for title, table in tables_of(reports, args):
+        print("\n".join(["", title, "", *table.lines()]))
 
 
 if __name__ == "__main__":

@@ -1,35 +1,35 @@
 #!/usr/bin/env bash
-# Installs what retarget needs to be built and tested.
+# Installs the dependencies for building and testing retarget.
 #
 #   tools/setup.sh [--dev | --tool] [--python] [--package] [--check | --print-python] [--older-mujoco]
 #
-#   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
-#   --tool          only what a build of the tool needs, without the tests' libraries
-#   --python        also what the Python module is built and tested with: Python's headers, and
+#   --dev           also tools for developers: clang, clang-tidy, clang-format, ccache, Google Benchmark
+#   --tool          only the dependencies of the tool, without libraries for tests
+#   --python        also dependencies of the Python module and its tests: Python's headers, and
 #                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt)
-#   --package       also what tools/package.sh makes a .deb with
-#   --print-python  install nothing; print the Python that is taken
-#   --check         install nothing; say what is missing and exit with 1 when something is
-#   --older-mujoco  MuJoCo 3.3.7 in place of 4.0.0, for package indexes that lack the latter
+#   --package       also the packages that tools/package.sh needs for a .deb
+#   --print-python  install nothing; print the chosen Python
+#   --check         install nothing; list missing packages and exit with 1 if there are any
+#   --older-mujoco  MuJoCo 3.3.7 instead of 4.0.0, for package indexes that lack the latter
 #
-# Debian and Ubuntu: packages by apt-get, as root or through sudo. Elsewhere: says which packages
-# are missing. MuJoCo comes as a wheel into build/deps/mujoco, checked by the SHA-256 of tools/mujoco.txt,
-# unless MuJoCo_ROOT (or MUJOCO_DIR, mujoco_DIR) names one that is there already. Where that very wheel
-# cannot be had nothing is installed. Safe to repeat: what is there is left alone.
+# Debian and Ubuntu: installs packages with apt-get, as root or with sudo. Other systems: lists the missing
+# packages. MuJoCo is installed from a wheel into build/deps/mujoco, checked by the SHA-256 of
+# tools/mujoco.txt, unless MuJoCo_ROOT (or MUJOCO_DIR, mujoco_DIR) names an existing one. If exactly this
+# wheel is not available, nothing is installed. Safe to repeat: existing packages do not change.
 #
-# One Python serves the tests and the module: RETARGET_PYTHON where that is set, else the first of PYTHON,
-# python3 and /usr/bin/python3 that lacks nothing, else the last, for which the packages are.
+# Tests and module use one Python: RETARGET_PYTHON if it is set, otherwise the first of PYTHON, python3 and
+# /usr/bin/python3 that lacks nothing, otherwise the last, which the packages complete.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 
-# the wheel is the SDK: shared library and headers. Only these are used, and no Python is tied to
-# them, so one Python's wheel serves beside any
+# The wheel serves as the SDK: only its shared library and headers are used. They do not depend on the
+# Python version, so the wheel of one version serves all.
 readonly kMujocoVersion=4.0.0
 readonly kOlderMujocoVersion=3.3.7
 readonly kMujocoPython=3.11
 
-# Debian package | Fedora | Arch | Homebrew | how to see that it is there
+# Debian package | Fedora | Arch | Homebrew | command that succeeds if it is installed
 readonly kPackages='
 g++                | gcc-c++        | gcc           | gcc           | has_compiler
 cmake              | cmake          | cmake         | cmake         | has_cmake
@@ -79,7 +79,7 @@ readonly kWithoutPython='To leave the Python module out: RETARGET_NO_PYTHON=1 to
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
-# --- what is there ---------------------------------------------------------------------------
+# --- installed software ----------------------------------------------------------------------
 
 has_command() {
   local name
@@ -124,10 +124,10 @@ has_header() {
   return 1
 }
 
-# can PYTHON CODE: whether it runs
+# can PYTHON CODE: succeeds if PYTHON can run CODE.
 can() { has_command "$1" && "$1" -c "$2" >/dev/null 2>&1; }
 
-# the first Python that can run `python -c CODE`
+# Prints the first Python that can run `python -c CODE`.
 python_that_can() {
   local python
   for python in ${RETARGET_PYTHON:+"$RETARGET_PYTHON"} ${PYTHON:+"$PYTHON"} python3 /usr/bin/python3; do
@@ -139,14 +139,14 @@ python_that_can() {
   return 1
 }
 
-# what the one Python must be able to do
+# Code that the chosen Python must be able to run.
 readonly kNumpy='import numpy'
 readonly kPip='import pip'
 readonly kVenv='import ensurepip'
 readonly kHeaders='import os, sys, sysconfig
 sys.exit(sys.version_info < (3, 10) or not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'
 
-# choose_python: sets chosen_python, by what is wanted of it (with_tests, with_python)
+# choose_python: sets chosen_python, depending on with_tests and with_python.
 choose_python() {
   local python candidates codes=()
   if $with_tests; then codes+=("$kNumpy"); fi
@@ -154,7 +154,7 @@ choose_python() {
   candidates=(${PYTHON:+"$PYTHON"} python3 /usr/bin/python3)
   [ -z "${RETARGET_PYTHON:-}" ] || candidates=("$RETARGET_PYTHON")
   for python in "${candidates[@]}"; do
-    # the program itself: a shim chooses by the folder it is called in
+    # Use the interpreter itself: a shim chooses one by the working directory.
     chosen_python=$("$python" -c 'import sys; print(sys.executable)' 2>/dev/null) || chosen_python=$python
     ! can_all "$chosen_python" "${codes[@]}" || return 0
   done
@@ -171,7 +171,7 @@ has_numpy() { can "$chosen_python" "$kNumpy"; }
 has_python_headers() { can "$chosen_python" "$kHeaders"; }
 has_venv() { can "$chosen_python" "$kVenv"; }
 
-# any Python's pip fetches MuJoCo, but the tools' markers are read by the one that uses them
+# Any pip can fetch MuJoCo, but the pip of the chosen Python must evaluate the tools' version markers.
 has_pip_or_no_need() {
   if $with_python && ! has_python_tools; then
     can "$chosen_python" "$kPip"
@@ -180,7 +180,7 @@ has_pip_or_no_need() {
   fi
 }
 
-# the very versions of tools/python.txt, without those that are for older Pythons alone
+# The exact versions of tools/python.txt, without those for older Pythons only.
 has_python_tools() {
   local requirement older_than version
   version=$("$chosen_python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) || return 1
@@ -215,7 +215,7 @@ has_mujoco() {
 
 # --- packages --------------------------------------------------------------------------------
 
-# the rows of kPackages (and kDeveloperPackages) whose check fails
+# Prints the rows of kPackages (and kDeveloperPackages) whose check fails.
 missing_rows() {
   local row check
   while IFS= read -r row; do
@@ -225,7 +225,7 @@ missing_rows() {
   done <<<"$1"
 }
 
-# column N of the rows, on one line, each name once
+# Prints column N of the rows on one line, each name once.
 names() { awk -F'|' -v n="$1" '{gsub(/ /, "", $n); if (!seen[$n]++) printf "%s%s", sep, $n; sep=" "}' <<<"$2"; }
 
 cannot_install() {
@@ -246,7 +246,7 @@ list_missing() {
   exit 1
 }
 
-# a tool that is there but too old looks missing: say so
+# A tool that is too old counts as missing; report it.
 explain_old_tools() {
   if has_command cmake && ! has_cmake; then
     echo "  (cmake is there, but $(cmake_version) is older than 3.22)"
@@ -256,7 +256,7 @@ explain_old_tools() {
   fi
 }
 
-# versioned clang packages where the distribution has them, else those of its own version
+# Prefers versioned clang packages; falls back to the default version of the distribution.
 available_names() {
   local name version
   for name; do
@@ -274,14 +274,14 @@ install_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     has_command sudo || cannot_install "you are not root and there is no sudo" "$rows"
     as_root=(sudo)
-    # without a terminal nobody can type a password
+    # Without a terminal, sudo cannot ask for a password.
     [ -t 0 ] || as_root+=(-n)
   fi
   read -ra packages <<<"$(names 1 "$rows")"
   say "installing with ${as_root[*]:+sudo }apt-get: ${packages[*]}"
   local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq
     -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 -o Dpkg::Use-Pty=0)
-  # an old list may still do, so the install has the last word
+  # Continue after a failed update, because an old package list may be sufficient.
   "${apt[@]}" update >/dev/null || say "apt-get update failed; trying with the lists that are here"
   mapfile -t packages < <(available_names "${packages[@]}")
   "${apt[@]}" install -y --no-install-recommends "${packages[@]}" >/dev/null </dev/null ||
@@ -294,18 +294,18 @@ install_packages() {
 # --- MuJoCo ----------------------------------------------------------------------------------
 
 fetch_folder=
-# fetch_folder: a new folder beside what is fetched, which does not outlive the script
+# fetch_folder: a new folder for downloads, removed when the script ends.
 make_fetch_folder() {
   mkdir -p "$root/build/deps"
-  # an earlier one has served; the name lives as long as the script: a path with quotes in it is no code
+  # Remove an earlier folder. The trap expands the variable late, so quotes in the path are not code.
   [ -z "$fetch_folder" ] || rm -rf -- "$fetch_folder"
   fetch_folder=$(mktemp -d "$root/build/deps/.fetch.XXXXXX")
   trap 'rm -rf -- "$fetch_folder"' EXIT
-  # pip makes an interrupt an error of its own
+  # pip turns an interrupt into an ordinary error.
   trap 'exit 130' INT TERM
 }
 
-# install_mujoco VERSION, pinned by a file of hashes
+# install_mujoco VERSION: installs a version that is pinned by a file of hashes.
 install_mujoco() {
   local version=$1 python deps=$root/build/deps pinned=$root/tools/mujoco.txt
   [ "$version" = "$kMujocoVersion" ] || pinned=$root/tools/mujoco_older.txt
@@ -322,13 +322,13 @@ install_mujoco() {
       say "If the package index lacks it: tools/setup.sh --older-mujoco takes $kOlderMujocoVersion"
     exit 1
   }
-  # its licences go where the library goes
+  # Keep the licences next to the library.
   find "$fetch_folder/wheel" -path '*.dist-info/*' -name 'LICENSE*' -exec cp {} "$fetch_folder/wheel/mujoco/" \;
   rm -rf -- "$deps/mujoco"
   mv -T -- "$fetch_folder/wheel/mujoco" "$deps/mujoco"
 }
 
-# nanobind, pytest, clients of streams and what they need, pinned by tools/python.txt
+# nanobind, pytest, stream clients and their dependencies, pinned by tools/python.txt.
 install_python_tools() {
   local deps=$root/build/deps
   make_fetch_folder
@@ -342,7 +342,7 @@ install_python_tools() {
   mv -T -- "$fetch_folder/python" "$deps/python"
 }
 
-# fetch_wheel PYTHON FOLDER REQUIREMENTS: pip takes nothing whose hash the requirements do not have
+# fetch_wheel PYTHON FOLDER REQUIREMENTS: pip rejects files whose hash is not in the requirements.
 fetch_wheel() {
   pip_fetch "$1" "$2" "$3" --python-version "$kMujocoPython" --ignore-requires-python &&
     [ -e "$2/mujoco/include/mujoco/mujoco.h" ]
@@ -358,7 +358,7 @@ pip_fetch() {
 
 # --- modules of npm -----------------------------------------------------------------------------
 
-# what tests use beside Python, pinned by a lock file; tests say what they skip without it
+# npm packages of the tests, pinned by a lock file; without them, tests report what they skip.
 install_node_modules() {
   local source=$root/tests/node folder=$root/build/deps/node
   [ -e "$source/package-lock.json" ] || return 0
@@ -371,7 +371,7 @@ install_node_modules() {
   mkdir -p "$folder"
   cp "$source/package.json" "$source/package-lock.json" "$folder/"
   say "fetching gltf-validator (npm) into build/deps/node"
-  (cd "$folder" && npm ci --silent --no-audit --no-fund >&2) || {
+  (cd "$folder" && npm ci --ignore-scripts --silent --no-audit --no-fund >&2) || {
     say "npm could not fetch it: tests of GLB files skip Khronos's validator"
     rm -rf -- "$folder"
   }
@@ -379,7 +379,7 @@ install_node_modules() {
 
 # --- main ------------------------------------------------------------------------------------
 
-# a Python that someone named is theirs: no package of the distribution adds to it
+# RETARGET_PYTHON belongs to the user: packages of the distribution cannot complete it.
 check_named_python() {
   [ -n "${RETARGET_PYTHON:-}" ] || return 0
   local lacks=
@@ -387,7 +387,7 @@ check_named_python() {
     say "RETARGET_PYTHON names \"$RETARGET_PYTHON\", which is no Python"
     exit 1
   fi
-  # the distribution's own is completed by its packages
+  # Packages complete the Python of the distribution.
   [ "$chosen_python" != /usr/bin/python3 ] || return 0
   if $with_tests && ! has_numpy; then lacks+=", numpy"; fi
   if $with_python; then

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Makes viewer/dist/viewer.js, the script of the pages that `retarget view` writes, from viewer/src and
-# three.js, and viewer/dist/gallery.js, that of a gallery's index, with the tools that
+# three.js, and viewer/dist/gallery.js, the script of the index of a gallery. Uses the tools that
 # viewer/package-lock.json pins.
 #
-#   tools/viewer_bundle.sh           writes viewer/dist; to be called after a change in viewer/src
-#   tools/viewer_bundle.sh --check   writes nothing; exits with 1 when viewer/dist is not what it would write
+#   tools/viewer_bundle.sh           writes viewer/dist; call it after a change in viewer/src
+#   tools/viewer_bundle.sh --check   writes nothing; exits with 1 if viewer/dist is out of date
 #
-# Needs Node 18 and npm, and once the network, for viewer/node_modules. The result is checked in, so that
-# building retarget needs none of them. Without Node or its packages --check says so and exits with 0.
+# Needs Node 18 and npm, and network access once for viewer/node_modules. The result is committed, so
+# building retarget needs none of them. Without Node or its packages, --check reports it and exits with 0.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -27,7 +27,7 @@ case ${1:-} in
     ;;
 esac
 
-# without: says so; that is no failure of a check, unless RETARGET_STRICT_TESTS says that all must be there
+# Reports a missing dependency. A check fails because of it only if RETARGET_STRICT_TESTS is set.
 give_up() {
   echo "viewer_bundle: $1" >&2
   case $only_check,${RETARGET_STRICT_TESTS:-0} in true,0) exit 0 ;; esac
@@ -38,13 +38,13 @@ if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
   give_up "left out: there is no Node with npm"
 fi
 
-# the packages that the lock file names, and no others
+# Install exactly the packages of the lock file.
 if ! cmp -s "$viewer/package-lock.json" "$viewer/node_modules/.of_lock.json"; then
   npm ci --prefix "$viewer" --ignore-scripts --silent >&2 || give_up "npm cannot fetch the packages of viewer/package-lock.json"
   cp -- "$viewer/package-lock.json" "$viewer/node_modules/.of_lock.json"
 fi
 
-# what a copy of three.js has to have with it; in ASCII, as the whole script
+# Licence text that every copy of three.js must include; ASCII, like the whole script.
 licence_comment() {
   printf '/* The viewer of retarget, with three.js:\n\n'
   sed 's/\xc2\xa9/(c)/g' node_modules/three/LICENSE
@@ -60,7 +60,7 @@ bundle() {
 }
 bundle src/main.js --banner:js="$(licence_comment)" --outfile="$made/viewer.js"
 bundle src/gallery.js --outfile="$made/gallery.js"
-# a page holds one between <script> and </script>
+# Pages embed the script between <script> and </script>.
 if grep -qi '</script\|<!--' "$made/viewer.js" "$made/gallery.js"; then
   echo "viewer_bundle: a script would end its element" >&2
   exit 1

@@ -3,7 +3,9 @@
 
     tools/viewing_pictures.py TOOL      for example build/release/tools/retarget/retarget
 
-Needs numpy and Chromium (tools/setup.sh). Pictures are PNG with a palette, below 150 kB each.
+tools/docs_figures.py also calls this script if the values on the pages have changed.
+
+Needs numpy and Chromium (tools/setup.sh). Pictures are PNG files with a palette, each below 150 kB.
 """
 
 import base64
@@ -22,7 +24,7 @@ import browser  # noqa: E402  (of the tests)
 from pictures import SIGNATURE, chunk  # noqa: E402
 
 MAX_BYTES = 150_000
-# name: page, moment, size of the window, media features, scripts that lead there
+# Name: page, time, window size, media features, scripts that prepare the view.
 SCENES = {
     "view_compare": ("two.html", "#t=3.6", (1280, 720), {}, []),
     "view_faults": (
@@ -46,7 +48,7 @@ SCENES = {
 
 
 def make_pages(tool, folder):
-    """Motions of two samples, and their pages."""
+    """Makes motions of two samples, and their pages."""
 
     def run(*arguments):
         subprocess.run([tool, *map(str, arguments)], cwd=folder, check=True)
@@ -63,7 +65,7 @@ def make_pages(tool, folder):
 
 
 def pixels_of(window, png):
-    """Pixels (height, width, 3) of a PNG, decoded by the browser."""
+    """Returns the pixels (height, width, 3) of a PNG, decoded by the browser."""
     window.open("/dev/null")
     width, height, rgba = window.run(f"""(async () => {{
         const text64 = '{base64.b64encode(png).decode()}';
@@ -82,13 +84,13 @@ def pixels_of(window, png):
 
 
 def palette_of(pixels, most=256):
-    """Colours (most, 3) by median cut, and the index of each pixel (height, width)."""
+    """Returns colours (most, 3) by median cut, and the colour index of each pixel (height, width)."""
     colours, inverse, counts = np.unique(
         pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
     )
     boxes = [np.arange(len(colours))]
     while len(boxes) < most:
-        # the box with the widest spread, weighted by how much of the picture it is
+        # Split the box with the widest spread, weighted by its share of the pixels.
         spreads = [
             (
                 np.ptp(colours[box].astype(float), axis=0).max() * counts[box].sum() ** 0.4
@@ -115,7 +117,7 @@ def palette_of(pixels, most=256):
 
 
 def palette_png(pixels):
-    """A PNG with a palette of 256 colours, bytes."""
+    """Returns the bytes of a PNG with a palette of 256 colours."""
     palette, index = palette_of(pixels)
     height, width = index.shape
     rows = b"".join(b"\0" + row.tobytes() for row in index)
@@ -128,29 +130,33 @@ def palette_png(pixels):
     )
 
 
+def take_pictures(folder):
+    """Takes the pictures of the pages in a folder."""
+    with browser.Browser(browser.chromium()) as window:
+        for name, (page, moment, size, features, scripts) in SCENES.items():
+            window.open(pathlib.Path(folder) / page, moment, size=size, features=features)
+            window.wait_for("window.retarget")
+            for script in [
+                *scripts,
+                "new Promise((done) => setTimeout(done, 600))",
+                "retarget.picture() && 0",
+            ]:
+                window.run(script)
+            png = palette_png(pixels_of(window, window.screenshot()))
+            if len(png) > MAX_BYTES:
+                sys.exit(f"viewing_pictures: {name} takes {len(png)} bytes")
+            (SOURCE / "docs/pictures" / f"{name}.png").write_bytes(png)
+
+
 def main():
     """Makes all pictures."""
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    program = browser.chromium()
-    if not program:
+    if not browser.chromium():
         sys.exit("viewing_pictures: there is no Chromium (Debian: chromium)")
     with tempfile.TemporaryDirectory() as folder:
         make_pages(pathlib.Path(sys.argv[1]).resolve(), folder)
-        with browser.Browser(program) as window:
-            for name, (page, moment, size, features, scripts) in SCENES.items():
-                window.open(pathlib.Path(folder) / page, moment, size=size, features=features)
-                window.wait_for("window.retarget")
-                for script in [
-                    *scripts,
-                    "new Promise((done) => setTimeout(done, 600))",
-                    "retarget.picture() && 0",
-                ]:
-                    window.run(script)
-                png = palette_png(pixels_of(window, window.screenshot()))
-                if len(png) > MAX_BYTES:
-                    sys.exit(f"viewing_pictures: {name} takes {len(png)} bytes")
-                (SOURCE / "docs/pictures" / f"{name}.png").write_bytes(png)
+        take_pictures(folder)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Builds the Python wheel and tests what is installed from it, not the tree.
+# Builds the Python wheel and tests its installed contents, not those of the source tree.
 #
-#   tools/wheel.sh [PYTHON [BUILD]]     (default: $PYTHON, else python3; a build folder of its own)
+#   tools/wheel.sh [PYTHON [BUILD]]     (default: $PYTHON, otherwise python3; a separate build folder)
 #
-# The wheel comes into build/wheels: with the libraries that it needs inside, and named for the oldest
-# glibc that it runs with (auditwheel). Then: installed into a fresh virtual environment with numpy
-# alone, the program and the module work there, and the tests of python/tests pass.
-# Calls tools/setup.sh --tool --python with this Python; pip fetches the pinned rest (tools/wheel.txt).
+# Writes the wheel to build/wheels. It contains the libraries that it needs and is named for the oldest
+# glibc that it supports (auditwheel). retarget-robots-unverified.zip next to it has the excluded robots.
+# Then installs the wheel into a new virtual environment that has only numpy. The program and the module
+# must work there, and the tests of python/tests must pass.
+# Calls tools/setup.sh --tool --python with this Python; pip fetches the other pinned tools (tools/wheel.txt).
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -24,13 +25,13 @@ build() {
   local settings=()
   say "building with $("$python" --version)"
   mkdir -p "$out" "$work/plain"
-  # a folder that has the libraries already saves the time; for another Python's compiler it begins anew
+  # An existing build folder saves time; another Python causes a new build.
   [ -z "$folder" ] || settings=(--config-settings "build-dir=$folder")
   CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps "${settings[@]}" \
     --wheel-dir "$work/plain" "$root"
 }
 
-# the libraries of the distribution go into the wheel; MuJoCo is there already
+# Adds the libraries of the distribution to the wheel, which already contains MuJoCo.
 repair() {
   "$python" -m venv "$work/tools"
   pip "$work/tools/bin/python" install --require-hashes --requirement "$root/tools/wheel.txt"
@@ -49,7 +50,7 @@ repair() {
   cp "$wheel" "$out/"
 }
 
-# every library that auditwheel took in has its licence in the wheel's own notices
+# The notices of the wheel must contain the licence of every library that auditwheel added.
 check_notices() {
   local library name notices=$work/notices
   "$python" -m zipfile -e "$wheel" "$notices"
@@ -60,7 +61,7 @@ check_notices() {
   fi
   for library in "$work"/notices/retarget.libs/*; do
     [ -e "$library" ] || continue
-    # libzip-0123abcd.so.4, libtinyxml2-0123abcd.so.9
+    # For example libzip-0123abcd.so.4, libtinyxml2-0123abcd.so.9.
     name=$(basename "$library" | sed -E 's/(-[0-9a-f]{8})?\.so.*//')
     if ! grep -qxF "Shared libraries in the wheel: $name" "$notices"; then
       say "THIRD_PARTY_NOTICES says nothing of $name, which is inside"
@@ -69,7 +70,21 @@ check_notices() {
   done
 }
 
-# outside of the tree, without its folders in any path
+# The tool must list an excluded robot as not installed, and find it after its installation.
+try_left_out() {
+  local status=0
+  export XDG_DATA_HOME=$work/data_home
+  "$1" data/walk.bvh booster_k1 -o left_out.csv 2>message || status=$?
+  if [ "$status" != 4 ] || ! grep -qF "booster_k1 is not installed" message; then
+    say "exit code $status for a robot that is not installed: $(cat message)"
+    exit 1
+  fi
+  "$1" robots install booster_k1 --source "$robots"
+  "$1" data/walk.bvh booster_k1 -o left_out.csv
+  unset XDG_DATA_HOME
+}
+
+# Run outside the source tree, without its folders in any path.
 test_installed() {
   local installed=$work/installed
   "$python" -m venv "$installed"
@@ -80,6 +95,7 @@ test_installed() {
   cp -r "$root/python/tests" "$root/data" "$work/"
   "$installed/bin/retarget" --version
   "$installed/bin/retarget" data/walk.bvh unitree_g1 -o walk.csv
+  try_left_out "$installed/bin/retarget"
   "$installed/bin/python" - <<'CODE'
 import pathlib
 import retarget
@@ -90,7 +106,7 @@ assert pathlib.Path("python.csv").read_bytes() == pathlib.Path("walk.csv").read_
 assert "installed" in retarget.__file__, retarget.__file__
 print(repr(motion), retarget.evaluate(motion))
 CODE
-  # pytest beside it: what it brings is none of the package
+  # Install pytest in a separate folder; its dependencies are not part of the package.
   pip "$python" install --no-deps --target "$work/pytest" --require-hashes --requirement "$root/tools/python.txt"
   mkdir -p "$work/python" "$work/docs"
   mv "$work/tests" "$work/python/"
@@ -101,7 +117,9 @@ CODE
 python=$("$python" -c 'import sys; print(sys.executable)')
 RETARGET_PYTHON=$python "$root/tools/setup.sh" --tool --python
 wheel=
+robots=$out/retarget-robots-unverified.zip
 build
+(cd -- "$root" && cmake -E tar cf "$robots" --format=zip robots/unverified)
 repair
 test_installed
 say "built and tested: $out/$(basename "$wheel")"

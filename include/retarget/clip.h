@@ -17,7 +17,7 @@ namespace RETARGET_API retarget {
 
 /// An exact frame rate: `frames` frames in `seconds` seconds, both positive, in lowest terms.
 ///
-/// Times of frames are rational numbers, so nothing drifts however long a clip is.
+/// Times of frames are rational numbers, so they do not drift in long clips.
 struct FrameRate {
   std::int64_t frames = 30;
   std::int64_t seconds = 1;
@@ -33,20 +33,21 @@ struct FrameRate {
   friend bool operator==(const FrameRate&, const FrameRate&) = default;
 };
 
-/// The rate meant by a positive, finite number of frames per second.
+/// The exact rate for a positive, finite number of frames per second.
 ///
-/// A whole number N when the value is within a relative 1e-4 of it (so the 0.033333 found in many
-/// files means exactly 30); otherwise the simplest fraction within 1e-9 of the value (23.976
-/// becomes 2997/125).
+/// The result is a whole number if the value is within a relative 1e-4 of one, so the frame time
+/// 0.033333 of many files means exactly 30 fps. Otherwise it is the simplest fraction within 1e-9
+/// of the value: 23.976 becomes 2997/125.
 [[nodiscard]] FrameRate frame_rate_from_fps(double fps);
 
-/// The rate meant by a positive, finite `Frame Time` in seconds; rules as frame_rate_from_fps.
+/// The exact rate for a positive, finite `Frame Time` in seconds, by the rules of
+/// frame_rate_from_fps.
 [[nodiscard]] FrameRate frame_rate_from_frame_time(double frame_time);
 
-/// Whether two rates differ by at most a relative 1e-4: frames are then copied one by one.
+/// Whether two rates differ by at most a relative 1e-4. Resampling then copies the frames.
 [[nodiscard]] bool same_rate(const FrameRate& a, const FrameRate& b);
 
-/// `30`, or with up to eight significant digits `23.976`.
+/// Text with up to eight significant digits: `30`, `23.976`.
 [[nodiscard]] std::string to_text(const FrameRate& rate);
 
 /// One value of a joint in a motion row.
@@ -68,21 +69,21 @@ enum class Channel : unsigned char {
 [[nodiscard]] constexpr bool is_rotation(Channel channel) {
   return channel >= Channel::kXRotation && channel <= Channel::kZRotation;
 }
-/// 0, 1 or 2 for x, y or z.
+/// Index of the channel's axis: 0, 1 or 2 for x, y or z.
 [[nodiscard]] constexpr int axis_of(Channel channel) {
   return static_cast<int>(channel) % 3;
 }
-/// Its name in BVH: `Xposition`, `Zrotation`, `Yscale`.
+/// Name of the channel in BVH: `Xposition`, `Zrotation`, `Yscale`.
 [[nodiscard]] std::string_view channel_name(Channel channel);
 
-/// A joint of a skeleton. Lengths and axes are the file's own.
+/// A joint of a skeleton, in the units and axes of the file.
 struct Joint {
   std::string name;
   int parent = -1;  ///< Index of the parent, always smaller than the joint's own; -1 for the root.
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the parent, in the parent's frame.
   std::vector<Eigen::Vector3d> end_sites;            ///< In the joint's frame.
-  /// How a motion row stores this joint, in file order; rotations compose left to right
-  /// (intrinsic). Per joint: orders may differ within one skeleton.
+  /// Channels of this joint in a motion row, in file order. Rotations compose left to right
+  /// (intrinsic). The order may differ between joints.
   std::vector<Channel> channels;
 
   /// Whether the joint's translation is stored per frame instead of being its offset.
@@ -102,7 +103,7 @@ class Skeleton {
   [[nodiscard]] std::optional<int> find(std::string_view name) const;
   /// All joint names, in joint order.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Values in one motion row: the channels of all joints.
+  /// Number of values in one motion row: the channels of all joints.
   [[nodiscard]] int channel_count() const { return channel_count_; }
 
   /// Number of joints whose translation is stored in each frame.
@@ -122,27 +123,27 @@ class Skeleton {
 struct ClipOrigin {
   std::string name;                   ///< The file as the user named it, or `standard input`.
   std::uint64_t bytes = 0;            ///< Of the file.
-  std::optional<double> body_height;  ///< Metres, if the file gives it.
-  std::vector<Warning> warnings;      ///< What was odd about the file.
+  std::optional<double> body_height;  ///< Metres, if the file states it.
+  std::vector<Warning> warnings;      ///< Problems found while reading.
 
-  // what files say that know more than joints: FBX, glTF, MVNX (docs/scenes.md)
-  std::optional<double> metres_per_unit;  ///< If the file gives it.
-  std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file gives it.
-  std::vector<std::string> takes;         ///< Names of its animations, in the file's order.
-  std::string choices;  ///< What was chosen in the file, for people: take, skeleton, rate.
-  /// Joints that have a rotation because all have one: the file has places of joints, which do not
-  /// tell how these turn.
+  // Scene files (FBX, glTF, MVNX) state more than joints (docs/scenes.md).
+  std::optional<double> metres_per_unit;  ///< If the file states it.
+  std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file states it.
+  std::vector<std::string> takes;         ///< Names of the file's animations, in file order.
+  std::string choices;  ///< Human-readable: the take, skeleton and rate that were chosen.
+  /// Joints whose rotation is unknown: the file has joint positions only, which do not determine
+  /// it.
   std::vector<std::string> unknown_rotations = {};
-  /// The robot that moved so: the clip is its motion as a canonical human (human/robot_human.h). Empty:
-  /// a human, or whatever else.
+  /// The robot whose motion this clip represents as a canonical human (human/robot_human.h). Empty:
+  /// the source is not a robot.
   std::string robot = {};
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,
 /// in the units and axes of the file it came from.
 ///
-/// Joints without position channels use their offset as translation in every frame and need no
-/// memory for it.
+/// Joints without position channels use their offset as translation in every frame; no memory is
+/// allocated for it.
 class Clip {
  public:
   /// All rotations are identity, all translations are the joints' offsets.
@@ -155,7 +156,7 @@ class Clip {
   /// Time from the first to the last frame in seconds: (frame_count - 1) / rate.
   [[nodiscard]] double duration() const;
 
-  /// Rotations of all joints in a frame, each parent_from_joint.
+  /// Rotations parent_from_joint of all joints in a frame.
   [[nodiscard]] std::span<Eigen::Quaterniond> rotations(int frame);
   [[nodiscard]] std::span<const Eigen::Quaterniond> rotations(int frame) const;
   /// Translations of the joints that have position channels, by Skeleton::translation_slot.
@@ -165,11 +166,11 @@ class Clip {
   /// Translation of any joint from its parent, in the parent's frame.
   [[nodiscard]] const Eigen::Vector3d& translation(int frame, int joint) const;
 
-  /// Clips made from a clip (cut, resampled) keep its origin.
+  /// Origin of the clip. Clips made from it (cut, resampled) have the same origin.
   [[nodiscard]] const ClipOrigin& origin() const;
-  /// A clip of the same skeleton and origin, at rest.
+  /// A clip with the same skeleton and origin whose frames are at rest, as in the constructor.
   [[nodiscard]] Clip empty_like(FrameRate rate, int frame_count) const;
-  /// What messages call the clip.
+  /// Name of the clip in messages.
   [[nodiscard]] const std::string& name() const { return origin().name; }
   void set_origin(ClipOrigin origin);
 
@@ -183,10 +184,10 @@ class Clip {
   FrameRate rate_;
   int frame_count_;
   std::vector<Eigen::Quaterniond> rotations_;  // frame-major
-  std::vector<Eigen::Vector3d> translations_;  // frame-major, translated joints alone
+  std::vector<Eigen::Vector3d> translations_;  // frame-major, only translated joints
 };
 
-/// Frames [begin, end) of a clip, counted from 0; what `cut` takes.
+/// Frames [begin, end) of a clip, counted from 0, as for `cut`.
 struct FrameRange {
   int begin = 0;
   int end = 0;
@@ -197,12 +198,12 @@ struct FrameRange {
 /// Copies the pose of a frame to a frame of another clip on the same skeleton.
 void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
 
-/// Frames [begin, end) as a clip of its own that starts at time 0.
+/// Frames [begin, end) as a separate clip that starts at time 0.
 /// @pre 0 <= begin <= end <= clip.frame_count()
 [[nodiscard]] Clip cut(const Clip& clip, int begin, int end);
 
-/// For every joint, replaces q by -q where that is nearer to the previous frame. Rotations stay the
-/// same; interpolation and filtering need this.
+/// For every joint, replaces q by -q where that is nearer to the quaternion of the previous frame.
+/// The rotations do not change; interpolation and filtering require continuous signs.
 void make_sign_continuous(Clip& clip);
 
 }  // namespace retarget

@@ -12,9 +12,9 @@
 
 namespace RETARGET_API retarget {
 
-/// A position on the ground and a heading, or the planar rigid motion from the origin to it: p goes
-/// to Rz(heading) p + position. In the canonical human's world (metres, x and y on the ground, z
-/// up); of a y-up file x is the file's x and y its -z.
+/// A position on the ground and a heading, or equivalently the planar rigid motion
+/// p -> Rz(heading) p + position. Coordinates are those of the canonical human's world: metres, x
+/// and y on the ground, z up. For a y-up file, x is the file's x and y is its -z.
 struct GroundPose {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double heading = 0.0;  ///< Radians from x towards y.
@@ -27,32 +27,32 @@ struct GroundPose {
 [[nodiscard]] GroundPose operator*(const GroundPose& a, const GroundPose& b);
 [[nodiscard]] Eigen::Vector2d operator*(const GroundPose& pose, const Eigen::Vector2d& point);
 
-/// The motion that turns about a point on the ground.
+/// The rotation about a point on the ground; the angle is in radians.
 [[nodiscard]] GroundPose turn_about(const Eigen::Vector2d& point, double angle);
 
-/// A curve over the ground, a chain of cubic Bezier segments, parametrised by arc length: metres,
-/// in the canonical human's world.
+/// A curve on the ground: a chain of cubic Bezier segments, parametrised by arc length. Coordinates
+/// are in metres in the canonical human's world.
 class GroundPath {
  public:
-  /// @pre 3n + 1 finite points, n >= 1; the segments share their ends.
+  /// @pre 3n + 1 finite points, n >= 1; neighbouring segments share an end point.
   explicit GroundPath(std::vector<Eigen::Vector2d> control_points);
 
   [[nodiscard]] const std::vector<Eigen::Vector2d>& control_points() const { return points_; }
   [[nodiscard]] std::size_t segment_count() const { return (points_.size() - 1) / 3; }
   [[nodiscard]] double length() const { return lengths_.back(); }
 
-  /// Position and heading of the tangent, in (-pi, pi], after `along` metres; the path continues
-  /// straight before its beginning and after its end. Where control points coincide, so that a
-  /// derivative vanishes, the tangent is taken from the neighbouring points; for a path without
-  /// length it is x.
+  /// Position and heading of the tangent, in (-pi, pi], after `along` metres. The path continues
+  /// straight before its beginning and after its end. If control points coincide, so that a
+  /// derivative vanishes, the neighbouring points give the tangent; for a path of zero length the
+  /// tangent is x.
   [[nodiscard]] GroundPose at(double along) const;
 
-  /// Length up to a point of a segment, 0 <= u <= 1.
+  /// Arc length, metres, from the beginning to parameter u of a segment, 0 <= u <= 1.
   [[nodiscard]] double length_to(std::size_t segment, double u) const;
 
-  /// Moved over the ground.
+  /// The path after a rigid motion on the ground.
   [[nodiscard]] GroundPath moved(const GroundPose& move) const;
-  /// Larger or smaller, from its beginning.
+  /// The path scaled about its beginning.
   [[nodiscard]] GroundPath scaled(double scale) const;
 
  private:
@@ -63,28 +63,28 @@ class GroundPath {
   [[nodiscard]] GroundPose straight_on(std::size_t segment, double u, double beyond) const;
 
   std::vector<Eigen::Vector2d> points_;
-  std::vector<double> lengths_;  // up to each part of each segment, from 0
+  std::vector<double> lengths_;  // arc length at each subdivision of each segment
 };
 
 /// A straight line from a pose, along its heading.
 [[nodiscard]] GroundPath line_path(const GroundPose& start, double length);
-/// Along a circle to the left of the start (to the right for a negative radius), for a given
-/// length.
+/// An arc of the given length on a circle to the left of the start, or to the right for a negative
+/// radius.
 /// @pre radius is not 0
 [[nodiscard]] GroundPath circle_path(const GroundPose& start, double radius, double length);
 /// A circle to the left and one to the right that touch at the start, each half the length.
 [[nodiscard]] GroundPath figure8_path(const GroundPose& start, double length);
-/// A smooth curve through points (Catmull-Rom tangents, as long as the nearer neighbours allow);
-/// points that coincide with the previous one are skipped.
+/// A smooth curve through points. Tangents are Catmull-Rom's, limited in length by the distance to
+/// the nearer neighbour. Points that coincide with the previous one are skipped.
 /// @pre at least one point
 [[nodiscard]] GroundPath path_through(const std::vector<Eigen::Vector2d>& points);
 
 /// Reads `{"control_points": [[x, y], ...]}` (3n + 1 points of n Bezier segments) or
-/// `{"waypoints": [[x, y], ...]}` (path_through); other members are ignored.
-/// @return kConfig errors.
+/// `{"waypoints": [[x, y], ...]}` (path_through). Other members are ignored.
+/// @return kConfig errors if the text is malformed.
 [[nodiscard]] Result<GroundPath> parse_path(std::string_view text, const std::string& file);
 [[nodiscard]] Result<GroundPath> load_path(const std::string& path);
-/// The path as JSON that reads back to the same numbers.
+/// The path as JSON; reading it gives exactly the same numbers.
 [[nodiscard]] std::string format_path(const GroundPath& path);
 
 }  // namespace retarget

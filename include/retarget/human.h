@@ -19,8 +19,9 @@ namespace RETARGET_API retarget {
 
 /// The canonical human's bones: LAFAN1's, in its order, then the two synthetic feet.
 ///
-/// `LeftFootMod` and `RightFootMod` stand at the ankle and are turned like the toes: the published
-/// tables use them for the robot's feet, whose soles follow the ball of the human foot.
+/// `LeftFootMod` and `RightFootMod` have the position of the ankle and the rotation of the toes.
+/// The published tables use them for the robot's feet, whose soles follow the ball of the human
+/// foot.
 enum class Bone : unsigned char {
   kHips,
   kLeftUpLeg,
@@ -49,10 +50,11 @@ enum class Bone : unsigned char {
 };
 
 inline constexpr std::size_t kBoneCount = 24;
-/// Bones a source joint can stand for: all but the two synthetic feet, which are the last.
+/// Number of bones that a source joint can be mapped to: all except the synthetic feet, which are
+/// the last two.
 inline constexpr std::size_t kMappedBoneCount = kBoneCount - 2;
 
-/// The first bones, in their order.
+/// The first kCount bones, in order.
 template <std::size_t kCount>
 [[nodiscard]] constexpr std::array<Bone, kCount> first_bones() {
   std::array<Bone, kCount> bones{};
@@ -84,9 +86,9 @@ class BoneArray {
   std::array<T, kBoneCount> values_{};
 };
 
-/// LAFAN1's name: `LeftUpLeg`.
+/// LAFAN1's name of the bone, such as `LeftUpLeg`.
 [[nodiscard]] std::string_view bone_name(Bone bone);
-/// The bone of a name; `LeftToeBase` and `RightToeBase` count as the toes.
+/// The bone with this name; also accepts `LeftToeBase` and `RightToeBase` for the toes.
 [[nodiscard]] std::optional<Bone> bone_from_name(std::string_view name);
 /// Names of all bones, or of kMappedBones, for messages.
 [[nodiscard]] const std::vector<std::string>& bone_names();
@@ -95,7 +97,7 @@ class BoneArray {
 enum class Side : unsigned char { kNone, kLeft, kRight };
 inline constexpr std::array kSides = {Side::kLeft, Side::kRight};
 
-/// The bones that a human has on both sides.
+/// Bones that exist on both sides of the body.
 enum class LimbBone : unsigned char {
   kUpLeg,
   kLeg,
@@ -127,7 +129,7 @@ enum class LimbBone : unsigned char {
 /// The same bone on the other side; for the trunk, neck and head the bone itself.
 [[nodiscard]] Bone mirrored(Bone bone);
 
-/// A finger of a hand, from the thumb's side on.
+/// Fingers of a hand, in order from the thumb.
 enum class Finger : unsigned char { kThumb, kIndex, kMiddle, kRing, kLittle };
 inline constexpr std::size_t kFingerCount = 5;
 inline constexpr std::array kFingers = {Finger::kThumb, Finger::kIndex, Finger::kMiddle,
@@ -135,110 +137,110 @@ inline constexpr std::array kFingers = {Finger::kThumb, Finger::kIndex, Finger::
 /// `thumb`, `index`, `middle`, `ring`, `little`.
 [[nodiscard]] std::string_view finger_name(Finger finger);
 
-/// What all files of a kind of skeleton have in common. As files get converted and edited, these
-/// apply only where the clip itself does not contradict them.
+/// Properties that all files of a kind of skeleton share. Files are often converted or edited, so
+/// these apply only if the clip does not contradict them.
 struct SkeletonFacts {
-  std::optional<double> height;           ///< Of every body of this kind, metres.
-  std::optional<double> metres_per_unit;  ///< Of lengths.
-  std::optional<Eigen::Vector3d> up;      ///< Unit vector, file axes.
-  /// What is known of the rest pose: kZero or kFirst is a T-pose; kLearned: no pose of it is one;
-  /// kAuto: nothing.
+  std::optional<double> height;           ///< Body height, metres.
+  std::optional<double> metres_per_unit;  ///< Unit of lengths.
+  std::optional<Eigen::Vector3d> up;      ///< Unit vector in the file's axes.
+  /// Rest pose. kZero or kFirst: that pose is a T-pose. kLearned: neither is. kAuto: unknown.
   RestPose rest = RestPose::kAuto;
 };
 
-/// Which joint of a source skeleton stands for each canonical bone.
+/// The joint of a source skeleton for each canonical bone.
 struct BoneMap {
   std::string profile;      ///< Name of the profile file, or "names", "topology", "map file".
   double confidence = 0.0;  ///< 0..1.
-  /// -1: the source has none; also for the synthetic feet. The spine: Hips is the joint both legs
-  /// hang from, Spine2 the torso, i.e. the last common ancestor of the arms; Spine and Spine1 the
-  /// joints between (fewer: -1; more: chosen evenly, the rest folded).
+  /// Joint index; -1 if the source has no such joint, and for the synthetic feet. Hips is the joint
+  /// that both legs hang from. Spine2 is the torso, the last common ancestor of the arms. Spine and
+  /// Spine1 are joints between them: -1 if there are fewer, chosen evenly if there are more.
   BoneArray<int> joint_of_bone = BoneArray<int>(-1);
-  std::vector<std::string> notes;  ///< Human-readable: what is missing, folded, assumed.
+  std::vector<std::string> notes;  ///< Human-readable: missing or folded joints, assumptions.
   bool partial = false;            ///< Legs or arms are missing.
-  SkeletonFacts facts;             ///< Of the profile; empty where none was recognised.
+  SkeletonFacts facts;             ///< From the profile; empty if no profile was recognised.
 
   [[nodiscard]] int joint(Bone bone) const { return joint_of_bone[bone]; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
-  /// Whether a joint stands for any bone.
+  /// Whether the joint is mapped to a bone.
   [[nodiscard]] bool maps(int joint) const;
-  /// How many bones have a joint.
+  /// Number of bones that have a joint.
   [[nodiscard]] int mapped_count() const;
 };
 
-/// One end of a sole that is known, in the axes of the bone FootMod from where it stands, metres.
+/// One end of a known sole: vectors from the origin of the bone FootMod, in its axes, metres.
 struct SoleEnd {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Of its corners.
-  Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< How far the sole reaches, beyond them.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Middle of its corners.
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the sole.
 };
 
-/// What a foot stands on, where that is known: of robots.
+/// Sole of a foot. Only sources that are robots have one.
 struct FootSole {
   SoleEnd heel, toe;
 };
 
-/// A body as it is built, metres; of limbs the mean of both sides.
+/// Dimensions of a body, metres. Lengths of limbs are the means of both sides.
 struct BodyLengths {
   double leg = 0.0;  ///< Hip to knee to ankle.
   double upper_arm = 0.0;
   double forearm = 0.0;
-  /// As it stands straight, x forward, y left, z up: from the middle of the hips to the middle of the
-  /// shoulders, and from the right shoulder to the left one.
+  /// Vectors in the upright body, x forward, y left, z up. `trunk` points from the middle of the
+  /// hips to the middle of the shoulders, `shoulders` from the right shoulder to the left one.
   Eigen::Vector3d trunk = Eigen::Vector3d::Zero();
   Eigen::Vector3d shoulders = Eigen::Vector3d::Zero();
 };
 
 /// The joints of a skeleton that give a canonical bone its pose.
 struct BoneSource {
-  int position_joint = -1;  ///< Joint whose origin is the bone's; -1: the bone is missing.
-  int rotation_joint = -1;  ///< Joint whose rotation is the bone's; -1: the bone is missing.
-  /// The bone's canonical axes seen from the rotation joint, a constant: with rotations in the
-  /// T-pose, facing x with z up, it is R_joint(T)^-1 * R_canonical(T), so that the bone turns by
-  /// R_joint(t) * R_joint(T)^-1 from its canonical T-pose. Empty: the joint's own axes.
+  int position_joint = -1;  ///< Joint at the origin of the bone; -1: the bone is missing.
+  int rotation_joint = -1;  ///< Joint that rotates the bone; -1: the bone is missing.
+  /// The bone's canonical axes in the frame of the rotation joint. This constant is
+  /// R_joint(T)^-1 * R_canonical(T) for rotations in the T-pose T, facing x with z up, so the bone
+  /// turns by R_joint(t) * R_joint(T)^-1 from its canonical T-pose. Empty: the joint's own axes.
   std::optional<Eigen::Quaterniond> joint_from_bone = std::nullopt;
-  /// Where the bone begins, in the position joint's frame and the source's unit. Empty: at the
-  /// joint's origin.
+  /// Origin of the bone in the frame of the position joint, in the source's unit. Empty: the origin
+  /// of the joint.
   std::optional<Eigen::Vector3d> position_in_joint = std::nullopt;
 };
 
-/// How a source skeleton becomes the canonical human: metres, Z up, right-handed, LAFAN1's bones.
+/// Conversion of a source skeleton to the canonical human: metres, Z up, right-handed, LAFAN1's
+/// bones.
 struct Calibration {
-  std::string profile;  ///< Name of the kind of skeleton, such as `lafan1`.
+  std::string profile;  ///< Name of the skeleton profile, such as `lafan1`.
   BoneArray<BoneSource> bones;
-  double metres_per_unit = 0.01;  ///< Of the source's lengths.
-  /// Turns the source's axes into canonical ones; a rotation (determinant +1).
+  double metres_per_unit = 0.01;  ///< Unit of the source's lengths.
+  /// Rotation (determinant +1) from the source's axes to canonical axes.
   Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
-  double height = 1.75;  ///< Of the body, metres.
-  /// Height of a body of average proportions with legs like these, metres: used to compare bodies
-  /// of different sizes, since feet and hips must fit the robot's legs.
+  double height = 1.75;  ///< Body height, metres.
+  /// Height, metres, of a body of average proportions with these legs. Comparisons of body sizes
+  /// use it because feet and hips must fit the robot's legs.
   double size = 1.75;
-  /// Left, right: contacts are found by them. Empty: a heel goes as its ankle goes.
+  /// Left and right sole, for finding contacts. Empty: the ankle stands for the heel.
   std::array<std::optional<FootSole>, 2> soles;
-  /// Of a robot, whose joints are hinges and which stands straight in its T-pose. Empty: a human, of
-  /// whom all of that is found in the movement.
+  /// Dimensions of a robot, whose joints are hinges and which is upright in its T-pose. Empty for a
+  /// human, whose dimensions are estimated from the movement.
   std::optional<BodyLengths> built;
-  std::string description;      ///< What was assumed, human-readable.
-  std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: no doubts.
+  std::string description;      ///< Human-readable: the assumptions.
+  std::vector<Warning> doubts;  ///< Reasons why the result may be wrong.
 
-  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
-                          ///< given height; `unknown`.
+  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`, `given`, `scaled` (to a
+                          ///< given height) or `unknown`.
   SignedAxis up;          ///< In the file's axes.
-  SignedAxis forward;     ///< Nearest axis to the facing in the rest pose.
-  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`; `lafan1`, or
-                          ///< `lafan1 axes` of a body that is not as tall.
-  double rest_deviation = 0.0;  ///< Mean angle of the limbs and trunk of that pose from the
-                                ///< T-pose, degrees; of `learned`, that of the best frame.
+  SignedAxis forward;     ///< Axis nearest to the facing in the rest pose.
+  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`, `lafan1`, or
+                          ///< `lafan1 axes` for a body of another height.
+  double rest_deviation = 0.0;  ///< Mean angle between limbs and trunk of that pose and the T-pose,
+                                ///< degrees; for `learned`, that of the best frame.
 };
 
-/// A canonical human's motion without its poses.
+/// Properties of a canonical human's motion, without its poses.
 struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
-  double height = 1.75;                          ///< Of the body, metres.
+  double height = 1.75;                          ///< Body height, metres.
   double size = 1.75;                            ///< As in Calibration.
-  std::array<std::optional<FootSole>, 2> soles;  ///< The same.
-  std::optional<BodyLengths> built;              ///< The same.
-  BoneArray<std::string> sources;                ///< The joint each bone came from; empty: missing.
+  std::array<std::optional<FootSole>, 2> soles;  ///< As in Calibration.
+  std::optional<BodyLengths> built;              ///< As in Calibration.
+  BoneArray<std::string> sources;                ///< Source joint of each bone; empty: missing.
   std::vector<std::string> source_joints;        ///< All joints of the source, for messages.
 
   [[nodiscard]] bool has(Bone bone) const { return !sources[bone].empty(); }
@@ -248,19 +250,18 @@ struct HumanClipInfo {
 struct ContactPhase {
   int begin = 0;
   int end = 0;
-  double support = 0.0;  ///< Height of what is under it above the floor, metres; 0: the floor.
+  double support = 0.0;  ///< Height of the support surface above the floor, metres.
 
   friend bool operator==(const ContactPhase&, const ContactPhase&) = default;
 };
 
-/// When heels (ankles) and toes of a human stand, in order of time: left heel, left toe, right heel,
-/// right toe.
+/// Contact phases, in order of time, of the left heel (ankle), left toe, right heel and right toe.
 using SourceContacts = std::array<std::vector<ContactPhase>, 4>;
 
-/// World poses of the canonical bones, metres, Z up. Missing bones: identity.
+/// World poses of the canonical bones, metres, Z up. Missing bones have the identity.
 using HumanPose = BoneArray<Pose>;
 
-/// A canonical human's poses, frame by frame.
+/// A canonical human's motion: its properties and the poses of all frames.
 struct HumanClip : HumanClipInfo {
   std::vector<HumanPose> world_from_bone;  ///< One per frame.
 

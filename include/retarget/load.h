@@ -19,50 +19,48 @@ struct SummaryLine {
   std::string label, text;
 };
 
-/// The default folder with robots/ and configs/: that of the installed library, as given by
-/// find_package(retarget).
-inline const char* installed_data_folder() {
-#ifdef RETARGET_INSTALLED_DATA_FOLDER
-  return RETARGET_INSTALLED_DATA_FOLDER;
-#else
-  return "";
-#endif
-}
+/// The data folder (robots/ and configs/) of the installed library; empty: unknown. It comes from
+/// find_package(retarget) or, in a shared build, from the location of the library. A program that
+/// links the static library without that package may define
+/// `extern "C" const char* retarget_package_data_folder()`.
+[[nodiscard]] std::string installed_data_folder();
 
-/// Where robots/ and configs/ are.
+/// Location of the data folder with robots/ and configs/.
 struct DataFolder {
-  std::string chosen;  ///< By the user; empty: $RETARGET_DATA_DIR, else searched for.
+  std::string chosen;  ///< The user's choice; empty: $RETARGET_DATA_DIR, else searched for.
+  /// Searched after the program's own tree.
   std::string installed = installed_data_folder();
 };
 
-/// Reads a motion file, by its content: BVH; SMPL or SMPL-X as NPZ, as a file of PyTorch, as a
-/// pickle or as a single array (docs/smpl.md); places of joints in such files (docs/positions.md); FBX, glTF, VRM and MVNX (docs/scenes.md).
+/// Reads a motion file; the format is detected by content: BVH; SMPL or SMPL-X as NPZ, PyTorch
+/// file, pickle or single array (docs/smpl.md); joint positions in such files (docs/positions.md);
+/// FBX, glTF, VRM and MVNX (docs/scenes.md).
 ///
-/// With SourceOptions::from_robot a robot's motion, in any format of docs/formats.md, as the
-/// canonical human that moves so (docs/robot_to_robot.md).
+/// With SourceOptions::from_robot, reads a robot's motion in any format of docs/formats.md and
+/// converts it to the canonical human with the same motion (docs/robot_to_robot.md).
 ///
-/// Errors (kInput): errors in the file with line and column; a clip that needs more than
-/// `memory_gb`. kConfig: an unknown robot.
+/// Errors: errors in the file with line and column, a clip that needs more than `memory_gb`
+/// (kInput); an unknown robot (kConfig).
 /// @param file         `-` reads standard input.
-/// @param data_folder  with robots/, for from_robot.
+/// @param data_folder  data folder with robots/, for from_robot.
 /// @return the motion in the file's units and axes; its origin() has the reader's warnings.
 [[nodiscard]] Result<Clip> load_clip(const std::string& file, const SourceOptions& options = {},
                                      const DataFolder& data_folder = {});
 
-/// The same for a skeleton, which need not have frames.
+/// Reads a skeleton like load_clip; the file need not have frames.
 [[nodiscard]] Result<Clip> load_skeleton(const std::string& file,
                                          const SourceOptions& options = {});
 
-/// A robot and where it came from.
+/// A robot and its files.
 struct LoadedRobot {
   std::shared_ptr<const Robot> robot;
-  RobotChoice choice;              ///< What was asked for, with the full name.
-  std::string name;                ///< Its full name, also where a short one was given.
-  std::string model;               ///< Its MJCF or URDF,
-  std::string profile;             ///< and its robot.json; empty: none.
-  std::string data_folder;         ///< With robots/ and configs/.
-  std::vector<SummaryLine> notes;  ///< What was detected for it: soles.
-  std::vector<Warning> warnings;   ///< What is odd about its model.
+  RobotChoice choice;              ///< The requested robot, with the full name.
+  std::string name;                ///< Full name, even if the request used a short one.
+  std::string model;               ///< MJCF or URDF file.
+  std::string profile;             ///< robot.json file; empty: none.
+  std::string data_folder;         ///< Data folder with robots/ and configs/.
+  std::vector<SummaryLine> notes;  ///< Detected properties, such as soles.
+  std::vector<Warning> warnings;   ///< Warnings about the model.
 };
 
 /// Whether missing soles of a robot are derived from its model.
@@ -70,20 +68,20 @@ enum class Soles : unsigned char { kFound, kAsTheyAre };
 
 /// Loads a robot by its name, folder or model.
 ///
-/// Without soles the feet would float or sink: they are searched for in the robot's model. A note
-/// tells what was found, or a warning why nothing was. Errors (kConfig): an unknown robot (suggests
-/// the nearest name); errors in its files.
+/// Without soles the feet would float or sink, so missing soles are derived from the robot's model.
+/// A note describes the soles found, or a warning explains why there are none. Errors (kConfig): an
+/// unknown robot (suggests the nearest name); errors in its files.
 [[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
                                              const DataFolder& data_folder = {},
                                              Soles soles = Soles::kFound);
 
-/// The same by name or folder, or by a model file (.xml, .urdf).
+/// Loads a robot by name or folder, or from a model file (.xml, .urdf).
 [[nodiscard]] Result<LoadedRobot> load_robot(const std::string& name_or_file);
 
-/// The motion of a robot as a clip, which retargets like any other: the canonical human that stands
-/// as the robot does, whose bones turn as its bodies and are as long, its soles' heels and toes for
-/// contacts. In metres, Z up; the zero pose is the T-pose.
-/// Errors (kConfig): no retargeting configuration beside the robot's model, or no limbs by it.
+/// Converts the motion of a robot to a clip that can be retargeted like any other. The clip is a
+/// canonical human with the robot's stance, limb lengths and body rotations; the heels and toes of
+/// the robot's soles give the contacts. Metres, Z up; the zero pose is the T-pose.
+/// Errors (kConfig): no retargeting configuration next to the robot's model, or one without limbs.
 [[nodiscard]] Result<Clip> clip_of_robot(const RobotClip& motion, const LoadedRobot& robot,
                                          const std::string& name = {});
 

@@ -12,103 +12,120 @@
 
 namespace RETARGET_API retarget {
 
-/// A figure of merit of a motion.
+/// Definition of a quality metric.
 struct Metric {
-  std::string_view key;         ///< Its name in JSON, gates and tables.
+  std::string_view key;         ///< Name in JSON, gates and tables.
   std::string_view unit;        ///< `%` (of frames unless the definition says otherwise), `rad/s`,
                                 ///< ...
   std::string_view definition;  ///< Human-readable, one or two sentences.
-  std::string_view source;      ///< Where the definition comes from.
+  std::string_view source;      ///< Source of the definition.
+  /// The metric exists only right after solving. Its gate is skipped for motions read from files.
+  bool of_solver = false;
 };
 
 /// All metrics, in report order.
 [[nodiscard]] std::span<const Metric> quality_metrics();
 
-/// By key; nullptr for an unknown one.
+/// Looks up a metric by its key; nullptr if unknown.
 [[nodiscard]] const Metric* find_metric(std::string_view key);
 
-/// All keys, for messages.
+/// Keys of all metrics, for messages.
 [[nodiscard]] std::vector<std::string> metric_keys();
 
-/// How much a term of the fit costs, and where.
+/// Cost of one term of the fit.
 struct FitTermReport {
-  std::string name;        ///< As in docs/fit.md.
-  double before = 0.0;     ///< Mean over frames, for the motion that the fit starts from.
-  double after = 0.0;      ///< The same at the end.
-  std::vector<int> worst;  ///< Up to five frames where it is worst at the end, worst first, at
+  std::string name;        ///< Name of the term (docs/fit.md).
+  double before = 0.0;     ///< Mean over frames, for the initial motion.
+  double after = 0.0;      ///< Mean over frames, for the final motion.
+  std::vector<int> worst;  ///< Up to five frames with the highest final cost, worst first, at
                            ///< least half a second apart.
 };
 
-/// A joint whose motion had to be changed at the end to keep the limits.
+/// A joint whose final motion was clamped to keep its limits.
 struct FitBoundReport {
   std::string joint;
-  int frames = 0;        ///< How many frames were changed.
-  int worst_frame = 0;   ///< Where it was changed most ...
-  double largest = 0.0;  ///< ... and by how much, rad or m.
+  int frames = 0;        ///< Number of changed frames.
+  int worst_frame = 0;   ///< Frame with the largest change.
+  double largest = 0.0;  ///< Largest change, rad or m.
 };
 
-/// How the steps of a fit ended, on one window of a clip or on all of it.
+/// Solver status of a fit, for one window of a clip or summarised over the clip.
 struct FitStatus {
   int begin = 0, end = 0;  ///< Frames [begin, end).
-  /// The last step was predicted to lower the cost by no more than kFitTolerance of it. Of all:
-  /// every window's was.
+  /// The last step was predicted to lower the cost by at most the fraction kFitTolerance. For the
+  /// clip: every window converged.
   bool converged = false;
-  int steps = 0;  ///< Gauss-Newton steps that were taken; of all: the most that a window took.
-  /// Blocks of the system that were not positive definite (or not finite). Each cost its window a
-  /// step and is damped more in the next one.
+  int steps = 0;  ///< Gauss-Newton steps taken; for the clip: the maximum over the windows.
+  /// Diagonal blocks that were not positive definite (or not finite). Each cost its window a step;
+  /// the next step damps the block more.
   int failed_blocks = 0;
-  /// By how much of the cost the last step was predicted to lower it; 1 where it failed or none was
-  /// taken. Of all: the largest.
+  /// Predicted relative cost decrease of the last step; 1 if it failed or no step was taken. For
+  /// the clip: the maximum over the windows.
   double predicted_decrease = 1.0;
-  double cost_before = 0.0, cost_after = 0.0;  ///< Sums over the frames, of all terms.
-  /// Frames that the term `dynamics` left as they are, for what carries the robot there is not known.
+  double cost_before = 0.0, cost_after = 0.0;  ///< Total cost of all terms, summed over the frames.
+  /// Frames that the term `dynamics` left unchanged because the contacts there are unknown.
   int distrusted_frames = 0;
-  bool dynamics_taken_back = false;  ///< It helped nothing: the steps were taken without it.
+  /// The term `dynamics` did not improve the result, so the steps were repeated without it.
+  bool dynamics_taken_back = false;
+  /// A step had non-finite values and was rejected. For the clip: in at least one window.
+  bool failed = false;
+  /// A step with dynamics had non-finite values, so the steps were repeated without dynamics.
+  bool dynamics_failed = false;
 };
 
-/// See FitStatus::converged.
+/// Frames in which a solver met non-finite values. It rejects such a step, so the frames are
+/// finite, but they are not the requested result.
+struct SolverFailure {
+  std::string solver;      ///< `fit`, `fit with dynamics`, `left hand`, `right hand`.
+  int begin = 0, end = 0;  ///< Frames [begin, end).
+};
+
+/// Relative predicted cost decrease at which a fit counts as converged; see FitStatus::converged.
 inline constexpr double kFitTolerance = 0.01;
 
 /// Results of a fit.
 struct FitReport {
-  double floor_height = 0.0;  ///< By how much the targets were lowered, metres.
-  bool floor_found = false;   ///< False: no foot of the source stands; the height is a guess.
-  int contact_phases = 0;     ///< Of heels and toes.
+  double floor_height = 0.0;  ///< Distance by which the targets were lowered, metres.
+  bool floor_found = false;   ///< False: the source has no standing foot; the height is a guess.
+  int contact_phases = 0;     ///< Number of heel and toe contact phases.
   std::vector<FitTermReport> terms;
   std::vector<FitBoundReport> bounded;
-  FitStatus status;                ///< Of the whole clip.
+  FitStatus status;                ///< Summary over the whole clip.
   std::vector<FitStatus> windows;  ///< Windows in order, then the seams between them.
-  /// Terms that the robot or the source cannot have, and why; steps that have not converged.
+  std::vector<SolverFailure> failures;
+  /// Terms that the robot or the source does not support, with the reason; missing convergence.
   std::vector<std::string> notes;
 };
 
-/// A metric's figure for one motion.
+/// Value of a metric for one motion.
 struct MetricValue {
   const Metric* metric = nullptr;
   double value = 0.0;
-  std::optional<double> p95;  ///< Of metrics that give mean and 95th percentile.
+  std::optional<double> p95;  ///< For metrics with a mean and a 95th percentile.
 };
 
 /// How well a motion respects one set of joint limits.
 struct LimitSetResult {
   std::string name;
-  double frames_pct = 0.0;        ///< Frames with a joint beyond its range by more than 1e-6,
-  double frames_1mrad_pct = 0.0;  ///< and by more than 1e-3 (rad or m).
-  double worst_excess = 0.0;      ///< Largest amount beyond a limit, rad or m; 0: none.
-  std::string joint;              ///< The joint in question; empty: none is beyond.
+  double frames_pct = 0.0;  ///< Frames with a joint beyond its range by more than 1e-6 rad or m.
+  double frames_1mrad_pct = 0.0;  ///< Frames with an excess of more than 1e-3 rad or m.
+  double worst_excess = 0.0;      ///< Largest excess beyond a limit, rad or m; 0: none.
+  std::string joint;              ///< Joint with the largest excess; empty: none.
   int frame = 0;
 };
 
 /// How well a body follows its bone.
 struct TrackingRow {
-  int table = 2;  ///< Of the configuration, 1 or 2.
+  int table = 2;  ///< Table of the configuration, 1 or 2.
   std::string body, bone;
-  /// Distance of the body, as seen from the root, from the scaled bone; mean and 95th percentile,
-  /// centimetres. Empty for rows without position weight.
+  /// Distance between the body and the scaled bone, both relative to the root; mean and 95th
+  /// percentile, centimetres. Empty for rows without a position weight.
   std::optional<double> position_cm, position_p95_cm;
-  /// Angle from the bone's offset axes, degrees. Empty for rows without rotation weight.
+  /// Angle between the body and the bone's axes with the offset, degrees. Empty for rows without a
+  /// rotation weight.
   std::optional<double> rotation_deg, rotation_p95_deg;
-  /// Both frame by frame, in the same units: of the last row of a body, whose table it is judged by.
+  /// Both errors per frame, in the same units. Only the last row of a body has them, because its
+  /// table is the one that counts.
   std::vector<float> position_errors_cm, rotation_errors_deg;
 };
 
@@ -118,141 +135,135 @@ struct SegmentAngle {
   double mean_deg = 0.0, p95_deg = 0.0;
 };
 
-/// Lean of the trunks; means, degrees. The lean is the angle between the vertical and the direction
-/// that is vertical when the body stands, carried by its trunk.
+/// Mean trunk lean, degrees. The lean is the angle between the vertical and a trunk-fixed direction
+/// that is vertical when the body stands.
 struct TrunkLean {
   double human = 0.0, robot = 0.0;
-  /// Of the bare line from the middle of the hips to the middle of the shoulders,
+  /// Angle between the vertical and the line from mid-hip to mid-shoulder.
   double human_line = 0.0, robot_line = 0.0;
-  /// Between both directions, a constant yaw removed.
+  /// Angle between the two trunk directions, with a constant yaw removed.
   double between = 0.0;
-  /// Of the line when the body stands.
+  /// Angle of the mid-hip to mid-shoulder line when the body stands.
   double human_standing = 0.0, robot_standing = 0.0;
 };
 
-/// The joint that is at a limit in most frames.
+/// The joint that is at a limit in the largest number of frames.
 struct JointMostAtLimit {
   std::string joint;
   bool at_upper = false;
   double frames_pct = 0.0;
 };
 
-/// A joint that is at a limit in many frames, and what pushes it there.
+/// A joint that is at a limit in many frames, with the task that pushes it there.
 struct LimitedJoint {
   std::string joint;
   bool at_upper = false;
   int frames = 0;
   double frames_pct = 0.0;
-  std::string task;             ///< The followed bone; empty: nothing pushes.
-  bool rotation = false;        ///< The task's rotation; else its position.
-  double shortfall = 0.0;       ///< Of the task: degrees, or cm.
-  std::string wider_set;        ///< A limit set of the robot that is wider there; empty: none,
-  std::optional<double> wider;  ///< by so much, rad or m; empty: it has no limit there.
+  std::string task;             ///< Bone of the task; empty: no task pushes the joint.
+  bool rotation = false;        ///< The rotation of the task pushes; else its position.
+  double shortfall = 0.0;       ///< Remaining error of the task: degrees (rotation) or cm.
+  std::string wider_set;        ///< A limit set of the robot with a wider limit; empty: none.
+  std::optional<double> wider;  ///< How much wider, rad or m; empty: that set has no limit here.
 };
 
-/// A run of frames in which something is wrong.
+/// A run of consecutive bad frames.
 struct Fault {
   std::string metric;  ///< Key of the metric it belongs to.
   std::string where;   ///< Joint, body or pair of bodies.
-  int begin = 0;       ///< First frame,
-  int end = 0;         ///< and the one after the last.
+  int begin = 0;       ///< First frame.
+  int end = 0;         ///< One past the last frame.
   int worst_frame = 0;
-  double amount = 0.0;  ///< In the worst frame.
-  std::string unit;     ///< Of the amount.
+  double amount = 0.0;  ///< Value in the worst frame.
+  std::string unit;     ///< Unit of `amount`.
 };
 
-/// How many faults of a metric there are; a report has only the worst of them.
+/// Number of faults of a metric; a report lists only the worst of them.
 struct FaultTotal {
   std::string metric;
   int count = 0;
 };
 
-/// A gate on a metric, and whether it passed.
+/// Result of a gate.
 struct GateResult {
   std::string metric;
-  std::optional<double> min, max;  ///< Bounds for the figure, inclusive.
+  std::optional<double> min, max;  ///< Bounds for the value, inclusive.
   std::optional<double> value;     ///< Empty: the metric was not measured.
-  bool passed = true;              ///< True where nothing was measured.
-  /// Why the gate is off for this motion, which passes it then; empty: it applies.
-  std::string not_applicable;
+  bool passed = true;              ///< True if the metric was not measured.
 };
 
-/// A motion's figures. Metrics that need missing data (a source clip, soles, collision shapes,
+/// Quality of a motion. Metrics that need missing data (a source clip, soles, collision shapes,
 /// enough frames) are omitted.
 struct QualityReport {
-  std::string file;  ///< The motion's, without folder.
+  std::string file;  ///< File name of the motion, without folder.
   std::string robot;
   int frames = 0;
   double fps = 30.0;
-  std::string limits;          ///< Name of the limit set used for limit_pct.
-  std::string source;          ///< The source clip's file, without folder; empty: none.
-  std::string config;          ///< File of the configuration that is tracked; empty: no source.
-  int source_frames = 0;       ///< Frames of the motion that the source covers.
-  std::optional<double> leg;   ///< Hip to knee to ankle, metres; with a source and a configuration.
-  int speed_limits_given = 0;  ///< Output joints with a speed limit of the robot's profile,
-  int speed_limits_assumed = 0;      ///< and without: their hinges are compared with
-                                     ///< assumed_speed_limit.
-  double assumed_speed_limit = 0.0;  ///< rad/s
-  std::vector<MetricValue> values;   ///< In the order of quality_metrics().
+  std::string limits;     ///< Name of the limit set used for limit_pct.
+  std::string source;     ///< File name of the source clip, without folder; empty: none.
+  std::string config;     ///< File of the tracked configuration; empty: no source.
+  int source_frames = 0;  ///< Frames of the motion that the source covers.
+  std::optional<double>
+      leg;  ///< Robot leg, hip to knee to ankle, metres; needs a source and a configuration.
+  int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.
+  int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
+                                     ///< with assumed_speed_limit.
+  double assumed_speed_limit = 0.0;  ///< rad/s.
+  std::vector<MetricValue> values;   ///< Ordered as quality_metrics().
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
-  std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
-  std::optional<JointMostAtLimit> at_limit;  ///< Empty: no joint ever is.
-  SourceContacts contacts;                   ///< Of the source's heels and toes.
-  /// At a limit in at least a twentieth of the frames, most frames first; with a source and a configuration.
+  std::optional<TrunkLean> trunk_lean;       ///< Needs a source with known hips and shoulders.
+  std::optional<JointMostAtLimit> at_limit;  ///< Empty: no joint reaches a limit.
+  SourceContacts contacts;                   ///< Heel and toe contacts of the source.
+  /// Joints at a limit in at least 5 % of the frames, most frames first; needs a source and a
+  /// configuration.
   std::vector<LimitedJoint> limited_joints;
-  /// If the motion has just been fitted: the cost of its terms, and what had to be bounded.
+  /// Results of the fit; only for a motion that has just been fitted.
   std::optional<FitReport> fit;
-  std::vector<Fault> faults;             ///< By metric; the worst first.
-  std::vector<FaultTotal> fault_totals;  ///< Of metrics with faults.
+  std::vector<Fault> faults;             ///< Grouped by metric, worst first.
+  std::vector<FaultTotal> fault_totals;  ///< One per metric with faults.
   std::vector<GateResult> gates;
 
+  /// Value of a metric; nullptr if it was not measured.
   [[nodiscard]] const MetricValue* find(std::string_view key) const;
+  /// Whether all gates passed.
   [[nodiscard]] bool passed() const;
 };
 
-/// The reports as JSON (docs/quality.md has the schema). Floating-point numbers have enough digits
-/// to be read back unchanged.
+/// Formats reports as JSON (schema: docs/quality.md). Floating-point numbers round-trip exactly.
 [[nodiscard]] std::string report_json(std::span<const QualityReport> reports);
 
-/// Human-readable: one row per metric, one column per motion, then missed gates and the worst
-/// frames.
+/// Formats reports as human-readable text of about 25 lines: the verdict, missed gates with their
+/// worst frames, then the gates by group; several motions have one column each.
 [[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
-
-/// Switches a gate off for motions with a figure above this.
-struct GateException {
-  std::string metric;  ///< Key.
-  double above = 0.0;
-};
 
 /// Bounds for a metric, inclusive.
 struct Gate {
-  std::string metric;  ///< Key.
+  std::string metric;  ///< Metric key.
   std::optional<double> min, max;
-  /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; for others
-  /// they scale with the legs. Empty: for every robot.
+  /// Leg length (hip to knee to ankle) that the bounds refer to, metres; they scale with the leg
+  /// length of the robot. Empty: the same bounds for every robot.
   std::optional<double> leg = std::nullopt;
-  std::vector<GateException> unless = {};  ///< Any of them is enough.
 };
 
-/// Gates, at most one for each metric.
+/// A set of gates, at most one per metric.
 class Gates {
  public:
-  /// Replaces the gate on the same metric; a gate without bounds removes it.
+  /// Adds a gate, replacing one on the same metric. A gate without bounds removes it.
   void set(Gate gate);
   void clear() { gates_.clear(); }
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
 
-  /// Sets every gate of a file: JSON
-  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER, "unless": {KEY: NUMBER}},
-  /// ...}}`; a number is a maximum, `null` removes the gate, `unless` switches it off above a
-  /// figure. Other members of the file are ignored. kConfig errors report everything at once,
-  /// unknown metrics with the nearest name.
+  /// Sets all gates of a JSON file:
+  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`. A plain number is a
+  /// maximum, `null` removes the gate. Other members of the file are ignored. A kConfig error
+  /// reports all problems at once, and the nearest name for an unknown metric.
   [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
   [[nodiscard]] Result<void> add_file(const std::string& path);
 
-  /// Checks a report against the gates and stores the results in it.
+  /// Checks a report against the gates and stores the results in the report. Gates on metrics with
+  /// Metric::of_solver are skipped where the report lacks the metric.
   void judge(QualityReport& report) const;
 
  private:

@@ -16,18 +16,18 @@
 
 namespace RETARGET_API retarget {
 
-/// How pelvis and torso turn when limbs are scaled individually (kLimbs).
+/// Source of the pelvis and torso rotations when limbs are scaled individually (kLimbs).
 enum class TrunkRule : unsigned char {
-  kBones,  ///< As the bones Hips and Spine2, as published.
-  kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's.
+  kBones,  ///< The bones Hips and Spine2, as published.
+  kLines,  ///< The lines of trunk and limbs, which lean and turn like the human's.
 };
 
-/// How a robot's body follows a bone.
+/// Weights and offsets with which a robot body follows a bone.
 struct IkTask {
   double position_weight = 0.0;
   double rotation_weight = 0.0;
   Eigen::Vector3d position_offset = Eigen::Vector3d::Zero();  ///< In the target's frame, metres.
-  /// bone_from_body: turns the bone's axes into the body's.
+  /// bone_from_body: the body's orientation relative to the bone.
   Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
 
   [[nodiscard]] bool has_weight() const { return position_weight != 0.0 || rotation_weight != 0.0; }
@@ -41,21 +41,22 @@ struct IkMatch : IkTask {
 
 /// A table of a retargeting configuration, in file order: the order of the tasks.
 struct IkMatchTable {
-  bool used = true;  ///< `use_ik_match_tableN`; a table that is not used is left out.
+  bool used = true;  ///< `use_ik_match_tableN`; false: the solver skips the table.
   std::vector<IkMatch> rows;
 };
 
-/// A retargeting configuration from a human to a robot as read, in the schema of GMR (General Motion
-/// Retargeting). Its names are not checked here; resolve_config resolves them for a robot.
+/// A retargeting configuration from a human to a robot as read, in the schema of GMR (General
+/// Motion Retargeting). Reading does not check names; resolve_config resolves them for a robot.
 ///
-/// | key | meaning |
-/// |---|---|
-/// | `robot_root_name`, `human_root_name` | root body, root bone |
-/// | `ground_height` | metres that every target is lowered by, in the target's frame |
-/// | `human_height_assumption` | body height the scales are made for, metres |
-/// | `human_scale_table` | scale of each bone's distance from the root (the root's own: from the
-/// origin) | | `use_ik_match_table1`, `2` | whether the pass takes place | | `ik_match_table1`, `2`
-/// | body: [bone, position weight, rotation weight, [x, y, z], [w, x, y, z]] |
+/// The file has these keys:
+/// - `robot_root_name`, `human_root_name`: root body and root bone.
+/// - `ground_height`: every target is lowered by this distance, in the target's frame, metres.
+/// - `human_height_assumption`: body height that the scales are made for, metres.
+/// - `human_scale_table`: scale of each bone's distance from the root; the root's own scale applies
+///   to its distance from the origin.
+/// - `use_ik_match_table1`, `use_ik_match_table2`: whether the solver runs this pass.
+/// - `ik_match_table1`, `ik_match_table2`: tasks, as
+///   `body: [bone, position weight, rotation weight, [x, y, z], [w, x, y, z]]`.
 struct RetargetingConfig {
   std::string file;  ///< Where it was read from, for messages.
   std::string robot_root;
@@ -68,21 +69,22 @@ struct RetargetingConfig {
   [[nodiscard]] const double* find_scale(std::string_view bone) const;
 };
 
-/// Reads a retargeting configuration. Syntax errors come with line and column; wrong types, missing
-/// keys and quaternions whose norm is not 1 within 1e-3 are reported all at once. Quaternions are
-/// normalised.
+/// Reads a retargeting configuration and normalises its quaternions. Syntax errors have line and
+/// column. Wrong types, missing keys and quaternions whose norm is not 1 within 1e-3 are reported
+/// together.
 [[nodiscard]] Result<RetargetingConfig> parse_retargeting_config(std::string_view text,
                                                                  const std::string& file);
 [[nodiscard]] Result<RetargetingConfig> load_retargeting_config(const std::string& path);
 
-/// A robot's body follows a bone.
+/// A task with resolved names: a robot body follows a bone.
 struct ConfigTask : IkTask {
   int body = -1;  ///< Index into Robot::bodies(); -1 in an unused table: the robot has no such
                   ///< body.
   Bone bone = Bone::kHips;
 };
 
-/// A retargeting configuration for one robot, all names resolved and checked against robot and human.
+/// A retargeting configuration for one robot. All names are resolved and checked against robot and
+/// human.
 struct ResolvedConfig {
   struct Table {
     bool used = true;
@@ -93,13 +95,13 @@ struct ResolvedConfig {
   Bone root_bone = Bone::kHips;
   double ground_height = 0.0;            ///< As in RetargetingConfig.
   double human_height_assumption = 1.8;  ///< Metres.
-  BoneArray<double> scales{1.0};         ///< Of bones with tasks in use, and of the root bone.
+  BoneArray<double> scales{1.0};         ///< For bones with tasks in use, and for the root bone.
   std::array<Table, 2> match_tables;
 
-  /// The first task of a bone with a weight, else its first task; null: none. Includes unused
-  /// tables.
+  /// The first task of this bone that has a weight, otherwise its first task; null if there is
+  /// none. Includes unused tables.
   [[nodiscard]] const ConfigTask* find_task(Bone bone) const;
-  /// The body of that task; -1: none.
+  /// The body of find_task(bone); -1: no task.
   [[nodiscard]] int body_of(Bone bone) const;
 };
 
@@ -113,21 +115,21 @@ struct ResolvedConfig {
 /// together.
 [[nodiscard]] Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot);
 
-/// A retargeting configuration for one robot and for a human whose bodies have names of their own.
+/// A retargeting configuration for one robot and for a human whose bodies have their own names.
 struct HumanConfig {
-  ResolvedConfig tables;  ///< Body i of the human has the place of bone i.
-  /// The human's bodies that the root or rows name, the root first.
+  ResolvedConfig tables;  ///< Index i stands for bodies[i] instead of bone i.
+  /// Bodies of the human that the root or the rows name, the root first.
   std::vector<std::string> bodies;
 };
 
-/// Resolves a configuration for a robot like resolve_config, but takes the human's names as they
-/// stand, such as those of SMPL-X. Errors (kConfig) are resolve_config's, or that there are more
-/// bodies than bones.
+/// Resolves a configuration for a robot like resolve_config, but accepts any names of the human's
+/// bodies, such as those of SMPL-X. Errors (kConfig): those of resolve_config, more bodies than
+/// bones.
 [[nodiscard]] Result<HumanConfig> resolve_human_config(const RetargetingConfig& config,
                                                        const Robot& robot);
 
 /// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
-/// @return the number of removed tasks; kConfig error: nothing is left.
+/// @return the number of removed tasks; a kConfig error if no task remains.
 [[nodiscard]] Result<int> leave_out_bones(ResolvedConfig& config, std::span<const Bone> bones);
 
 }  // namespace retarget

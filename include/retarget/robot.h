@@ -24,7 +24,7 @@ class Robot;
 /// Ranges of a robot's joints under one name.
 struct LimitSet {
   std::string name;           ///< `official`, `gmr`, `model`, or the file it came from.
-  std::string source;         ///< Where the figures come from, human-readable; may be empty.
+  std::string source;         ///< Source of the values, human-readable; may be empty.
   std::vector<double> lower;  ///< By joint in the robot's joint order, rad or m; -infinity: none.
   std::vector<double> upper;  ///< As lower; +infinity: none. lower <= upper.
 };
@@ -57,7 +57,7 @@ struct RobotJoint {
   int body = 0;                                      ///< The body that it moves.
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< Unit, in the body's frame.
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< In the body's frame, metres.
-  double reference = 0.0;  ///< Joint position at which the body stands at parent_from_body.
+  double reference = 0.0;  ///< Joint position at which the body's pose is parent_from_body.
   int qpos_address = 0;    ///< Index into a configuration.
   int dof_address = 0;     ///< Index into a velocity.
 };
@@ -89,67 +89,75 @@ inline constexpr double kDefaultSpeedLimit = 20.0;
 /// locked, or it has a model of its own without them.
 struct RobotVariant {
   std::string name;
-  std::string description;               ///< For people; may be empty.
-  std::map<std::string, double> locked;  ///< Joints that it lacks and where they are, rad or m.
-  std::string model;                     ///< MJCF file of its own; empty: the robot's is held.
-  /// Bodies that files of it have though none of its joints moves them.
+  std::string description;               ///< Human-readable; may be empty.
+  std::map<std::string, double> locked;  ///< Missing joints and their held positions, rad or m.
+  std::string model;  ///< Its own MJCF file; empty: the robot's model with locked joints.
+  /// Bodies that occur in the variant's motion files although none of its joints moves them.
   std::vector<std::string> bodies;
+  /// Points on joint axes of `model` between which limbs are measured, in the frame of the joint's
+  /// body, metres. Default: the origin of the joint's body.
+  std::map<std::string, Eigen::Vector3d> anchors;
 };
 
-/// A joint that another one moves, as a finger's outer joint through a linkage or a tendon: its position
-/// is ratio * (the other's) + offset.
+/// A joint driven by another joint (the leader), such as a finger's outer joint driven by a linkage
+/// or a tendon: position = ratio * leader + offset.
 struct JointCoupling {
-  std::string leader;  ///< The other joint.
+  std::string leader;  ///< The driving joint.
   double ratio = 1.0;
   double offset = 0.0;  ///< rad or m.
 };
 
-/// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
+/// Data of a robot's profile (robot.json), in addition to its model; load_robot.h describes the
+/// file.
 struct RobotProfile {
   std::string name;
-  std::string description, source, licence;  ///< For people.
+  std::string description, source, licence;  ///< Human-readable.
   std::vector<std::string> joint_order;      ///< Output columns; empty: the model's order.
   std::vector<LimitSet> limit_sets;
   std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
-  std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
+  std::map<std::string, std::string> method_limits;  ///< Default set of a method.
   std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
-  std::string speed_limits_source;                   ///< For people.
-  double default_speed_limit = kDefaultSpeedLimit;   ///< Of hinges not in speed_limits, rad/s.
-  std::map<std::string, double> torque_limits;       ///< Largest, by joint name, N m or N.
-  std::string torque_limits_source;                  ///< For people.
-  /// What a rotor behind its gear adds to a joint's inertia, by joint name, kg m^2 or kg.
+  std::string speed_limits_source;                   ///< Human-readable.
+  double default_speed_limit = kDefaultSpeedLimit;   ///< For hinges not in speed_limits, rad/s.
+  std::map<std::string, double> torque_limits;       ///< By joint name, N m or N.
+  std::string torque_limits_source;                  ///< Human-readable.
+  /// Rotor inertia reflected through the gear, by joint name, kg m^2 or kg.
   std::map<std::string, double> rotor_inertias;
-  std::string rotor_inertias_source;  ///< For people.
-  /// By the name of the joint that is moved. Only hands keep to them (docs/hands.md).
+  std::string rotor_inertias_source;  ///< Human-readable.
+  /// By name of the driven joint. Only the hand solver uses them (docs/hands.md).
   std::map<std::string, JointCoupling> coupled_joints;
-  std::map<std::string, double> t_pose;  ///< Joints that are not 0 there, rad or m.
+  std::map<std::string, double> t_pose;  ///< Non-zero joint positions of the T-pose, rad or m.
   std::vector<Sole> soles;
-  std::string soles_source;      ///< Where they are from, for people.
-  bool soles_estimated = false;  ///< Nothing measured tells them: feet may float or sink.
-  /// The base stands fast where the model has it: an upper body on a stand or on wheels. The robot has
-  /// no soles then, and follows its human as seen from the human's hips or chest (docs/own_robot.md).
+  std::string soles_source;      ///< Source of the soles, human-readable.
+  bool soles_estimated = false;  ///< The soles are not measured: feet may float or sink.
+  /// The base is fixed at its pose in the model: an upper body on a stand or a wheeled platform.
+  /// The robot then has no soles, and follows the human relative to the human's hips or chest
+  /// (docs/own_robot.md).
   bool fixed_base = false;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
+  /// Auxiliary bodies that only carry a joint of their single child body. The child has several
+  /// joints, or a joint with an anchor, but model readers expect one joint per body, at its origin.
+  std::vector<std::string> joint_frames;
   std::vector<RobotVariant> variants;
 };
 
 /// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
 ///
 /// A configuration (qpos) is MuJoCo's: root position x y z (metres), root quaternion w x y z, then
-/// the joints (rad, m), each at its qpos_address. A robot whose base stands fast has them too, always as
-/// in its zero configuration.
+/// the joint positions (rad, m), each at its qpos_address. A robot with a fixed base has the root
+/// values too; they stay at its zero configuration.
 class Robot {
  public:
-  /// @param model  compiled; its first joint is free, all others are hinges or slides. load_robot
-  ///     checks this.
-  /// @param warnings  anything odd about the model.
+  /// @param model  compiled model; its first joint is free, all others are hinges or slides.
+  ///     load_robot checks this.
+  /// @param warnings  warnings about the model.
   Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warnings = {});
 
-  /// Sets another profile and with it another output order. Call before the robot is shared.
+  /// Replaces the profile, including the output order. Call before the robot is shared.
   void set_profile(RobotProfile profile);
-  /// Locks the joints of a variant: they leave the output columns, their range in every limit set
-  /// is the locked position, and the zero configuration has it. Call once, before the robot is
-  /// shared; robot_variant does it by name.
+  /// Locks the joints of a variant. They are removed from the output columns; their range in every
+  /// limit set and their zero configuration become the locked position. Call once, before the robot
+  /// is shared; robot_variant does it by name.
   void set_variant(const RobotVariant& variant);
   /// Makes this the model of a variant of `whole`. Call once, before the robot is shared.
   void set_whole(std::shared_ptr<const Robot> whole) { whole_ = std::move(whole); }
@@ -167,13 +175,13 @@ class Robot {
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   /// The variant of this robot; empty name: the whole robot.
   [[nodiscard]] const RobotVariant& variant() const { return variant_; }
-  /// The robot of all joints whose variant this is, where it has a model of its own; else null.
-  /// Joints and bodies of the two correspond by their names.
+  /// The complete robot, if this is a variant with its own model; else null. Joints and bodies of
+  /// the two correspond by name.
   [[nodiscard]] const std::shared_ptr<const Robot>& whole() const { return whole_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
-  /// All joints but the free one, in the model's order.
+  /// All joints except the free joint, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
-  /// What the library itself walks along: bodies that do not move against each other folded.
+  /// Kinematic tree used for computations; bodies fixed to each other are merged into one link.
   [[nodiscard]] const KinematicTree& tree() const { return *tree_; }
   /// Indices into joints() in the order of the output columns.
   [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
@@ -188,24 +196,29 @@ class Robot {
   [[nodiscard]] int configuration_size() const;
   /// The model's qpos0; joints held by the variant are at their held position.
   [[nodiscard]] std::vector<double> zero_configuration() const;
-  /// The ranges of the model itself, as a set called `model`.
+  /// The joint ranges of the model, as a limit set called `model`.
   [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
   /// Name of a method's default limit set.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
-  /// Speed limit of a joint, rad/s or m/s: the profile's, else its default for hinges and infinity
-  /// for slides.
+  /// Speed limit of a joint, rad/s or m/s: from the profile, else the profile's default for hinges
+  /// and infinity for slides.
   /// @param joint  index into joints().
   [[nodiscard]] double speed_limit(int joint) const;
-  /// Largest torque of a joint, N m, or force of a slide, N: the profile's, else the model's
-  /// (`actuatorfrcrange`); infinity: neither says.
+  /// Torque limit of a hinge, N m, or force limit of a slide, N: from the profile, else from the
+  /// model (`actuatorfrcrange`), else infinity.
   /// @param joint  index into joints().
   [[nodiscard]] double torque_limit(int joint) const;
-  /// What its rotor adds to a joint's inertia, kg m^2 or kg: the profile's, else the model's
-  /// (`armature`), which is 0 where it says nothing.
+  /// Reflected rotor inertia of a joint, kg m^2 or kg: from the profile, else from the model
+  /// (`armature`, 0 by default).
   /// @param joint  index into joints().
   [[nodiscard]] double rotor_inertia(int joint) const;
 
-  /// By name; empty for an empty name, even if the model has unnamed elements.
+  /// The body moved by the joints of a body: the body itself, or the first body below it that is
+  /// not one of the profile's joint_frames.
+  [[nodiscard]] int moved_body(int body) const;
+
+  /// Index of a body or joint by name. An empty name is never found, even if the model has unnamed
+  /// elements.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
   [[nodiscard]] std::optional<int> find_joint(std::string_view name) const;
   [[nodiscard]] std::vector<std::string> body_names() const;
@@ -230,11 +243,11 @@ class Robot {
   LimitSet model_limits_;
 };
 
-/// World poses of all bodies in a configuration, by body index; metres. No MuJoCo data needed and
-/// nothing allocated.
+/// Computes the world poses of all bodies in a configuration, by body index, in metres. It needs no
+/// mjData and allocates no memory.
 /// @param qpos  configuration_size() values; the root quaternion need not have unit norm, but must
 ///     not be zero.
-/// @param world_from_body  bodies().size() poses, filled.
+/// @param world_from_body  output; bodies().size() poses.
 void forward_kinematics(const Robot& robot, std::span<const double> qpos,
                         std::span<Pose> world_from_body);
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -17,57 +18,59 @@
 
 namespace RETARGET_API retarget {
 
-/// What solve() is doing.
+/// Stage of solve().
 enum class Stage : unsigned char {
   kFrames,  ///< Inverse kinematics, frame by frame.
-  kFit,     ///< All frames together; done / total is the share of work done.
+  kFit,     ///< Whole-clip fit; done / total is the fraction of the work done.
 };
+/// Progress of solve().
 struct Progress {
   Stage stage = Stage::kFrames;
   int done = 0, total = 0;
 };
 
-/// How a motion is solved; does not affect the result.
+/// Callbacks and threads of solve(); they do not affect the result.
 struct SolveControl {
-  /// Called from time to time with the progress, possibly from another thread; returning false
-  /// stops with ErrorKind::kInterrupted.
+  /// Called periodically with the progress, possibly from another thread. Returning false stops the
+  /// run with ErrorKind::kInterrupted.
   std::function<bool(const Progress&)> keep_going;
-  /// Called with every frame's final configuration (layout of RobotClip), in order, on the caller's
-  /// thread.
+  /// Called with the final configuration of every frame (layout of RobotClip), in order, on the
+  /// caller's thread.
   std::function<void(int frame, std::span<const double> qpos)> frame_solved;
-  int threads = 0;  ///< 0: as many as useful.
+  int threads = 0;  ///< Number of threads; 0: automatic.
 };
 
 /// A robot's motion and its provenance.
 struct Motion {
   RobotClip clip;
-  std::shared_ptr<const Clip> source;  ///< The human clip: cut, at the motion's rate, frame by
-                                       ///< frame.
+  std::shared_ptr<const Clip> source;  ///< The human clip, cut and resampled: one frame per
+                                       ///< frame of the motion.
   Plan plan;                           ///< The solved plan, without its clip.
-  long ik_steps = 0;                   ///< Of all frames.
-  std::optional<FitReport> fit;        ///< Of Method::kFit: what it found and what is left,
-  SourceContacts contacts;             ///< and when the source's feet stand, which it kept to.
+  long ik_steps = 0;                   ///< Inverse kinematics steps, all frames.
+  std::optional<FitReport> fit;        ///< Method::kFit only: results of the fit.
+  SourceContacts contacts;  ///< Method::kFit only: the source's foot contacts that the fit used.
+  /// Failures of all solvers; a motion with a failure misses a gate.
+  std::vector<SolverFailure> solver_failures;
 };
 
-/// The part of the clip that a plan takes, at the motion's rate.
-/// Errors: rates that give an implausible number of frames; a body kilometres away (kInput).
+/// Cuts a plan's clip to the plan's part and resamples it to the motion's rate.
+/// Errors (kInput): rates that give an implausible number of frames; a body kilometres away.
 [[nodiscard]] Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan);
 
-/// Solves a plan. A plan that is moved in releases its clip after resampling.
-/// Errors: prepare_clip's; a mapped bone that the clip lacks (kInput); weights that lead to values that
-/// are not finite (kConfig); kInterrupted.
+/// Solves a plan. Moving the plan in releases its clip after resampling.
+/// Errors: those of prepare_clip; a mapped bone missing in the clip (kInput); weights that produce
+/// non-finite values (kConfig); a stop by SolveControl::keep_going (kInterrupted).
 [[nodiscard]] Result<Motion> solve(Plan plan, const SolveControl& control = {});
 
-/// Measures a motion, rounded as it is written, and checks it against the default gates of the data
-/// folder (docs/quality.md).
+/// Measures a motion, with values rounded as in the output file, and checks it against the default
+/// gates of the data folder (docs/quality.md).
 [[nodiscard]] Result<QualityReport> evaluate(const Motion& motion);
 
-/// Writes a motion: in the format that the file's ending or the options name, in several formats to
-/// files named after it. Each file appears whole or not at all.
-/// Errors: of kUsage, an extension that gives no format or a different one; of kRun, failure to
-/// write.
+/// Writes a motion in the format given by the options or by the file extension. Several formats go
+/// to several files named after `output`. Each file is written atomically.
+/// Errors: an extension that matches no format or a different one (kUsage); a write failure (kRun).
 /// @param output  `-` writes standard output.
-/// @param options  empty: those of the motion's plan.
+/// @param options  empty: the options of the motion's plan.
 [[nodiscard]] Result<void> save(const Motion& motion, const std::string& output,
                                 const std::optional<SaveOptions>& options = std::nullopt);
 [[nodiscard]] Result<void> save(const RobotClip& clip, const std::string& output,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from retarget import _retarget
-from retarget._errors import UsageError
+from retarget._errors import ArgumentTypeError, UsageError
 from retarget._results import Batch, Inspection, Report
 from retarget._signatures import names_of, with_options
 
@@ -27,14 +27,14 @@ Bounds = float | tuple[float | None, float | None] | list[float | None] | None
 @with_options("SourceOptions")
 def load(file: StrPath, *, skeleton_only: bool = False, data_dir: StrPath | None = None,
          **options: Unpack[_options.SourceOptions]) -> _retarget.Clip:
-    """Reads a motion file, by its content: BVH, or an NPZ of SMPL or SMPL-X.
+    """Reads a motion file; the content determines the format: BVH, or an NPZ of SMPL or SMPL-X.
 
-    With `from_robot` a robot's motion, as the human that moves so (docs/robot_to_robot.md).
+    With `from_robot`, reads a robot motion as a human clip (docs/robot_to_robot.md).
 
     Args:
-        file: its path; "-" reads standard input.
+        file: path of the file; "-" reads standard input.
         skeleton_only: accept a file with a skeleton but no motion.
-        data_dir: folder with robots/ and configs/, of `from_robot`.
+        data_dir: folder with robots/ and configs/, for `from_robot`.
 
     Raises:
         InputError: errors in the file, with line and column.
@@ -48,24 +48,24 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
              fit: Mapping[str, Any] | None = None, threads: int = 0,
              progress: Progress | None = None, data_dir: StrPath | None = None,
              **options: Unpack[_options.ToRobotOptions]) -> _retarget.Motion:
-    """A human motion as a motion of a robot: the same as the command makes, byte for byte.
+    """Retargets a human motion to a robot, byte for byte like the command.
 
-    Other threads of Python run meanwhile, and may do other clips; Ctrl-C stops the work.
+    Other Python threads can run concurrently, also on other clips; Ctrl-C stops the work.
 
     Args:
-        clip: a clip, or the path of one (then options of load() may be given as well).
-        robot: a robot, or what Robot() takes (then its options may be given as well). A robot that
-            serves many clips is better loaded once.
-        fit: weights and other options of the fit by name, as a file of `fit_config` has them.
-        threads: of this clip; 0: as many as are useful. The result does not depend on it.
+        clip: a clip, or the path of a file (options of load() are then allowed).
+        robot: a robot, or an argument of Robot() (its options are then allowed). Load a robot
+            once if it is used for many clips.
+        fit: weights and other options of the fit by name, as in a `fit_config` file.
+        threads: number of threads for this clip; 0: automatic. The result does not depend on it.
         progress: called with (stage, done, total) up to twenty times a second in this thread,
-            stage being "frames" or "fit". What it raises stops the work.
+            where stage is "frames" or "fit". An exception from it stops the work.
         data_dir: folder with robots/ and configs/, of a robot that is loaded here.
 
     Raises:
         UsageError: options that contradict each other.
-        InputError: no human in the clip, a part outside of it, a bone that is missing.
-        ConfigError: an unknown robot, errors in files of options.
+        InputError: no human in the clip, a part outside the clip, a missing bone.
+        ConfigError: an unknown robot, errors in option files.
     """
     given: dict[str, Any] = dict(options)
     source = _taken(given, names_of("SourceOptions") - names_of("SolvingOptions"))
@@ -74,23 +74,23 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
         source["memory"] = given.get("memory")
     clip = _clip(clip, source, data_dir)
     robot = _robot(robot, data_dir, of_robot)
-    return _retarget.to_robot(clip, robot, given, dict(fit or {}), threads, progress)
+    return _retarget.to_robot(clip, robot, given, _fit_options(fit), threads, progress)
 
 
 @with_options("ReadingOptions", "RobotOptions")
 def load_motion(file: StrPath, robot: _retarget.Robot | StrPath | None = None, *,
                 data_dir: StrPath | None = None,
                 **options: Unpack[_options.LoadMotionOptions]) -> _retarget.Motion:
-    """Reads a robot's motion: CSV, NPZ, pickle, known by its content (docs/formats.md).
+    """Reads a robot motion (CSV, NPZ, pickle); the content determines the format (docs/formats.md).
 
     Args:
-        robot: whose motion it is: a robot, or what Robot() takes (then its options may be given as
-            well; `dof` is the variant that the file's columns are of).
+        robot: the robot of the motion, or an argument of Robot() (its options are then allowed;
+            `dof` is the variant of the file's columns).
         data_dir: folder with robots/ and configs/, of a robot that is loaded here.
 
     Raises:
-        InputError: a malformed file; one that can be read in two ways (names the option that
-            decides).
+        InputError: a malformed or ambiguous file; the message names the option that resolves
+            the ambiguity.
     """
     given: dict[str, Any] = dict(options)
     of_robot = _taken(given, names_of("RobotOptions") - names_of("ReadingOptions"))
@@ -101,22 +101,24 @@ def load_motion(file: StrPath, robot: _retarget.Robot | StrPath | None = None, *
 def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = None, *,
              gates: Mapping[str, Bounds] | StrPath | Literal[False] | None = None,
              **options: Unpack[_options.EvaluateClipOptions]) -> Report:
-    """Measures a motion and holds it against gates (docs/quality.md).
+    """Measures a motion and checks it against gates (docs/quality.md).
 
-    A motion of to_robot() is measured beside the clip that it was made from, rounded as it is
-    written, at its own rate; only `limits` can be others then. One that was read is measured beside
-    `clip`, at `fps` (30 without any), as the command does.
+    A motion of to_robot() is measured against the clip that it was made from, rounded as it is
+    written, at its own rate; only `limits` can be changed. A motion that was read is measured
+    against `clip`, at `fps` (default 30), like in the command.
 
     Args:
-        clip: the human motion it came from; None: its own. Of a path, options of load() may be
-            given as well.
-        gates: None: the default ones; a dictionary changes some of them (a largest value,
-            (smallest, largest), or None for no gate), a file too; False: no gates at all.
+        clip: the human motion of the source; None: the motion's own. With a path, options of load()
+            are allowed.
+        gates: None: the default gates; a dictionary (values: maximum, (minimum, maximum), or
+            None for no gate) or a file changes some of them; False: no gates.
     """
     given: dict[str, Any] = dict(options)
     source = _taken(given, names_of("SourceOptions") - names_of("EvaluateOptions"))
-    if clip is not None or source:
+    if clip is not None:
         clip = _clip(clip, source)
+    elif source:
+        raise _read_already(source)
     if isinstance(gates, Mapping):
         gates = dict(gates)
     return Report(*_retarget.evaluate(motion, clip, given, gates))
@@ -125,10 +127,10 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
 @with_options("HumanOptions", "SourceOptions")
 def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
             **options: Unpack[_options.InspectOptions]) -> Inspection:
-    """What a clip holds: joints, rate, extents, and the human that was recognised in it.
+    """Describes a clip: joints, rate, extents, and the human that was recognised in it.
 
     Args:
-        clip: a clip, or the path of one (then options of load() may be given as well).
+        clip: a clip, or the path of a file (options of load() are then allowed).
         data_dir: folder with robots/ and configs/.
     """
     given: dict[str, Any] = dict(options)
@@ -141,18 +143,18 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
           robots: StrPath | Iterable[StrPath] | None = None, *, quality: bool = True,
           sidecar: bool = False, data_dir: StrPath | None = None,
           **options: Unpack[_options.BatchOptions]) -> Batch:
-    """Retargets folders of clips, each in a process of its own (docs/batch.md).
+    """Retargets folders of clips, each clip in its own process (docs/batch.md).
 
     Args:
         inputs: files, folders and patterns.
-        output: folder; manifest.jsonl and summary.csv in it tell what became of each clip.
-        robots: names or folders; each of several gets a folder of its own.
+        output: folder; manifest.jsonl and summary.csv in it list the results of all clips.
+        robots: names or folders; with several robots, each has its own output folder.
         quality: measure the motions.
-        sidecar: write FILE.json beside each output.
+        sidecar: write FILE.json next to every output.
 
     Raises:
-        UsageError: a request that contradicts itself or would write a file twice. A clip that fails
-            is no error: see Batch.failed.
+        UsageError: a request that contradicts itself or would write a file twice. A failed
+            clip is not an error: see Batch.failed.
     """
     failed, notes = _retarget.batch(inputs, output, robots, dict(options), quality, sidecar,
                                     data_dir)
@@ -187,12 +189,26 @@ def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
 def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any],
           data_dir: StrPath | None = None) -> _retarget.Clip:
     """A clip, or that of a path, read with options."""
-    if clip is not None and not isinstance(clip, _retarget.Clip):
+    if clip is None:
+        raise ArgumentTypeError("clip: expected a Clip or a path, found NoneType")
+    if not isinstance(clip, _retarget.Clip):
         return load(clip, data_dir=data_dir, **options)
     if options:
-        raise UsageError(f"{min(options)} is an option of load(), and the clip is read already")
-    assert clip is not None
+        raise _read_already(options)
     return clip
+
+
+def _read_already(options: Mapping[str, Any]) -> UsageError:
+    return UsageError(f"{min(options)} is an option of load(), but the clip is already loaded")
+
+
+def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The options of the fit by name; None: no others than the default."""
+    if fit is None:
+        return {}
+    if not isinstance(fit, Mapping):
+        raise ArgumentTypeError(f"fit: expected a mapping of options, found {type(fit).__name__}")
+    return dict(fit)
 
 
 def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,
@@ -202,5 +218,5 @@ def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,
         return _retarget.Robot(robot, data_dir=data_dir, **options)
     given = [*sorted(options), *(["data_dir"] if data_dir is not None else [])]
     if given:
-        raise UsageError(f"{given[0]} is an option of Robot(), and the robot is loaded already")
+        raise UsageError(f"{given[0]} is an option of Robot(), but the robot is already loaded")
     return robot

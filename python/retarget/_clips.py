@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def check_names(names: Sequence[str]) -> None:
     """Raises UsageError for what are no names."""
     if isinstance(names, str) or not all(isinstance(each, str) for each in names):
-        raise UsageError("names: expected a sequence of texts")
+        raise UsageError("names: expected a sequence of strings")
 
 
 def checked_rate(fps: float) -> float:
@@ -34,7 +34,7 @@ def clip_from_positions(positions: ArrayLike, names: Sequence[str] | None = None
         if len(names) == 0:
             raise UsageError("names: expected at least one joint, or None")
     if not isinstance(name, str):
-        raise UsageError(f"name: expected a text, found {name!r}")
+        raise UsageError(f"name: expected a string, found {name!r}")
     return _retarget.clip_from_positions(positions, list(names or []), checked_rate(fps), name)
 
 
@@ -59,7 +59,7 @@ def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: Ar
                          f"found {len(parents)}")
     fps = checked_rate(fps)
     if not isinstance(name, str):
-        raise UsageError(f"name: expected a text, found {name!r}")
+        raise UsageError(f"name: expected a string, found {name!r}")
     try:
         indices = [-1 if each is None else each.__index__() for each in parents]
     except (AttributeError, TypeError):

@@ -8,15 +8,15 @@ from typing import Any
 
 
 class Error(Exception):
-    """Base class of what retarget raises. `str(error)` is the text that the command prints.
+    """Base class of all retarget exceptions. `str(error)` is the text that the command prints.
 
     Attributes:
         kind: `usage`, `input`, `config` or `run`.
-        message: what was expected and what was found, one sentence.
-        file: the file in question as it was named; empty: none.
-        line, column: 1-based place in the file, the column in bytes; 0: not known.
+        message: what was expected and found, one sentence.
+        file: the affected file as given; may be empty.
+        line, column: 1-based position in the file, the column in bytes; 0: unknown.
         details: several faults, one sentence each.
-        hint: what to do about it; may be empty.
+        hint: suggested remedy; may be empty.
     """
 
     kind: str = "run"
@@ -43,26 +43,30 @@ class UsageError(Error, ValueError):
     kind = "usage"
 
 
+class ArgumentTypeError(UsageError, TypeError):
+    """An argument has the wrong type."""
+
+
 class InputError(Error, ValueError):
-    """A motion is bad: malformed, without frames, lacking a bone."""
+    """A motion is invalid: malformed, without frames, or lacking a bone."""
 
     kind = "input"
 
 
 class ConfigError(Error, ValueError):
-    """A configuration, profile, model or robot name is bad."""
+    """A configuration, profile, model or robot name is invalid."""
 
     kind = "config"
 
 
 class RunError(Error, RuntimeError):
-    """Work failed: an output could not be written, a seam is not good."""
+    """An operation failed: an output could not be written, or clips do not fit at a seam."""
 
     kind = "run"
 
 
 class RetargetWarning(UserWarning):
-    """Something odd that did not stop the work: a guess that may be wrong, a damaged file."""
+    """A problem that did not stop the work: an uncertain assumption, a damaged file."""
 
 
 _KINDS: dict[str, type[Error]] = {kind.kind: kind
@@ -74,6 +78,8 @@ def make_error(kind: str, text: str, message: str, file: str, line: int, column:
     """Called by the module for an error of the library."""
     if kind == "interrupted":
         return KeyboardInterrupt(text)
+    if kind == "type":
+        return ArgumentTypeError(text)
     return _KINDS[kind](text, message, file, line, column, tuple(details), hint)
 
 

@@ -1,4 +1,4 @@
-"""What functions give that is text and figures."""
+"""Text and number results of the functions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from retarget import _retarget
 
 @dataclass(frozen=True)
 class Fault:
-    """Frames [begin, end) in which a motion is bad, and how."""
+    """A fault of a motion in the frames [begin, end)."""
 
     metric: str
     where: str
@@ -25,7 +25,7 @@ class Fault:
 
 
 class Report:
-    """A motion's figures, faults and gates (docs/quality.md defines them)."""
+    """Metrics, faults and gates of a motion (definitions: docs/quality.md)."""
 
     def __init__(self, text: str, json_text: str) -> None:
         self._text = text
@@ -34,14 +34,14 @@ class Report:
 
     @cached_property
     def data(self) -> dict[str, Any]:
-        """Everything in the report, as its JSON has it."""
+        """The complete report, as in its JSON."""
         return json.loads(self.json)["motions"][0]
 
     @property
     def figures(self) -> dict[str, float]:
-        """Each figure by its key; `KEY_p95` is the 95th percentile of those that have one.
+        """Metric values by key; `KEY_p95` is the 95th percentile, if defined.
 
-        `retarget.metrics()` says what they are. What could not be measured is left out.
+        `retarget.metrics()` defines them. Metrics that could not be measured are omitted.
         """
         figures = {}
         for key, _, _ in _retarget.metrics():
@@ -54,7 +54,7 @@ class Report:
 
     @property
     def faults(self) -> list[Fault]:
-        """Frames in which the motion is bad, by metric, the worst first."""
+        """Faulty frame ranges by metric, the worst first."""
         return [Fault(**fault) for fault in self.data["faults"]]
 
     @property
@@ -64,7 +64,7 @@ class Report:
 
     @property
     def missed(self) -> list[dict[str, Any]]:
-        """Gates that are not: metric, min, max, value."""
+        """Missed gates: metric, min, max, value."""
         return [gate for gate in self.data["gates"] if not gate["passed"]]
 
     def __str__(self) -> str:
@@ -76,7 +76,7 @@ class Report:
 
 
 class Inspection:
-    """What a clip holds. `str()` gives it for people, `data` as `retarget inspect --json`."""
+    """Contents of a clip: `str()` for reading, `data` as in `retarget inspect --json`."""
 
     def __init__(self, text: str, json_text: str) -> None:
         self._text = text
@@ -92,15 +92,15 @@ class Inspection:
 
 @dataclass(frozen=True)
 class Batch:
-    """What became of a batch."""
+    """Result of a batch."""
 
     folder: Path
     failed: int
-    """How many clips failed in this run."""
+    """Number of clips that failed in this run."""
     clips: list[dict[str, Any]]
     """The lines of the manifest (docs/batch.md)."""
     notes: list[str]
-    """What the command prints of it."""
+    """Messages that the command prints."""
 
     def __repr__(self) -> str:
         return (f"<retarget.Batch in {str(self.folder)!r}: {len(self.clips)} clips, "

@@ -1,4 +1,4 @@
-"""What `retarget edit` does: clips in, clips out (docs/editing.md).
+"""The edits of `retarget edit`: clips in, clips out (docs/editing.md).
 
 Every function gives a new clip. Options say how the human in the clip is recognised and which part
 of it is taken; what was guessed and may be wrong is warned of (RetargetWarning).
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from retarget import _retarget
-from retarget._errors import UsageError
+from retarget._errors import ArgumentTypeError, UsageError
 from retarget._signatures import with_options
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ StrPath = str | os.PathLike[str]
 
 def trim(clip: Clip, *, start: float | None = None, end: float | None = None,
          frames: str | slice | None = None) -> Clip:
-    """A part of a clip: by times (seconds, inclusive) or by frames (`"a:b"` or a slice)."""
+    """Cuts out a part by times (seconds, inclusive) or by frames (`"a:b"` or a slice)."""
     if isinstance(frames, slice):
         if frames.step not in (None, 1):
             raise UsageError("frames: a slice with a step; resample() gives fewer frames")
@@ -37,12 +37,14 @@ def trim(clip: Clip, *, start: float | None = None, end: float | None = None,
 @with_options("ResampleOptions")
 def resample(clip: Clip, fps: float | None = None, *, antialias: bool = True,
              **options: Unpack[_options.ResampleOptions]) -> Clip:
-    """A clip at another rate, or faster or slower, or both.
+    """Changes the frame rate, the speed, or both.
 
     Args:
         fps: frames per second; None: the clip's.
         antialias: low-pass a clip that is brought to a lower rate.
     """
+    if not isinstance(antialias, bool):
+        raise ArgumentTypeError(f"antialias: expected True or False, found {antialias!r}")
     if not antialias:
         if options.get("no_antialias") is False:
             raise UsageError("antialias=False and no_antialias=False contradict each other")
@@ -51,59 +53,59 @@ def resample(clip: Clip, fps: float | None = None, *, antialias: bool = True,
 
 
 def rest(clip: Clip, like: Clip) -> Clip:
-    """The same movement on a skeleton of the same joints with another rest pose: that of `like`."""
+    """Transfers the motion to the skeleton of `like`: the same joints, another rest pose."""
     return _retarget.edit_rest(clip, like)
 
 
 @with_options("EditOptions")
 def transfer(clip: Clip, like: Clip, *, data_dir: StrPath | None = None,
              **options: Unpack[_options.EditOptions]) -> Clip:
-    """A clip on another skeleton, that of `like`, moved through the T-pose."""
+    """Transfers the motion to another skeleton, that of `like`, through the T-pose."""
     return _retarget.edit_transfer(clip, like, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def lafan1(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
-    """A clip in the shape of LAFAN1: its joints, names, axes and size."""
+    """Converts the clip to the LAFAN1 skeleton: its joints, names, axes and size."""
     return _retarget.edit_lafan1(clip, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def mirror(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
-    """The mirror image: left does what right did."""
+    """Mirrors the motion: swaps left and right."""
     return _retarget.edit_mirror(clip, dict(options), data_dir)
 
 
 @with_options("GroundOptions", "EditOptions")
 def ground(clip: Clip, floor: float | None = None, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.GroundEditOptions]) -> Clip:
-    """Raised or lowered so that the floor is at height 0."""
+    """Raises or lowers the motion so that the floor is at height 0."""
     return _retarget.edit_ground(clip, {"floor": floor, **options}, data_dir)
 
 
 @with_options("EditOptions")
 def turn(clip: Clip, degrees: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
-    """Turned about the vertical where the motion begins; positive to the left."""
+    """Turns the motion about the vertical axis at its start; positive to the left."""
     return _retarget.edit_turn(clip, degrees, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def move(clip: Clip, x: float, y: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
-    """Moved over the ground, metres (docs/editing.md has the axes)."""
+    """Moves the motion over the ground, metres (axes: docs/editing.md)."""
     return _retarget.edit_move(clip, x, y, dict(options), data_dir)
 
 
 @with_options("LoopOptions", "EditOptions")
 def loop(clip: Clip, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.LoopEditOptions]) -> Clip:
-    """A cycle from the first frame to the one most like it, without a seam.
+    """Makes a seamless cycle from the first frame to the most similar one.
 
     Raises:
-        RunError: the ends do not fit, unless `force` is given.
+        RunError: the ends do not match, unless `force` is given.
     """
     return _retarget.edit_loop(clip, dict(options), data_dir)
 
@@ -111,7 +113,7 @@ def loop(clip: Clip, *, data_dir: StrPath | None = None,
 @with_options("ConcatenateOptions", "EditOptions")
 def concatenate(clips: Sequence[Clip], *, data_dir: StrPath | None = None,
                 **options: Unpack[_options.ConcatenateEditOptions]) -> Clip:
-    """Clips as one, joined where they fit best; on the first one's skeleton.
+    """Joins clips where they fit best, on the first clip's skeleton.
 
     Raises:
         RunError: clips that do not fit, unless `force` is given.

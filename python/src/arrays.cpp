@@ -16,7 +16,7 @@ namespace {
 template <typename Number>
 nb::object array_over(const Number* data, const std::vector<std::size_t>& shape,
                       std::shared_ptr<const void> owner, const std::int64_t* strides) {
-  // numpy wants an address for arrays without numbers, too
+  // numpy needs a non-null address even for empty arrays.
   static const Number kNone{};
   using Owner = std::shared_ptr<const void>;
   auto held = std::make_unique<Owner>(std::move(owner));
@@ -42,10 +42,10 @@ std::string shown(nb::handle object) {
   const nb::object text = nb::steal(PyObject_Str(object.ptr()));
   if (text.is_valid()) return shown_text(text);
   forget_exception();
-  return "what cannot be shown";
+  return "an unprintable value";
 }
 
-// of the first number that is none: its indices
+// Formats the multi-dimensional index of a number, for messages.
 std::string place_of(std::size_t index, const std::vector<std::size_t>& shape) {
   std::string text;
   for (std::size_t axis = shape.size(); axis-- > 0;) {
@@ -79,7 +79,7 @@ GivenArray::GivenArray(nb::handle object, const char* what,
   try {
     array_ = numpy.attr("asarray")(object);
   } catch (nb::python_error& error) {
-    // lists of unequal lengths and the like; what interrupts is passed on
+    // Reports errors such as ragged lists; rethrows interrupts and the like.
     if (!error.matches(PyExc_Exception)) throw;
     refuse(fmt::format("{}: expected an array of shape {}: {}", what, shape_text(shape),
                        shown(error.value())));

@@ -7,36 +7,37 @@
 #include <span>
 #include <vector>
 
-// Arrays of numpy over the library's memory, and numbers that users bring.
+// numpy arrays over the library's memory, and numbers passed by users.
 
 namespace retarget::python {
 
 namespace nb = nanobind;
 
-/// A read-only float64 array over memory that `owner` keeps alive; nothing is copied.
-/// @param strides  in numbers; empty: rows follow each other without gaps.
+/// Makes a read-only float64 array over memory that `owner` keeps alive, without copying.
+/// @param strides  in numbers; empty: contiguous.
 [[nodiscard]] nb::object shared_array(const double* data, const std::vector<std::size_t>& shape,
                                       std::shared_ptr<const void> owner,
                                       const std::vector<std::int64_t>& strides = {});
-/// The same over numbers that are moved in.
+/// The same for numbers that the array takes over.
 [[nodiscard]] nb::object array_of(std::vector<double> numbers,
                                   const std::vector<std::size_t>& shape);
 [[nodiscard]] nb::object array_of_flags(std::vector<std::uint8_t> flags,
                                         const std::vector<std::size_t>& shape);
 
-/// Numbers of a user: anything that numpy takes for an array of whole or floating-point numbers.
+/// Numbers passed by a user: anything that numpy converts to an array of integers or floats.
 class GivenArray {
  public:
-  /// Raises UsageError for what is none, has another shape or numbers that are not finite.
+  /// Raises UsageError if the object is not an array of numbers, has another shape or contains
+  /// non-finite numbers.
   /// @param what   its name, for messages.
-  /// @param shape  of each axis, -1: any.
+  /// @param shape  expected size of each axis, -1: any.
   GivenArray(nb::handle object, const char* what, const std::vector<std::int64_t>& shape);
 
   [[nodiscard]] std::span<const double> numbers() const { return numbers_; }
   [[nodiscard]] std::size_t size(std::size_t axis) const { return shape_[axis]; }
 
  private:
-  nb::object array_;  // keeps the numbers
+  nb::object array_;  // Keeps the numbers alive.
   std::span<const double> numbers_;
   std::vector<std::size_t> shape_;
 };

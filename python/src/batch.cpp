@@ -1,4 +1,4 @@
-// batch: folders of clips to folders of motions, in processes of their own.
+// batch: converts folders of clips to folders of motions, in separate processes.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -13,9 +13,9 @@
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
-#include "options/run_tables.h"
-#include "plan/measure_motion.h"
 #include "raise.h"
+#include "retarget/measure.h"
+#include "retarget/option_table.h"
 #include "solving_table.h"
 #include "watcher.h"
 
@@ -24,10 +24,9 @@ namespace retarget::python {
 using namespace nb::literals;
 
 OptionTable batch_keywords(BatchRequest& request) {
-  OptionTable table =
-      without(batch_table(request, request.run.options.source.memory_gb), {"robot", "output"});
+  OptionTable table = without(batch_table(request, request.run), {"robot", "output"});
   append(table, without(source_table(request.run.options.source), {"memory"}));
-  append(table, without(solving_table(request.run.options), {"memory"}));
+  append(table, without(solving_table(request.run.options), {"memory", "contacts"}));
   append(table, without(robot_table(request.run.robot), {"robot", "base"}));
   table.push_back(dynamics_row(request.of_clip.dynamics));
   return table;
@@ -35,16 +34,17 @@ OptionTable batch_keywords(BatchRequest& request) {
 
 namespace {
 
-// of a worker process
+// Set by signals in a worker process.
 volatile std::sig_atomic_t worker_is_stopped = 0;
 
 void begin_worker() {
-  // Python's handlers are none of a worker's; the terminal sends Ctrl-C to the parent, which passes it on
+  // Python's handlers must not run in a worker. The terminal sends Ctrl-C to the parent, which
+  // forwards it.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, [](int) { worker_is_stopped = 1; });
 }
 
-// what Python is told of a batch
+// Forwards the messages of a batch to Python.
 class BatchObserver : public Observer {
  public:
   BatchObserver(Watcher& watcher, nb::object notes) : watcher_(watcher), notes_(std::move(notes)) {}
@@ -57,7 +57,7 @@ class BatchObserver : public Observer {
   }
   void fault(const Error& error) override { tell(describe(error)); }
   [[nodiscard]] bool is_stopped() const override {
-    // a worker has no Python
+    // A worker process must not call into Python.
     if (getpid() != process_) return worker_is_stopped != 0;
     return !watcher_.keep_going({}) || watcher_.is_stopped();
   }
@@ -83,7 +83,7 @@ std::vector<std::string> paths_of(const nb::object& given, const char* what) {
   return paths;
 }
 
-// how many clips failed, and the lines of the summary
+// Returns the number of failed clips and the summary lines.
 nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::object& robots,
                 const nb::dict& keywords, bool quality, bool sidecar, const nb::object& data_dir) {
   BatchRequest request;

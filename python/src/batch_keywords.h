@@ -1,11 +1,11 @@
 #pragma once
 
 #include "batch/run_batch.h"
-#include "options/option_table.h"
+#include "retarget/option_table.h"
 
 namespace retarget::python {
 
-/// All options of batch beside inputs, output and robots.
+/// Returns all options of batch except inputs, output and robots.
 [[nodiscard]] OptionTable batch_keywords(BatchRequest& request);
 
 }  // namespace retarget::python

@@ -2,7 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-// The module's parts, a file each.
+// Parts of the module, one per file.
 
 namespace retarget::python {
 

@@ -9,16 +9,17 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "bvh/write_bvh.h"
+#include "formats/bvh/write_bvh.h"
 #include "handles.h"
-#include "human/joint_clip.h"
-#include "inspect/inspect_clip.h"
+#include "human/skeleton/joint_clip.h"
+#include "judge/inspect/inspect_clip.h"
 #include "keywords.h"
 #include "motion/clip_from_arrays.h"
 #include "motion/forward_kinematics.h"
-#include "options/run_tables.h"
 #include "raise.h"
+#include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/try.h"
 
 namespace retarget::python {
 
@@ -66,7 +67,7 @@ nb::object rotations_wxyz(const ClipHandle& clip) {
   return shared_array(world->rotations.data(), shape_of(*clip, 4), world);
 }
 
-// four numbers in the other order
+// Converts quaternions between wxyz and xyzw.
 nb::object reordered(std::span<const double> numbers, bool scalar_first,
                      const std::vector<std::size_t>& shape) {
   std::vector<double> turned(numbers.size());
@@ -83,7 +84,7 @@ nb::object rotations_xyzw(const ClipHandle& clip) {
 
 std::span<const double> local_rotations(const Clip& clip) {
   if (clip.frame_count() == 0) return {};
-  // a clip has them in one piece, frame by frame
+  // A clip stores its rotations contiguously, frame-major.
   const std::size_t joints = clip.rotations(0).size();
   return {clip.rotations(0).data()->coeffs().data(),
           4 * joints * static_cast<std::size_t>(clip.frame_count())};
@@ -193,7 +194,7 @@ ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_o
   ClipHandle clip(without_gil([&]() -> Result<Clip> {
     if (skeleton_only) return load_skeleton(path, source);
     if (source.from_robot.empty()) return load_clip(path, source);
-    TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
+    RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
     return load_clip(path, source, DataFolder{folder, {}});
   }));
   warn(clip->origin().warnings, clip->name());
@@ -205,18 +206,18 @@ void save(const ClipHandle& clip, const nb::object& file, std::optional<int> dec
   without_gil([&] { return save_bvh(path, *clip, {decimals}); });
 }
 
-// text and JSON of what a clip holds
+// Describes a clip as text and JSON.
 nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::object& data_dir) {
   HumanOptions how;
   const std::string chosen = bytes_of_folder(data_dir);
-  apply_keywords(human_table(how), options);
+  apply_keywords(without(human_table(how), {"clean"}), options);
   Clip clip = *handle;
   const auto human = [&] {
     const nb::gil_scoped_release released;
     const auto folder = data_folder_of(chosen);
     return folder ? find_human(clip, how, *folder) : failure(folder.error());
   }();
-  // what was asked for must be possible; what was only looked at need not be a human
+  // Recognition failures are acceptable; invalid user options are not.
   if (!human && human.error().kind != ErrorKind::kInput) raise(human.error());
   Inspection found{handle->name(), *handle, handle->origin().warnings};
   if (human) {
@@ -243,7 +244,7 @@ void bind_clip(nb::module_& module) {
                          "Arrays are read-only; F frames, J joints in the order of joint_names.")
       .def_prop_ro(
           "name", [](const ClipHandle& clip) { return text_of(clip->name()); },
-          "What messages call the clip: its file.")
+          "Name of the clip in messages: its file.")
       .def_prop_ro(
           "fps", [](const ClipHandle& clip) { return clip->rate().fps(); }, "Frames per second.")
       .def_prop_ro(
@@ -257,9 +258,9 @@ void bind_clip(nb::module_& module) {
       .def_prop_ro("parents", &parents, nb::sig("def parents(self) -> list[int]"),
                    "Index of each joint's parent; -1: the root.")
       .def_prop_ro("offsets", &offsets, nb::sig("def offsets(self) -> numpy.ndarray"),
-                   "(J, 3) float64: each joint in its parent's frame, in the file's unit.")
+                   "(J, 3) float64: joint offsets in the parent's frame, in the file's unit.")
       .def_prop_ro("positions", &positions, nb::sig("def positions(self) -> numpy.ndarray"),
-                   "(F, J, 3) float64: joints in the world, in the file's unit and axes.")
+                   "(F, J, 3) float64: joint positions in the world, in the file's unit and axes.")
       .def_prop_ro("rotations_wxyz", &rotations_wxyz,
                    nb::sig("def rotations_wxyz(self) -> numpy.ndarray"),
                    "(F, J, 4) float64: world_from_joint, unit quaternions w x y z.")
@@ -270,25 +271,26 @@ void bind_clip(nb::module_& module) {
                    "The same as rotations_wxyz.")
       .def_prop_ro("local_positions", &local_positions,
                    nb::sig("def local_positions(self) -> numpy.ndarray"),
-                   "(F, J, 3) float64: each joint in its parent's frame; a copy.")
-      .def_prop_ro("local_rotations_xyzw", &local_rotations_xyzw,
-                   nb::sig("def local_rotations_xyzw(self) -> numpy.ndarray"),
-                   "(F, J, 4) float64: parent_from_joint, unit quaternions x y z w, as the clip "
-                   "holds them.")
+                   "(F, J, 3) float64: joint positions in the parent's frame; a copy.")
+      .def_prop_ro(
+          "local_rotations_xyzw", &local_rotations_xyzw,
+          nb::sig("def local_rotations_xyzw(self) -> numpy.ndarray"),
+          "(F, J, 4) float64: parent_from_joint, unit quaternions x y z w, as stored in the clip.")
       .def_prop_ro("local_rotations_wxyz", &local_rotations_wxyz,
                    nb::sig("def local_rotations_wxyz(self) -> numpy.ndarray"),
                    "(F, J, 4) float64: parent_from_joint, unit quaternions w x y z; a copy.")
       .def_prop_ro("warnings", &warnings_of, nb::sig("def warnings(self) -> list[str]"),
-                   "What was odd about the file.")
+                   "Warnings about the file.")
       .def("save", &save, "path"_a.none(), "decimals"_a = nb::none(),
            nb::sig("def save(self, path: str | os.PathLike[str], decimals: int | None = None) -> "
                    "None"),
-           "Writes the clip as BVH, whole or not at all.\n\n"
-           "decimals: digits after the point; None: as many as read back to the same numbers.")
+           "Writes the clip as BVH, atomically.\n\n"
+           "decimals: digits after the decimal point; None: as many as necessary to read back the "
+           "same numbers.")
       .def_static(
           "from_arrays",
           [](const nb::args& given, const nb::kwargs& named) {
-            // what numpy takes for arrays is easier said in Python
+            // The conversion of array-like arguments is simpler in Python.
             return nb::module_::import_("retarget._clips")
                 .attr("clip_from_arrays")(*given, **named);
           },
@@ -298,20 +300,19 @@ void bind_clip(nb::module_& module) {
                   "rotations_wxyz: numpy.typing.ArrayLike | None = None, rotations_xyzw: "
                   "numpy.typing.ArrayLike | None = None, fps: float, space: str = 'world', name: "
                   "str = 'arrays') -> Clip"),
-          "A clip from the poses of named joints.\n\n"
-          "names: J names, each once; those that recognition knows (docs/human.md) need no bone "
-          "map.\n"
+          "Makes a clip from the poses of named joints.\n\n"
+          "names: J unique names; names known to recognition (docs/human.md) need no bone map.\n"
           "parents: index of each joint's parent; -1: the root.\n"
-          "positions: (F, J, 3), any unit of length, any axis up.\n"
+          "positions: (F, J, 3), any unit of length, any up axis.\n"
           "rotations_wxyz, rotations_xyzw: (F, J, 4) unit quaternions; one of them.\n"
           "fps: frames per second.\n"
-          "space: 'world': poses of the joints in the world; 'local': in their parents' frames.\n"
-          "name: what messages call the clip.\n\n"
-          "Joints come in depth-first order, so joint_names may differ from names. A joint that "
-          "keeps its distance to its parent (to 1e-4 of the longest) gets a fixed offset.\n\n"
+          "space: 'world': joint poses in the world; 'local': in the parents' frames.\n"
+          "name: name of the clip in messages.\n\n"
+          "Joints are stored in depth-first order, so joint_names may differ from names. A joint "
+          "at a constant distance from its parent (to 1e-4 of the longest) gets a fixed offset.\n\n"
           "Raises UsageError: wrong shapes, numbers that are not finite, quaternions that are not "
           "of "
-          "unit length, parents that are no tree.")
+          "unit length, parents that do not form a tree.")
       .def_static(
           "from_positions",
           [](const nb::args& given, const nb::kwargs& named) {
@@ -322,16 +323,15 @@ void bind_clip(nb::module_& module) {
           nb::sig("def from_positions(positions: numpy.typing.ArrayLike, names: "
                   "collections.abc.Sequence[str] | None = None, *, fps: float, name: str = "
                   "'positions') -> Clip"),
-          "A clip from places of joints alone, whose rotations are computed from the directions of "
-          "limbs and the planes in which they bend (docs/positions.md).\n\n"
-          "positions: (F, J, 3), any unit of length, any axis up.\n"
-          "names: J names, each once, such as left_hip or LeftUpLeg; None: the order is one that "
-          "is "
-          "known, as those of SMPL, and found by the places.\n"
+          "Makes a clip from joint positions without rotations; rotations are computed from limb "
+          "directions and bending planes (docs/positions.md).\n\n"
+          "positions: (F, J, 3), any unit of length, any up axis.\n"
+          "names: J unique names, such as left_hip or LeftUpLeg; None: the joint order, such as "
+          "that of SMPL, is recognised from the positions.\n"
           "fps: frames per second.\n"
-          "name: what messages call the clip.\n\n"
-          "What was found and assumed are warnings. Raises UsageError: wrong shapes, numbers that "
-          "are not finite; InputError: no human in the joints.")
+          "name: name of the clip in messages.\n\n"
+          "Findings and assumptions are reported as warnings. Raises UsageError: wrong shapes or "
+          "numbers that are not finite; InputError: the joints do not form a human.")
       .def_static(
           "from_motion",
           [](const MotionHandle& motion) {
@@ -339,9 +339,9 @@ void bind_clip(nb::module_& module) {
                 [&] { return clip_of_robot(*motion.clip, motion.robot.loaded, motion.name); }));
           },
           "motion"_a, nb::sig("def from_motion(motion: Motion) -> Clip"),
-          "A robot's motion as the human that moves so, for another robot "
+          "Converts a robot motion to a human clip with the same movement, for another robot "
           "(docs/robot_to_robot.md).\n\n"
-          "Raises ConfigError: a robot without a retargeting configuration.")
+          "Raises ConfigError: the robot has no retargeting configuration.")
       .def("__len__", [](const ClipHandle& clip) { return clip->frame_count(); })
       .def("__repr__", &shown);
   module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "base/data_folder.h"
-#include "base/try.h"
 #include "handles.h"
+#include "retarget/try.h"
 
 namespace retarget::python {
 
@@ -14,8 +14,8 @@ Result<std::string> data_folder_of(const std::string& chosen) {
   DataFolderSearch search;
   if (!chosen.empty()) search.flag = chosen;
   if (const char* value = std::getenv("RETARGET_DATA_DIR")) search.environment = value;
-  // the package is laid out like an install, with this module above its bin/; in a build tree the
-  // search goes on upwards
+  // The package has the layout of an install, with this module in the folder that contains bin/. In
+  // a build tree, the search continues upwards.
   Dl_info module{};
   static const char kHere = 0;
   if (dladdr(&kHere, &module) != 0 && module.dli_fname != nullptr) {
@@ -23,7 +23,7 @@ Result<std::string> data_folder_of(const std::string& chosen) {
     const auto file = std::filesystem::weakly_canonical(module.dli_fname, unknown);
     search.executable = file.parent_path() / "bin" / "retarget";
   }
-  TRY_ASSIGN(const auto folder, find_data_folder(search));
+  RETARGET_TRY_ASSIGN(const auto folder, find_data_folder(search));
   return folder.string();
 }
 

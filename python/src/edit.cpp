@@ -1,4 +1,4 @@
-// retarget.edit: clips in, clips out.
+// retarget.edit: edits clips.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -8,21 +8,21 @@
 #include <numbers>
 #include <optional>
 
-#include "base/try.h"
 #include "bindings.h"
-#include "edit/edit_tables.h"
 #include "edit_keywords.h"
 #include "edit_source.h"
 #include "keywords.h"
-#include "options/run_tables.h"
 #include "raise.h"
+#include "retarget/edit_tables.h"
+#include "retarget/option_table.h"
+#include "retarget/try.h"
 
 namespace retarget::python {
 
 using namespace nb::literals;
 
 OptionTable edit_table(EditOptions& options) {
-  OptionTable table = human_table(options.human);
+  OptionTable table = without(human_table(options.human), {"clean"});
   append(table, only(part_table(options.part), {"start", "end", "frames"}));
   return table;
 }
@@ -31,12 +31,12 @@ Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
                                const std::string& data_dir, EditNeeds needs) {
   HumanOptions how = options.human;
   how.unit_optional = !needs.unit;
-  TRY_ASSIGN(const std::string data_folder, data_folder_of(data_dir));
+  RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(data_dir));
   Clip copy = clip;
-  TRY_ASSIGN(HumanInClip human, find_human(copy, how, data_folder));
+  RETARGET_TRY_ASSIGN(HumanInClip human, find_human(copy, how, data_folder));
   EditSource source{std::move(copy), std::move(human)};
   const PartOptions& part = options.part;
-  TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
+  RETARGET_TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
   const bool is_part = part.start_s >= 0.0 || !part.frames.empty();
   if (needs.no_lead_in && !is_part) source.clip = cut_lead_in(std::move(source.clip)).clip;
   return source;
@@ -44,7 +44,7 @@ Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
 
 namespace {
 
-// an error of the motion itself, at its clip
+// Adds the clip's name to an error of the motion itself.
 Error placed(Error error, const std::string& name) {
   const bool of_motion = error.kind == ErrorKind::kInput || error.kind == ErrorKind::kRun;
   if (of_motion && error.location.file.empty()) error.location.file = name;
@@ -55,7 +55,7 @@ Result<Clip> plain(Result<Clip> clip) {
   return clip;
 }
 
-// a seam that is not good is an error unless it is forced
+// Converts any edit result to Edited, so that given() can reject a poor seam unless it is forced.
 template <typename SomeEdited>
 Result<Edited> plain(Result<SomeEdited> edited) {
   if (!edited) return failure(edited.error());
@@ -69,7 +69,7 @@ struct Call {
   EditNeeds needs;
 };
 
-// rows of one edit, made for the settings that they are bound to
+// Makes the options of one edit, bound to the given settings.
 using OwnTable = OptionTable (*)(EditSettings&);
 
 Call call_of(const nb::dict& keywords, const nb::object& data_dir, EditNeeds needs,
@@ -90,7 +90,7 @@ ClipHandle given(Edited&& edited, const std::string& name, bool force) {
   return ClipHandle(std::move(edited.clip));
 }
 
-// makes the source ready and edits it without the GIL, then hands over what came of it
+// Prepares the source and edits it without the GIL, then returns the new clip.
 template <typename Function>
 ClipHandle edited(const ClipHandle& clip, const Call& call, const Function& function) {
   std::vector<Warning> doubts;
@@ -120,7 +120,7 @@ ClipHandle resample(const ClipHandle& clip, const nb::dict& keywords) {
     raise(usage_failure("resample() needs fps or speed").value());
   }
   return ClipHandle(without_gil([&]() -> Result<Clip> {
-    TRY_ASSIGN(const TimingOptions timing, settings.timing_options());
+    RETARGET_TRY_ASSIGN(const TimingOptions timing, settings.timing_options());
     return change_timing(*clip, timing);
   }));
 }
@@ -135,7 +135,7 @@ ClipHandle transferred(const ClipHandle& clip, const ClipHandle& like, const nb:
                        const nb::object& data_dir) {
   const Call call = call_of(keywords, data_dir, {});
   return edited(clip, call, [&](EditSource& source) -> Result<Transferred> {
-    TRY_ASSIGN(const auto target, edit_source(*like, {}, call.data_dir, {}));
+    RETARGET_TRY_ASSIGN(const auto target, edit_source(*like, {}, call.data_dir, {}));
     return transfer(source.subject(), target.subject());
   });
 }
@@ -151,7 +151,7 @@ ClipHandle mirrored_clip(const ClipHandle& clip, const nb::dict& keywords,
                 [](EditSource& source) { return mirror(source.clip, source.calibration()); });
 }
 
-// numbers that are no options
+// Checks arguments that are not options.
 void check_finite(double number, const char* what) {
   if (std::isfinite(number) && std::abs(number) <= 1e6) return;
   raise(usage_failure(std::string(what) + ": expected a number from -1000000 to 1000000").value());
@@ -182,7 +182,7 @@ ClipHandle grounded(const ClipHandle& clip, const nb::dict& keywords, const nb::
   return edited(clip, call, [&](EditSource& source) -> Result<Clip> {
     double height = floor.value_or(0.0);
     if (!floor) {
-      TRY_ASSIGN(height, floor_height(source.clip, source.calibration()));
+      RETARGET_TRY_ASSIGN(height, floor_height(source.clip, source.calibration()));
     }
     return put_on_floor(std::move(source.clip), source.calibration(), height);
   });
@@ -195,18 +195,19 @@ ClipHandle looped(const ClipHandle& clip, const nb::dict& keywords, const nb::ob
   });
 }
 
-// the next clip at the end of those before it
+// Appends the next clip to the ones joined so far.
 Result<void> join(EditSource& first, const ClipHandle& next, const Call& call,
                   const std::string& before, Edited& all) {
-  TRY_ASSIGN(const ConcatenateOptions how, call.settings.concatenate_options());
+  RETARGET_TRY_ASSIGN(const ConcatenateOptions how, call.settings.concatenate_options());
   EditOptions options = call.options;
-  // a bone map is of the first clip's joints
+  // A bone map refers to the first clip's joints.
   options.human.map.clear();
-  TRY_ASSIGN(const EditSource source, edit_source(*next, options, call.data_dir, call.needs));
-  TRY_ASSIGN(const Edited like,
-             like_first(source.subject(), {all.clip, first.human.map, first.calibration()}));
-  TRY_ASSIGN(Edited both,
-             concatenate(all.clip, like.clip, first.calibration(), how, before, next->name()));
+  RETARGET_TRY_ASSIGN(const EditSource source,
+                      edit_source(*next, options, call.data_dir, call.needs));
+  RETARGET_TRY_ASSIGN(const Edited like, like_first(source.subject(), {all.clip, first.human.map,
+                                                                       first.calibration()}));
+  RETARGET_TRY_ASSIGN(Edited both, concatenate(all.clip, like.clip, first.calibration(), how,
+                                               before, next->name()));
   if (both.misfit && !call.settings.force) return failure(placed(*both.misfit, next->name()));
   all.clip = std::move(both.clip);
   all.doubts.insert(all.doubts.end(), both.doubts.begin(), both.doubts.end());
@@ -220,7 +221,8 @@ ClipHandle joined(const std::vector<ClipHandle>& clips, const nb::dict& keywords
   return edited(clips.front(), call, [&](EditSource& first) -> Result<Edited> {
     Edited all{std::move(first.clip)};
     for (std::size_t i = 1; i < clips.size(); ++i) {
-      TRY(join(first, clips[i], call, i == 1 ? clips.front()->name() : "what goes before", all));
+      RETARGET_TRY(
+          join(first, clips[i], call, i == 1 ? clips.front()->name() : "the preceding clips", all));
     }
     return all;
   });
@@ -234,8 +236,8 @@ ClipHandle along_path(const ClipHandle& clip, const nb::dict& keywords,
   value_of(path.check());
   return edited(clip, call, [&](EditSource& source) -> Result<FollowedPath> {
     const Calibration& calibration = source.calibration();
-    TRY_ASSIGN(const auto own, fit_path(source.clip, calibration, how.fit));
-    TRY_ASSIGN(const auto other, change_path(own.path, path));
+    RETARGET_TRY_ASSIGN(const auto own, fit_path(source.clip, calibration, how.fit));
+    RETARGET_TRY_ASSIGN(const auto other, change_path(own.path, path));
     return follow_path(source.clip, calibration, other, how);
   });
 }

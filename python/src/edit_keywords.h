@@ -1,11 +1,11 @@
 #pragma once
 
 #include "edit_source.h"
-#include "options/option_table.h"
+#include "retarget/option_table.h"
 
 namespace retarget::python {
 
-/// The options that all edits have: how the human is recognised, which part is taken.
+/// Returns the options common to all edits: how to recognise the human, and which part to use.
 [[nodiscard]] OptionTable edit_table(EditOptions& options);
 
 }  // namespace retarget::python

@@ -3,13 +3,13 @@
 #include <string>
 
 #include "handles.h"
-#include "options/option_table.h"
 #include "retarget/edit.h"
+#include "retarget/option_table.h"
 #include "retarget/plan.h"
 
 namespace retarget::python {
 
-/// A clip that is edited, and the human in it.
+/// A clip to edit and the human in it.
 struct EditSource {
   Clip clip;
   HumanInClip human;
@@ -18,19 +18,19 @@ struct EditSource {
   [[nodiscard]] Subject subject() const { return {clip, human.map, calibration()}; }
 };
 
-/// What an edit needs to know of its clip.
+/// Requirements of an edit on its clip.
 struct EditNeeds {
-  bool unit = false;        ///< Something is told in metres.
-  bool no_lead_in = false;  ///< The motion is looked at as a whole.
+  bool unit = false;        ///< The edit has arguments in metres.
+  bool no_lead_in = false;  ///< The edit analyses the whole motion, so a lead-in must be cut.
 };
 
-/// How the human is recognised and which part is taken.
+/// How to recognise the human, and which part to use.
 struct EditOptions {
   HumanOptions human;
   PartOptions part;
 };
 
-/// As the command does: the human is recognised in the whole clip, then it is cut.
+/// Prepares a clip as the command does: recognises the human in the whole clip, then cuts it.
 [[nodiscard]] Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
                                              const std::string& data_dir, EditNeeds needs);
 

@@ -1,4 +1,4 @@
-// evaluate: how good a motion is.
+// evaluate: measures the quality of a motion.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -6,20 +6,18 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/suggest.h"
-#include "base/try.h"
 #include "bindings.h"
 #include "evaluate_table.h"
 #include "handles.h"
 #include "keywords.h"
-#include "options/run_tables.h"
-#include "plan/gates.h"
-#include "plan/measure_motion.h"
-#include "quality/measure.h"
 #include "raise.h"
+#include "retarget/measure.h"
+#include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
-#include "robot/resample_robot.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
+#include "robot/model/resample_robot.h"
 
 namespace retarget::python {
 
@@ -36,11 +34,12 @@ OptionTable evaluate_table(Options& options, bool& dynamics) {
 
 namespace {
 
-// of a metric: its largest value, (smallest, largest) or None, which removes its gate
+// Parses the gate of a metric: an upper bound, a pair (lower, upper), or None, which removes the
+// gate.
 Gate gate_of(nb::handle key, nb::handle bounds) {
   Gate gate{bytes_of_name(key, "gates"), std::nullopt, std::nullopt};
   if (find_metric(gate.metric) == nullptr) {
-    raise(usage_failure("gates: there is no metric \"" + gate.metric + "\"" +
+    raise(usage_failure("gates: unknown metric \"" + gate.metric + "\"" +
                         did_you_mean(gate.metric, metric_keys()))
               .value());
   }
@@ -49,9 +48,9 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
     const double value = PyFloat_AsDouble(object.ptr());
     if (PyErr_Occurred() == nullptr) return value;
     forget_exception();
-    raise(usage_failure("gates: " + gate.metric +
-                        ": expected a largest value, (smallest, largest) or None")
-              .value());
+    raise(
+        usage_failure("gates: " + gate.metric + ": expected a maximum, (minimum, maximum) or None")
+            .value());
   };
   const bool is_pair = nb::isinstance<nb::tuple>(bounds) || nb::isinstance<nb::list>(bounds);
   if (is_pair && nb::len(bounds) == 2) {
@@ -63,7 +62,8 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
   return gate;
 }
 
-// None: the default ones; else what a dictionary or a file changes of them; False: none at all
+// Reads gates from an argument. None: the defaults; a dictionary or a file: changes to the
+// defaults; False: no gates.
 Gates gates_of(const nb::object& given, const std::string& data_folder) {
   if (given.is(nb::handle(Py_False))) return {};
   Gates gates = value_of(default_gates(data_folder));
@@ -81,24 +81,26 @@ Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip
   const Robot& robot = *motion.robot;
   std::string& limits_name = options.solve.limits;
   if (limits_name.empty()) limits_name = robot.limits_for({});
-  TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
+  RETARGET_TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
   if (clip == nullptr) {
     QualityReport report = measure_motion(*motion.clip, limits, nullptr).report;
     if (dynamics) add_dynamics(*motion.clip, report);
     return report;
   }
-  TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
-  TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
-  // as the command does: what a body without some bones lacks is measured, too
+  RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
+  RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
+  // Restores the tasks of bones that the human lacks, as the command does: they are measured as
+  // well.
   plan.config = setup.config_for(plan.human);
-  TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
-  TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
+  RETARGET_TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
+  RETARGET_TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
   QualityReport report = measure_motion(at_rate, limits, &source).report;
   if (dynamics) add_dynamics(at_rate, report);
   return report;
 }
 
-// beside the clip it was made from only limits may be others: what else is given must be as it was
+// For the clip that the motion was made from, only limits (and dynamics) may differ; other options
+// must equal those of the motion.
 void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   options.time.fps = plan.rate.fps();
   bool dynamics = false;
@@ -110,7 +112,7 @@ void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   for (const char* name : {"limits", "dynamics"}) {
     if (given.contains(name)) nb::del(given[name]);
   }
-  // it may be called the source's rate as well
+  // "source" is another way to give the source's rate.
   if (!plan.options.time.fps && given.contains("fps") &&
       nb::str(given["fps"]).equal(nb::str("source"))) {
     nb::del(given["fps"]);
@@ -119,8 +121,8 @@ void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     if (to_text(table[i].get()) == before[i]) continue;
     const std::string name = keyword_of(table[i]);
-    raise(usage_failure(name + ": the motion is measured as it was made, with " + name + " \"" +
-                        before[i] + "\"; to_robot() takes another one")
+    raise(usage_failure(name + ": the motion is measured with the options that it was made with, " +
+                        name + " \"" + before[i] + "\"; set another value in to_robot()")
               .value());
   }
 }
@@ -131,11 +133,11 @@ Result<QualityReport> measure_as_solved(const MotionHandle& handle, const std::s
     return retarget::evaluate(*handle.solved, dynamics);
   }
   Motion motion = *handle.solved;
-  TRY_ASSIGN(motion.plan.limits, load_limits(*handle.robot, limits));
+  RETARGET_TRY_ASSIGN(motion.plan.limits, load_limits(*handle.robot, limits));
   return retarget::evaluate(motion, dynamics);
 }
 
-// text, JSON and whether the motion passed
+// Returns text, JSON and whether the motion passed.
 nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb::dict& keywords,
                    const nb::object& given_gates) {
   const Gates gates = gates_of(given_gates, motion.robot.loaded.data_folder);
@@ -143,7 +145,7 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
   const bool is_own = motion.solved != nullptr &&
                       (source == nullptr || motion.made_from.lock() == source->shared() ||
                        motion.solved->source == source->shared());
-  // of another clip, or measured in another way: what the motion was made with stays where nothing is given
+  // For another clip or measurement, options that are not given default to those of the motion.
   Options options = motion.solved ? motion.solved->plan.options : Options{};
   if (motion.solved) options.time.fps = motion.clip->rate().fps();
   if (is_own) check_kept(options, motion.solved->plan, keywords);

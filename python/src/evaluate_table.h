@@ -1,12 +1,12 @@
 #pragma once
 
-#include "options/option_table.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
 
 namespace retarget::python {
 
-/// The options of evaluate: limits, how the source is read, and whether inverse dynamics are
-/// measured.
+/// Returns the options of evaluate: limits, how to read the source, and whether to compute inverse
+/// dynamics.
 [[nodiscard]] OptionTable evaluate_table(Options& options, bool& dynamics);
 
 }  // namespace retarget::python

@@ -1,4 +1,4 @@
-// FrameRetargeter: the engine behind retarget.gmr, frame by frame.
+// FrameRetargeter: frame-by-frame engine of retarget.gmr.
 
 #include "retarget/frame_retargeter.h"
 
@@ -15,11 +15,11 @@
 #include <type_traits>
 
 #include "arrays.h"
-#include "base/try.h"
 #include "bindings.h"
 #include "handles.h"
-#include "pipeline/scale_human.h"
 #include "raise.h"
+#include "retarget/try.h"
+#include "solve/targets/scale_human.h"
 
 namespace retarget::python {
 
@@ -27,7 +27,7 @@ using namespace nb::literals;
 
 namespace {
 
-// numbers of an array as it is, without numpy; false where they are none that this can read
+// Copies numbers directly from an array, without numpy; returns false if they are not finite.
 template <std::size_t kSize, typename Number>
 bool copy_numbers(const nb::ndarray<nb::ro, nb::device::cpu>& array, double* out) {
   const auto* const data = static_cast<const Number*>(array.data());
@@ -48,7 +48,7 @@ bool read_array(nb::handle object, double* out) {
   return false;
 }
 
-// kSize numbers from whatever numpy takes for an array of them
+// Reads kSize numbers from anything that numpy converts to an array.
 template <std::size_t kSize>
 void read_numbers(nb::handle object, const std::string& body, const char* part, double* out) {
   if (read_array<kSize>(object, out)) return;
@@ -57,7 +57,7 @@ void read_numbers(nb::handle object, const std::string& body, const char* part, 
   std::copy(given.numbers().begin(), given.numbers().end(), out);
 }
 
-// body: (position, quaternion)
+// Reads a pair (position, quaternion) of a body.
 Pose read_pose(nb::handle value, const std::string& body) {
   nb::object position, rotation;
   if (!PyUnicode_Check(value.ptr()) && PySequence_Check(value.ptr()) != 0 &&
@@ -87,15 +87,16 @@ struct Loaded {
 
 Result<Loaded> load(const RobotChoice& choice, const std::string& config,
                     const std::string& config_file) {
-  TRY_ASSIGN(const std::string folder, data_folder_of({}));
-  TRY_ASSIGN(LoadedRobot robot, load_robot(choice, {folder, {}}, Soles::kAsTheyAre));
-  TRY_ASSIGN(const RetargetingConfig tables, parse_retargeting_config(config, config_file));
-  TRY_ASSIGN(HumanConfig human, resolve_human_config(tables, *robot.robot));
-  TRY_ASSIGN(LimitSet limits, load_limits(*robot.robot, robot.robot->limits_for("gmr")));
+  RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of({}));
+  RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(choice, {folder, {}}, Soles::kAsTheyAre));
+  RETARGET_TRY_ASSIGN(const RetargetingConfig tables,
+                      parse_retargeting_config(config, config_file));
+  RETARGET_TRY_ASSIGN(HumanConfig human, resolve_human_config(tables, *robot.robot));
+  RETARGET_TRY_ASSIGN(LimitSet limits, load_limits(*robot.robot, robot.robot->limits_for("gmr")));
   return Loaded{std::move(robot), std::move(human), std::move(limits)};
 }
 
-// a retargeter that threads of Python may share
+// A retargeter that several Python threads may share.
 class SharedRetargeter {
  public:
   SharedRetargeter(Loaded loaded, FrameRetargeter retargeter)
@@ -103,7 +104,7 @@ class SharedRetargeter {
     for (const std::string& body : retargeter_.human_bodies()) names_.push_back(name_of(body));
   }
 
-  // {body: (position, quaternion)}
+  // Format: {body: (position, quaternion)}.
   void update_targets(const nb::object& human_data, double down, bool to_ground) {
     if (PyDict_Check(human_data.ptr()) == 0 && !nb::hasattr(human_data, "keys")) {
       raise(usage_failure("human_data: expected {body: (position, quaternion)}").value());
@@ -129,7 +130,7 @@ class SharedRetargeter {
     without_gil([&] { return locked([&] { return take({human, {down, to_ground}}); }); });
   }
 
-  // the configuration and the last frame of one that was made with other options
+  // Takes over the configuration and the last frame from a retargeter with other options.
   void go_on_from(SharedRetargeter& before) {
     std::vector<double> qpos;
     std::optional<Frame> frame;
@@ -139,7 +140,7 @@ class SharedRetargeter {
         frame = before.frame_;
       });
       return locked([&]() -> Result<void> {
-        TRY(retargeter_.set_qpos(qpos));
+        RETARGET_TRY(retargeter_.set_qpos(qpos));
         return frame ? take(*frame) : Result<void>();
       });
     });
@@ -169,7 +170,7 @@ class SharedRetargeter {
     return value_of(locked([&] { return retargeter_.error(table); }));
   }
 
-  // names, positions (N, 3), rotations (N, 4) wxyz
+  // Returns names, positions (N, 3) and rotations (N, 4) in wxyz order.
   [[nodiscard]] nb::tuple targets() {
     const std::vector<Pose> world_from_target = locked([&] {
       const auto poses = retargeter_.world_from_target();
@@ -199,7 +200,7 @@ class SharedRetargeter {
  private:
   [[nodiscard]] const Robot& robot() const { return *loaded_.robot.robot; }
 
-  // of the human, as it was given
+  // Human pose as given by the caller.
   struct Frame {
     HumanPose human;
     TargetShift shift;
@@ -207,13 +208,13 @@ class SharedRetargeter {
 
   Result<void> take(const Frame& frame) {
     const std::span all(frame.human.begin(), frame.human.end());
-    TRY(retargeter_.update_targets(all.first(names_.size()), frame.shift));
+    RETARGET_TRY(retargeter_.update_targets(all.first(names_.size()), frame.shift));
     frame_ = frame;
     return {};
   }
 
-  // nothing of Python's is made or asked in there: that may let another thread go on, which may wait for
-  // the lock with the GIL in its hands
+  // `function` must not create or use Python objects: that may switch to another thread, which may
+  // hold the GIL while it waits for this lock.
   template <typename Function>
   std::invoke_result_t<const Function&> locked(const Function& function) {
     const std::lock_guard lock(mutex_);
@@ -234,7 +235,7 @@ class SharedRetargeter {
     return nb::steal(found);
   }
 
-  // an array of the caller's own
+  // Makes an array that the caller owns and may modify.
   static nb::object writable(std::vector<double> numbers) {
     auto kept = std::make_unique<std::vector<double>>(std::move(numbers));
     double* const data = kept->data();
@@ -247,8 +248,8 @@ class SharedRetargeter {
 
   Loaded loaded_;
   FrameRetargeter retargeter_;
-  std::optional<Frame> frame_;     // that targets are made from
-  std::vector<nb::object> names_;  // of the human's bodies
+  std::optional<Frame> frame_;     // Source of the targets.
+  std::vector<nb::object> names_;  // Names of the human's bodies.
   std::mutex mutex_;
 };
 
@@ -272,7 +273,7 @@ void construct(SharedRetargeter* self, const nb::object& model, const nb::object
   new (self) SharedRetargeter(std::move(loaded), value_of(std::move(made)));
 }
 
-// N positions, scaled about the one that is the root
+// Scales N positions about the root's position.
 nb::object scale_about(const nb::object& positions, const nb::object& scales, std::size_t root) {
   const GivenArray given(positions, "positions", {-1, 3});
   const auto count = given.size(0);
@@ -280,7 +281,7 @@ nb::object scale_about(const nb::object& positions, const nb::object& scales, st
   const auto place = [&](std::size_t i) {
     return Eigen::Map<const Eigen::Vector3d>(&given.numbers()[3 * i]);
   };
-  if (root >= count) raise(usage_failure("there is no root among the bodies").value());
+  if (root >= count) raise(usage_failure("the root is not among the bodies").value());
   const Eigen::Vector3d before = place(root);
   const Eigen::Vector3d after = factors.numbers()[root] * before;
   std::vector<double> scaled;
@@ -292,7 +293,7 @@ nb::object scale_about(const nb::object& positions, const nb::object& scales, st
   return array_of(std::move(scaled), {count, 3});
 }
 
-// a pose with an offset in its own axes: position, quaternion
+// Applies an offset in the pose's own axes; returns position and quaternion.
 nb::tuple offset_pose(const nb::object& position, const nb::object& rotation,
                       const nb::object& position_offset, const nb::object& rotation_offset) {
   const auto vector = [](const GivenArray& given) {
@@ -314,9 +315,8 @@ nb::tuple offset_pose(const nb::object& position, const nb::object& rotation,
 }  // namespace
 
 void bind_frame_retargeter(nb::module_& module) {
-  nb::class_<SharedRetargeter>(
-      module, "FrameRetargeter",
-      "The published method frame by frame; retarget.gmr is the way to it.")
+  nb::class_<SharedRetargeter>(module, "FrameRetargeter",
+                               "The published method, frame by frame; use it through retarget.gmr.")
       .def("__init__", &construct, "model"_a, "profile"_a, "config"_a, "config_file"_a, "damping"_a,
            "max_extra_steps"_a, "engine"_a,
            nb::sig("def __init__(self, model: str | os.PathLike[str], profile: str | "
@@ -328,13 +328,13 @@ void bind_frame_retargeter(nb::module_& module) {
                    "typing.Any], down: float, to_ground: bool) -> None"),
            "Sets the targets from {body: (position, quaternion w x y z)}, metres, Z up.")
       .def("solve", &SharedRetargeter::solve, nb::sig("def solve(self) -> numpy.ndarray"),
-           "Solves towards the targets: the new configuration, a copy.")
+           "Solves for the targets and returns a copy of the new configuration.")
       .def("go_on_from", &SharedRetargeter::go_on_from, "before"_a,
            nb::sig("def go_on_from(self, before: FrameRetargeter) -> None"),
-           "Takes the configuration and the last frame of another one for the same robot.")
+           "Copies the configuration and the last frame of another retargeter of the same robot.")
       .def("set_qpos", &SharedRetargeter::set_qpos, "qpos"_a.none(),
            nb::sig("def set_qpos(self, qpos: numpy.typing.ArrayLike) -> None"),
-           "Where the next frame starts.")
+           "Sets the start configuration of the next frame.")
       .def("error", &SharedRetargeter::error, "table"_a,
            "Norm of the errors of a table's tasks (1 or 2), without weights.")
       .def("targets", &SharedRetargeter::targets,
@@ -344,7 +344,7 @@ void bind_frame_retargeter(nb::module_& module) {
                    "The configuration, a copy.")
       .def_prop_ro("target_bodies", &SharedRetargeter::target_bodies,
                    nb::sig("def target_bodies(self) -> list[str]"),
-                   "The human's bodies that targets are made from, the root first.")
+                   "Human bodies that the targets are computed from, the root first.")
       .def_prop_ro("joint_names", &SharedRetargeter::joint_names,
                    nb::sig("def joint_names(self) -> list[str]"), "In the order of qpos.")
       .def_prop_ro("body_names", &SharedRetargeter::body_names,
@@ -352,18 +352,18 @@ void bind_frame_retargeter(nb::module_& module) {
   module.def(
       "data_folder",
       [](const std::string& chosen) { return path_of(value_of(data_folder_of(chosen))); },
-      "chosen"_a, "The folder with robots/ and configs/.");
+      "chosen"_a, "Folder with robots/ and configs/.");
   module.def("scale_about", &scale_about, "positions"_a.none(), "scales"_a.none(), "root"_a,
              nb::sig("def scale_about(positions: numpy.typing.ArrayLike, scales: "
                      "numpy.typing.ArrayLike, root: int) -> numpy.ndarray"),
-             "Bodies (N, 3) scaled about the root, the root about the origin.");
+             "Scales bodies (N, 3) about the root, and the root about the origin.");
   module.def("offset_pose", &offset_pose, "position"_a.none(), "rotation"_a.none(),
              "position_offset"_a.none(), "rotation_offset"_a.none(),
              nb::sig("def offset_pose(position: numpy.typing.ArrayLike, rotation: "
                      "numpy.typing.ArrayLike, position_offset: numpy.typing.ArrayLike, "
                      "rotation_offset: numpy.typing.ArrayLike) -> tuple[numpy.ndarray, "
                      "numpy.ndarray]"),
-             "A pose with an offset in its own axes; rotations w x y z.");
+             "Applies an offset to a pose, in the pose's own axes; rotations w x y z.");
 }
 
 }  // namespace retarget::python

@@ -11,17 +11,17 @@
 #include "retarget/motion.h"
 #include "retarget/solve.h"
 
-// What Python's objects hold: const values of the library, shared with the arrays made from them.
+// Contents of Python objects: const values of the library, shared with the arrays made from them.
 
 namespace retarget::python {
 
-/// World poses of all joints, frame by frame, file units and axes.
+/// World poses of all joints, frame-major, in the file's units and axes.
 struct WorldPoses {
-  std::vector<double> positions;  ///< frames x joints x 3
-  std::vector<double> rotations;  ///< frames x joints x 4, wxyz
+  std::vector<double> positions;  ///< Frames x joints x 3.
+  std::vector<double> rotations;  ///< Frames x joints x 4, wxyz.
 };
 
-/// retarget.Clip
+/// Implementation of retarget.Clip.
 class ClipHandle {
  public:
   explicit ClipHandle(Clip clip) : clip_(std::make_shared<const Clip>(std::move(clip))) {}
@@ -30,7 +30,7 @@ class ClipHandle {
   [[nodiscard]] const Clip& operator*() const { return *clip_; }
   [[nodiscard]] const Clip* operator->() const { return clip_.get(); }
   [[nodiscard]] const std::shared_ptr<const Clip>& shared() const { return clip_; }
-  /// Made when they are first asked for; by any thread, without the GIL.
+  /// Computed on first use; callable from any thread, without the GIL.
   [[nodiscard]] std::shared_ptr<const WorldPoses> world() const;
 
  private:
@@ -42,7 +42,7 @@ class ClipHandle {
   std::shared_ptr<World> world_ = std::make_shared<World>();
 };
 
-/// retarget.Robot
+/// Implementation of retarget.Robot.
 struct RobotHandle {
   LoadedRobot loaded;
 
@@ -50,18 +50,18 @@ struct RobotHandle {
   [[nodiscard]] const Robot* operator->() const { return loaded.robot.get(); }
 };
 
-/// retarget.Motion: solved here, or read from a file.
+/// Implementation of retarget.Motion: solved here, or read from a file.
 struct MotionHandle {
-  std::shared_ptr<const Motion> solved;   ///< Null: it was read.
-  std::shared_ptr<const RobotClip> clip;  ///< Of `solved` where there is one.
+  std::shared_ptr<const Motion> solved;   ///< Null if the motion was read from a file.
+  std::shared_ptr<const RobotClip> clip;  ///< Clip of `solved`, if any.
   RobotHandle robot;
-  std::weak_ptr<const Clip> made_from;  ///< Of `solved`.
-  std::string name;                     ///< Of its file, or of the clip it was made from.
-  std::string summary;                  ///< For people, line by line.
+  std::weak_ptr<const Clip> made_from;  ///< Source clip of `solved`.
+  std::string name;                     ///< Name of its file, or of its source clip.
+  std::string summary;                  ///< Human-readable, line by line.
 };
 
-/// The folder with robots/ and configs/: the given one, $RETARGET_DATA_DIR, that of the package.
-/// Errors: find_data_folder's.
+/// Finds the folder with robots/ and configs/: the given one, $RETARGET_DATA_DIR, or the package's.
+/// Errors: those of find_data_folder.
 [[nodiscard]] Result<std::string> data_folder_of(const std::string& chosen);
 
 }  // namespace retarget::python

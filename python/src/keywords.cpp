@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "base/suggest.h"
 #include "raise.h"
+#include "retarget/text.h"
 
 namespace retarget::python {
 namespace {
@@ -16,14 +16,14 @@ bool is_word(nb::handle object, const char* word) {
   return PyUnicode_Check(object.ptr()) && PyUnicode_CompareWithASCIIString(object.ptr(), word) == 0;
 }
 
-// what was found, for messages: short, whatever it is
+// Returns a short description of any object, for messages.
 std::string found_text(nb::handle object) {
   constexpr std::size_t kLongest = 60;
   const bool is_plain =
       nb::isinstance<nb::str>(object) || PyFloat_Check(object.ptr()) || PyLong_Check(object.ptr());
   const nb::object ascii = nb::steal(is_plain ? PyObject_ASCII(object.ptr()) : nullptr);
   if (!ascii.is_valid()) {
-    // it has more digits than Python prints, or a class of its own
+    // Not plain, or an integer with more digits than Python prints.
     forget_exception();
     return "a value of type " + shown_text(object.type().attr("__name__"));
   }
@@ -33,7 +33,7 @@ std::string found_text(nb::handle object) {
 }
 
 bool is_flag(nb::handle object) {
-  // numpy's own: `bool` from numpy 2 on, `bool_` before
+  // numpy's flag type: `bool` since numpy 2, `bool_` before.
   if (PyBool_Check(object.ptr())) return true;
   const nb::handle type = object.type();
   return is_word(nb::getattr(type, "__module__", nb::none()), "numpy") &&
@@ -55,7 +55,7 @@ std::optional<double> number(nb::handle object) {
   if (is_flag(object) || nb::isinstance<nb::str>(object) || !PyNumber_Check(object.ptr())) {
     return std::nullopt;
   }
-  // an array of one number warns or fails there, and so does any other object
+  // The conversion below warns or fails for arrays of one number, so reject arrays first.
   const nb::object axes = nb::getattr(object, "ndim", nb::none());
   int count = 0;
   if (!axes.is_none() && (!nb::try_cast(axes, count) || count != 0)) return std::nullopt;
@@ -110,11 +110,17 @@ std::optional<OptionValue> value_of_kind(const OptionValue& kind, nb::handle obj
   return wrapped(texts(object));
 }
 
+bool has_empty_text(const OptionValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return text->empty();
+  const auto* texts = std::get_if<std::vector<std::string>>(&value);
+  return texts != nullptr && std::ranges::any_of(*texts, &std::string::empty);
+}
+
 [[noreturn]] void refuse(const std::string& message) {
   raise(usage_failure(message).value());
 }
 
-// `fps: expected ...`
+// Raises an error with the keyword as prefix: `fps: expected ...`.
 [[noreturn]] void refuse(const Option& row, Error error) {
   error.message = keyword_of(row) + ": " + error.message;
   raise(error);
@@ -124,8 +130,13 @@ void apply(const Option& row, nb::handle object) {
   const OptionValue kind = row.get();
   const auto value = value_of_kind(kind, object);
   if (!value) {
-    refuse(fmt::format("{}: expected {}, found {}", keyword_of(row), expectation(row),
-                       found_text(object)));
+    raise_type_error(fmt::format("{}: expected {}, found {}", keyword_of(row), expectation(row),
+                                 found_text(object)));
+  }
+  // As on the command line: an unset variable must not look like an omitted option.
+  if (has_empty_text(*value)) {
+    refuse(
+        fmt::format("{}: expected {}, found an empty string", keyword_of(row), expectation(row)));
   }
   if (const auto checked = check_option(row, *value); !checked) refuse(row, checked.error());
   if (auto set = row.set(*value); !set) refuse(row, set.error());
@@ -145,8 +156,8 @@ std::string annotation(const Option& row) {
   if (!choices.empty()) return choices;
   const std::string& type = row.info.type;
   if (type.find("FILE") != std::string::npos || type == "DIR") return "StrPath";
-  // texts that may be numbers: a rate, a unit
-  return type == "N|source" || type == "UNIT" ? "str | float" : "str";
+  // Text options that also accept numbers: a rate, a unit.
+  return type == "N|source" || type == "N" || type == "UNIT" ? "str | float" : "str";
 }
 
 }  // namespace
@@ -158,10 +169,10 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
     const std::string name = nb::cast<std::string>(text_of(bytes_of_path(key, "option")));
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
-      // as the command spells it
+      // Accept the command line's spelling in the suggestion.
       std::string meant = name;
       std::ranges::replace(meant, '-', '_');
-      refuse(fmt::format("there is no option \"{}\"{}", name, did_you_mean(meant, names)));
+      refuse(fmt::format("unknown option \"{}\"{}", name, did_you_mean(meant, names)));
     }
     if (!value.is_none()) apply(table[static_cast<std::size_t>(found - names.begin())], value);
   }
@@ -181,7 +192,7 @@ OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names
 
 std::string keyword_of(const Option& row) {
   std::string name = option_as_field(row.name);
-  // words of the language
+  // These names are Python keywords.
   if (name == "from" || name == "with") name += "_";
   return name;
 }

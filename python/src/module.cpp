@@ -6,10 +6,10 @@
 
 NB_MODULE(_retarget, module) {
   using namespace retarget::python;
-  module.doc() = "The engine of retarget: use the package `retarget`.";
+  module.doc() = "The engine of retarget; use the package `retarget` instead.";
   module.def("version_number", &retarget::version_number, "`major.minor.patch`");
   module.def("version_text", &retarget::version_text,
-             "Version, commit, compiler and libraries, one a line.");
+             "Version, commit, compiler and libraries, one per line.");
   bind_options(module);
   bind_clip(module);
   bind_robot(module);

@@ -1,4 +1,4 @@
-// retarget.Motion: a robot's motion, solved or read from a file.
+// retarget.Motion: a robot motion, solved or read from a file.
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
@@ -11,13 +11,12 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "handles.h"
-#include "io/reading_table.h"
 #include "keywords.h"
-#include "options/run_tables.h"
-#include "plan/memory.h"
 #include "raise.h"
+#include "retarget/check_options.h"
 #include "retarget/motion_io.h"
-#include "run/recorded_motion.h"
+#include "retarget/option_table.h"
+#include "retarget/run.h"
 
 namespace retarget::python {
 
@@ -25,7 +24,7 @@ using namespace nb::literals;
 
 namespace {
 
-constexpr std::size_t kRoot = 7;  // numbers of a configuration before the joints
+constexpr std::size_t kRoot = 7;  // Values of a configuration before the joints.
 constexpr std::array kContactNames = {"left_heel", "left_toe", "right_heel", "right_toe"};
 
 std::size_t frames_of(const MotionHandle& motion) {
@@ -36,7 +35,7 @@ const double* numbers_of(const MotionHandle& motion) {
   return motion.clip->frame_count() == 0 ? nullptr : motion.clip->qpos(0).data();
 }
 
-// columns [begin, begin + count) of the configurations, not copied
+// Returns a view of columns [begin, begin + count) of the configurations.
 nb::object columns(const MotionHandle& motion, std::size_t begin, std::size_t count) {
   const auto width = static_cast<std::int64_t>(motion.robot->configuration_size());
   const double* numbers = numbers_of(motion);
@@ -111,7 +110,7 @@ void save(const MotionHandle& motion, const nb::object& file, const nb::kwargs& 
   const std::string path = bytes_of_path(file, "path");
   if (path == "-") raise(usage_failure("path: expected a file, found standard output").value());
   without_gil([&] {
-    // a GLB shows the human as well
+    // Save the Motion if there is one: a GLB then shows the human as well.
     return motion.solved ? retarget::save(*motion.solved, path, how)
                          : retarget::save(*motion.clip, path, how);
   });
@@ -162,13 +161,13 @@ MotionHandle load(const nb::object& file, const RobotHandle& robot, const nb::di
     return load_recorded_motion(path, robot.loaded.robot, how);
   });
   warn(read.warnings, path);
-  std::string summary = std::string(format_name(read.format)) +
-                        (read.rate_known ? "" : ", which does not give its rate");
+  std::string summary =
+      std::string(format_name(read.format)) + (read.rate_known ? "" : ", which has no frame rate");
   for (const std::string& note : read.notes) summary += "\n" + note;
   MotionHandle motion{nullptr, std::make_shared<const RobotClip>(std::move(read.clip)),
                       robot,   {},
                       path,    std::move(summary)};
-  // the file's columns may be those of a variant
+  // The columns of the file may be those of a variant.
   motion.robot.loaded.robot = motion.clip->shared_robot();
   return motion;
 }
@@ -185,7 +184,7 @@ std::string shown(const MotionHandle& motion) {
 void bind_motion(nb::module_& module) {
   nb::class_<MotionHandle>(
       module, "Motion",
-      "A robot's motion.\n\n"
+      "A robot motion.\n\n"
       "Metres, radians, world frame with z up. Arrays are read-only; F frames, "
       "N joints in the order of joint_names.")
       .def_prop_ro(
@@ -195,7 +194,7 @@ void bind_motion(nb::module_& module) {
           "frame_count", [](const MotionHandle& motion) { return motion.clip->frame_count(); },
           "F.")
       .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
-                   "N names, in the order of the output's columns.")
+                   "N names, in the order of the output columns.")
       .def_prop_ro("qpos", &qpos, nb::sig("def qpos(self) -> numpy.ndarray"),
                    "(F, 7 + n) float64: MuJoCo's configurations, root x y z, root quaternion "
                    "w x y z, then all n joints of the model in its order.")
@@ -211,27 +210,28 @@ void bind_motion(nb::module_& module) {
                    "(F, 4) float64: the same, x y z w; a copy.")
       .def_prop_ro("joint_positions", &joint_positions,
                    nb::sig("def joint_positions(self) -> numpy.ndarray"),
-                   "(F, N) float64: rad, of slides metres.")
+                   "(F, N) float64: rad; metres for slide joints.")
       .def_prop_ro("contacts", &contacts, nb::sig("def contacts(self) -> numpy.ndarray | None"),
-                   "(F, 4) bool: whether the source's heels and toes stand, which a fit keeps to; "
+                   "(F, 4) bool: contacts of the source's heels and toes, which the fit maintains; "
                    "columns are contact_names. None: the motion was not fitted.")
       .def_prop_ro(
           "contact_names", [](const MotionHandle&) { return contact_names(); },
           nb::sig("def contact_names(self) -> list[str]"), "Columns of contacts.")
       .def_prop_ro("source", &source, nb::sig("def source(self) -> Clip | None"),
-                   "The human clip, frame by frame beside the motion; None: it was read.")
+                   "The human clip, frame by frame alongside the motion; None if the motion was "
+                   "read from a file.")
       .def_prop_ro(
           "robot", [](const MotionHandle& motion) { return motion.robot; },
-          nb::sig("def robot(self) -> Robot"), "Whose motion it is.")
+          nb::sig("def robot(self) -> Robot"), "Robot of the motion.")
       .def_prop_ro(
           "summary", [](const MotionHandle& motion) { return text_of(motion.summary); },
-          "What was decided, or detected in the file, line by line.")
+          "Decisions made, or properties detected in the file, line by line.")
       .def("save", &save, "path"_a.none(), "options"_a,
            nb::sig("def save(self, path: str | os.PathLike[str], **options: "
                    "typing_extensions.Unpack[retarget._options.SaveOptions]) -> None"),
-           "Writes the motion, whole or not at all, as the path's ending or `format` says; "
-           "docs/formats.md.\n\nOptions are the command's; those of the motion are taken where "
-           "none are given.")
+           "Writes the motion atomically in the format given by the path's extension or `format`; "
+           "docs/formats.md.\n\nOptions are those of the command line; the motion's own options "
+           "are the defaults.")
       .def("tracking", &tracking, "options"_a,
            nb::sig("def tracking(self, **options: "
                    "typing_extensions.Unpack[retarget._options.TrackingOptions]) -> dict[str, "

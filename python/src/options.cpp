@@ -1,24 +1,22 @@
-// The rows of options, for signatures, stubs and docs.
+// Option tables for signatures, stubs and docs.
 
 #include <nanobind/nanobind.h>
 
 #include "batch_keywords.h"
 #include "bindings.h"
-#include "edit/edit_tables.h"
 #include "edit_keywords.h"
 #include "evaluate_table.h"
-#include "io/reading_table.h"
 #include "keywords.h"
-#include "options/fit_options.h"
-#include "options/run_tables.h"
 #include "raise.h"
+#include "retarget/edit_tables.h"
+#include "retarget/option_table.h"
 #include "retarget/report.h"
 #include "solving_table.h"
 
 namespace retarget::python {
 namespace {
 
-// by the name of the class that has them in stubs
+// Returns the tables by the name of their class in the stubs.
 nb::dict option_tables() {
   Options options;
   RobotChoice robot;
@@ -51,7 +49,7 @@ nb::dict option_tables() {
   return tables;
 }
 
-// (key, unit, definition) of each
+// Returns a list of (key, unit, definition).
 nb::list metrics() {
   nb::list all;
   for (const Metric& metric : quality_metrics()) {
@@ -65,8 +63,8 @@ nb::list metrics() {
 
 void bind_options(nb::module_& module) {
   module.def("option_tables", &option_tables,
-             "The options of each function, from the tables that the command has them from.");
-  module.def("metrics", &metrics, "Key, unit and definition of each figure of a report.");
+             "Options of every function, from the option tables of the command line.");
+  module.def("metrics", &metrics, "Key, unit and definition of every metric of a report.");
 }
 
 }  // namespace retarget::python

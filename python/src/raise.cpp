@@ -25,13 +25,13 @@ nb::str decoded(std::string_view bytes, const char* errors) {
   return nb::steal<nb::str>(text);
 }
 
-// of an object that Python made; raises UsageError where it could not
+// Returns the bytes of a Python bytes object; raises UsageError if the encoding before has failed.
 std::string bytes_in(const nb::object& encoded, const char* what) {
   char* bytes = nullptr;
   Py_ssize_t size = 0;
   if (!encoded.is_valid() || PyBytes_AsStringAndSize(encoded.ptr(), &bytes, &size) != 0) {
     forget_exception();
-    raise(usage_failure(std::string(what) + ": a text with characters that are none").value());
+    raise(usage_failure(std::string(what) + ": invalid characters in the string").value());
   }
   return {bytes, static_cast<std::size_t>(size)};
 }
@@ -71,7 +71,7 @@ nb::str path_of(std::string_view bytes) {
 
 std::string bytes_of_name(nb::handle name, const char* what) {
   if (!PyUnicode_Check(name.ptr())) {
-    raise(usage_failure(std::string(what) + ": expected a text").value());
+    raise(usage_failure(std::string(what) + ": expected a string").value());
   }
   return bytes_in(nb::steal(PyUnicode_AsEncodedString(name.ptr(), "utf-8", "surrogateescape")),
                   what);
@@ -92,9 +92,8 @@ std::string bytes_of_path(nb::handle path, const char* what) {
   nb::object plain = nb::steal(PyOS_FSPath(path.ptr()));
   if (!plain.is_valid()) {
     forget_exception();
-    raise(usage_failure(std::string(what) + ": expected a path, found " +
-                        shown_text(path.type().attr("__name__")))
-              .value());
+    raise_type_error(std::string(what) + ": expected a path, found " +
+                     shown_text(path.type().attr("__name__")));
   }
   if (PyUnicode_Check(plain.ptr())) plain = nb::steal(PyUnicode_EncodeFSDefault(plain.ptr()));
   std::string bytes = bytes_in(plain, what);
@@ -105,13 +104,24 @@ std::string bytes_of_path(nb::handle path, const char* what) {
 }
 
 std::string bytes_of_folder(nb::handle folder) {
-  return folder.is_none() ? std::string() : bytes_of_path(folder, "data_dir");
+  if (folder.is_none()) return {};
+  std::string path = bytes_of_path(folder, "data_dir");
+  if (path.empty())
+    raise(usage_failure("data_dir: expected a path, found an empty string").value());
+  return path;
+}
+
+void raise_type_error(const std::string& message) {
+  const nb::object exception =
+      errors_attribute("make_error")("type", text_of(message), "", "", 0, 0, nb::list(), "");
+  PyErr_SetObject(exception.type().ptr(), exception.ptr());
+  throw nb::python_error();
 }
 
 void raise(const Error& error) {
   const nb::object make = errors_attribute("make_error");
   const auto& [file, line, column] = error.location;
-  // the exception's name says that it is one
+  // The exception's name already says that it is an error.
   constexpr std::string_view kWithoutPlace = "error: ";
   const std::string whole = describe(error);
   std::string_view text = whole;

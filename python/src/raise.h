@@ -10,40 +10,44 @@
 
 #include "retarget/error.h"
 
-// Values and errors of the library, on their way to Python.
+// Conversion of the library's values and errors to Python.
 
 namespace retarget::python {
 
 namespace nb = nanobind;
 
-/// A text of the library for people; bytes that are not UTF-8 are shown as `\xff`.
+/// Converts human-readable text; bytes that are not UTF-8 appear as `\xff`.
 [[nodiscard]] nb::str text_of(std::string_view bytes);
 [[nodiscard]] nb::list texts_of(const std::vector<std::string>& texts);
-/// A name that is data: what bytes_of_name() takes for the same bytes.
+/// Converts a name that is data; bytes_of_name() returns the same bytes.
 [[nodiscard]] nb::str name_of(std::string_view bytes);
 [[nodiscard]] nb::list names_of(const std::vector<std::string>& names);
-/// The name of a file, as os.fsdecode() gives it.
+/// Converts a file name as os.fsdecode() does.
 [[nodiscard]] nb::str path_of(std::string_view bytes);
-/// The bytes of a name. Errors (kUsage): no text, or one that has none.
+/// Returns the bytes of a name. Errors (kUsage): not a text, or a text that cannot be encoded.
 [[nodiscard]] std::string bytes_of_name(nb::handle name, const char* what);
-/// UTF-8 of any text of Python's, for messages.
+/// Returns the UTF-8 of any Python text, for messages.
 [[nodiscard]] std::string shown_text(nb::handle text);
-/// Forgets what was raised; but what is no Exception, such as KeyboardInterrupt, goes on.
+/// Clears the current Python exception; rethrows it if it is not an Exception, such as
+/// KeyboardInterrupt.
 void forget_exception();
-/// The bytes of a path-like object or a text, as os.fsencode() gives them. Errors (kUsage): neither
-/// of them, or with a null byte.
+/// Returns the bytes of a path-like object or a text, as os.fsencode() returns them. Errors
+/// (kUsage): another type, or a null byte.
 [[nodiscard]] std::string bytes_of_path(nb::handle path, const char* what);
-/// The same of a folder with data; None: empty.
+/// The same for a data folder; None: empty.
 [[nodiscard]] std::string bytes_of_folder(nb::handle folder);
 
-/// Raises the Python exception of an error (retarget/_errors.py). The GIL must be held.
+/// Raises the Python exception for an error (retarget/_errors.py). The GIL must be held.
 [[noreturn]] void raise(const Error& error);
 
-/// Warns of what did not stop the work, by Python's `warnings`.
+/// Raises ArgumentTypeError, which is both a UsageError and a TypeError.
+[[noreturn]] void raise_type_error(const std::string& message);
+
+/// Issues warnings through Python's `warnings`.
 void warn(const std::vector<Warning>& warnings, std::string_view file);
 void warn(const std::vector<std::string>& warnings, std::string_view file);
 
-/// The value of a result; raises its error.
+/// Returns the value of a result, or raises its error.
 template <typename T>
 T value_of(Result<T>&& result) {
   if (!result) raise(result.error());
@@ -53,7 +57,7 @@ inline void value_of(Result<void>&& result) {
   if (!result) raise(result.error());
 }
 
-/// What a function of the library gives, while other threads of Python run.
+/// Calls a library function while other Python threads run; returns its value or raises its error.
 template <typename Function>
 auto without_gil(const Function& function) {
   auto result = [&] {

@@ -1,4 +1,4 @@
-// retarget.Robot: a robot by its name, folder or model.
+// retarget.Robot: a robot given by its name, folder or model.
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
@@ -7,12 +7,12 @@
 #include <filesystem>
 
 #include "arrays.h"
-#include "base/file.h"
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
-#include "options/run_tables.h"
 #include "raise.h"
+#include "retarget/file.h"
+#include "retarget/option_table.h"
 #include "retarget/robot.h"
 
 namespace retarget::python {
@@ -43,7 +43,7 @@ RobotHandle load(const nb::object& name, const nb::dict& options, const std::str
   return robot;
 }
 
-// of the output's joints, in their order
+// Returns the values of the output joints, in output order.
 std::vector<double> in_output_order(const Robot& robot, const std::vector<double>& by_joint) {
   std::vector<double> ordered;
   for (const int joint : robot.output_joints()) ordered.push_back(by_joint[joint]);
@@ -114,10 +114,10 @@ nb::list variants(const RobotHandle& robot) {
 }  // namespace
 
 void bind_robot(nb::module_& module) {
-  nb::class_<RobotHandle>(module, "Robot",
-                          "A robot: its model, output joints and limits; shared by all threads.\n\n"
-                          "N joints in the order of joint_names, which is that of the output's "
-                          "columns.")
+  nb::class_<RobotHandle>(
+      module, "Robot",
+      "A robot: its model, output joints and limits; shared by all threads.\n\n"
+      "N joints in the order of joint_names, which is the order of the output columns.")
       .def(
           "__init__",
           [](RobotHandle* self, const nb::object& name, const nb::object& data_dir,
@@ -129,33 +129,33 @@ void bind_robot(nb::module_& module) {
               "def __init__(self, name: str | os.PathLike[str] | None = None, *, data_dir: str | "
               "os.PathLike[str] | None = None, **options: "
               "typing_extensions.Unpack[retarget._options.RobotOptions]) -> None"),
-          "name: `unitree_g1`, `g1`, a robot's folder, or its model (.xml, .urdf).\n"
-          "data_dir: folder with robots/ and configs/; None: $RETARGET_DATA_DIR, else the "
+          "name: `unitree_g1`, `g1`, a robot folder, or a model file (.xml, .urdf).\n"
+          "data_dir: folder with robots/ and configs/; None: $RETARGET_DATA_DIR, otherwise the "
           "package's own.\n\n"
-          "Raises ConfigError: an unknown robot, errors in its files.")
+          "Raises ConfigError: unknown robot or errors in its files.")
       .def_prop_ro(
           "name", [](const RobotHandle& robot) { return name_of(robot.loaded.name); },
-          "Its full name; of a model file empty.")
+          "Full name; empty for a model file.")
       .def_prop_ro(
           "model", [](const RobotHandle& robot) { return path_of(robot.loaded.model); },
-          "The file of its MJCF or URDF.")
+          "MJCF or URDF file of the robot.")
       .def_prop_ro(
           "variant", [](const RobotHandle& robot) { return name_of(robot->variant().name); },
-          "Whose other joints are held; empty: the whole robot.")
+          "Variant of the robot, whose other joints are locked; empty: the whole robot.")
       .def_prop_ro("variants", &variants, nb::sig("def variants(self) -> list[str]"),
-                   "What `dof` may be.")
+                   "Valid values of `dof`.")
       .def_prop_ro("limit_sets", &limit_sets, nb::sig("def limit_sets(self) -> list[str]"),
-                   "What `limits` may be, beside a file.")
+                   "Valid values of `limits`, in addition to a file.")
       .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
-                   "N names, in the order of the output's columns.")
+                   "N names, in the order of the output columns.")
       .def_prop_ro(
           "body_names", [](const RobotHandle& robot) { return names_of(robot->body_names()); },
           nb::sig("def body_names(self) -> list[str]"),
-          "Of all bodies, the world first, as forward_kinematics gives them.")
+          "Names of all bodies, the world first, in the order of forward_kinematics.")
       .def("joint_limits", &joint_limits, "limits"_a = nb::none(),
            nb::sig("def joint_limits(self, limits: str | os.PathLike[str] | None = None) -> "
                    "numpy.ndarray"),
-           "(N, 2) float64, lower and upper, rad or m: of a set, a file, or the default.")
+           "(N, 2) float64, lower and upper limits, rad or m, from a set, a file, or the default.")
       .def_prop_ro("speed_limits", &speed_limits,
                    nb::sig("def speed_limits(self) -> numpy.ndarray"),
                    "(N,) float64, rad/s or m/s.")
@@ -166,7 +166,7 @@ void bind_robot(nb::module_& module) {
            nb::sig("def forward_kinematics(self, qpos: numpy.typing.ArrayLike) -> "
                    "tuple[numpy.ndarray, numpy.ndarray]"),
            "World positions (B, 3), metres, and rotations (B, 4), wxyz, of all bodies.\n\n"
-           "qpos: a configuration as a row of Motion.qpos.")
+           "qpos: a configuration, in the format of a row of Motion.qpos.")
       .def("__repr__", [](const RobotHandle& robot) {
         const std::string& name = robot.loaded.name;
         return fmt::format(

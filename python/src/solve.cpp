@@ -1,4 +1,4 @@
-// to_robot: from a clip to a robot's motion.
+// to_robot: converts a clip to a robot motion.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -7,14 +7,13 @@
 #include <mutex>
 #include <optional>
 
-#include "base/try.h"
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
-#include "options/fit_options.h"
-#include "options/run_tables.h"
 #include "raise.h"
+#include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/try.h"
 #include "solving_table.h"
 #include "watcher.h"
 
@@ -42,9 +41,9 @@ struct Solved {
 
 Result<Solved> solve_clip(const Clip& clip, const LoadedRobot& robot, const Options& options,
                           const SolveControl& control) {
-  TRY_ASSIGN(Plan plan, make_plan(clip, robot, options));
+  RETARGET_TRY_ASSIGN(Plan plan, make_plan(clip, robot, options));
   Solved solved{nullptr, plan.summary(), plan.human.doubts()};
-  TRY_ASSIGN(Motion motion, solve(std::move(plan), control));
+  RETARGET_TRY_ASSIGN(Motion motion, solve(std::move(plan), control));
   solved.motion = std::make_shared<const Motion>(std::move(motion));
   return solved;
 }
@@ -77,7 +76,7 @@ Watcher::Watcher(nb::object progress) : progress_(std::move(progress)) {}
 bool Watcher::keep_going(const Progress& now) {
   constexpr std::chrono::milliseconds kInterval{50};
   {
-    // asked often, from any thread: the GIL is taken now and then
+    // This is called often and from any thread, so it takes the GIL only at intervals.
     const std::lock_guard lock(mutex_);
     const auto time = std::chrono::steady_clock::now();
     if (time < next_) return true;

@@ -35,6 +35,60 @@ def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
     assert not (tmp_path / "out.csv").exists()
 
 
+NOT_GIVEN = (0, 0.0, "", b"", [], (), False)
+
+
+def test_arguments_of_a_wrong_type_raise_type_errors(
+        data: Path, walk: retarget.Clip, g1: retarget.Robot, walked: retarget.Motion) -> None:
+    calls = {
+        "clip: expected a Clip or a path, found NoneType": [
+            lambda: retarget.inspect(None), lambda: retarget.to_robot(None, g1),
+            lambda: retarget.to_robot(None, g1, source_fps=30)],
+        "file: expected a path, found": [
+            lambda: retarget.load(None), lambda: retarget.load(7), lambda: retarget.inspect([]),
+            lambda: retarget.to_robot(0, g1), lambda: retarget.load_motion(None, g1)],
+        "robot: expected a path, found": [lambda: retarget.Robot(0),
+                                          lambda: retarget.to_robot(walk, [])],
+        "fps: expected a string, found": [lambda: retarget.to_robot(walk, g1, fps=[])],
+        "antialias: expected True or False, found 0": [
+            lambda: retarget.edit.resample(walk, 30, antialias=0)],
+    }
+    for text, wrong in calls.items():
+        for call in wrong:
+            with pytest.raises(TypeError, match=text) as raised:
+                call()
+            # callers that catch the package's errors catch it, too
+            assert isinstance(raised.value, retarget.UsageError)
+            assert raised.value.kind == "usage"
+
+
+@pytest.mark.parametrize("given", NOT_GIVEN)
+def test_the_fit_s_options_are_a_mapping(given: object, walk, g1) -> None:
+    with pytest.raises(TypeError, match="fit: expected a mapping of options, found "):
+        retarget.to_robot(walk, g1, fit=given)
+
+
+def test_a_mapping_of_no_options_is_the_default_fit(walk, g1) -> None:
+    plain = retarget.to_robot(walk, g1, end=0.1).qpos.tobytes()
+    assert retarget.to_robot(walk, g1, end=0.1, fit={}).qpos.tobytes() == plain
+
+
+def test_an_empty_text_is_no_option_left_out(data: Path, walk, g1, tmp_path: Path) -> None:
+    """As at the command line: a variable of the environment that is not set must not read as a default."""
+    for name in ("limits", "ik_config", "fit_config", "map", "unit", "frames", "tpose_file"):
+        for empty in ("", b""):
+            with pytest.raises(retarget.UsageError, match=f"{name}: .* found an empty string"):
+                retarget.to_robot(walk, g1, **{name: empty})
+    for name in ("split", "clips", "shard", "relative_to", "base", "exclude", "list", "gate"):
+        with pytest.raises(retarget.UsageError, match=f"{name}: .* found an empty string"):
+            retarget.batch(data / "walk.bvh", tmp_path / "out", g1.name, **{name: ""})
+    for call in (lambda: retarget.Robot("g1", data_dir=""),
+                 lambda: retarget.inspect(walk, data_dir=b"")):
+        with pytest.raises(retarget.UsageError, match="found an empty string"):
+            call()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
                          walked: retarget.Motion, tmp_path: Path) -> None:
     wrong = [

@@ -29,7 +29,10 @@ def test_of_what_was_solved(clip: str, data: Path, tmp_path: Path, command) -> N
                          "--bvh", data / f"{clip}.bvh")
     report = retarget.evaluate(motion)
     assert report.data["fit"]["terms"]
-    own = {key: value for key, value in report.data.items() if key not in ("fit", "file")}
+    # a file does not tell whether its solver failed
+    of_run = ("fit", "file", "solver_failures")
+    own = {key: value for key, value in report.data.items() if key not in of_run}
+    own["gates"] = [gate for gate in own["gates"] if gate["metric"] not in of_run]
     assert own == {key: value for key, value in expected.items() if key != "file"}
 
 
@@ -58,7 +61,7 @@ def test_gates_and_faults(data: Path, walk: retarget.Clip, g1: retarget.Robot) -
     assert "peak_speed" in text or "peak speed" in text
     with pytest.raises(retarget.UsageError, match='did you mean "peak_speed"'):
         retarget.evaluate(motion, gates={"peek_speed": 1.0})
-    with pytest.raises(retarget.UsageError, match="expected a largest value"):
+    with pytest.raises(retarget.UsageError, match="expected a maximum"):
         retarget.evaluate(motion, gates={"peak_speed": "high"})
 
 
@@ -98,7 +101,7 @@ def test_what_was_solved_keeps_its_source(walk: retarget.Clip, g1: retarget.Robo
     assert whole.data["frames"] == len(motion) and whole.data["fps"] == 50.0
     for options in ({"fps": 30}, {"start": 0.5}, {"unit": "m"}, {"height": 1.5},
                     {"ik_config": "derived"}):
-        with pytest.raises(retarget.UsageError, match="measured as it was made"):
+        with pytest.raises(retarget.UsageError, match="measured with the options that it was made with"):
             retarget.evaluate(motion, **options)
 
 
@@ -116,7 +119,7 @@ def test_gates_of_any_mapping(walk: retarget.Clip, g1: retarget.Robot) -> None:
     for gates in (types.MappingProxyType({"peak_speed": [None, 0.1]}),
                   collections.ChainMap({"peak_speed": 0.1})):
         assert retarget.evaluate(motion, gates=gates).data == expected.data
-    with pytest.raises(retarget.UsageError, match="there is no metric"):
+    with pytest.raises(retarget.UsageError, match="unknown metric"):
         retarget.evaluate(motion, gates={"\udcff": 1.0})
-    with pytest.raises(retarget.UsageError, match="gates: expected a text"):
+    with pytest.raises(retarget.UsageError, match="gates: expected a string"):
         retarget.evaluate(motion, gates={7: 1.0})

@@ -50,27 +50,27 @@ def test_any_array(walk: retarget.Clip) -> None:
 
 def test_known_orders_need_no_names(walk: retarget.Clip) -> None:
     assert made(walk.positions, fps=30).joint_names[0] == "Hips"
-    with pytest.warns(retarget.RetargetWarning, match="in the order of LAFAN1"):
+    with pytest.warns(retarget.RetargetWarning, match="the joint order of LAFAN1"):
         retarget.Clip.from_positions(walk.positions, fps=30)
 
 
 @pytest.mark.parametrize("positions, names, keywords, text", [
-    (np.zeros((5, 22, 3)), None, {}, "no human in the order of SMPL"),
+    (np.zeros((5, 22, 3)), None, {}, "in the joint order of SMPL"),
     (np.zeros((5, 9, 3)), None, {}, "9 joints"),
     (np.zeros((5, 22)), None, {}, "positions"),
     (np.zeros((0, 22, 3)), None, {}, "positions"),
     (np.zeros((5, 3, 3)), ["a", "b"], {}, "positions"),
     (np.zeros((5, 2, 3)), ["a", "a"], {}, "two joints are called"),
-    (np.zeros((5, 2, 3)), ["a", "b"], {}, "no human in joints"),
-    (np.zeros((5, 2, 3)), "ab", {}, "names: expected a sequence of texts"),
+    (np.zeros((5, 2, 3)), ["a", "b"], {}, "no human found in the joints"),
+    (np.zeros((5, 2, 3)), "ab", {}, "names: expected a sequence of strings"),
     (np.zeros((5, 2, 3)), [], {}, "names: expected at least one joint"),
     (np.full((5, 22, 3), np.nan), None, {}, "positions"),
-    (np.full((5, 22, 3), 1e12), None, {}, "no place of a body"),
+    (np.full((5, 22, 3), 1e12), None, {}, "out of range"),
     (None, None, {}, "positions"),
     ([["a"]], None, {}, "positions"),
     (np.zeros((5, 22, 3)), None, {"fps": 0}, "fps"),
     (np.zeros((5, 22, 3)), None, {"fps": "fast"}, "fps"),
-    (np.zeros((5, 22, 3)), None, {"name": 3}, "name: expected a text"),
+    (np.zeros((5, 22, 3)), None, {"name": 3}, "name: expected a string"),
 ])
 def test_what_is_no_motion(positions: Any, names: Any, keywords: dict[str, Any],
                            text: str) -> None:

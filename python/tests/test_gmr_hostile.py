@@ -196,7 +196,7 @@ def test_bad_configurations(qpos) -> None:
 @pytest.mark.parametrize("changes, expected", [
     ({"tgt_robot": "unitree_g2"}, "did you mean 'unitree_g1'"),
     ({"src_human": "bvh_lafan"}, "did you mean 'bvh_lafan1'"),
-    ({"tgt_robot": "unitree_h1"}, "for 'unitree_h1', but for unitree_g1.*ik_config takes a file"),
+    ({"tgt_robot": "unitree_h1"}, "for 'unitree_h1', only for unitree_g1.*ik_config accepts a file"),
     ({"src_human": "fbx_offline"}, "no tables of 'fbx_offline' for 'unitree_g1'; ik_config"),
     ({"actual_human_height": 0.0}, "expected metres"),
     ({"actual_human_height": -1.7}, "expected metres"),
@@ -230,7 +230,7 @@ def _tables() -> dict:
     (lambda t: t["ik_match_table1"].update(pelvis=["Hips"]), "must be"),
     (lambda t: t["ik_match_table1"].update(pelvsi=t["ik_match_table1"].pop("pelvis")),
      "did you mean"),
-    (lambda t: t.update(robot_initial_qpos={"knee": 1.0}), "no such joint"),
+    (lambda t: t.update(robot_initial_qpos={"knee": 1.0}), "not a joint of the robot"),
     (lambda t: t.update(robot_initial_qpos={"left_knee_joint": "bent"}), "not a position"),
 ])
 def test_bad_tables(fault, expected, tmp_path) -> None:

@@ -63,6 +63,16 @@ def test_an_interrupt(method: str, long_walk: retarget.Clip, g1: retarget.Robot)
     timer.join()
 
 
+def test_an_interrupt_where_a_shell_runs_the_tests_in_the_background() -> None:
+    """Such a shell ignores SIGINT, and so would Python and all that it starts."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider",
+         f"{Path(__file__).resolve()}::test_an_interrupt"],
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN), text=True,
+        capture_output=True, timeout=300)
+    assert done.returncode == 0 and "2 passed" in done.stdout, done.stdout + done.stderr
+
+
 def test_others_run_meanwhile(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     counted = 0
     stop = threading.Event()
@@ -102,6 +112,24 @@ def test_a_batch(data: Path, tmp_path: Path, command) -> None:
         retarget.batch(tmp_path / "clips", tmp_path / "python", "g1", resume=True, redo=True)
     with pytest.raises(retarget.UsageError, match='did you mean "jobs"'):
         retarget.batch(tmp_path / "clips", tmp_path / "python", "g1", job=2)
+
+
+def test_the_base_of_a_batch_is_the_robots(data: Path, tmp_path: Path) -> None:
+    clip = tmp_path / "clips/a/walk.bvh"
+    clip.parent.mkdir(parents=True)
+    clip.write_bytes((data / "walk.bvh").read_bytes())
+    options = {"method": "gmr", "end": 0.2}
+    retarget.batch(clip, tmp_path / "held", "unitree_g1", base="fixed",
+                   relative_to=tmp_path / "clips", **options)
+    rows = (tmp_path / "held/a/walk.csv").read_text().splitlines()
+    assert {tuple(map(float, row.split(",")[:7])) for row in rows} == {(0, 0, 0.793, 0, 0, 0, 1)}
+    # a folder, as its former meaning
+    result = retarget.batch(clip, tmp_path / "kept", "unitree_g1", base=tmp_path / "clips",
+                            **options)
+    assert (tmp_path / "kept/a/walk.csv").exists()
+    assert any("base DIR is now relative_to DIR" in note for note in result.notes)
+    with pytest.raises(retarget.UsageError, match="base must be auto or fixed"):
+        retarget.batch(clip, tmp_path / "wrong", "unitree_g1", base="fxied", **options)
 
 
 def test_an_interrupted_batch_goes_on_later(walk: retarget.Clip, tmp_path: Path) -> None:

@@ -42,15 +42,14 @@ Result<fs::path> find_data_folder(const DataFolderSearch& search) {
   if (!binaries.empty()) {
     const fs::path installed = (binaries / ".." / "share" / "retarget").lexically_normal();
     if (holds_data(installed)) return installed;
-
-    for (fs::path folder = binaries;; folder = folder.parent_path()) {
-      if (holds_data(folder) && has_folder(folder / "include", "retarget")) return folder;
-      if (folder == folder.parent_path()) break;
-    }
   }
   if (!search.installed.empty() && holds_data(search.installed)) return fs::path(search.installed);
+  for (fs::path folder = binaries; !folder.empty(); folder = folder.parent_path()) {
+    if (holds_data(folder) && has_folder(folder / "include", "retarget")) return folder;
+    if (folder == folder.parent_path()) break;
+  }
   return config_failure(
-      "", "no data folder with robots/ and configs/ found beside the program",
+      "", "no data folder with robots/ and configs/ found relative to the program",
       std::string("set it with " OPTION("data-dir") " DIR or the environment variable ") +
           kVariable);
 }
@@ -64,6 +63,17 @@ Result<fs::path> find_data_folder(const std::optional<std::string>& chosen_by_fl
   std::error_code unknown;
   search.executable = fs::read_symlink("/proc/self/exe", unknown);
   return find_data_folder(search);
+}
+
+std::optional<fs::path> user_data_folder() {
+  const auto folder_in = [](const char* variable) -> std::optional<fs::path> {
+    const char* value = std::getenv(variable);
+    if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
+    return fs::path(value);
+  };
+  if (const auto data = folder_in("XDG_DATA_HOME")) return *data / "retarget";
+  if (const auto home = folder_in("HOME")) return *home / ".local" / "share" / "retarget";
+  return std::nullopt;
 }
 
 }  // namespace retarget

@@ -52,7 +52,7 @@ std::string option_as_flag(std::string_view name) {
 }
 
 std::string spell_options(std::string_view text, OptionSpelling spelling) {
-  // OPTION() makes the marks
+  // The marks that OPTION() inserts.
   constexpr char kBegin = '\x0e', kEnd = '\x0f';
   std::string spelled;
   while (true) {

@@ -4,7 +4,8 @@
 
 namespace retarget {
 
-/// Exit code of a process that ends with an error of this kind; README lists them for users.
+/// Exit code of a process that ends with an error of this kind. The README lists the codes for
+/// users.
 [[nodiscard]] constexpr int exit_code_of(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::kUsage:

@@ -7,34 +7,36 @@
 #include <utility>
 #include <vector>
 
-#include "base/suggest.h"
 #include "retarget/error.h"
+#include "retarget/text.h"
 
 namespace retarget {
 
-/// Collects what is wrong with a configuration file, so that a user mends it once. A file may hold
-/// more faults than anybody reads, and names as long as itself: of both only the beginning is kept.
+/// Collects the errors in a configuration file, so that the user can fix all of them at once. Only
+/// the first 100 errors are kept, and only the first 4,000 bytes of each message: a malformed file
+/// can hold millions, and names as long as the file itself.
 class Faults {
  public:
   void add(std::string fault) {
     if (++count_ > kMaxListed) return;
     if (fault.size() > kMaxLength) {
       std::size_t end = kMaxLength;
-      // not within a character of several bytes
+      // Do not cut a multi-byte UTF-8 character in half.
       while (end > 0 && (static_cast<unsigned char>(fault[end]) & 0xC0) == 0x80) --end;
       fault = fault.substr(0, end) + "...";
     }
     faults_.push_back(std::move(fault));
   }
-  /// did_you_mean() for a fault that is added next; nothing where it will not be listed.
+  /// did_you_mean() for the fault that is added next. Empty when that fault will not be listed.
   [[nodiscard]] std::string suggestion(std::string_view name,
                                        std::span<const std::string> candidates) const {
     return count_ < kMaxListed ? did_you_mean(name, candidates) : std::string();
   }
   [[nodiscard]] bool empty() const { return count_ == 0; }
 
-  /// One fault as it is; several as a list under a line that counts them, the first 100 of them.
-  /// @param what  what is at fault, such as `the configuration`.
+  /// A failure that holds the single fault, or a list of the first 100 faults under a line with
+  /// their number.
+  /// @param what  the faulty object, such as `the configuration`.
   [[nodiscard]] Failure failure_in(const std::string& file, const std::string& what) const {
     if (count_ == 1) return config_failure(file, faults_.front());
     Failure failure = config_failure(file, std::to_string(count_) + " errors in " + what);
@@ -51,7 +53,7 @@ class Faults {
   static constexpr std::size_t kMaxLength = 4000;
 
   std::vector<std::string> faults_;
-  std::size_t count_ = 0;  // those that are not kept included
+  std::size_t count_ = 0;  // Includes faults that are not kept.
 };
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "base/file.h"
+#include "retarget/file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -30,14 +30,14 @@ Failure read_failure(ErrorKind kind, const std::string& path, int error_number) 
                   {shown_input(path), 0, 0},
                   "cannot read the file: " + system_message(error_number),
                   {},
-                  error_number == EISDIR ? "name a file in it" : ""});
+                  error_number == EISDIR ? "give a file in it" : ""});
 }
 
 Failure write_failure(const std::string& name, int error_number) {
   const std::string path = name == "-" ? "standard output" : name;
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   return run_failure(path, "cannot write the file: " + system_message(error_number),
-                     full ? "no partial file was left; free some space or write elsewhere" : "");
+                     full ? "no partial file remains; free some space or write elsewhere" : "");
 }
 
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t max,
@@ -49,7 +49,7 @@ Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t m
                   std::string(hint)});
 }
 
-// closes a descriptor that is only read from, whatever path leaves the function
+// Closes the descriptor on every return path unless it is standard input.
 struct Reader {
   int descriptor;
   bool owned;
@@ -63,7 +63,7 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// the file that a path names in the end, which need not exist: a link may point nowhere yet
+// Resolves symbolic links. The final file may not exist: a link can dangle.
 std::string follow_links(const std::string& path) {
   constexpr int kMaxLinks = 40;
   std::filesystem::path target = path;
@@ -71,7 +71,7 @@ std::string follow_links(const std::string& path) {
   for (int i = 0; i < kMaxLinks; ++i) {
     const auto next = std::filesystem::read_symlink(target, error);
     if (error) break;
-    // an absolute link takes the place of the folder
+    // operator/ replaces the folder when the link is absolute.
     target = target.parent_path() / next;
   }
   return target.string();
@@ -81,7 +81,7 @@ constexpr int kMaxNames = 1000;
 constexpr std::string_view kTemporaryBegin = ".retarget-";
 constexpr std::string_view kTemporaryEnd = ".tmp";
 
-// gives a nameless file a name that nothing has; 0, or -1 with errno
+// Gives an unnamed file a name that is not taken. Returns 0, or -1 with errno.
 int link_to_new_name(int descriptor, const std::string& target, std::string& name) {
   const std::string handle = "/proc/self/fd/" + std::to_string(descriptor);
   for (int number = 0; number < kMaxNames; ++number) {
@@ -95,7 +95,7 @@ int link_to_new_name(int descriptor, const std::string& target, std::string& nam
   return -1;
 }
 
-// a new empty file beside the target, for file systems without nameless files
+// Creates a new empty file next to the target, for file systems without unnamed files.
 int create_named(const std::string& target, std::string& name) {
   for (int number = 0; number < kMaxNames; ++number) {
     name = temporary_path(target, number);
@@ -132,7 +132,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
   struct stat info {};
   if (::fstat(reader.descriptor, &info) != 0) return read_failure(kind, path, errno);
   if (S_ISDIR(info.st_mode)) return read_failure(kind, path, EISDIR);
-  // a device such as /dev/zero may never end
+  // A device such as /dev/zero may never end.
   if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
 
   const bool regular = S_ISREG(info.st_mode);
@@ -140,7 +140,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
     return too_large_failure(kind, path, max, too_large);
   }
 
-  // the size is a guess that saves copies; the file may be a pipe, or grow
+  // The size only saves copies: the file may be a pipe, or grow while it is read.
   std::size_t room = regular ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
   auto bytes = std::make_unique_for_overwrite<char[]>(room);
   std::size_t used = 0;
@@ -192,13 +192,13 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   }
   TRY(check_output_folder(path));
   struct stat info {};
-  std::optional<mode_t> mode;  // of the file that is replaced
+  std::optional<mode_t> mode;  // Mode of the file that is replaced.
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) {
       return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
     }
     file.direct_ = !S_ISREG(info.st_mode);
-    // replacing needs the folder's permission alone; who made a file read-only means the file
+    // rename() needs only the folder's permission, so respect a read-only file explicitly.
     if (!file.direct_ && ::access(path.c_str(), W_OK) != 0) return write_failure(path, errno);
     mode = info.st_mode & 07777;
   } else if (errno != ENOENT) {
@@ -210,7 +210,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     return file;
   }
 
-  // a link is kept and the file that it names is replaced
+  // Keep a symbolic link and replace the file that it points to.
   file.target_ = follow_links(path);
   TRY(check_output_folder(file.target_));
 
@@ -262,7 +262,7 @@ Result<void> OutputFile::write(std::string_view bytes) {
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) {
       const int error_number = errno;
-      // half a file must not be committed by a caller who goes on
+      // The caller may go on, but must not be able to commit half a file.
       discard();
       return write_failure(path_, error_number);
     }
@@ -279,7 +279,7 @@ Result<void> OutputFile::commit() {
   }
   if (::fsync(descriptor_) != 0) return write_failure(path_, errno);
   if (temporary_.empty()) {
-    // only a rename replaces in one step, and it needs a name beside the target
+    // Only rename() replaces a file atomically, and it needs a named source in the same folder.
     if (link_to_new_name(descriptor_, target_, temporary_) != 0) {
       return write_failure(path_, errno);
     }
@@ -297,7 +297,7 @@ std::string temporary_path(const std::string& target, int number) {
 
 bool is_temporary_name(std::string_view name) {
   if (!name.starts_with(kTemporaryBegin) || !name.ends_with(kTemporaryEnd)) return false;
-  // two numbers between them: names of others may begin and end alike
+  // Require two numbers in between, since names of other programs may have the same ends.
   name.remove_prefix(kTemporaryBegin.size());
   name.remove_suffix(std::min(kTemporaryEnd.size(), name.size()));
   const std::size_t middle = name.find('-');

@@ -5,17 +5,17 @@
 #include <optional>
 #include <utility>
 
-#include "base/file.h"
 #include "base/json_bounds.h"
-#include "base/printable.h"
 #include "base/try.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// deeper nesting means nothing to us, and recursive code would run out of stack
+// Useful files are never nested this deep, and recursive code would overflow the stack.
 constexpr std::size_t kMaxDepth = 100;
-// a member is sought among all of its object, so that time grows with the square of their number
+// The parser searches the members of an object linearly, so time grows with their number squared.
 constexpr std::size_t kMaxMembers = 2000;
 constexpr std::size_t kMaxMembersInAll = 200'000;
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
@@ -24,12 +24,12 @@ constexpr std::size_t kMaxReasonLength = 200;
 
 std::string cut_short(std::string text, std::size_t length) {
   if (text.size() <= length) return text;
-  // not within a character of several bytes
+  // Do not cut a multi-byte UTF-8 character in half.
   while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
   return text.substr(0, length) + "...";
 }
 
-// nlohmann's text without its own prefix and position, which is counted anew below
+// Strips the prefix and the position from nlohmann's message; json_failure computes the position.
 std::string reason_of(const nlohmann::json::exception& error) {
   std::string reason = error.what();
   if (const auto bracket = reason.find("] "); bracket != std::string::npos) {
@@ -42,7 +42,7 @@ std::string reason_of(const nlohmann::json::exception& error) {
   return cut_short(reason, kMaxReasonLength);
 }
 
-// @param offset  of the byte at fault; the size of the text for its end
+// @param offset  byte offset of the error; the size of the text for its end
 Failure json_failure(std::string_view text, const std::string& file, std::size_t offset,
                      const std::string& reason) {
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
@@ -62,13 +62,13 @@ struct Excess {
   std::string what;
 };
 
-// where a text is more than is parsed
+// Finds the first position at which a text exceeds the bounds.
 std::optional<Excess> excess_of(std::string_view text) {
   if (text.size() > kMaxBytes) {
     return Excess{kMaxBytes, "more than " + std::to_string(kMaxBytes) + " bytes"};
   }
   std::size_t depth = 0, all = 0;
-  std::array<std::size_t, kMaxDepth + 1> members{};  // of the objects around, by depth
+  std::array<std::size_t, kMaxDepth + 1> members{};  // Counts for the enclosing objects, by depth.
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -96,7 +96,7 @@ std::optional<Excess> excess_of(std::string_view text) {
   return std::nullopt;
 }
 
-// nlohmann does not say where a number is that does not fit, but quotes it
+// For a number out of range, nlohmann quotes the number instead of giving its position.
 std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
   const std::size_t open = reason.find('\'');
   const std::size_t close = reason.rfind('\'');
@@ -117,7 +117,7 @@ Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::stri
   try {
     return nlohmann::ordered_json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
-    // its count of bytes is 1-based
+    // nlohmann counts bytes from 1.
     return json_failure(text, file, error.byte > 0 ? error.byte - 1 : 0, reason_of(error));
   } catch (const nlohmann::json::exception& error) {
     const std::string reason = reason_of(error);
@@ -126,7 +126,7 @@ Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::stri
 }
 
 Result<nlohmann::ordered_json> load_json(const std::string& path) {
-  // what is beyond the bound says so with its place
+  // Read more than the bound, so that parse_json reports the excess with line and column.
   TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, 2 * kMaxBytes));
   return parse_json(text.view(), path);
 }

@@ -8,21 +8,21 @@
 
 namespace retarget {
 
-/// Parses JSON; members keep their order, and of members by the same name the last one counts.
+/// Parses JSON. Members keep their order; of duplicate keys the last one wins.
 ///
-/// Syntax errors, numbers beyond the range of double, and what check_json_bounds refuses are kConfig
-/// errors with line and column.
+/// Returns kConfig errors with line and column for syntax errors, for numbers beyond the range of
+/// double, and for text that check_json_bounds refuses.
 [[nodiscard]] Result<nlohmann::ordered_json> parse_json(std::string_view text,
                                                         const std::string& file);
 
-/// parse_json of a file.
+/// Reads and parses a JSON file; see parse_json.
 [[nodiscard]] Result<nlohmann::ordered_json> load_json(const std::string& path);
 
-/// For people and other programs: two blanks a level, a line end at the end. What would command a
-/// terminal, and bytes that are no UTF-8, are escaped or replaced.
+/// Formats JSON with an indentation of two spaces and a final newline. Terminal control characters
+/// are escaped, invalid UTF-8 is replaced.
 [[nodiscard]] std::string printable_dump(const nlohmann::ordered_json& json);
 
-/// A value for a message: as JSON, cut short where it is long.
+/// A value as JSON for a message, truncated when it is long.
 [[nodiscard]] std::string short_text(const nlohmann::ordered_json& json);
 
 }  // namespace retarget

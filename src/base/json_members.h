@@ -13,8 +13,8 @@
 
 namespace retarget {
 
-/// A value of a type: a bool, a number, a text, or a list of them. Nothing for JSON of another type,
-/// and for a whole number that T cannot hold.
+/// Converts a JSON value to T: bool, a number, a string, or a list of them. Returns nothing for
+/// JSON of another type and for integers that T cannot represent.
 template <typename T>
 [[nodiscard]] std::optional<T> value_from(const nlohmann::ordered_json& json) {
   if constexpr (std::is_same_v<T, bool>) {
@@ -27,7 +27,7 @@ template <typename T>
     const auto fitting = [](auto number) {
       return std::in_range<T>(number) ? std::optional<T>(static_cast<T>(number)) : std::nullopt;
     };
-    // in this order: JSON's unsigned numbers count as integers as well
+    // Test unsigned first: nlohmann counts unsigned numbers as integers, too.
     if (json.is_number_unsigned()) return fitting(json.get<std::uint64_t>());
     if (json.is_number_integer()) return fitting(json.get<std::int64_t>());
   } else {
@@ -43,27 +43,27 @@ template <typename T>
   return std::nullopt;
 }
 
-/// Reads members of a JSON object that may be left out. Of another type they count as left out, and
-/// are a fault.
+/// Reads optional members of a JSON object. A member of the wrong type is reported as a fault and
+/// treated as missing.
 class JsonMembers {
  public:
   using Json = nlohmann::ordered_json;
 
-  /// @param json   an object; it and faults must outlive the reader.
-  /// @param where  before each fault, such as `variant "23": `.
+  /// @param json   an object; `json` and `faults` must outlive the reader.
+  /// @param where  prefix of each fault, such as `variant "23": `.
   JsonMembers(const Json& json, Faults& faults, std::string where = {})
       : json_(json), faults_(faults), where_(std::move(where)) {}
 
-  /// Other keys than these are faults.
+  /// Reports every key that is not in `known` as a fault.
   void check_keys(const std::vector<std::string>& known) const;
-  /// Of any type; null where it is left out.
+  /// A member of any type; null when missing.
   [[nodiscard]] const Json* find(const std::string& key) const;
   [[nodiscard]] std::string text(const std::string& key) const;
-  /// False where it is left out.
+  /// False when missing.
   [[nodiscard]] bool flag(const std::string& key) const;
-  /// Null where it is left out.
+  /// Null when missing.
   [[nodiscard]] const Json* list(const std::string& key) const;
-  /// Empty where it is left out.
+  /// Empty when missing.
   [[nodiscard]] const Json& object(const std::string& key) const;
 
  private:
@@ -74,7 +74,7 @@ class JsonMembers {
   std::string where_;
 };
 
-/// [x, y, z]; nothing for what is no list of three numbers.
+/// Reads [x, y, z]. Returns nothing unless the value is a list of three numbers.
 [[nodiscard]] std::optional<Eigen::Vector3d> vector_from(const nlohmann::ordered_json& json);
 
 }  // namespace retarget

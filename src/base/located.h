@@ -6,8 +6,8 @@
 
 namespace retarget {
 
-/// A result whose error, where it is one of the input and names no file, is about this one: for those
-/// who know where the input came from, which what they call need not.
+/// Adds a file name to an input error that has none. For callers that know the input file when the
+/// functions they call do not.
 template <typename T>
 [[nodiscard]] Result<T> located(Result<T> result, std::string_view file) {
   if (!result && result.error().kind == ErrorKind::kInput && result.error().location.file.empty()) {

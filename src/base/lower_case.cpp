@@ -1,4 +1,4 @@
-#include "base/lower_case.h"
+#include "retarget/text.h"
 
 #include <algorithm>
 

@@ -12,13 +12,14 @@
 #include <thread>
 #include <vector>
 
-#include "base/file.h"
 #include "retarget/error.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {
 
-// a file's first word that is a number (`max` and -1, which mean no bound, are none), or a later one
+// Parses the first word of a file, or a later one, as a number. Returns nothing for `max` and -1,
+// which mean no limit.
 std::optional<std::uint64_t> number_in(const std::string& path, int words_before = 0) {
   const auto file = read_file(path, ErrorKind::kRun);
   if (!file) return std::nullopt;
@@ -32,11 +33,10 @@ std::optional<std::uint64_t> number_in(const std::string& path, int words_before
   return error == std::errc() ? std::optional(number) : std::nullopt;
 }
 
-// the folders of the control groups that a process is in, of both versions, by the controller's
-// name; groups above come after those below
+// Folders of the control groups (v1 and v2) of a process for one controller, innermost group first.
 struct ControlGroup {
   std::string folder;
-  bool unified = false;  // version 2
+  bool unified = false;  // cgroup v2.
 };
 std::vector<ControlGroup> control_groups(const std::string& root_of_all,
                                          const std::string& membership,
@@ -55,7 +55,7 @@ std::vector<ControlGroup> control_groups(const std::string& root_of_all,
     const std::string wanted = "," + std::string(controller) + ",";
     if (!unified && ("," + controllers + ",").find(wanted) == std::string::npos) continue;
     const std::string root = root_of_all + (unified ? "" : "/" + std::string(controller));
-    // a limit of a group above holds as well
+    // Limits of parent groups apply as well.
     for (std::string group = line.substr(second + 1);; group.erase(group.rfind('/'))) {
       found.push_back({root + (group == "/" ? "" : group), unified});
       if (group.find('/') == std::string::npos) break;
@@ -64,7 +64,7 @@ std::vector<ControlGroup> control_groups(const std::string& root_of_all,
   return found;
 }
 
-// how many processors' time a group has: quota over period, nothing where it has no bound
+// CPU quota of a group in processors (quota over period). Returns nothing when it is unlimited.
 std::optional<double> processors_of(const ControlGroup& group) {
   const std::string two_numbers = group.folder + "/cpu.max";
   const auto quota =
@@ -78,7 +78,7 @@ std::optional<double> processors_of(const ControlGroup& group) {
 }  // namespace
 
 int usable_cores(const ControlGroupFiles& files) {
-  // threads that share less time than they are only wait for each other
+  // More threads than available CPU time would only wait for each other.
   double min = std::max(1U, std::thread::hardware_concurrency());
   for (const ControlGroup& group : control_groups(files.root, files.membership, "cpu")) {
     if (const auto processors = processors_of(group)) min = std::min(min, *processors);

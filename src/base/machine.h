@@ -5,18 +5,18 @@
 
 namespace retarget {
 
-/// Where the system tells of control groups.
+/// Files in which Linux describes control groups (cgroups).
 struct ControlGroupFiles {
   std::string root = "/sys/fs/cgroup";
-  std::string membership = "/proc/self/cgroup";  ///< The groups that this process is in.
+  std::string membership = "/proc/self/cgroup";  ///< The groups of this process.
 };
 
-/// The processors that this process may use: the machine's, fewer where its affinity or the time
-/// of its control group (both versions), rounded up, leave fewer.
+/// The number of processors available to this process: those of the machine, limited by the CPU
+/// affinity and by the CPU quota of the control group (v1 or v2), rounded up.
 [[nodiscard]] int usable_cores(const ControlGroupFiles& files = {});
 
-/// The memory that this process may use, bytes: the machine's, or less where its control group has
-/// a limit. 0: not known.
+/// The memory available to this process in bytes: that of the machine, limited by the control
+/// group. 0: unknown.
 [[nodiscard]] std::uint64_t usable_memory(const ControlGroupFiles& files = {});
 
 }  // namespace retarget

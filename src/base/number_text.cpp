@@ -1,4 +1,4 @@
-#include "base/number_text.h"
+#include "retarget/text.h"
 
 #include <array>
 #include <charconv>
@@ -7,7 +7,7 @@
 namespace retarget {
 
 std::string number_text(double value, int decimals) {
-  // the largest double has 309 digits before the point
+  // The largest double has 309 digits before the point.
   std::array<char, 400> digits;
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                           std::chars_format::fixed, decimals);

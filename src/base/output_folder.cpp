@@ -11,8 +11,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
 #include "base/try.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {
@@ -24,23 +24,23 @@ Failure folder_failure(const std::string& path, int error_number) {
                      "cannot write the folder: " + std::generic_category().message(error_number));
 }
 
-// of the name that an old folder has while the new one takes its place
+// Number of the temporary name of an old folder while the new one replaces it.
 constexpr int kAsideNumber = 1001;
 
-// a slash at the end names the same folder
+// Strips trailing slashes, which name the same folder.
 std::string plain_path(std::string path) {
   while (path.size() > 1 && path.ends_with('/')) path.pop_back();
   return path;
 }
 
-// on the disk before anything has its name
+// Flushes a folder to disk before it gets its final name.
 Result<void> flush_folder(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return folder_failure(path, errno);
   const int flushed = ::fsync(descriptor);
   const int error_number = errno;
   ::close(descriptor);
-  // file systems that cannot do it for folders have no say
+  // Some file systems do not support fsync on folders; ignore them.
   if (flushed != 0 && error_number != EINVAL) return folder_failure(path, error_number);
   return {};
 }
@@ -55,7 +55,7 @@ Result<OutputFolder> OutputFolder::create(const std::string& given,
   std::error_code error;
   const fs::file_status there = fs::status(folder.path_, error);
   if (fs::exists(there) && !fs::is_directory(there)) {
-    return usage_failure("the output \"" + folder.path_ + "\" is a file and should be a folder",
+    return usage_failure("the output \"" + folder.path_ + "\" is a file, expected a folder",
                          "give another name");
   }
   if (fs::is_directory(there)) {
@@ -63,7 +63,7 @@ Result<OutputFolder> OutputFolder::create(const std::string& given,
       const std::string name = file.filename().string();
       if (std::ranges::find(own, name) != own.end()) continue;
       return usage_failure("the folder \"" + folder.path_ + "\" holds \"" + name +
-                               "\", which is no part of a motion and would be lost",
+                               "\", which is not part of a motion and would be lost",
                            "give another name, or an empty folder");
     }
   }
@@ -103,7 +103,7 @@ Result<void> OutputFolder::write(const std::string& name, std::string_view bytes
   if (temporary_.empty()) return folder_failure(path_, EBADF);
   auto written = write_file(temporary_ + "/" + name, bytes);
   if (written) return {};
-  // nobody knows the temporary folder's name
+  // Report the final name, because the user does not know the temporary one.
   written.error().location.file = path_ + "/" + name;
   discard();
   return written;
@@ -117,14 +117,14 @@ Result<void> OutputFolder::commit() {
     return {};
   }
   if (errno != ENOTEMPTY && errno != EEXIST) return folder_failure(path_, errno);
-    // a folder is there: both change places, and the old one goes with the temporary name
+    // The folder exists: exchange both, then delete the old one under the temporary name.
 #ifdef RENAME_EXCHANGE
   if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
     discard();
     return {};
   }
 #endif
-  // file systems that cannot exchange: there is a moment without either
+  // Without an atomic exchange, there is a moment in which neither folder exists.
   const std::string aside = temporary_path(path_, kAsideNumber);
   if (::rename(path_.c_str(), aside.c_str()) != 0) return folder_failure(path_, errno);
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {

@@ -8,15 +8,16 @@
 
 namespace retarget {
 
-/// A folder of files that appears whole or not at all.
+/// A folder that is written completely or not at all.
 ///
-/// Files go to a temporary folder beside `path`, which `commit` puts in its place in one step; a
-/// folder that was there goes away. Destroyed without commit, nothing remains.
+/// Files go to a temporary folder next to `path`. `commit` moves it to `path` in one step and
+/// removes a folder that was there before. Destruction without commit discards the temporary
+/// folder.
 class OutputFolder {
  public:
-  /// Errors: no folder to be in, something else there; (kUsage) a folder with files of other names
-  /// than `own`, which are not ours to remove.
-  /// @param own  names of files that the folder may hold already.
+  /// Creates the temporary folder. Errors: the parent folder is missing; (kUsage) `path` is a file,
+  /// or a folder with files that are not in `own` and would be lost.
+  /// @param own  names of files that an existing folder may hold.
   [[nodiscard]] static Result<OutputFolder> create(const std::string& path,
                                                    const std::vector<std::string>& own);
   ~OutputFolder();
@@ -33,7 +34,7 @@ class OutputFolder {
   void discard();
 
   std::string path_;
-  std::string temporary_;  // empty: nothing is left to do
+  std::string temporary_;  // Empty after commit or discard.
 };
 
 }  // namespace retarget

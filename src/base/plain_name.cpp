@@ -1,4 +1,4 @@
-#include "base/plain_name.h"
+#include "retarget/file.h"
 
 #include <algorithm>
 #include <system_error>
@@ -18,7 +18,7 @@ bool is_plain_name(std::string_view name) {
 }
 
 bool is_plain_path(std::string_view path) {
-  // the system's calls would end at a zero byte and see another path
+  // System calls would stop at a zero byte and use another path.
   if (path.empty() || path.find('\0') != std::string_view::npos) return false;
   const fs::path parts(path);
   return parts.is_relative() && std::ranges::find(parts, "..") == parts.end() &&

@@ -1,4 +1,4 @@
-#include "base/printable.h"
+#include "retarget/text.h"
 
 #include <array>
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// of a well-formed character
+// Code point of a well-formed UTF-8 character.
 std::uint32_t code_point(std::string_view character) {
   const auto lead = static_cast<unsigned char>(character.front());
   if (character.size() == 1) return lead;
@@ -30,7 +30,7 @@ bool is_command(std::uint32_t code) {
          within(0x2028, 0x202E) || within(0x2066, 0x2069);
 }
 
-// the text with put(code) in place of commands; a byte that is no character counts as its own code
+// Replaces each control character by put(code). An invalid byte counts as a code of its own.
 template <typename Put>
 std::string replaced(std::string_view text, const Put& put) {
   std::string result;

@@ -1,4 +1,4 @@
-#include "base/suggest.h"
+#include "retarget/text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -8,9 +8,9 @@
 namespace retarget {
 namespace {
 
-// half steps, so that a wrong case costs less than a wrong letter
+// Costs count half steps, so that a wrong case can cost less than a wrong letter.
 constexpr int kLetterCost = 2;
-// what is longer is no slip of the keyboard, and comparing it would take the square of its length
+// Longer names are not typing errors, and comparing them takes quadratic time.
 constexpr std::size_t kMaxNameLength = 100;
 
 int substitution_cost(char a, char b) {
@@ -19,7 +19,7 @@ int substitution_cost(char a, char b) {
   return lower(a) == lower(b) ? kLetterCost / 2 : kLetterCost;
 }
 
-// the distance, or some number that is no less than `most` where it is no less
+// The edit distance, or any number of at least `max` if it is at least `max`.
 int edit_distance(std::string_view a, std::string_view b, int max) {
   const std::size_t width = b.size() + 1;
   std::vector<int> before(width), last(width), row(width);
@@ -32,7 +32,7 @@ int edit_distance(std::string_view a, std::string_view b, int max) {
       const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
       if (swapped) row[j] = std::min(row[j], before[j - 2] + kLetterCost);
     }
-    // from two rows that are as far nothing nearer follows
+    // The distance cannot fall below the minimum of two consecutive rows.
     if (*std::ranges::min_element(row) >= max && *std::ranges::min_element(last) >= max) {
       return max;
     }
@@ -47,7 +47,7 @@ int edit_distance(std::string_view a, std::string_view b, int max) {
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
   std::string nearest;
   if (name.size() > kMaxNameLength) return nearest;
-  // a third of the letters wrong is no typing mistake any more
+  // A name with more than a third of its letters wrong is not a typing error.
   int best = kLetterCost * std::max<int>(1, static_cast<int>(name.size()) / 3) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t longer = std::max(name.size(), candidate.size());

@@ -15,7 +15,7 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first <= 0xDF) return follows(1) ? 2 : 0;
   if (first >= 0xE0 && first <= 0xEF) {
-    // neither longer than need be nor half of a pair
+    // Exclude overlong forms and surrogates.
     const bool sound = follows(1) && follows(2) && (first != 0xE0 || second >= 0xA0) &&
                        (first != 0xED || second < 0xA0);
     return sound ? 3 : 0;

@@ -1,20 +1,20 @@
-#include "base/wrapped_text.h"
+#include "retarget/text.h"
 
 #include <algorithm>
 
 namespace retarget {
 namespace {
 
-// of UTF-8: bytes that continue a character take no column
+// Counts UTF-8 characters: continuation bytes take no column.
 std::size_t columns_of(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char c) { return (static_cast<unsigned>(c) & 0xC0U) != 0x80U; }));
 }
 
-// one line, which has no line end
+// Wraps one line, which contains no line end.
 void append_wrapped(std::string& out, std::string_view line, std::size_t used, std::size_t indent,
                     std::size_t width) {
-  // blanks that a line begins with belong to it
+  // Keep the indentation of the line.
   std::size_t at = std::min(line.find_first_not_of(' '), line.size());
   out.append(line.substr(0, at));
   std::size_t column = used + at;

@@ -14,18 +14,16 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/lower_case.h"
+#include "app/run/outputs.h"
 #include "base/machine.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
-#include "plan/config_files.h"
-#include "plan/memory.h"
-#include "run/outputs.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -38,10 +36,10 @@ std::string ending_of(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().string());
 }
 
-// what an answer begins with; the manifest's line follows
+// First character of an answer; the manifest line follows.
 constexpr char kFinished = 'f', kUnchanged = 'u';
 
-// what a clip's run says, for its line of the manifest
+// Collects the messages of a clip's run for its manifest line.
 class ClipNotes : public Observer {
  public:
   explicit ClipNotes(const Observer& batch) : batch_(batch) {}
@@ -50,7 +48,7 @@ class ClipNotes : public Observer {
     if (label == "taken as") taken_as = text;
   }
   void warn(const std::vector<Warning>& told, std::string_view file) override {
-    // files and summaries are for people at the command line
+    // Manifests are read by command-line users, so spell options as flags.
     for (const Warning& each : told) warnings.push_back(describe(each, file, option_as_flag));
   }
   [[nodiscard]] bool is_stopped() const override { return batch_.is_stopped(); }
@@ -62,7 +60,7 @@ class ClipNotes : public Observer {
   const Observer& batch_;
 };
 
-// manifests and summaries are for people at the command line
+// Spells options as flags, since manifests and summaries are read by command-line users.
 Error spelled(Error error) {
   error.message = spell_options(error.message, option_as_flag);
   for (std::string& detail : error.details) detail = spell_options(detail, option_as_flag);
@@ -75,10 +73,10 @@ class BatchWorker {
   BatchWorker(const BatchContext& context, const BatchRequest& request, int threads)
       : context_(context), request_(request), threads_(threads) {}
 
-  // in a process of its own
+  // Called in a worker process.
   void work(const BatchTask& task, double memory_gb);
   [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
-  // in the batch's process
+  // Called in the batch process.
   void take(const BatchTask& task, const TaskEnd& end);
   [[nodiscard]] bool keep_going();
   [[nodiscard]] Result<void> result();
@@ -88,15 +86,15 @@ class BatchWorker {
   Result<void> solve(const BatchTask& task, double memory_gb, ManifestEntry& entry) const;
   Result<void> run(const BatchTask& task, double memory_gb, const std::string& output,
                    ManifestEntry& entry) const;
-  void remove_outputs(const BatchTask& task) const;
+  void remove_outputs(const BatchTask& task, const std::vector<MissingFile>& only = {}) const;
   bool is_done_already(const BatchTask& task);
   void answer(char kind, const ManifestEntry& entry);
   [[nodiscard]] ManifestEntry entry_of_ended(const BatchTask& task, const TaskEnd& end) const;
 
   const BatchContext& context_;
   const BatchRequest& request_;
-  const int threads_;   // of one clip
-  std::string answer_;  // of the clip that was done
+  const int threads_;   // Threads per clip.
+  std::string answer_;  // Answer about the last clip.
   std::optional<Error> fatal_;
 };
 
@@ -123,6 +121,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   RunRequest request = task.robot->request;
   request.threads = threads_;
   request.mirror = task.input->variant.is_mirrored();
+  request.partial = true;
   ClipNotes notes(context_.observer);
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
   entry.taken_as = std::move(notes.taken_as);
@@ -144,21 +143,38 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
     for (const fs::path& file : files_in_folder(motion.item.path)) files.push_back(file.string());
   }
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
+  const auto below_output = [&](const std::string& file) {
+    return file.substr(context_.output_folder.size() + 1);
+  };
   for (const std::string& file : files) {
-    TRY_ASSIGN(auto record, record_file(file, file.substr(context_.output_folder.size() + 1)));
+    TRY_ASSIGN(auto record, record_file(file, below_output(file)));
     entry.outputs.push_back(std::move(record));
   }
+  for (const Error& error : outcome->left_out) {
+    entry.not_written.push_back({below_output(error.location.file), error.message});
+  }
+  if (!entry.not_written.empty()) remove_outputs(task, entry.not_written);
   return {};
 }
 
-// what earlier runs made of a clip whose file is no longer good, unless somebody changed it since
-void BatchWorker::remove_outputs(const BatchTask& task) const {
+// Removes outputs of earlier runs for a clip whose file is no longer valid, unless they were
+// changed since.
+void BatchWorker::remove_outputs(const BatchTask& task,
+                                 const std::vector<MissingFile>& only) const {
+  const auto is_meant = [&](const std::string& file) {
+    return only.empty() || std::ranges::any_of(only, [&](const MissingFile& each) {
+             // The motion itself, its sidecar, or a file in its folder.
+             return file == each.file || file == each.file + ".json" ||
+                    file.starts_with(each.file + "/");
+           });
+  };
   std::error_code ignored;
   for (const std::string& file :
        context_.finished.outputs_of(task.input->relative, task.robot->name, true)) {
+    if (!is_meant(file)) continue;
     const fs::path path = context_.output_folder + "/" + file;
     fs::remove(path, ignored);
-    // a motion that was a folder, once nothing is in it
+    // Remove the folder of a motion that was a folder, once it is empty.
     if (path.parent_path().filename() == fs::path(task.input->relative).stem()) {
       fs::remove(path.parent_path(), ignored);
     }
@@ -173,13 +189,14 @@ Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
   std::error_code error;
   fs::create_directories(fs::path(output).parent_path(), error);
   if (error) {
-    return run_failure(fs::path(output).parent_path().string(),
-                       "cannot make the folder: " + std::generic_category().message(error.value()));
+    return run_failure(
+        fs::path(output).parent_path().string(),
+        "cannot create the folder: " + std::generic_category().message(error.value()));
   }
   auto done = run(task, memory_gb, output, entry);
   if (!done) {
     if (done.error().location.file.empty()) done.error().location.file = task.input->path;
-    // a wrong option or a full disk says nothing about the motion that is there
+    // Keep the outputs after other errors: a wrong option or a full disk does not invalidate them.
     if (done.error().kind == ErrorKind::kInput) remove_outputs(task);
   }
   return done;
@@ -188,7 +205,7 @@ Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
 bool BatchWorker::is_done_already(const BatchTask& task) {
   if (task.candidate == nullptr) return false;
   if (!context_.finished.still_holds(*task.candidate, task.input->path)) return false;
-  // the new times spare the next run the reading
+  // Record the new timestamps, so that the next run need not read the files.
   ManifestEntry entry = *task.candidate;
   if (!task.input->signature.empty()) entry.signature = task.input->signature;
   const auto input = record_file(task.input->path, task.input->path);
@@ -207,24 +224,24 @@ void BatchWorker::answer(char kind, const ManifestEntry& entry) {
   answer_ = kind + manifest_line(entry);
 }
 
-// of a clip that took its process with it
+// The entry of a clip whose process ended without an answer.
 ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& end) const {
   ManifestEntry entry = entry_of(task);
   Error& error = entry.error.emplace();
   error.location.file = task.input->path;
   if (end.timed_out) {
     error.message = "the clip took longer than " + number_text(request_.clip_timeout_s, 3) +
-                    " s and was stopped";
+                    " s and was terminated";
     error.hint = OPTION("clip-timeout") " allows more time";
   } else if (end.signal == SIGKILL) {
-    error.message = "the clip's process was killed from outside, perhaps because memory ran out";
-    error.hint = "fewer " OPTION("jobs") " leave more memory for each";
+    error.message = "the clip's process was killed externally; memory may have run out";
+    error.hint = "fewer " OPTION("jobs") " leave more memory for each clip";
   } else {
     error.message = "the clip's process crashed" +
                     (end.signal == 0 ? std::string()
                                      : " with signal " + std::to_string(end.signal) + " (" +
                                            ::strsignal(end.signal) + ")");
-    error.hint = "that is a bug in this tool; the other clips are not affected";
+    error.hint = "this is a bug in retarget; the other clips are not affected";
   }
   error = spelled(std::move(error));
   entry.exit_code = request_.exit_code(error.kind);
@@ -233,13 +250,13 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
 }
 
 void BatchWorker::take(const BatchTask& task, const TaskEnd& end) {
-  // nothing: it was interrupted
+  // No answer means that the clip was interrupted.
   if (end.answered && end.answer.empty()) return;
   if (!end.answered && context_.observer.is_stopped()) return;
   std::optional<ManifestEntry> entry;
   if (end.answered) entry = parse_manifest_line(std::string_view(end.answer).substr(1));
   if (!entry) entry = entry_of_ended(task, end);
-  // without a manifest a clip would be done for nothing
+  // A clip that is not in the manifest would be solved again, so stop the batch.
   if (auto appended = context_.manifest.append(*entry); !appended) {
     if (!fatal_) fatal_ = std::move(appended.error());
     return;
@@ -259,8 +276,8 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
     if (is_done_already(task)) return;
     done = solve(task, memory_gb, entry);
   } catch (const std::bad_alloc&) {
-    done = run_failure(task.input->path, "there is not enough memory for this clip",
-                       "fewer " OPTION("jobs") " leave more memory for each");
+    done = run_failure(task.input->path, "not enough memory for this clip",
+                       "fewer " OPTION("jobs") " leave more memory for each clip");
   } catch (const std::exception& error) {
     done = run_failure(task.input->path, error.what());
   }
@@ -289,7 +306,7 @@ Result<void> BatchWorker::result() {
 }  // namespace
 
 std::string batch_output(const SaveOptions& options, const std::string& relative) {
-  // of several formats each has an ending of its own in place of this one
+  // With several formats, each replaces this extension by its own.
   const MotionFormat format =
       options.formats.size() == 1 ? options.formats.front() : MotionFormat::kCsv;
   return output_stem(relative) + std::string(format_ending(format));
@@ -299,7 +316,7 @@ std::string contacts_output(const std::string& relative) {
   return output_stem(relative) + ".contacts.csv";
 }
 
-// later entries of a clip count more, so this one must be later than those that are known
+// Later entries of a clip take precedence, so this one must be later than all known ones.
 std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   return finished_after(std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count(),
@@ -316,7 +333,7 @@ ClipPool clip_pool(const std::vector<const BatchInput*>& clips, const BatchReque
   options.workers = std::min(request.jobs > 0 ? request.jobs : usable_cores(),
                              static_cast<int>(std::max<std::size_t>(1, clips.size())));
   options.memory = memory_bound(request.run.options.source.memory_gb);
-  // what a clip is thought to need is what it gets, and no less than an even part
+  // Each clip may use its estimated memory, and at least an even share of the total.
   const std::uint64_t even = options.memory / static_cast<std::uint64_t>(options.workers);
   pool.memory.reserve(clips.size());
   for (const BatchInput* clip : clips) {
@@ -336,7 +353,7 @@ Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_g
   Run run = robot.run;
   run.motion = clip.path;
   SourceOptions& source = run.options.source;
-  // it is for the SMPL motions among the clips
+  // The body model applies only to the SMPL motions among the clips.
   if (ending_of(clip) == ".bvh") source.smpl_model.clear();
   source.memory_gb = memory_gb;
   if (!clip.variant.part.empty()) {

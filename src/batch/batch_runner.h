@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/run/fingerprint.h"
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/process_pool.h"
@@ -12,66 +13,66 @@
 #include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
-#include "run/fingerprint.h"
-#include "run/observer.h"
-#include "run/run_to_files.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
-/// A robot of a batch with all that is loaded once.
+/// A robot of a batch with everything that is loaded once.
 struct BatchRobot {
   RobotSetup setup;
-  Run run;  ///< But for motion and output.
+  Run run;  ///< Without motion and output.
   RunRequest request;
   RunFingerprint fingerprint;
   std::string name;
-  std::string folder;  ///< Below the output folder, ended by `/`; empty: the output folder itself.
+  std::string folder;  ///< Below the output folder, with a final `/`; empty: the output folder
+                       ///< itself.
 };
 
 /// One clip for one robot.
 struct BatchTask {
   const BatchInput* input = nullptr;
   const BatchRobot* robot = nullptr;
-  /// An earlier entry whose files have other times but perhaps the same contents.
+  /// An earlier entry whose files have other timestamps but possibly equal contents.
   const ManifestEntry* candidate = nullptr;
 };
 
-/// What the workers of a batch share.
+/// State shared by the workers of a batch.
 struct BatchContext {
-  std::string output_folder;  ///< Outputs are output_folder + "/" + ...
+  std::string output_folder;  ///< Output paths are output_folder + "/" + ...
   const FinishedClips& finished;
   ManifestWriter& manifest;
   BatchProgress& progress;
   Observer& observer;
 };
 
-/// What a pool of processes needs to do clips, one a task.
+/// Settings of a process pool with one clip per task.
 struct ClipPool {
-  ProcessPoolOptions options;         ///< But for `keep_going`.
-  std::vector<std::uint64_t> memory;  ///< Of each clip, bytes.
+  ProcessPoolOptions options;         ///< Without `keep_going`.
+  std::vector<std::uint64_t> memory;  ///< Bytes per clip.
 
-  /// What one clip may take, GB: one that needs more than there is runs alone.
+  /// Memory limit of one clip in GB. A clip that needs more than the total limit runs alone.
   [[nodiscard]] double memory_gb(std::size_t task) const;
 };
 [[nodiscard]] ClipPool clip_pool(const std::vector<const BatchInput*>& clips,
                                  const BatchRequest& request);
 
-/// The run of a clip, but for its output: what it is of its file, and options that are for it.
+/// The run of a clip without its output. Includes the clip's part of the file and its own options.
 [[nodiscard]] Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_gb);
 
-/// When an entry that is made now is finished: later than those of its clip that are known.
+/// The `finished` time of an entry that is made now; later than all known entries of its clip.
 [[nodiscard]] std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry);
 
-/// Where a clip's motion goes, below its robot's folder: the name of its output.
+/// Output name of a clip's motion, relative to its robot's folder.
 /// @param relative  BatchInput::relative.
 [[nodiscard]] std::string batch_output(const SaveOptions& options, const std::string& relative);
 
-/// The file of its contacts, there as well. @param relative  BatchInput::relative, or `*` for all.
+/// Name of the contacts file, in the same folder. @param relative  BatchInput::relative, or `*` for
+/// all.
 [[nodiscard]] std::string contacts_output(const std::string& relative);
 
-/// Does the tasks on several threads and writes what came of them into the manifest. A clip that
-/// fails is no error, a manifest that cannot be written is. Ctrl-C ends it (kInterrupted); clips
-/// that were being solved are then as if they had not been begun.
+/// Runs the tasks in parallel worker processes and writes the results to the manifest. A failed
+/// clip is not an error; a manifest that cannot be written is. Ctrl-C stops the batch
+/// (kInterrupted) and discards unfinished clips.
 [[nodiscard]] Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks,
                                            const BatchRequest& request,
                                            const BatchContext& context);

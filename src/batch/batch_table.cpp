@@ -1,9 +1,13 @@
 #include "batch/batch_table.h"
 
-#include <string>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "options/run_tables.h"
-#include "plan/gates.h"
+#include <string>
+#include <utility>
+
+#include "retarget/measure.h"
+#include "retarget/option_table.h"
 
 namespace retarget {
 namespace {
@@ -14,63 +18,78 @@ Option batch_row(const char* name, auto& member, const char* group, const char* 
   return option(name, member, group, type, help, std::move(info));
 }
 
+// The robot's base, or a folder: the former meaning of this option in batches.
+Option base_or_folder_row(RobotBase& base, std::string& folder) {
+  Option row = base_row(base);
+  row.info.type = fmt::format("{}", fmt::join(row.choices, "|"));
+  row.choices.clear();
+  row.set = [&base, &folder](const OptionValue& value) -> Result<void> {
+    const auto& text = std::get<std::string>(value);
+    if (const auto named = enum_from_name<RobotBase>(text)) {
+      base = *named;
+    } else {
+      folder = text;
+    }
+    return {};
+  };
+  return row;
+}
+
 }  // namespace
 
-OptionTable batch_table(BatchRequest& request, double& memory_gb) {
+OptionTable batch_table(BatchRequest& request, Run& run) {
   return {
       batch_row("list", request.lists, kInputGroup, "FILE",
                 "File that lists files and folders, one per line; - reads standard input"),
-      batch_row("base", request.base, kInputGroup, "DIR",
-                "Files given one by one keep their path below this folder (default: only their "
-                "names)"),
-      batch_row("exclude", request.exclude, kInputGroup, "PATTERN",
-                "Leave out files whose name, or path below its folder, matches; repeatable"),
       batch_row(
-          "clips", request.clips, kInputGroup, "FILE",
-          "Take only the parts that a table lists: file,start,end,name; 12.3 is seconds, f120 "
-          "a frame"),
+          "relative-to", request.relative_to, kInputGroup, "DIR",
+          "Individually given files keep their path below this folder (default: only their names)"),
+      batch_row("exclude", request.exclude, kInputGroup, "PATTERN",
+                "Exclude files whose name, or path below the given folder, matches; repeatable"),
+      batch_row("clips", request.clips, kInputGroup, "FILE",
+                "Process only the parts listed in a table: file,start,end,name; 12.3 means "
+                "seconds, f120 a frame"),
       batch_row("mirror", request.mirror, kInputGroup, "",
                 "Also retarget the mirror image of each clip, NAME_mirrored"),
       batch_row("dedupe", request.dedupe, kInputGroup, "",
-                "Leave out clips that show the same motion as another, or its mirror image"),
+                "Skip clips with the same motion as another clip, or its mirror image"),
       batch_row("robot", request.robots, kRobotGroup, "NAME,...",
-                "Robots by name or folder; each of several gets a folder of its own",
+                "Robots by name or folder; with several robots, each has its own output folder",
                 {.basic = true}),
+      base_or_folder_row(run.robot.base, request.former_base),
       batch_row("output", request.output, kOutputGroup, "DIR",
                 "Output folder; created if it does not exist",
                 {.basic = true, .letter = "o", .required = true}),
       gate_row(request.gates,
-               std::string(kGateHelp) + ". Says what is in passed.txt; never fails a clip"),
-      batch_row(
-          "split", request.split, kOutputGroup, "RATIO:SEED",
-          "Divide the motions that passed into train.txt and validation.txt, all of a person on "
-          "one side: 0.9:1"),
+               std::string(kGateHelp) + ". Determines passed.txt; a missed gate is not a failure"),
+      batch_row("split", request.split, kOutputGroup, "SHARES:SEED",
+                "Split the passed motions into train.txt, validation.txt and, with three shares, "
+                "test.txt, with all motions of a person on one side: 0.9:1 or 0.8,0.1,0.1:1"),
       batch_row("jobs", request.jobs, kBatchGroup, "N",
-                "Clips to process at once (default: one per processor)",
+                "Number of clips to process in parallel (default: one per processor)",
                 {.min = 1.0, .max = 4096.0, .basic = true, .letter = "j"}),
-      batch_row("memory", memory_gb, kBatchGroup, "GB",
-                "Memory for all running clips together, GB: a clip waits for room, and none may "
-                "take more (default: three quarters of what is available)",
+      batch_row("memory", run.options.source.memory_gb, kBatchGroup, "GB",
+                "Memory limit for all running clips together, GB; clips wait until enough memory "
+                "is free (default: three quarters of the available memory)",
                 {.min = 0.001, .max = 1e6}),
       batch_row("clip-timeout", request.clip_timeout_s, kBatchGroup, "SECONDS",
-                "A clip that takes longer fails; the others continue (default: no limit)",
+                "Time limit per clip; a clip that exceeds it fails, the others continue (default: "
+                "no limit)",
                 {.min = 0.001, .max = 1e9}),
       batch_row("resume", request.resume, kBatchGroup, "",
                 "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       batch_row("redo", request.redo, kBatchGroup, "",
                 "Discard an earlier batch in the folder and start over"),
-      batch_row(
-          "contacts", request.contacts, kOutputGroup, "",
-          "Also write when heels and toes are planted, beside each motion: CLIP.contacts.csv"),
+      batch_row("contacts", request.contacts, kOutputGroup, "",
+                "Also write heel and toe contacts next to every motion: CLIP.contacts.csv"),
       batch_row("motion-list", request.motion_list, kOutputGroup, "",
                 "Write motions.yaml, which lists the pickles or .motion files of all clips with "
                 "weights, for TWIST2, GMT, MimicKit and ProtoMotions"),
       batch_row("pack", request.pack, kOutputGroup, "NAME.npz",
-                "Also write one NPZ of all motions that passed, one after the other, with names, "
-                "starts and lengths of the clips (docs/formats.md)"),
+                "Also write one NPZ with all passed motions in sequence, with clip names, starts "
+                "and lengths (docs/formats.md)"),
       batch_row("shard", request.shard, kBatchGroup, "I/N",
-                "Do one of N parts of about the same length, I from 1 to N, with its own "
-                "manifest")};
+                "Process one of N parts of similar length, I from 1 to N, with its own manifest")};
 }
 
 }  // namespace retarget

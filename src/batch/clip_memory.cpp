@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <string>
 
-#include "base/lower_case.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// a clip takes about so many times its file's bytes (measured with both methods, their motions
-// measured as well), and so many bytes of its own
+// Memory of a clip: a multiple of its file size, and a constant. Measured with both methods,
+// including quality measurement.
 constexpr std::uint64_t kMemoryOfText = 8;
 constexpr std::uint64_t kMemoryOfNpz = 20;
 constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;

@@ -11,21 +11,18 @@
 #include <string_view>
 #include <utility>
 
-#include "base/file.h"
-#include "base/lower_case.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
-#include "base/plain_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
-#include "io/csv_cells.h"
+#include "formats/robot_motion/csv_table.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
 
-// rows of millions of clips; a pipe without an end has more
+// Enough for millions of rows; stops reading from an endless pipe.
 constexpr std::size_t kMaxTableBytes = std::size_t{256} << 20U;
 constexpr double kMaxEnd = 1e9;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -38,7 +35,7 @@ Failure row_failure(const std::string& path, std::size_t line, std::string messa
   return failure({ErrorKind::kInput, {path, line, 0}, std::move(message), {}, std::move(hint)});
 }
 
-// seconds, or `f` and a whole number; nothing: neither
+// Parses seconds, or `f` and an integer. Returns nothing for other text.
 std::optional<double> end_value(const std::string& text) {
   const bool is_frame = text.starts_with('f');
   if (is_frame) {
@@ -82,7 +79,7 @@ class ClipTableReader {
       }
     }
     if (places_[kStart] || places_[kEnd]) return {};
-    return row_failure(path_, line_, "the header has neither a column \"start\" nor \"end\"",
+    return row_failure(path_, line_, "the header has no column \"start\" or \"end\"",
                        "file,start,end,name");
   }
 
@@ -94,7 +91,8 @@ class ClipTableReader {
   Result<void> take_row() {
     ClipRow row{cell(kFile), {}, cell(kName), line_};
     if (row.file.empty()) {
-      return row_failure(path_, line_, "the row names no file", "a row is file,start,end,name");
+      return row_failure(path_, line_, "the row has no file name",
+                         "a row has the form file,start,end,name");
     }
     const std::string start = cell(kStart), end = cell(kEnd);
     const auto first = end_value(start), last = end_value(end);
@@ -102,18 +100,18 @@ class ClipTableReader {
       if (text.empty() || value) continue;
       return row_failure(path_, line_,
                          fmt::format("expected a time or a frame, found \"{}\"", text),
-                         "12.3 is seconds, f120 a frame");
+                         "12.3 means seconds, f120 a frame");
     }
     if (first && last && start.starts_with('f') != end.starts_with('f')) {
-      return row_failure(path_, line_, fmt::format("{} and {} are a time and a frame", start, end),
+      return row_failure(path_, line_, fmt::format("{} and {} mix a time and a frame", start, end),
                          "give both in seconds (12.3) or both in frames (f120)");
     }
     if (first && last && *first >= *last) {
       return row_failure(path_, line_, fmt::format("the part from {} to {} is empty", start, end));
     }
     if (!row.name.empty() && !is_plain_path(row.name)) {
-      return row_failure(path_, line_, fmt::format("\"{}\" cannot be a clip's name", row.name),
-                         "a name is that of a file below the output folder, without its ending");
+      return row_failure(path_, line_, fmt::format("\"{}\" is not a valid clip name", row.name),
+                         "a name must be a path below the output folder, without extension");
     }
     row.part = part_text(start, end);
     rows_.push_back(std::move(row));
@@ -127,7 +125,7 @@ class ClipTableReader {
   std::vector<ClipRow> rows_;
 };
 
-// inputs by what a row may call them; null: several have this name
+// Inputs by the names that a row may use; null for ambiguous names.
 class InputNames {
  public:
   explicit InputNames(const std::vector<BatchInput>& inputs) {
@@ -161,7 +159,7 @@ class InputNames {
   std::map<std::string, const BatchInput*> by_name_, by_last_part_;
 };
 
-// beside its file, with the file's ending, which tells of what kind it is
+// Places the part next to its file and keeps the extension, which determines the kind of file.
 std::string part_name(const BatchInput& input, const std::string& name) {
   const fs::path file(input.relative);
   return (file.parent_path() / (name + file.extension().string())).lexically_normal().string();
@@ -187,7 +185,8 @@ Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
   }
   std::vector<ClipRow> rows = std::move(reader).rows();
   if (rows.empty()) {
-    return input_failure(path, "the table of clips has no rows", "a row is file,start,end,name");
+    return input_failure(path, "the table of clips has no rows",
+                         "a row has the form file,start,end,name");
   }
   return rows;
 }
@@ -203,17 +202,17 @@ Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,
                                          const std::vector<ClipRow>& rows,
                                          const std::string& path) {
   const InputNames names(inputs);
-  std::map<std::string, int> parts;            // of each file, so far
-  std::map<std::string, std::size_t> line_of;  // of each clip's name
+  std::map<std::string, int> parts;            // Number of parts per file so far.
+  std::map<std::string, std::size_t> line_of;  // Line of each clip name.
   std::vector<BatchInput> result;
   result.reserve(rows.size());
   for (const ClipRow& row : rows) {
     const BatchInput* input = names.find(row.file);
     if (input == nullptr) {
       return row_failure(path, row.line,
-                         fmt::format("\"{}\" is not among the motions, or several are called so{}",
-                                     row.file, names.suggestion(row.file)),
-                         "name it as below the folder of clips: a/walk.bvh");
+                         fmt::format("\"{}\" matches no motion, or several{}", row.file,
+                                     names.suggestion(row.file)),
+                         "give its path below the folder of clips: a/walk.bvh");
     }
     const int number = ++parts[input->relative];
     const std::string own = fs::path(input->relative).stem().string();
@@ -224,9 +223,9 @@ Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,
     const auto [at, is_new] = line_of.emplace(part.relative, row.line);
     if (!is_new) {
       return row_failure(path, row.line,
-                         fmt::format("the clip \"{}\" is in line {} already",
+                         fmt::format("the clip \"{}\" is already defined in line {}",
                                      output_stem(part.relative), at->second),
-                         "give every row a name of its own");
+                         "give every row a unique name");
     }
     result.push_back(std::move(part));
   }

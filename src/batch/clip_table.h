@@ -9,31 +9,32 @@
 
 namespace retarget {
 
-/// A row of a table of clips.
+/// A row of a clip table.
 struct ClipRow {
-  std::string file;  ///< As the row names it.
+  std::string file;  ///< File name as written in the row.
   std::string part;  ///< ClipVariant::part.
-  std::string name;  ///< Of the clip; empty: made of the file's.
+  std::string name;  ///< Clip name; empty: derived from the file name.
   std::size_t line = 0;
 };
 
-/// Reads a table of clips: rows `file,start,end,name`, with a header or without; a header may have the
-/// columns in another order and others besides. Ends are seconds (`12.3`) or frames (`f120`), or empty.
-/// Errors (kInput) name file and line.
+/// Reads a clip table with rows `file,start,end,name` and an optional header. With a header,
+/// columns may be in any order and further columns are ignored. Start and end are seconds (`12.3`)
+/// or frames (`f120`), or empty. Errors (kInput) name file and line.
 [[nodiscard]] Result<std::vector<ClipRow>> read_clip_table(const std::string& path);
 
-/// The files that the rows name, below the table's folder: what is searched where nothing else is named.
+/// The files named in the rows, relative to the table's folder: the inputs if no others are given.
 [[nodiscard]] std::vector<std::string> files_of_rows(const std::vector<ClipRow>& rows,
                                                      const std::string& path);
 
-/// The inputs that the rows make of those that were found: one for each row. A row's file is an input's
-/// relative path, its path as it was found, or its name where one input alone is called so.
-/// Errors (kInput) name the table and the line: a file that is not among the inputs, a name twice.
+/// Creates one input per row from the inputs that were found. A row's file is the relative path of
+/// an input, its path as found, or its file name if that is unique.
+/// Errors (kInput) name the table and the line: a file that is not among the inputs, a duplicate
+/// name.
 [[nodiscard]] Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,
                                                        const std::vector<ClipRow>& rows,
                                                        const std::string& path);
 
-/// The inputs and, behind them, their mirror images.
+/// Returns the inputs followed by their mirror images.
 [[nodiscard]] std::vector<BatchInput> with_mirror_images(std::vector<BatchInput> inputs);
 
 }  // namespace retarget

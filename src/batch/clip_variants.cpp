@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "base/number_text.h"
+#include "retarget/text.h"
 
 namespace retarget {
 

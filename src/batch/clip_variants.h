@@ -6,24 +6,25 @@
 
 namespace retarget {
 
-/// What a clip of a batch is of its file: all of it, a part, the mirror image of either.
+/// The content of a clip relative to its file: the whole file, a part, or the mirror image of
+/// either.
 struct ClipVariant {
-  /// BatchInput::relative of the whole file; empty: the clip is the file.
+  /// BatchInput::relative of the whole file; empty: the clip is the whole file.
   std::string source = {};
-  /// `1.5:3` in seconds or `f45:f90` in frames; empty: all of the file.
+  /// `1.5:3` in seconds or `f45:f90` in frames; empty: the whole file.
   std::string part = {};
-  /// BatchInput::relative of the clip whose mirror image it is; empty: it is none.
+  /// BatchInput::relative of the clip that is mirrored; empty: not mirrored.
   std::string mirror_of = {};
 
   [[nodiscard]] bool is_mirrored() const { return !mirror_of.empty(); }
   friend bool operator==(const ClipVariant&, const ClipVariant&) = default;
 };
 
-/// Both ends of a part as text, each seconds or `f` and a frame, or empty.
+/// Formats both ends of a part; each is seconds, `f` and a frame, or empty.
 [[nodiscard]] std::string part_text(const std::string& start, const std::string& end);
 
-/// What a part means as options; frames up to, not including, the end, seconds including it.
-/// @pre the text is part_text() of sound ends
+/// Converts a part to options. Frames exclude the end, seconds include it.
+/// @pre the text is part_text() of valid ends
 [[nodiscard]] PartOptions part_options(const std::string& part);
 
 /// The path of a clip's mirror image: `a/walk.bvh` becomes `a/walk_mirrored.bvh`.

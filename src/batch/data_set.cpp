@@ -3,19 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/duplicates.h"
+#include "batch/split_groups.h"
 #include "batch/summary.h"
-#include "plan/gates.h"
-#include "run/run_lines.h"
+#include "retarget/file.h"
+#include "retarget/measure.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -36,7 +39,7 @@ void judge_again(ClipQuality& quality, const Gates& gates) {
   quality.worst_ratio = judged.worst_ratio;
 }
 
-// looked for among clips as they are: a mirror image that a batch made is left out with its original
+// Searches original clips only: a mirror image created by the batch is left out with its original.
 void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::string>* asked) {
   const auto counts = [asked](const ManifestEntry& entry) {
     return asked == nullptr || asked->contains(entry.relative);
@@ -60,14 +63,14 @@ void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::s
   }
 }
 
-// nothing that a list of lines could not hold
+// Names with line ends would break a list.
 bool fits_line(const std::string& name) {
   return name.find_first_of("\r\n") == std::string::npos;
 }
 
 std::string cell_of(const std::string& text) {
   std::string cell;
-  // a spreadsheet would take it for a formula
+  // Prevent spreadsheets from interpreting the cell as a formula.
   if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos) {
     cell = "'";
   }
@@ -75,7 +78,7 @@ std::string cell_of(const std::string& text) {
   return cell;
 }
 
-// the motions among the outputs: no sidecars
+// The motions among the outputs, without sidecars.
 std::vector<std::string> motions_of(const ManifestEntry& entry) {
   std::vector<std::string> files;
   for (const FileRecord& output : entry.outputs) {
@@ -88,7 +91,7 @@ std::vector<std::string> motions_of(const ManifestEntry& entry) {
   return files;
 }
 
-// a list of files, sorted, one on a line
+// A sorted list of files, one per line.
 class FileList {
  public:
   void add(const ManifestEntry& entry) {
@@ -112,55 +115,85 @@ class FileList {
   std::size_t left_out_ = 0;
 };
 
-const std::string& source_of(const ManifestEntry& entry) {
-  return entry.variant.source.empty() ? entry.relative : entry.variant.source;
+// A set with the name of its list and its purpose for messages.
+struct SplitList {
+  SplitSide side;
+  const char* file;
+  const char* purpose;
+};
+constexpr std::array kSplitLists = {
+    SplitList{SplitSide::kTrain, "train.txt", "training"},
+    SplitList{SplitSide::kValidation, "validation.txt", "validation"},
+    SplitList{SplitSide::kTest, "test.txt", "testing"}};
+
+void warn_of_old_list(const std::string& path, Observer& observer) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return;
+  observer.warn(
+      {{0, 0,
+        "this list is from an earlier call and was not updated; " OPTION("split") " updates it"}},
+      path);
+}
+
+std::string rule_text(const SplitGroups& groups) {
+  std::string rule = groups.by_subject == 0 ? "no file name identifies a subject: "
+                                            : count_text(groups.by_subject, "group") +
+                                                  " by the subject in the file names";
+  if (groups.by_file > 0) {
+    rule += (groups.by_subject == 0 ? "" : ", ") + count_text(groups.by_file, "group") + " by file";
+  }
+  if (groups.joined > 0) {
+    rule += fmt::format("; {} joined with others that have the same input or its mirror image",
+                        count_text(groups.joined, "group"));
+  }
+  return rule;
+}
+
+// Without signatures, mirror images under other names are not recognised.
+void note_unsigned(const std::vector<const ManifestEntry*>& passed, Observer& observer) {
+  const auto count = std::ranges::count_if(passed, [](const ManifestEntry* entry) {
+    return !entry->variant.is_mirrored() && entry->signature.empty();
+  });
+  if (count == 0) return;
+  observer.line("", "mirror images of " + count_text(count, "clip") +
+                        " are identified only by their names; " OPTION("resume") " with " OPTION(
+                            "split") " compares the motions");
 }
 
 Result<void> write_split(const std::string& folder, const std::vector<const ManifestEntry*>& passed,
                          const Split& split, Observer& observer) {
-  std::vector<std::string> keys;
-  std::set<std::string> subjects, files;
-  for (const ManifestEntry* entry : passed) {
-    ClipGroup group = group_of(source_of(*entry));
-    (group.is_subject ? subjects : files).insert(group.key);
-    keys.push_back(std::move(group.key));
+  const SplitGroups groups = split_groups(passed);
+  TRY_ASSIGN(const std::vector<SplitSide> sides, split_clips(groups.keys, split));
+  std::string text;
+  for (const SplitList& list : kSplitLists) {
+    const std::string path = folder + "/" + list.file;
+    if (list.side == SplitSide::kTest && split.test <= 0.0) {
+      warn_of_old_list(path, observer);
+      continue;
+    }
+    FileList files;
+    std::set<std::string_view> keys;
+    std::size_t clips = 0;
+    for (std::size_t i = 0; i < passed.size(); ++i) {
+      if (sides[i] != list.side) continue;
+      files.add(*passed[i]);
+      keys.insert(groups.keys[i]);
+      ++clips;
+    }
+    TRY(write_file(path, files.text()));
+    text += fmt::format("{}{} of {} for {}", text.empty() ? "" : ", ", count_text(clips, "clip"),
+                        count_text(keys.size(), "group"), list.purpose);
   }
-  TRY_ASSIGN(const std::vector<bool> trains, split_clips(keys, split));
-  FileList train, validation;
-  std::set<std::string> validating;
-  for (std::size_t i = 0; i < passed.size(); ++i) {
-    (trains[i] ? train : validation).add(*passed[i]);
-    if (!trains[i]) validating.insert(keys[i]);
-  }
-  TRY(write_file(folder + "/train.txt", train.text()));
-  TRY(write_file(folder + "/validation.txt", validation.text()));
-  const auto for_training = static_cast<std::size_t>(std::ranges::count(trains, true));
-  const std::size_t groups = subjects.size() + files.size();
-  observer.line("split", fmt::format("{} of {} for training, {} of {} for validation",
-                                     count_text(for_training, "clip"),
-                                     count_text(groups - validating.size(), "group"),
-                                     count_text(passed.size() - for_training, "clip"),
-                                     count_text(validating.size(), "group")));
-  if (groups == 0) return {};
-  std::string rule = count_text(subjects.size(), "group") + " by the subject that names tell";
-  if (subjects.empty()) rule = "no name tells a subject: ";
-  if (!files.empty()) {
-    rule += (subjects.empty() ? "" : ", ") + count_text(files.size(), "group") + " by file";
-  }
-  observer.line("", rule);
+  observer.line("split", text);
+  if (passed.empty()) return {};
+  observer.line("", rule_text(groups));
+  note_unsigned(passed, observer);
   return {};
 }
 
-// what an earlier call left and this one does not renew
+// Warns of lists from an earlier call that this call does not update.
 void warn_of_old_lists(const std::string& folder, Observer& observer) {
-  std::error_code ignored;
-  for (const char* name : {"train.txt", "validation.txt"}) {
-    if (!fs::exists(folder + "/" + name, ignored)) continue;
-    observer.warn({{0, 0,
-                    "this list is from an earlier call and was not updated; " OPTION(
-                        "split") " rewrites it"}},
-                  folder + "/" + name);
-  }
+  for (const SplitList& list : kSplitLists) warn_of_old_list(folder + "/" + list.file, observer);
 }
 
 }  // namespace
@@ -169,11 +202,11 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   DataSetRules rules;
   if (!request.gates.empty() && !request.quality) {
     return usage_failure(OPTION("gate") " and " OPTION("no-quality") " cannot be combined",
-                         "gates need the figures that are measured");
+                         "gates need measured metrics");
   }
   if (request.of_clip.dynamics && !request.quality) {
     return usage_failure(OPTION("dynamics") " and " OPTION("no-quality") " cannot be combined",
-                         "without " OPTION("no-quality") " the figures are measured");
+                         "without " OPTION("no-quality") " the metrics are measured");
   }
   if (!merging || !request.gates.empty()) {
     TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
@@ -244,7 +277,7 @@ Result<void> write_lists(const std::string& folder, const std::vector<ManifestEn
   if (passed_files.left_out() > 0) {
     observer.warn({{0, 0,
                     count_text(passed_files.left_out(), "file") +
-                        " whose name has a line break cannot be listed and is left out"}},
+                        " with a line break in the name cannot be listed and is skipped"}},
                   folder + "/passed.txt");
   }
   std::string text = fmt::format("{} of {} in {}/passed.txt", passed.size(),

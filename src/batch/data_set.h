@@ -10,37 +10,39 @@
 #include "batch/split.h"
 #include "retarget/error.h"
 #include "retarget/report.h"
-#include "run/observer.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
-/// Which of a batch's motions a training takes.
+/// Rules that select the motions of a batch for training.
 struct DataSetRules {
-  std::optional<Gates> gates;  ///< Empty: lines stay judged as they are.
-  /// Whether clips that repeat others are looked for; empty: lines keep what they say of it.
+  std::optional<Gates> gates;  ///< Empty: keep the recorded verdicts.
+  /// Whether to search for duplicate clips; empty: keep the recorded results.
   std::optional<bool> dedupe;
-  std::optional<Split> split;  ///< Empty: train.txt and validation.txt are not written.
+  std::optional<Split> split;  ///< Empty: do not write lists of a split.
 };
 
-/// The rules of a request. kUsage errors: gates or a split that are wrong, gates without measuring.
-/// @param merging  manifests alone are there: what is not asked for stays as it was.
+/// The rules of a request. kUsage errors: invalid gates or split, gates without measuring.
+/// @param merging  only manifests are available; rules that are not given keep the recorded
+///                 results.
 [[nodiscard]] Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging);
 
-/// Holds entries against the rules again, from what they hold: nothing is solved or measured.
-/// @param entries  one for each clip and robot, sorted by relative path.
-/// @param asked    relative names among which repetitions are looked for; null: all.
+/// Applies the rules to entries again, using recorded data only; nothing is solved or measured.
+/// @param entries  one per clip and robot, sorted by relative path.
+/// @param asked    relative names of the clips among which duplicates are searched; null: all.
 void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
                    const std::set<std::string>* asked = nullptr);
 
-/// Which entries a training takes: done, no gate missed, no repetition of another.
+/// Whether an entry is used for training: done, no missed gate, not a duplicate.
 [[nodiscard]] bool has_passed(const ManifestEntry& entry);
 
-/// Why an entry is not taken, one line: the error, or the gates with figures and bounds. Empty: it is,
-/// or it is a repetition.
+/// One line that states why an entry is not used: the error, or the missed gates with values and
+/// bounds. Empty if the entry is used or is a duplicate.
 [[nodiscard]] std::string reason_of(const ManifestEntry& entry);
 
-/// Writes passed.txt, failed.tsv, duplicates.tsv (with `dedupe`, or where one was left out) and,
-/// with a split, train.txt and validation.txt into the folder of a batch, and says how many there are.
+/// Writes passed.txt, failed.tsv, duplicates.tsv (with `dedupe`, or if a clip was left out as a
+/// duplicate) and, with a split, train.txt, validation.txt and possibly test.txt into the folder of
+/// a batch. Reports their sizes.
 [[nodiscard]] Result<void> write_lists(const std::string& folder,
                                        const std::vector<ManifestEntry>& entries,
                                        const DataSetRules& rules, Observer& observer);

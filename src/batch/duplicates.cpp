@@ -11,10 +11,10 @@ namespace retarget {
 namespace {
 
 constexpr std::size_t kMeans = kSignatureNumbers;
-constexpr std::size_t kDimensions = kMeans + 1;  // and the length
-constexpr float kFullScale = 127.0F;
+constexpr std::size_t kDimensions = kMeans + 1;  // The last dimension is the duration.
+constexpr float kSignatureScale = 127.0F;
 
-// a clip in short: the means of its numbers, and its length
+// Summary of a clip: the means of its numbers and its duration.
 using Summary = std::array<float, kDimensions>;
 
 Summary summary_of(const MotionSignature& signature) {
@@ -23,13 +23,13 @@ Summary summary_of(const MotionSignature& signature) {
     summary[i % kSignatureNumbers] += signature.samples[i];
   }
   for (std::size_t i = 0; i < kMeans; ++i) {
-    summary[i] /= kFullScale * static_cast<float>(std::max<std::size_t>(1, signature.count()));
+    summary[i] /= kSignatureScale * static_cast<float>(std::max<std::size_t>(1, signature.count()));
   }
   summary[kMeans] = static_cast<float>(signature.seconds);
   return summary;
 }
 
-// by how much the summaries of one movement may differ: what was cut off changes short clips more
+// Maximum difference of the summaries of one movement. Trimming changes short clips more.
 struct Reach {
   float means = 0.0F, seconds = 0.0F;
 
@@ -41,7 +41,7 @@ struct Reach {
   }
 };
 
-// points, halved again and again along the dimension in which they are widest
+// A k-d tree that splits points along their widest dimension.
 class SummaryTree {
  public:
   explicit SummaryTree(const std::vector<Summary>& points)
@@ -50,7 +50,7 @@ class SummaryTree {
     if (!order_.empty()) build(0, order_.size());
   }
 
-  // visits points that are within reach in every dimension
+  // Visits the points within reach in every dimension.
   template <typename Visit>
   void find(const Summary& center, const Reach& reach, const Visit& visit) const {
     if (!nodes_.empty()) find(0, center, reach, visit);
@@ -59,10 +59,10 @@ class SummaryTree {
  private:
   static constexpr std::size_t kLeaf = 12;
   struct Node {
-    std::size_t begin = 0, end = 0;  // of the order
+    std::size_t begin = 0, end = 0;  // Range in order_.
     std::size_t dimension = 0;
     float split = 0.0F;
-    std::size_t left = 0, right = 0;  // nodes; 0: a leaf
+    std::size_t left = 0, right = 0;  // Child nodes; 0: a leaf.
   };
 
   std::size_t build(std::size_t begin, std::size_t end) {
@@ -91,7 +91,7 @@ class SummaryTree {
         high[d] = std::max(high[d], points_[order_[i]][d]);
       }
     }
-    // as wide as a length of a second is a mean of a fifth
+    // Weight of the duration: one second counts as much as 0.2 in a mean.
     constexpr float kPerSecond = 0.2F;
     std::size_t best = 0;
     float best_width = -1.0F;
@@ -135,8 +135,8 @@ float square_distance(const Summary& a, const Summary& b) {
 
 class DuplicateFinder {
  public:
-  explicit DuplicateFinder(const std::vector<const MotionSignature*>& clips)
-      : clips_(clips), summaries_(summaries(clips)), tree_(summaries_) {}
+  DuplicateFinder(const std::vector<const MotionSignature*>& clips, double limit)
+      : clips_(clips), limit_(limit), summaries_(summaries(clips)), tree_(summaries_) {}
 
   std::vector<std::optional<DuplicateOf>> run(const std::function<bool()>& keep_going) {
     result_.resize(clips_.size());
@@ -145,7 +145,8 @@ class DuplicateFinder {
       if (clips_[i] == nullptr || clips_[i]->samples.empty()) continue;
       std::optional<DuplicateOf> best = nearest(i, *clips_[i], false);
       const auto image = nearest(i, mirrored(*clips_[i]), true);
-      // who moves evenly is like his own image: the same then
+      // A symmetric movement matches its own mirror image equally well; prefer the unmirrored
+      // match.
       if (image && (!best || image->distance < best->distance)) best = image;
       result_[i] = best;
     }
@@ -162,11 +163,12 @@ class DuplicateFinder {
     return result;
   }
 
-  // those before it that are kept and look alike, nearest first, and of these the nearest
+  // Finds the nearest earlier clip that is kept. Compares only the candidates with similar
+  // summaries.
   std::optional<DuplicateOf> nearest(std::size_t index, const MotionSignature& clip,
                                      bool is_image) {
     const Summary summary = summary_of(clip);
-    // many clips may stand about in the same way: a heap of the nearest, the furthest of them first
+    // Many clips may be similar, so keep the nearest ones in a heap with the farthest on top.
     constexpr std::size_t kCompared = 32;
     near_.clear();
     tree_.find(summary, Reach(clip.seconds), [&](std::size_t other) {
@@ -186,25 +188,27 @@ class DuplicateFinder {
     std::ranges::sort_heap(near_);
     std::optional<DuplicateOf> best;
     for (const auto& [apart, other] : near_) {
-      const double distance = signature_distance(*clips_[other], clip, kDuplicateDistance);
-      if (distance > kDuplicateDistance || (best && distance >= best->distance)) continue;
+      const double distance = signature_distance(*clips_[other], clip, limit_);
+      if (distance > limit_ || (best && distance >= best->distance)) continue;
       best = DuplicateOf{other, is_image, distance};
     }
     return best;
   }
 
   const std::vector<const MotionSignature*>& clips_;
+  const double limit_;
   const std::vector<Summary> summaries_;
   const SummaryTree tree_;
   std::vector<std::optional<DuplicateOf>> result_;
-  std::vector<std::pair<float, std::size_t>> near_;  // square distance and place
+  std::vector<std::pair<float, std::size_t>> near_;  // Squared distance and index.
 };
 
 }  // namespace
 
 std::vector<std::optional<DuplicateOf>> find_duplicates(
-    const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going) {
-  return DuplicateFinder(clips).run(keep_going);
+    const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going,
+    double limit) {
+  return DuplicateFinder(clips, limit).run(keep_going);
 }
 
 std::map<std::string, RepeatedClip> repeated_clips(

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "base/file.h"
-#include "io/raw_motion.h"
+#include "formats/robot_motion/raw_motion.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {

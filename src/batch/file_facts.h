@@ -6,14 +6,14 @@
 
 namespace retarget {
 
-/// What can be seen of a motion without reading it.
+/// File attributes that are known without reading the content.
 struct FileFacts {
   std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  ///< Nanoseconds since 1970, of the last change.
+  std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
 };
 
-/// Of a file; of a folder that is a motion (SONIC's) those of what is in it, all together and the
-/// latest. Nothing: it is neither.
+/// Attributes of a file. For a folder that is a motion (SONIC), the total size and the latest
+/// modification of its files. Returns nothing for anything else.
 [[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path);
 
 }  // namespace retarget

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <map>
@@ -15,12 +14,12 @@
 #include <tuple>
 #include <utility>
 
-#include "base/file.h"
-#include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/file_facts.h"
-#include "io/raw_motion.h"
+#include "formats/registry/format.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -29,29 +28,13 @@ namespace fs = std::filesystem;
 using FolderId = std::pair<dev_t, ino_t>;
 
 constexpr std::string_view kPatternLetters = "*?[";
-// millions of names; a pipe without an end has more
+// Enough for millions of names; stops reading from an endless pipe.
 constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 
-// of motions' files, in any letter case; pickles are as often a robot's, and are named one by one
-constexpr std::array<std::string_view, 10> kEndings = {".bvh", ".npz",  ".pt",  ".npy",  ".fbx",
-                                                       ".glb", ".gltf", ".vrm", ".vrma", ".mvnx"};
-
-// of robots' motions
-constexpr std::array<std::string_view, 7> kRobotEndings = {".csv",    ".npz",    ".pkl", ".pickle",
-                                                           ".joblib", ".motion", ".pt"};
-
-// the ones that no file of a human has; pickles keep theirs, whoever's they are
-constexpr std::array<std::string_view, 2> kOfRobotsAlone = {".csv", ".motion"};
 constexpr const char* kMaybeOfRobots =
-    OPTION("from-robot") " NAME takes motions of a robot: .csv, .pkl, ...";
+    OPTION("from-robot") " NAME accepts robot motions: .csv, .pkl, ...";
 
-template <std::size_t kCount>
-bool ends_in_one_of(const std::string& name, const std::array<std::string_view, kCount>& endings) {
-  const std::string end = lower_case(fs::path(name).extension().string());
-  return std::ranges::find(endings, end) != endings.end();
-}
-
-// also of one that ends in a slash
+// Name of a folder, also with a trailing slash.
 std::string name_of_folder(const fs::path& folder) {
   const std::string name = (folder / "").lexically_normal().parent_path().filename().string();
   return name.empty() ? "." : name;
@@ -83,7 +66,7 @@ class InputFinder {
 
   const InputSearch& search_;
   std::optional<FolderId> output_folder_;
-  std::vector<FolderId> above_;  // folders that the one that is read lies in, itself included
+  std::vector<FolderId> above_;  // The folder being read and its ancestors.
   FoundInputs found_;
   int hidden_ = 0, excluded_ = 0;
 };
@@ -112,8 +95,8 @@ void InputFinder::add_input(const std::string& path, const std::string& relative
 
 bool InputFinder::is_motion(const std::string& name) const {
   if (!search_.of_robots) return has_motion_ending(name);
-  // of those that a batch writes two kinds are no motions
-  return ends_in_one_of(name, kRobotEndings) && !lower_case(name).ends_with(".contacts.csv") &&
+  // Exclude other CSV files that a batch writes.
+  return is_robot_ending(ending_of(name)) && !lower_case(name).ends_with(".contacts.csv") &&
          name != "summary.csv";
 }
 
@@ -130,7 +113,7 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
   if (name.starts_with("._")) {
     ++hidden_;
   } else if (!there || S_ISREG(info.st_mode)) {
-    // a link to nothing too: who put it there misses a clip, and its reading says so
+    // Includes dangling links, which fail when read, so that the missing clip is noticed.
     add_input(entry.path().string(), below_root, facts_of(entry.path().string()));
   } else {
     found_.notes.push_back("skipped " + entry.path().string() + ": not a file");
@@ -166,11 +149,11 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   if (!error) return;
   found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
                          std::generic_category().message(error.value()));
-  // whose clips must not be missed unnoticed: it counts as one that fails
+  // Add it as an input that fails, so that its clips are not missed silently.
   add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative, std::nullopt);
 }
 
-// what a file that is named keeps of its path
+// The relative path of a single file.
 Result<std::string> InputFinder::below(const std::string& path, const std::string& base) const {
   if (base.empty()) return fs::path(path).filename().string();
   std::error_code ignored;
@@ -178,7 +161,7 @@ Result<std::string> InputFinder::below(const std::string& path, const std::strin
                                 .lexically_relative(fs::absolute(base, ignored).lexically_normal());
   if (relative.empty() || *relative.begin() == "..") {
     return usage_failure("\"" + path + "\" is not inside the folder \"" + base + "\"",
-                         "give another " OPTION("base") ", or none");
+                         "give another " OPTION("relative-to") ", or omit it");
   }
   return relative.string();
 }
@@ -188,8 +171,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
   struct stat info {};
   const bool there = ::stat(path.c_str(), &info) == 0;
   if (!there && must_exist) {
-    return input_failure(
-        path, "there is no such file or folder: " + std::generic_category().message(errno));
+    return input_failure(path, "no such file or folder: " + std::generic_category().message(errno));
   }
   if (there && S_ISDIR(info.st_mode)) {
     if (must_exist && output_folder_ == FolderId(info.st_dev, info.st_ino)) {
@@ -206,7 +188,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     return {};
   }
   if (there && !S_ISREG(info.st_mode)) {
-    return input_failure(path, "a batch reads files; this is a pipe or a device",
+    return input_failure(path, "a batch reads regular files; this is a pipe or a device",
                          "retarget " OPTION("bvh") " reads one");
   }
   TRY_ASSIGN(const auto relative, below(path, base));
@@ -214,7 +196,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
   return {};
 }
 
-// what matches is mirrored below the part of the pattern that is no pattern
+// Matches keep their path below the literal part of the pattern.
 Result<void> InputFinder::add_pattern(const std::string& pattern) {
   const std::size_t first = pattern.find_first_of(kPatternLetters);
   const std::size_t slash = pattern.rfind('/', first);
@@ -229,7 +211,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
   ::globfree(&matches);
   if (status == 0) return added;
   return input_failure(pattern, "no file matches this pattern",
-                       "give a folder by its name to search all of it");
+                       "give the name of a folder to search it recursively");
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
@@ -249,7 +231,7 @@ Result<void> InputFinder::add_list(const std::string& file) {
 
 Result<void> InputFinder::add_name(const std::string& name) {
   struct stat info {};
-  // a name that exists is what it says, whatever its letters
+  // The name of an existing file takes precedence over `@` and patterns.
   const bool there = ::lstat(name.c_str(), &info) == 0;
   if (!there && name.starts_with('@')) return add_list(name.substr(1));
   if (!there && name.find_first_of(kPatternLetters) != std::string::npos) return add_pattern(name);
@@ -265,24 +247,23 @@ Result<FoundInputs> InputFinder::run() {
   }
   if (hidden_ > 0) {
     found_.notes.push_back("skipped " + std::to_string(hidden_) +
-                           " files named ._*, which macOS leaves in archives");
+                           " files named ._*, created by macOS archives");
   }
   if (excluded_ > 0) {
-    found_.notes.push_back("left out " + std::to_string(excluded_) +
-                           " files by " OPTION("exclude"));
+    found_.notes.push_back("skipped " + std::to_string(excluded_) +
+                           " files because of " OPTION("exclude"));
   }
   if (found_.inputs.empty()) {
-    return input_failure(search_.names.empty() ? "" : search_.names.front(),
-                         search_.of_robots ? "there is no .csv, .npz, .pkl, .pickle, .joblib, "
-                                             ".motion or .pt file, nor a folder of "
-                                             "SONIC's, with a robot's motion"
-                                           : "there is no .bvh, .fbx, .glb, .gltf, .vrm, .mvnx, "
-                                             ".npz, .pt or .npy file to retarget",
-                         search_.of_robots ? "" : kMaybeOfRobots);
+    return input_failure(
+        search_.names.empty() ? "" : search_.names.front(),
+        search_.of_robots
+            ? "no robot motion found: no " + robot_endings_text() + " file and no SONIC folder"
+            : "no motion found: no " + human_endings_text() + " file",
+        search_.of_robots ? "" : kMaybeOfRobots);
   }
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);
-  // a file that was named twice, perhaps by its folder and by itself
+  // Remove files named twice, for example directly and by their folder.
   const auto is_same = [](const BatchInput& a, const BatchInput& b) {
     std::error_code ignored;
     return a.relative == b.relative &&
@@ -296,7 +277,7 @@ Result<FoundInputs> InputFinder::run() {
 }  // namespace
 
 bool has_motion_ending(const std::string& name) {
-  return ends_in_one_of(name, kEndings);
+  return is_human_ending(ending_of(name));
 }
 
 Result<FoundInputs> find_inputs(const InputSearch& search) {
@@ -304,10 +285,9 @@ Result<FoundInputs> find_inputs(const InputSearch& search) {
 }
 
 std::string output_stem(const std::string& relative) {
-  const std::size_t ending = fs::path(relative).extension().string().size();
-  const std::string name = fs::path(relative).filename().string();
-  return has_motion_ending(name) || ends_in_one_of(name, kOfRobotsAlone)
-             ? relative.substr(0, relative.size() - ending)
+  const std::string ending = ending_of(relative);
+  return is_human_ending(ending) || is_robots_alone(ending)
+             ? relative.substr(0, relative.size() - ending.size())
              : relative;
 }
 
@@ -327,15 +307,16 @@ Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
     }
   }
   if (clashes == 0) return {};
-  if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more clash";
+  if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more conflicts";
   if (by_image) {
     return usage_failure(
-        first, "rename the file that " OPTION("mirror") " would make, leave it out with " OPTION(
-                   "exclude") ", or do without " OPTION("mirror"));
+        first, "rename the file that conflicts with " OPTION("mirror") ", exclude it with " OPTION(
+                   "exclude") ", or omit " OPTION("mirror"));
   }
   return usage_failure(first,
-                       "give the folder that holds both, or " OPTION("base") " FOLDER to keep the tree below "
-                       "it; else rename one or leave it out with " OPTION("exclude"));
+                       "give the folder that contains both, or " OPTION("relative-to") " FOLDER "
+                       "to keep the tree below "
+                       "it; otherwise rename one or exclude it with " OPTION("exclude"));
 }
 
 }  // namespace retarget

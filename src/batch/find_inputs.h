@@ -12,58 +12,57 @@ namespace retarget {
 
 /// A motion file of a batch.
 struct BatchInput {
-  std::string path;  ///< As it is opened.
-  /// Below the folder that was given, parts divided by `/`; says where outputs go. Bytes of the
-  /// file system, not necessarily valid UTF-8.
+  std::string path;  ///< Path used to open the file.
+  /// Path below the given folder, with `/` as separator; determines the output path. Raw bytes of
+  /// the file system, not necessarily valid UTF-8.
   std::string relative;
-  std::uint64_t bytes = 0;       ///< 0 where the file cannot be looked at,
-  std::int64_t modified_ns = 0;  ///< nanoseconds since 1970, of its last change.
-  /// What is taken of the file, where it is not the file as it is; see clip_variants.h.
+  std::uint64_t bytes = 0;       ///< 0 if the file is not accessible.
+  std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
+  /// The part of the file that is used, if not the whole file; see clip_variants.h.
   ClipVariant variant = {};
-  std::string signature = {};  ///< signature_bytes(), where duplicates are looked for.
+  std::string signature = {};  ///< signature_bytes(), if duplicates are searched.
 };
 
-/// Where a batch looks for motion files.
+/// Where a batch searches for motion files.
 struct InputSearch {
-  /// Files; folders, which are searched as a whole; patterns with `*`, `?` and `[...]`; `@FILE` for
-  /// a list.
+  /// Files; folders, searched recursively; patterns with `*`, `?` and `[...]`; `@FILE` for a list.
   std::vector<std::string> names;
-  /// Files of names of files and folders, one a line (or each ended by a zero byte), `-` for
-  /// standard input; blank lines and lines that begin with `#` are skipped.
+  /// Files with one file or folder name per line (or zero-terminated names); `-` is standard input.
+  /// Blank lines and lines that begin with `#` are skipped.
   std::vector<std::string> lists;
-  /// Files that are named one by one keep the path below this folder; empty: their name alone.
+  /// Single files keep their path below this folder; empty: only their name.
   std::string base;
-  /// Shell patterns of paths below a folder, or of file names, that are left out.
+  /// Shell patterns of excluded paths below a folder, or of file names.
   std::vector<std::string> exclude;
-  /// A folder of outputs, in which nothing is an input; may be empty.
+  /// Output folder, in which no file is an input; may be empty.
   std::string output_folder;
-  bool of_robots = false;  ///< Motions of robots are looked for, not of humans.
+  bool of_robots = false;  ///< Search for robot motions instead of human motions.
 };
 
 struct FoundInputs {
-  std::vector<BatchInput> inputs;  ///< By relative path, then path; every pair of them once.
-  std::vector<std::string> notes;  ///< What was skipped and why, one line each.
+  std::vector<BatchInput> inputs;  ///< Sorted by relative path, then path, without duplicates.
+  std::vector<std::string> notes;  ///< Skipped files with reasons, one line each.
 };
 
-/// Finds the motion files: in folders all whose name ends in .bvh, .fbx, .glb, .gltf,
-/// .vrm, .vrma, .mvnx, .npz, .pt or .npy in any letter
-/// case, else those that are named. Of robots: .csv (but for .contacts.csv, which a run writes beside
-/// motions), .npz, .pkl, .pickle, .joblib, .motion, .pt, and folders of SONIC's. A folder that cannot be read is an input itself, whose reading fails.
+/// Finds the motion files: single files, and in folders every file whose name has the extension of
+/// a human format (Format::endings), in any letter case. For robot motions: the extensions of robot
+/// formats, except .contacts.csv and summary.csv, which batches write, and SONIC folders.
 ///
-/// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
-/// folders, and the `._NAME` files of macOS archives, are skipped. A file of a list that is not
-/// there stays an input, whose reading fails; every other name must exist (kInput), as must one
-/// input (kInput). Files below no `base` that was given, and a folder to be searched that is the
-/// output folder, are kUsage errors.
+/// A folder that cannot be read becomes an input that fails later, so that its clips are not missed
+/// silently. Symbolic links are followed, except into a folder that contains the link. Pipes and
+/// devices in folders, and `._NAME` files of macOS archives, are skipped. A missing file of a list
+/// becomes an input that fails later; every other name must exist, and there must be at least one
+/// input (kInput). kUsage errors: a file outside of a given `base`, and a search folder that is the
+/// output folder.
 [[nodiscard]] Result<FoundInputs> find_inputs(const InputSearch& search);
 
-/// Whether a file's name ends like a motion's.
+/// Whether a file name has the extension of a motion file.
 [[nodiscard]] bool has_motion_ending(const std::string& name);
 
-/// The relative path without such an ending: where outputs of an input go, but for their ending.
+/// The relative path without this extension; outputs of the input append their own extension.
 [[nodiscard]] std::string output_stem(const std::string& relative);
 
-/// Two inputs whose outputs would be the same file are a kUsage error that names them.
+/// kUsage error that names two inputs with the same output file.
 [[nodiscard]] Result<void> check_distinct_outputs(std::span<const BatchInput> inputs);
 
 }  // namespace retarget

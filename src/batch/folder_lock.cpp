@@ -18,7 +18,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
 }
 
-// who wrote the lock file last; empty when it does not tell
+// Text of the last holder in the lock file; may be empty.
 std::string holder_of(int descriptor) {
   std::array<char, 512> text{};
   const ssize_t count = ::pread(descriptor, text.data(), text.size() - 1, 0);
@@ -26,7 +26,7 @@ std::string holder_of(int descriptor) {
   return holder.substr(0, holder.find('\n'));
 }
 
-// whether a path still names the open file, which its last holder may have removed
+// Whether a path still refers to the open file, which the last holder may have removed.
 bool is_in_place(int descriptor, const std::string& path) {
   struct stat open {
   }, named{};
@@ -68,14 +68,14 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
   const std::string text = "process " + std::to_string(::getpid()) + " on " + host_name() + "\n";
   if (::ftruncate(lock.descriptor_, 0) != 0 ||
       ::pwrite(lock.descriptor_, text.data(), text.size(), 0) < 0) {
-    // on a full disk the lock holds all the same; only its message has no name
+    // On a full disk the lock still works; only the message lacks the holder.
   }
   return lock;
 }
 
 void FolderLock::release() {
   if (descriptor_ < 0) return;
-  // the file goes with its last holder; whoever has opened it by then sees that it is gone
+  // The last holder removes the file. Processes that have it open notice this with is_in_place().
   if (held_ && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) ::unlink(path_.c_str());
   ::close(std::exchange(descriptor_, -1));
   held_ = false;

@@ -6,22 +6,23 @@
 
 namespace retarget {
 
-/// Keeps a second batch out of an output folder while one of these lives.
+/// Excludes other batches from an output folder during its lifetime.
 ///
-/// The lock is the system's, on a file of the folder, and ends with the process however it ends: a
-/// killed run leaves nothing that stands in the way of the next.
+/// It is a system lock on a file in the folder, which the system releases when the process ends in
+/// any way. A killed run therefore never blocks the next one.
 class FolderLock {
  public:
-  /// Who may be there at the same time.
+  /// Compatible lock holders.
   enum class Kind {
-    kAlone,   ///< Nobody.
-    kShared,  ///< Others with kShared: the shards of one batch.
+    kAlone,   ///< None.
+    kShared,  ///< Other kShared locks: the shards of one batch.
   };
 
-  /// @param folder  exists.
+  /// Takes the lock.
+  /// @param folder  must exist.
   /// @param name    of the lock file in the folder.
-  /// Errors (kRun): another process has the lock, which the message names; a folder that cannot be
-  /// written.
+  /// Errors (kRun): another process has the lock (the message names it); the folder is not
+  /// writable.
   [[nodiscard]] static Result<FolderLock> take(const std::string& folder, const std::string& name,
                                                Kind kind);
   ~FolderLock();
@@ -30,7 +31,7 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// False where the file system knows no locks: then nothing keeps a second batch out.
+  /// False if the file system does not support locks; nothing then excludes a second batch.
   [[nodiscard]] bool is_held() const { return held_; }
 
  private:

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <system_error>
 
-#include "base/file.h"
-#include "base/plain_name.h"
-#include "plan/output_files.h"
+#include "retarget/file.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
@@ -43,7 +42,7 @@ void remove_unfinished(const std::string& output_folder, const std::set<fs::path
       if (!is_temporary_name(file.filename().string())) continue;
       const fs::file_status there = fs::symlink_status(file, error);
       if (fs::is_regular_file(there)) fs::remove(file, error);
-      // of a motion that is a folder
+      // Temporary folder of a motion that is a folder.
       if (fs::is_directory(there)) fs::remove_all(file, error);
     }
   }

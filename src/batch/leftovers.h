@@ -11,20 +11,20 @@
 
 namespace retarget {
 
-/// The folders that outputs of these clips go to, that of the batch itself included.
+/// The output folders of these clips, including the folder of the batch.
 [[nodiscard]] std::set<std::filesystem::path> output_folders(const std::string& folder,
                                                              const std::vector<BatchTask>& tasks);
-/// The same as far as entries tell, of one robot or several.
+/// The same, derived from entries of one or several robots.
 [[nodiscard]] std::set<std::filesystem::path> output_folders(
     const std::string& folder, const std::vector<ManifestEntry>& entries);
 
-/// Removes what a killed run left of outputs that were not whole; nobody else may be writing there.
-/// Folders that links take out of the output folder are skipped.
+/// Removes unfinished outputs of a killed run. No other process may be writing there. Skips folders
+/// that symbolic links place outside of the output folder.
 void remove_unfinished(const std::string& output_folder,
                        const std::set<std::filesystem::path>& folders);
 
-/// Files, below the output folder, that earlier options made of clips that are done again and that
-/// the present ones neither replace nor list any more: those of another --format.
+/// Files, relative to the output folder, that earlier options created for clips that are done
+/// again, and that the current options neither replace nor list, such as files of another --format.
 [[nodiscard]] std::vector<std::string> files_of_earlier_options(const std::string& folder,
                                                                 const std::vector<BatchTask>& tasks,
                                                                 const FinishedClips& finished);

@@ -10,10 +10,9 @@
 #include <system_error>
 #include <tuple>
 
-#include "base/file.h"
 #include "base/option_name.h"
-#include "base/plain_name.h"
 #include "base/try.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {
@@ -26,7 +25,7 @@ Failure manifest_failure(const std::string& path, int error_number) {
                          : "");
 }
 
-// of an entry the first name that would lead out of its folder
+// The first name of an entry that leads out of its folder.
 std::optional<std::string> name_outside(const ManifestEntry& entry) {
   if (!is_plain_path(entry.relative)) return entry.relative;
   for (const std::string* name : {&entry.variant.source, &entry.variant.mirror_of}) {
@@ -119,14 +118,14 @@ Result<void> ManifestWriter::append(const ManifestEntry& entry) {
       if (count < 0) {
         const int error_number = errno;
         if (end >= 0 && ::ftruncate(state_->descriptor, end) != 0) {
-          // half a line stays, which readers skip
+          // A truncated line remains; readers skip it.
         }
         return manifest_failure(state_->path, error_number);
       }
       rest.remove_prefix(static_cast<std::size_t>(count));
     }
   }
-  // outside the lock: the disk takes the lines of several threads at once
+  // Outside the lock, so that one flush can cover lines of several threads.
   if (::fdatasync(state_->descriptor) != 0) return manifest_failure(state_->path, errno);
   return {};
 }

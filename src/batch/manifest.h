@@ -15,100 +15,107 @@
 
 namespace retarget {
 
-/// A file as it was when a manifest took note of it.
+/// State of a file when a manifest recorded it.
 struct FileRecord {
   std::string file;
   std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  ///< Of its last change, nanoseconds since 1970.
-  std::string hash;              ///< hash_file() of it; empty: not known.
+  std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
+  std::string hash;              ///< hash_file() of the file; empty if unknown.
 };
 
-/// How good a clip's motion is, as far as a manifest tells.
+/// Quality of a clip's motion as recorded in a manifest.
 struct ClipQuality {
   std::vector<std::pair<std::string, double>> figures;  ///< Metric key and value.
   std::vector<std::string> missed;                      ///< Metrics whose gates were missed.
-  std::string worst;         ///< The metric that is furthest beyond its gate; empty: none is.
-  double worst_ratio = 0.0;  ///< By how many times; infinity where the gate is 0.
-  std::vector<GateResult> missed_gates = {};  ///< Those of `missed`, with figures and bounds.
+  std::string worst;         ///< Metric furthest beyond its gate; empty if all gates are kept.
+  double worst_ratio = 0.0;  ///< Ratio of that metric to its gate; infinity if the gate is 0.
+  std::vector<GateResult> missed_gates = {};  ///< The gates of `missed`, with values and bounds.
   std::optional<double> leg =
-      std::nullopt;  ///< QualityReport::leg, which gates' bounds scale with.
+      std::nullopt;  ///< QualityReport::leg, the length with which the gates' bounds scale.
 };
 
-/// That a clip shows what another one shows.
+/// Marks a clip as a duplicate of another one.
 struct RepeatedClip {
   std::string of;         ///< `relative` of the other.
-  bool mirrored = false;  ///< Left for right.
+  bool mirrored = false;  ///< Mirrored left to right.
   double distance = 0.0;  ///< signature_distance(), degrees.
 };
 
-/// What came of one clip for one robot.
+/// A file in a format that cannot represent the motion.
+struct MissingFile {
+  std::string file;  ///< Relative to the output folder.
+  std::string reason;
+};
+
+/// Result of one clip for one robot.
 struct ManifestEntry {
-  std::string relative;  ///< The clip's path below the folder that was given.
+  std::string relative;  ///< Path of the clip below the given folder.
   std::string robot;
-  bool done = false;                ///< False: it failed (`error` says why) or was left out.
-  std::string options_hash;         ///< Of all that decides the output beside the input.
-  FileRecord input;                 ///< `file` as it was opened.
-  std::vector<FileRecord> outputs;  ///< `file` below the output folder.
-  int frames = 0;                   ///< Of the motion that was written,
-  double fps = 0.0;                 ///< and its rate.
-  double seconds = 0.0;             ///< That the clip took.
+  bool done = false;         ///< False: the clip failed (see `error`) or was left out.
+  std::string options_hash;  ///< Hash of everything besides the input that determines the output.
+  FileRecord input;          ///< `file` is the path that was opened.
+  std::vector<FileRecord> outputs;            ///< `file` is relative to the output folder.
+  std::vector<MissingFile> not_written = {};  ///< Formats that cannot represent so short a clip.
+  int frames = 0;                             ///< Frames of the written motion.
+  double fps = 0.0;                           ///< Frame rate of the written motion.
+  double seconds = 0.0;                       ///< Processing time of the clip.
   std::optional<Error> error;
-  int exit_code = 0;     ///< Of the error, as a run of this clip alone would have.
-  std::string taken_as;  ///< What the clip's human was taken for.
-  std::string config;    ///< File of the configuration; below the data folder from there.
-  std::vector<std::string> warnings;   ///< What the run said, one line each.
+  int exit_code = 0;     ///< Exit code of the error, as in a run of this clip alone.
+  std::string taken_as;  ///< Detected kind of human skeleton.
+  std::string config;    ///< Configuration file; relative to the data folder if inside it.
+  std::vector<std::string> warnings;   ///< Messages of the run, one line each.
   std::optional<ClipQuality> quality;  ///< Nothing: not measured.
-  std::string finished;                ///< UTC, as 2026-01-31T12:00:00Z.
-  ClipVariant variant = {};            ///< What it is of its file.
-  std::string signature = {};          ///< signature_bytes(); empty: not known.
-  /// A clip that is not `done` and repeats another was left out, and has no error.
+  std::string finished;                ///< UTC, such as 2026-01-31T12:00:00Z.
+  ClipVariant variant = {};            ///< The part of the file that was used.
+  std::string signature = {};          ///< signature_bytes(); empty if unknown.
+  /// A duplicate that is not `done` was left out and has no error.
   std::optional<RepeatedClip> repeated = std::nullopt;
 
   [[nodiscard]] bool is_left_out() const { return !done && repeated.has_value(); }
   [[nodiscard]] bool has_failed() const { return !done && !repeated.has_value(); }
 };
 
-/// An entry as one line of JSON, ended by a line feed. File names that are not valid UTF-8 are
-/// written with replacement characters and, in a member NAME_hex beside, as their bytes.
+/// Formats an entry as one line of JSON with a line feed. File names that are not valid UTF-8 are
+/// written with replacement characters, and their bytes as a second member NAME_hex.
 [[nodiscard]] std::string manifest_line(const ManifestEntry& entry);
 
-/// The entry of a line; nothing for a line that is torn or no entry. Unknown members are skipped.
+/// Parses a line. Returns nothing for a truncated or invalid line. Unknown members are ignored.
 [[nodiscard]] std::optional<ManifestEntry> parse_manifest_line(std::string_view line);
 
-/// What could be read of a manifest.
+/// The readable content of a manifest.
 struct ManifestContent {
-  std::vector<ManifestEntry> entries;  ///< As they stand in the file, older ones of a clip too.
-  int unreadable = 0;                  ///< Lines that are no entries, a torn last one included.
-  int outside = 0;                     ///< Lines that name something outside of their folder,
-  std::string outside_name;            ///< and the first such name.
+  std::vector<ManifestEntry> entries;  ///< In file order, including older entries of a clip.
+  int unreadable = 0;                  ///< Invalid lines, including a truncated last one.
+  int outside = 0;                     ///< Lines that name a path outside of their folder.
+  std::string outside_name;            ///< The first such name.
 };
 
-/// Reads a manifest; one that is not there is empty. A line that a kill or a full disk tore is
-/// counted and else ignored, and so is one whose clip, robot or outputs are no plain names below a
-/// folder: what runs make has no others.
+/// Reads a manifest; a missing one is empty. Lines truncated by a kill or a full disk are counted
+/// and ignored. So are lines whose clip, robot or outputs are not plain names below a folder, since
+/// batches never write such names.
 [[nodiscard]] Result<ManifestContent> read_manifest(const std::string& path);
 
-/// The `finished` of an entry that is made now, by one who knows an earlier entry of the same clip:
-/// the time, or a millisecond after the earlier one's where that machine's clock was ahead.
+/// The `finished` time of an entry that is made now: the current time, or one millisecond after an
+/// earlier entry of the same clip if the clock of its machine was ahead.
 /// @param now_ms  milliseconds since 1970.
 [[nodiscard]] std::string finished_after(std::int64_t now_ms, const std::string& earlier);
 
-/// The last entry of every clip and robot, by `finished`, then by place; sorted by relative path,
-/// then robot.
+/// The last entry of each clip and robot, by `finished`, then by position in the file. Sorted by
+/// relative path, then robot.
 [[nodiscard]] std::vector<ManifestEntry> latest_entries(std::vector<ManifestEntry> entries);
 
-/// A manifest that is written, a line at a time. Thread-safe.
+/// Writes a manifest line by line. Thread-safe.
 class ManifestWriter {
  public:
-  /// Begins a manifest with these entries, in the place of what is there, in one step.
+  /// Creates a manifest with these entries; atomically replaces an existing one.
   [[nodiscard]] static Result<std::unique_ptr<ManifestWriter>> begin(
       const std::string& path, std::span<const ManifestEntry> entries);
   ~ManifestWriter();
   ManifestWriter(const ManifestWriter&) = delete;
   ManifestWriter& operator=(const ManifestWriter&) = delete;
 
-  /// Appends a line that is on the disk when this returns. What a full disk leaves of a line is
-  /// taken back.
+  /// Appends a line, which is on disk when this returns. A line that a full disk truncates is
+  /// removed again.
   [[nodiscard]] Result<void> append(const ManifestEntry& entry);
 
  private:

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/base64.h"
+#include "app/options/options_json.h"
 #include "base/json_members.h"
 #include "base/utf8.h"
 #include "batch/manifest.h"
-#include "options/options_json.h"
+#include "formats/containers/base64.h"
 
 namespace retarget {
 namespace {
@@ -41,7 +41,7 @@ Json json_of(const ClipQuality& quality) {
   for (const auto& [key, value] : quality.figures) json["figures"][key] = value;
   json["gates_missed"] = quality.missed;
   json["worst"] = quality.worst.empty() ? Json() : Json(quality.worst);
-  // JSON has no infinity
+  // JSON does not support infinity.
   if (!quality.worst.empty() && std::isfinite(quality.worst_ratio)) {
     json["worst_ratio"] = quality.worst_ratio;
   }
@@ -62,14 +62,14 @@ Json json_of(const RepeatedClip& repeated) {
   return json;
 }
 
-// what a clip is of its file; nothing for one that is all of it
+// Writes how the clip relates to its file; nothing for a whole file.
 void put_variant(Json& json, const ClipVariant& variant) {
   if (!variant.source.empty()) put_name(json, "source", variant.source);
   if (!variant.part.empty()) json["part"] = variant.part;
   if (variant.is_mirrored()) put_name(json, "mirror_of", variant.mirror_of);
 }
 
-// reads members that may be missing or of another type, which then keep their defaults
+// Reads optional members; members that are missing or of another type keep their defaults.
 class EntryReader {
  public:
   explicit EntryReader(const Json& json) : json_(json) {}
@@ -87,7 +87,7 @@ class EntryReader {
   void name(const std::string& key, std::string& value) const {
     if (member(key) != nullptr) value = name_from(json_, key);
   }
-  // those of a list's members that are texts
+  // Reads the strings of a list.
   void texts(const std::string& key, std::vector<std::string>& values) const {
     const Json* json = member(key);
     if (json == nullptr || !json->is_array()) return;
@@ -121,7 +121,7 @@ void read_error(const Json& json, ManifestEntry& entry) {
   reader.read("exit_code", entry.exit_code);
 }
 
-// of the gates that were missed; their figures are those of the report
+// Reads the bounds of missed gates; their values are in the figures.
 void read_bounds(const Json& json, ClipQuality& quality) {
   const EntryReader reader(json);
   for (const std::string& key : quality.missed) {
@@ -130,7 +130,7 @@ void read_bounds(const Json& json, ClipQuality& quality) {
         std::ranges::find(quality.figures, key, [](const auto& each) { return each.first; });
     if (bounds == nullptr || figure == quality.figures.end()) continue;
     const EntryReader bound(*bounds);
-    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false, {}};
+    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false};
     if (double min = 0.0; bound.member("min") != nullptr) {
       bound.read("min", min);
       gate.min = min;
@@ -148,7 +148,7 @@ ClipQuality clip_quality(const Json& json) {
   ClipQuality quality;
   if (const Json* figures = reader.member("figures"); figures != nullptr && figures->is_object()) {
     for (const auto& [key, value] : figures->items()) {
-      // JSON has no NaN
+      // JSON does not support NaN.
       if (value.is_null()) {
         quality.figures.emplace_back(key, std::numeric_limits<double>::quiet_NaN());
       }
@@ -167,7 +167,7 @@ ClipQuality clip_quality(const Json& json) {
   return quality;
 }
 
-// of a part that is none nothing is taken, as if it had not been there
+// Reads how the clip relates to its file. An invalid part counts as missing.
 void read_variant(const EntryReader& reader, ManifestEntry& entry) {
   reader.name("source", entry.variant.source);
   reader.read("part", entry.variant.part);
@@ -199,6 +199,12 @@ std::string manifest_line(const ManifestEntry& entry) {
   json["options_hash"] = entry.options_hash;
   json["outputs"] = Json::array();
   for (const FileRecord& output : entry.outputs) json["outputs"].push_back(json_of(output));
+  for (const MissingFile& missing : entry.not_written) {
+    Json each;
+    put_name(each, "file", missing.file);
+    each["reason"] = valid_utf8(missing.reason);
+    json["not_written"].push_back(std::move(each));
+  }
   json["frames"] = entry.frames;
   json["fps"] = entry.fps;
   json["seconds"] = entry.seconds;
@@ -237,6 +243,14 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.read("options_hash", entry.options_hash);
   if (const Json* outputs = reader.member("outputs"); outputs != nullptr && outputs->is_array()) {
     for (const Json& output : *outputs) entry.outputs.push_back(file_record(output));
+  }
+  if (const Json* missing = reader.member("not_written"); missing && missing->is_array()) {
+    for (const Json& each : *missing) {
+      const EntryReader of(each);
+      MissingFile& file = entry.not_written.emplace_back();
+      of.name("file", file.file);
+      of.read("reason", file.reason);
+    }
   }
   reader.read("frames", entry.frames);
   reader.read("fps", entry.fps);

@@ -5,15 +5,15 @@
 #include <string>
 #include <string_view>
 
-#include "base/number_text.h"
 #include "batch/manifest.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
 constexpr std::int64_t kMsPerSecond = 1000;
 
-// milliseconds since 1970 as 2026-01-31T12:00:00.000Z
+// Formats milliseconds since 1970 as 2026-01-31T12:00:00.000Z.
 std::string utc_text(std::int64_t ms) {
   const auto seconds = static_cast<std::time_t>(ms / kMsPerSecond);
   std::tm parts{};
@@ -24,7 +24,7 @@ std::string utc_text(std::int64_t ms) {
          std::to_string(kMsPerSecond + ms % kMsPerSecond).substr(1) + "Z";
 }
 
-// what utc_text made, with or without milliseconds; nothing for other texts
+// Parses the format of utc_text, with or without milliseconds. Returns nothing for other text.
 std::optional<std::int64_t> ms_of(const std::string& text) {
   std::tm parts{};
   const char* end = ::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);

@@ -7,12 +7,12 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/leftovers.h"
 #include "batch/summary.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -26,26 +26,26 @@ constexpr std::size_t kNamedWorst = 3;
 Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observer& observer) {
   TRY_ASSIGN(auto content, read_manifest(path));
   if (content.unreadable > 0) {
-    observer.line("manifest", path + ": " + count_text(content.unreadable, "line") +
-                                  " ignored: cannot be read");
+    observer.line("manifest",
+                  path + ": " + count_text(content.unreadable, "line") + " ignored: unreadable");
   }
   if (content.outside > 0) {
     observer.warn({{0, 0,
                     count_text(content.outside, "line") + " with a name that is not inside the " +
                         "output folder, such as \"" + content.outside_name +
-                        "\", ignored: no batch writes such names"}},
+                        "\", ignored: batches do not write such names"}},
                   path);
   }
   return std::move(content.entries);
 }
 
-// of a whole batch or of a part; other names are other people's
+// Matches manifests of a whole batch or of a shard; other files belong to the user.
 bool is_manifest_name(const std::string& name) {
   static const std::regex kNames(R"(manifest(\.[1-9][0-9]*-of-[1-9][0-9]*)?\.jsonl)");
   return std::regex_match(name, kNames);
 }
 
-// manifests in a folder but one, sorted
+// The other manifests in a folder, sorted.
 std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
   std::vector<std::string> found;
   for (const fs::path& file : files_in_folder(folder)) {
@@ -69,7 +69,7 @@ std::size_t failed_among(const std::vector<ManifestEntry>& entries) {
   return static_cast<std::size_t>(std::ranges::count_if(entries, &ManifestEntry::has_failed));
 }
 
-// which clips to look at first
+// Reports the worst clips.
 void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) {
   std::vector<const ManifestEntry*> missed;
   for (const ManifestEntry& entry : entries) {
@@ -101,7 +101,7 @@ Result<void> write_summary(const std::string& folder, const std::vector<Manifest
   return {};
 }
 
-// of clips that nobody can tell whether they repeat others
+// Warns of clips without signatures, whose duplicates are not recognised.
 void warn_of_unsigned(const std::vector<ManifestEntry>& entries, const std::string& path,
                       Observer& observer) {
   const auto count = std::ranges::count_if(entries, [](const ManifestEntry& entry) {
@@ -111,7 +111,7 @@ void warn_of_unsigned(const std::vector<ManifestEntry>& entries, const std::stri
   observer.warn(
       {{0, 0,
         count_text(static_cast<std::size_t>(count), "clip") + (count == 1 ? " has" : " have") +
-            " no signature to find duplicates by: run the batch with " OPTION(
+            " no signature for finding duplicates: run the batch with " OPTION(
                 "dedupe") " and " OPTION("resume")}},
       path);
 }
@@ -174,23 +174,23 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
   judge_entries(entries, rules, &known);
   TRY(write_file(path, lines_of(entries)));
-  // what they say is on the disk by now
+  // The merged manifest is on disk, so the parts are no longer needed.
   std::error_code ignored;
   for (const std::string& part : parts) fs::remove(part, ignored);
   observer.line("wrote", path);
   if (shard.count > 1) {
     if (rules.split) {
-      observer.line("split", "train.txt and validation.txt are written when the parts are merged");
+      observer.line("split", "the lists are written when the parts are merged");
     }
     return {};
   }
   TRY(write_summary(folder, entries, observer));
-  // what another call was about is none of this call's data set
+  // Clips of other calls do not belong to this call's data set.
   const std::size_t unasked = std::erase_if(
       entries, [&](const ManifestEntry& entry) { return !known.contains(entry.relative); });
   if (unasked > 0) {
     observer.line("lists", count_text(unasked, "clip") +
-                               " of the manifest not asked for by this call, and not listed");
+                               " of the manifest are not part of this call and not listed");
   }
   return write_lists(folder, entries, rules, observer);
 }
@@ -201,12 +201,12 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   const std::string path = folder + "/" + kStem + kFileEnding;
   const std::vector<std::string> parts = manifests_beside(folder, path);
   std::error_code ignored;
-  // of entries of one time the later in this list counts: parts are newer than the whole
+  // For equal times, later entries in this list take precedence: parts are newer than the whole.
   std::vector<std::string> all;
   if (fs::exists(path, ignored)) all.push_back(path);
   all.insert(all.end(), parts.begin(), parts.end());
   for (const std::string& name : further) {
-    if (!fs::exists(name, ignored)) return input_failure(name, "there is no such manifest");
+    if (!fs::exists(name, ignored)) return input_failure(name, "no such manifest");
     all.push_back(name);
   }
   std::vector<ManifestEntry> entries;
@@ -214,12 +214,12 @@ Result<std::size_t> merge_manifests(const std::string& folder,
     TRY_ASSIGN(auto read, read_entries(name, observer));
     append_to(entries, std::move(read));
   }
-  if (entries.empty()) return input_failure(folder, "there is no batch manifest to merge");
+  if (entries.empty()) return input_failure(folder, "no batch manifest to merge");
   entries = latest_entries(std::move(entries));
   judge_entries(entries, rules);
   if (rules.dedupe == true) warn_of_unsigned(entries, path, observer);
   TRY(write_file(path, lines_of(entries)));
-  // what they say is on the disk by now
+  // The merged manifest is on disk, so the parts are no longer needed.
   for (const std::string& part : parts) fs::remove(part, ignored);
   remove_unfinished(folder, output_folders(folder, entries));
   const std::size_t failed = failed_among(entries);

@@ -9,43 +9,43 @@
 #include "batch/run_batch.h"
 #include "batch/shard.h"
 #include "retarget/error.h"
-#include "run/observer.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
 /// The manifests in an output folder when a batch begins.
 struct BatchManifests {
-  std::string path;                   ///< The one that this batch writes.
-  std::vector<ManifestEntry> own;     ///< What it holds.
-  std::vector<ManifestEntry> others;  ///< Of other parts.
+  std::string path;                   ///< The manifest that this batch writes.
+  std::vector<ManifestEntry> own;     ///< Entries of that manifest.
+  std::vector<ManifestEntry> others;  ///< Entries of other parts.
 };
 
 /// `STEMend`, or `STEM.2-of-8end` for a part of a batch.
 [[nodiscard]] std::string shard_file_name(const std::string& stem, const Shard& shard,
                                           const std::string& end);
 
-/// Reads what earlier runs left. An earlier batch in the folder wants --resume or --redo (kUsage);
-/// --redo forgets it.
+/// Reads the manifests of earlier runs. An earlier batch in the folder requires --resume or --redo
+/// (kUsage); --redo discards it.
 [[nodiscard]] Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
                                                     const BatchRequest& request,
                                                     Observer& observer);
 
-/// Whether an entry is of a clip that failed and whose file is no longer there: nothing is left to
-/// be done about it.
+/// Whether an entry is a failed clip whose file no longer exists, so that nothing remains to be
+/// done.
 /// @param known  relative names of the clips that a batch found.
 [[nodiscard]] bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known);
 
-/// Brings the manifest of a batch that is through into order, one line per clip and robot. Where
-/// the batch is no part of one, what the manifests of parts say goes into it as merge_manifests
-/// does it, but for clips that are gone, all is held against the rules, and summary.csv and the lists
-/// of what passed are written.
+/// Compacts the manifest of a finished batch to one line per clip and robot. If the batch is not a
+/// shard, also merges the manifests of shards like merge_manifests, drops clips that are gone,
+/// applies the rules to all entries, and writes summary.csv and the lists of passed motions.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                                             const std::set<std::string>& known,
                                             const DataSetRules& rules, Observer& observer);
 
-/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, holds all
-/// against the rules, writes summary.csv and the lists of what passed, and removes what killed parts left of outputs that were not whole.
-/// @return how many clips failed.
+/// Merges the manifests of all parts in the folder, and further ones, into manifest.jsonl. Applies
+/// the rules to all entries, writes summary.csv and the lists of passed motions, and removes
+/// unfinished outputs of killed parts.
+/// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> merge_manifests(const std::string& folder,
                                                   const std::vector<std::string>& further,
                                                   const DataSetRules& rules, Observer& observer);

@@ -11,12 +11,12 @@
 #include <system_error>
 #include <vector>
 
-#include "base/file.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/manifest.h"
+#include "retarget/file.h"
 #include "retarget/motion_io.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr std::array kListed = {MotionFormat::kPklGmr, MotionFormat::kPklMimicKit,
                                 MotionFormat::kProtoMotions};
 
-// a text in quotes is the same in YAML and in JSON
+// A double-quoted string is the same in YAML and JSON.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -56,14 +56,14 @@ Result<void> check_motion_list(const SaveOptions& options) {
   const auto pickles = std::ranges::count_if(
       options.formats, [](MotionFormat format) { return format_ending(format) == ".pkl"; });
   if (listed == 1 && pickles <= 1) return {};
-  return usage_failure(OPTION("motion-list") " lists the files of one format: pkl-gmr, "
-                           "pkl-mimickit or protomotions",
+  return usage_failure(OPTION("motion-list") " requires exactly one of the formats pkl-gmr, "
+  "pkl-mimickit and protomotions",
                        "choose it with " OPTION("format"));
 }
 
 Result<void> write_motion_lists(const std::string& folder, Observer& observer) {
   TRY_ASSIGN(const auto manifest, read_manifest(folder + "/manifest.jsonl"));
-  std::map<std::string, std::vector<std::string>> files;  // by the folder of the list
+  std::map<std::string, std::vector<std::string>> files;  // By the folder of the list.
   for (const ManifestEntry& entry : latest_entries(manifest.entries)) {
     if (!entry.done) continue;
     for (const FileRecord& output : entry.outputs) {

@@ -7,20 +7,19 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "plan/output_files.h"
-#include "run/written_files.h"
+#include "retarget/run.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
 
-// what a batch writes beside motions
-constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv",    "options.json",
-                                  "passed.txt",     "failed.tsv",     "train.txt",
-                                  "validation.txt", "duplicates.tsv", "motions.yaml"};
+// Files of a batch other than motions.
+constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv", "options.json",   "passed.txt",
+                                  "failed.tsv",     "train.txt",   "validation.txt", "test.txt",
+                                  "duplicates.tsv", "motions.yaml"};
 
-// the files of a clip below a folder, sidecars too
+// The files of a clip below a folder, including sidecars.
 Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
                                             const std::string& folder) {
   const SaveOptions& save = request.run.options.save;
@@ -34,12 +33,12 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
   return files;
 }
 
-// every file that a batch would write: no two are one, and none is where a folder is to be
+// All files that a batch would write, to detect duplicates and conflicts of files with folders.
 class OutputTree {
  public:
   explicit OutputTree(const BatchRequest& request) : request_(request) {
     if (!request.pack.empty()) files_[request.pack] = {};
-    // with several robots clips have folders of their own
+    // With several robots, clips are in folders of their own.
     if (request.robots.size() > 1) return;
     for (const char* own : kOwnFiles) files_[own] = {};
   }
@@ -50,14 +49,14 @@ class OutputTree {
     return {};
   }
 
-  // once all are there
+  // Call this after all files have been added.
   [[nodiscard]] Result<void> check_folders() const {
     for (const auto& [folder, input] : folders_) {
       const auto file = files_.find(folder);
       if (file == files_.end()) continue;
       return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
                                "\", which is " + what_is(file->second),
-                           "rename one of them or leave it out with " OPTION("exclude"));
+                           "rename one of them or exclude it with " OPTION("exclude"));
     }
     return {};
   }
@@ -73,7 +72,7 @@ class OutputTree {
     if (!is_new) {
       return usage_failure("the output of \"" + input.path + "\" would be called \"" + path +
                                "\", which is " + what_is(owner->second),
-                           "rename one of them, leave it out with " OPTION(
+                           "rename one of them, exclude it with " OPTION(
                                "exclude") ", or write one format at a time");
     }
     for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
@@ -84,7 +83,7 @@ class OutputTree {
   }
 
   const BatchRequest& request_;
-  std::map<std::string, const BatchInput*> files_;  // and of which clip; null: of the batch
+  std::map<std::string, const BatchInput*> files_;  // Clip; null: a file of the batch.
   std::map<std::string, const BatchInput*> folders_;
 };
 

@@ -11,14 +11,14 @@
 
 namespace retarget {
 
-/// No two files that a batch would write are one, none is where a folder is to be, and none is called
-/// like a file of the batch itself; kUsage errors.
+/// Checks that all output files are distinct, that none has the path of an output folder, and that
+/// none has the name of a file of the batch itself. Errors: kUsage.
 [[nodiscard]] Result<void> check_outputs_of(const std::vector<BatchInput>& inputs,
                                             const BatchRequest& request);
 
-/// No file that is there already and would be written is one that is read: a link into the clips'
-/// folder, say; kUsage errors.
-/// @param output  the batch's folder, without a last slash.
+/// Checks that no existing file that would be overwritten is also read, for example through a link
+/// into the clips' folder. Errors: kUsage.
+/// @param output  folder of the batch without a trailing slash.
 [[nodiscard]] Result<void> check_outputs_spared(const std::vector<BatchInput>& inputs,
                                                 const BatchRequest& request,
                                                 const std::string& output,

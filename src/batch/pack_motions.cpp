@@ -13,19 +13,17 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
-#include "base/npz.h"
-#include "base/npz_writer.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
-#include "base/plain_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "batch/data_set.h"
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/resume.h"
+#include "formats/containers/npz.h"
+#include "formats/containers/npz_writer.h"
+#include "retarget/file.h"
 #include "retarget/motion_io.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -34,16 +32,16 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPackedEnding = ".npz";
 constexpr const char* kUnlikeHint =
-    "one file holds clips of one robot, one format and one rate; give others a folder of their own";
+    "a packed file contains clips of one robot, format and rate; use separate folders for others";
 
 bool is_packed_format(MotionFormat format) {
   return format_ending(format) == kPackedEnding;
 }
 
-// a clip that goes into a file
+// A clip to be packed.
 struct PackedClip {
-  std::string name;                    // relative, without ending
-  const FileRecord* record = nullptr;  // of its own NPZ
+  std::string name;                    // Relative path without extension.
+  const FileRecord* record = nullptr;  // Its own NPZ.
   std::string path;
   std::int64_t frames = 0;
 };
@@ -51,11 +49,11 @@ struct PackedClip {
 struct PackedArray {
   std::string name;
   bool along_time = false;
-  NpyArray array;        // with elements only where all clips have the same ones
-  ZipChecksum elements;  // of all clips, where they follow each other
+  NpyArray array;        // Has elements only if they are equal in all clips.
+  ZipChecksum elements;  // Of all clips, if the array is concatenated.
 };
 
-// the clips of one file
+// The clips of one packed file.
 class MotionPack {
  public:
   MotionPack(std::vector<PackedClip> clips, Observer& observer)
@@ -63,10 +61,10 @@ class MotionPack {
     std::ranges::sort(clips_, {}, &PackedClip::name);
   }
 
-  // looks at every clip first, so that nothing is begun that cannot be ended
+  // Checks all clips first, so that no file is begun that cannot be completed.
   Result<void> measure() {
     for (PackedClip& clip : clips_) {
-      TRY(go_on("looking at", clip));
+      TRY(go_on("reading", clip));
       TRY(check_record(clip));
       TRY_ASSIGN(const FileContent content, read_file(clip.path));
       TRY_ASSIGN(const NpzFile npz, NpzFile::open(content.view(), clip.path));
@@ -96,13 +94,13 @@ class MotionPack {
   }
 
  private:
-  // tells of the work and asks whether it is to end
+  // Reports progress and checks for interruption.
   Result<void> go_on(std::string_view what, const PackedClip& clip) {
     if (observer_.is_stopped()) {
       Error stopped = interrupted_failure().value();
-      stopped.message = "interrupted; the clips are done, but not put into one file";
+      stopped.message = "interrupted; the clips are done, but not packed";
       stopped.hint =
-          "the same command with " OPTION("resume") ", or with " OPTION("merge") ", does that";
+          "the same command with " OPTION("resume") ", or with " OPTION("merge") ", packs them";
       return failure(std::move(stopped));
     }
     observer_.status(fmt::format("packing: {} {}", what, clip.name));
@@ -116,12 +114,12 @@ class MotionPack {
     std::error_code ignored;
     const bool there = fs::exists(clip.path, ignored);
     return input_failure(clip.path,
-                         there ? "the file is no longer what the batch wrote"
-                               : "the file that the batch wrote is gone",
-                         "the command of the batch with " OPTION("resume") " makes it again");
+                         there ? "the file has changed since the batch wrote it"
+                               : "the file that the batch wrote no longer exists",
+                         "repeat the batch with " OPTION("resume") " to restore it");
   }
 
-  // what the first clip has
+  // Takes the arrays of the first clip as the reference.
   Result<void> begin_arrays(const NpzFile& npz) {
     for (const std::string& name : npz.names()) {
       TRY_ASSIGN(NpyArray array, npz.read(name));
@@ -143,7 +141,7 @@ class MotionPack {
     const bool same_names = std::ranges::equal(npz.names(), arrays_, {}, {}, &PackedArray::name);
     if (!same_names) {
       return npz.file_failure(
-          fmt::format("its arrays are not those of {}: {}", first, list_names(npz.names(), 12)),
+          fmt::format("its arrays differ from those of {}: {}", first, list_names(npz.names(), 12)),
           kUnlikeHint);
     }
     std::optional<std::size_t> frames;
@@ -152,12 +150,12 @@ class MotionPack {
       if (!is_like(array, packed)) {
         return npz.array_failure(
             packed.name,
-            fmt::format("it is not as in {}{}", first, difference(array, packed.array)),
+            fmt::format("it differs from {}{}", first, difference(array, packed.array)),
             kUnlikeHint);
       }
       if (!packed.along_time) continue;
       if (frames.value_or(array.shape.front()) != array.shape.front()) {
-        return npz.array_failure(packed.name, "it has another number of frames than the others");
+        return npz.array_failure(packed.name, "its number of frames differs from the other arrays");
       }
       frames = array.shape.front();
       packed.array.shape.front() += *frames;
@@ -177,7 +175,7 @@ class MotionPack {
            std::equal(array.shape.begin() + 1, array.shape.end(), packed.array.shape.begin() + 1);
   }
 
-  // of arrays with one number, such as rates
+  // Describes the difference of two arrays with one number, such as rates.
   static std::string difference(const NpyArray& array, const NpyArray& first) {
     const auto is_one = [](const NpyArray& one) {
       return one.is_number() && one.element_count() == 1 && !one.data.empty();
@@ -226,7 +224,7 @@ class MotionPack {
   Observer& observer_;
 };
 
-// the NPZ among the outputs of a clip; null: it has none
+// The NPZ among the outputs of a clip; null if it has none.
 Result<const FileRecord*> packed_output(const ManifestEntry& entry, const SaveOptions& save) {
   std::vector<const FileRecord*> found;
   for (const FileRecord& output : entry.outputs) {
@@ -240,12 +238,12 @@ Result<const FileRecord*> packed_output(const ManifestEntry& entry, const SaveOp
   }
   if (found.size() > 1) {
     return usage_failure("\"" + entry.relative + "\" has NPZ files of several formats",
-                         "choose the one to put together with " OPTION("format"));
+                         "choose the format to pack with " OPTION("format"));
   }
   return found.empty() ? nullptr : found.front();
 }
 
-// the folder of all outputs of a robot
+// The folder of all outputs of a robot.
 std::string place_of(const std::string& folder, const ManifestEntry& entry,
                      const FileRecord& output) {
   const std::string apart = entry.robot + "/";
@@ -271,7 +269,7 @@ Result<void> write_pack(const std::string& path, std::vector<PackedClip> clips,
     std::error_code ignored;
     const bool earlier = fs::exists(path, ignored);
     observer.warn({{0, 0,
-                    earlier ? "no motion passed: the file is of an earlier call and stays as it is"
+                    earlier ? "no motion passed: the file from an earlier call remains unchanged"
                             : "no motion passed: the file is not written"}},
                   path);
     return {};
@@ -289,16 +287,19 @@ Result<void> write_pack(const std::string& path, std::vector<PackedClip> clips,
 Result<void> check_pack_name(const std::string& name) {
   const bool named = name.size() > kPackedEnding.size() && name.ends_with(kPackedEnding);
   if (named && is_plain_name(name)) return {};
-  return usage_failure(OPTION("pack") " takes the name of a file in the output folder that ends "
-                           "in .npz, not \"" + name + "\"",
-                       OPTION("pack") " motions.npz");
+  return usage_failure(
+      OPTION("pack") " requires the name of a .npz file in the output folder, found \"" + name +
+          "\"",
+      OPTION("pack") " motions.npz");
 }
 
 Result<void> check_pack_format(const SaveOptions& options) {
   if (std::ranges::count_if(options.formats, is_packed_format) == 1) return {};
-  return usage_failure(OPTION("pack") " puts together the files of one format: npz-mjlab, "
-                           "npz-beyondmimic or npz-holosoma",
-                       "choose it with " OPTION("format"));
+  return usage_failure(
+      OPTION(
+          "pack") " requires exactly one of the formats npz-mjlab, npz-beyondmimic and "
+                  "npz-holosoma",
+      "choose it with " OPTION("format"));
 }
 
 Result<void> pack_motions(const std::string& folder, const BatchRequest& request,
@@ -306,7 +307,7 @@ Result<void> pack_motions(const std::string& folder, const BatchRequest& request
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(auto manifest, read_manifest(folder + "/manifest.jsonl"));
   const std::vector<ManifestEntry> entries = latest_entries(std::move(manifest.entries));
-  std::map<std::string, std::vector<PackedClip>> packs;  // by folder
+  std::map<std::string, std::vector<PackedClip>> packs;  // By folder.
   for (const ManifestEntry& entry : entries) {
     if (!entry.done) continue;
     TRY_ASSIGN(const FileRecord* output, packed_output(entry, request.run.options.save));

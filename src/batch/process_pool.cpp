@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kPauseMs = 100;
 
-// the sanitizers take address space beyond any bound
+// Sanitizers reserve more address space than any limit allows.
 constexpr bool kBoundsMemory = !kUnderSanitizer;
 
 void bound_memory(std::uint64_t max) {
@@ -32,11 +32,11 @@ void bound_memory(std::uint64_t max) {
   limit.rlim_cur = limit.rlim_max == RLIM_INFINITY
                        ? static_cast<rlim_t>(max)
                        : std::min(static_cast<rlim_t>(max), limit.rlim_max);
-  // a system that cannot do it has its own way of ending what takes too much
+  // If the system does not support the limit, its own out-of-memory handling applies.
   [[maybe_unused]] const int set = ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-// a process and the task that it does
+// A process and its current task.
 struct Slot {
   std::optional<WorkerProcess> process;
   std::optional<std::size_t> task;
@@ -69,7 +69,7 @@ class Pool {
   }
 
  private:
-  // the next task that fits beside those that run
+  // The next task that fits next to the running ones.
   std::list<std::size_t>::iterator next_task() {
     return std::ranges::find_if(waiting_, [&](std::size_t task) {
       return running_ == 0 || options_.memory == 0 || used_ + memory_[task] <= options_.memory;
@@ -79,7 +79,7 @@ class Pool {
   Result<void> feed(Slot& slot) {
     const auto next = next_task();
     if (next == waiting_.end()) return {};
-    // a process may have ended while it had nothing to do
+    // An idle process may have ended, so try a second time.
     for (int tries = 0; tries < 2; ++tries) {
       if (!slot.process) {
         const auto begin = [&] {
@@ -101,7 +101,7 @@ class Pool {
       waiting_.erase(next);
       return {};
     }
-    return run_failure("", "worker processes exit as soon as they are started");
+    return run_failure("", "worker processes exit immediately after start");
   }
 
   void wait_for_answers() {
@@ -134,7 +134,7 @@ class Pool {
     slot.task.reset();
     --running_;
     used_ -= memory_[task];
-    // it need not wait until the other task is taken note of; one that cannot be fed is tried again
+    // Feed the process before reporting the result. If feeding fails, it is tried again later.
     [[maybe_unused]] const auto fed = feed(slot);
     ended_(task, end);
   }

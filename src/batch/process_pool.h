@@ -12,39 +12,39 @@ namespace retarget {
 
 struct ProcessPoolOptions {
   int workers = 1;
-  std::uint64_t memory = 0;  ///< Bytes that tasks may need together; 0: no bound.
-  /// Bytes that one process may take: beyond them allocation fails in it; 0: no bound.
+  std::uint64_t memory = 0;  ///< Bytes that running tasks may need together; 0: unlimited.
+  /// Bytes per process; further allocations fail. 0: unlimited.
   std::uint64_t max_memory = 0;
-  double timeout_s = 0.0;  ///< A task that takes longer is ended with its process; 0: none is.
-  /// Ends a process of the pool at once, taking down none of the objects that it has copies of: _exit().
-  /// It must be given, since the library ends no process of its own accord.
+  double timeout_s = 0.0;  ///< Time limit per task, after which its process is killed; 0: none.
+  /// Ends a pool process immediately without destroying the objects it copied: _exit(). The caller
+  /// must provide it, because the library never ends a process by itself.
   void (*end_process)(int code) = nullptr;
-  /// Called first in every process that does tasks.
+  /// Called first in every worker process.
   std::function<void()> begin_worker;
-  /// Asked ten times a second while tasks run; false: no further task begins, and the processes that
-  /// do one get SIGTERM, once, which they may take as a wish to be quick.
+  /// Polled ten times per second while tasks run. When it returns false, no further task begins and
+  /// busy processes get one SIGTERM, which asks them to finish quickly.
   std::function<bool()> keep_going;
 };
 
-/// What came of a task.
+/// Result of a task.
 struct TaskEnd {
-  bool answered = false;   ///< Else its process ended before it was through:
-  std::string answer;      ///< what the task gave;
-  bool timed_out = false;  ///< it took too long,
-  int signal = 0;          ///< a signal ended it; 0: it left by itself.
+  bool answered = false;   ///< Whether the process finished the task.
+  std::string answer;      ///< Result of the task.
+  bool timed_out = false;  ///< The task exceeded its time limit.
+  int signal = 0;          ///< Signal that ended the process; 0: it exited by itself.
 };
 
-/// Does tasks 0, 1, ... in several processes, each task in one of them, in this order but for what
-/// memory holds up: where the next task does not fit beside those that run, the first that does
-/// goes before it; a task that needs more than there is runs alone.
+/// Runs tasks 0, 1, ... in several processes, one task per process at a time. Tasks start in order
+/// unless memory is short: if the next task does not fit, the first one that fits is started. A
+/// task that needs more than the limit runs alone.
 ///
-/// The processes are copies of this one, made by fork() and made again when one ends over a task, so
-/// the caller must have no other threads. They hold none of its files but the standard streams, and end
-/// with it, however it ends.
-/// @param memory  bytes that each task needs, roughly.
-/// @param work    does a task, in a process of the pool; must not throw.
-/// @param ended   is told of every task that began, here, one after the other.
-/// Errors (kRun): no process could be made.
+/// Processes are forked from this one, and forked again if a task ends one of them, so the caller
+/// must have no other threads. They keep no open files except the standard streams, and end with
+/// this process, however it ends.
+/// @param memory  estimated bytes per task.
+/// @param work    runs a task, in a process of the pool; must not throw.
+/// @param ended   called in this process, sequentially, for every task that began.
+/// Errors (kRun): no process could be created.
 [[nodiscard]] Result<void> run_in_processes(
     std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
     const std::function<std::string(std::size_t task)>& work,

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "base/number_text.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// two units at most: 3 h 20 min, 45 s
+// At most two units: 3 h 20 min, 45 s.
 std::string duration_text(double seconds) {
   const long whole = std::lround(seconds);
   if (whole >= 3600) {
@@ -22,8 +23,9 @@ std::string duration_text(double seconds) {
 
 }  // namespace
 
-BatchProgress::BatchProgress(Observer& observer, std::size_t clips, std::uint64_t bytes)
-    : observer_(observer), clips_(clips), bytes_(bytes) {}
+BatchProgress::BatchProgress(Observer& observer, std::string folder, std::size_t clips,
+                             std::uint64_t bytes)
+    : observer_(observer), folder_(std::move(folder)), clips_(clips), bytes_(bytes) {}
 
 double BatchProgress::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -32,6 +34,9 @@ double BatchProgress::seconds() const {
 void BatchProgress::finished(const ManifestEntry& entry) {
   const std::lock_guard lock(mutex_);
   bytes_done_ += entry.input.bytes;
+  for (const MissingFile& missing : entry.not_written) {
+    observer_.warn({{0, 0, "not written: " + missing.reason}}, folder_ + "/" + missing.file);
+  }
   if (entry.done) {
     ++done_;
     frames_ += entry.frames;

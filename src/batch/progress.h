@@ -6,34 +6,36 @@
 #include <string>
 
 #include "batch/manifest.h"
-#include "run/observer.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
-/// What a batch has done so far, told as it goes. Thread-safe.
+/// Counts and reports the progress of a batch. Thread-safe.
 class BatchProgress {
  public:
-  /// @param clips  to be done, a clip and robot being one,
-  /// @param bytes  of their inputs together.
-  BatchProgress(Observer& observer, std::size_t clips, std::uint64_t bytes);
+  /// @param folder  output folder, for messages.
+  /// @param clips   number of tasks; each pair of clip and robot is one.
+  /// @param bytes   total size of their inputs.
+  BatchProgress(Observer& observer, std::string folder, std::size_t clips, std::uint64_t bytes);
 
-  /// Counts a clip; the error of a failed one is printed.
+  /// Counts a clip. Reports why it failed or why files of it were not written.
   void finished(const ManifestEntry& entry);
-  /// A clip that turned out to be done already.
+  /// Counts a clip that was already done.
   void skipped(std::uint64_t bytes);
-  /// Clips done, frames per second, time left.
+  /// Reports clips done, frames per second and the remaining time.
   void show();
 
   [[nodiscard]] std::size_t done() const { return done_; }
   [[nodiscard]] std::size_t failed() const { return failed_; }
   [[nodiscard]] std::size_t unchanged() const { return unchanged_; }
-  /// `1234 frames in 5.67 s, 218 frames/s`
+  /// Example: `1234 frames in 5.67 s, 218 frames/s`
   [[nodiscard]] std::string work_text() const;
 
  private:
   [[nodiscard]] double seconds() const;
 
   Observer& observer_;
+  const std::string folder_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const std::size_t clips_;
   const std::uint64_t bytes_;

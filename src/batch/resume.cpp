@@ -8,11 +8,11 @@
 #include <set>
 #include <system_error>
 
-#include "base/plain_name.h"
+#include "app/provenance/hash.h"
+#include "app/run/folder_hash.h"
 #include "base/try.h"
 #include "batch/file_facts.h"
-#include "provenance/hash.h"
-#include "run/folder_hash.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {
@@ -50,7 +50,7 @@ bool has_recorded_content(const FileRecord& record, const std::string& path) {
 
 FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder)
     : output_folder_(std::move(output_folder)) {
-  // what failed last is to be done again, whatever came of it before
+  // A clip that failed last must be done again, whatever its earlier results.
   std::set<std::pair<std::string, std::string>> failed;
   for (const ManifestEntry& entry : latest_entries(entries)) {
     if (!entry.done) failed.emplace(entry.relative, entry.robot);

@@ -9,15 +9,15 @@
 
 namespace retarget {
 
-/// What a file is now: size, time and hash.
+/// Records the current size, modification time and hash of a file.
 /// @param name  FileRecord::file.
 [[nodiscard]] Result<FileRecord> record_file(const std::string& path, std::string name);
 
-/// Whether something still is as a manifest has it.
+/// Whether a file still matches its record.
 enum class RecordState {
-  kSame,     ///< Size and time of change are the recorded ones.
-  kChanged,  ///< It is gone or has another size.
-  kUnsure,   ///< Same size, other time: only its content tells.
+  kSame,     ///< Same size and modification time.
+  kChanged,  ///< Missing, or of another size.
+  kUnsure,   ///< Same size but other time; only the content decides.
 };
 
 /// Compares without reading the file.
@@ -26,16 +26,16 @@ enum class RecordState {
 /// Compares size and content.
 [[nodiscard]] bool has_recorded_content(const FileRecord& record, const std::string& path);
 
-/// The clips that earlier runs finished, looked up by clip, robot and options.
+/// Clips finished by earlier runs, by clip, robot and options.
 class FinishedClips {
  public:
   FinishedClips() = default;
-  /// @param output_folder  that the outputs of the entries are in.
+  /// @param output_folder  folder that contains the outputs of the entries.
   FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder);
 
-  /// An entry that says that the clip is done with these options and is the same of its file, input and outputs being as they
-  /// were as far as can be seen without reading them; the state is kSame or kUnsure. Nothing: it
-  /// is to be done.
+  /// An entry of a clip finished with these options and the same part of its file, whose input and
+  /// outputs are unchanged as far as can be seen without reading them. The state is kSame or
+  /// kUnsure. Without an entry, the clip must be done.
   struct Candidate {
     const ManifestEntry* entry = nullptr;
     RecordState state = RecordState::kChanged;
@@ -43,24 +43,25 @@ class FinishedClips {
   [[nodiscard]] Candidate find(const std::string& relative, const std::string& robot,
                                const std::string& options_hash, const std::string& input_path,
                                const ClipVariant& variant = {}) const;
-  /// The signature that an earlier run found in a clip whose file is as it was; empty: there is none.
+  /// The signature that an earlier run computed for a clip whose file is unchanged; empty if there
+  /// is none.
   [[nodiscard]] std::string signature_of(const std::string& relative,
                                          const std::string& options_hash,
                                          const std::string& input_path,
                                          const ClipVariant& variant) const;
 
-  /// The files, below the output folder, that earlier runs are said to have made of a clip.
-  /// @param verified  those alone that are what was recorded, by size and content, and lie in that
-  ///                  folder when links are followed: no others may be removed.
+  /// The files, relative to the output folder, that earlier runs recorded as outputs of a clip.
+  /// @param verified  only files that match their record in size and content and lie in that folder
+  ///                  with symbolic links resolved; only these may be removed.
   [[nodiscard]] std::vector<std::string> outputs_of(const std::string& relative,
                                                     const std::string& robot, bool verified) const;
 
-  /// When an entry of the clip was finished last, failed ones included; empty: there is none.
+  /// When the latest entry of the clip was finished, including failed ones; empty if there is none.
   [[nodiscard]] std::string last_finished(const std::string& relative,
                                           const std::string& robot) const;
 
-  /// Whether input and outputs of an entry have the recorded contents; files whose size and time
-  /// are the recorded ones are trusted.
+  /// Whether input and outputs of an entry have the recorded contents. Files with recorded size and
+  /// modification time are not read.
   [[nodiscard]] bool still_holds(const ManifestEntry& entry, const std::string& input_path) const;
 
  private:
@@ -70,7 +71,7 @@ class FinishedClips {
   std::multimap<std::pair<std::string, std::string>, ManifestEntry> entries_;
   std::map<std::pair<std::string, std::string>, std::vector<FileRecord>> outputs_;
   std::map<std::pair<std::string, std::string>, std::string> last_finished_;
-  std::multimap<std::string, ManifestEntry> with_signature_;  // by clip
+  std::multimap<std::string, ManifestEntry> with_signature_;  // By clip.
   std::string output_folder_;
 };
 

@@ -10,12 +10,11 @@
 #include <set>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
-#include "base/file.h"
+#include "app/run/fingerprint.h"
 #include "base/json.h"
-#include "base/number_text.h"
 #include "base/option_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "batch/batch_runner.h"
 #include "batch/clip_table.h"
@@ -32,12 +31,12 @@
 #include "batch/resume.h"
 #include "batch/shard.h"
 #include "batch/signature_pass.h"
-#include "plan/check_options.h"
-#include "plan/config_files.h"
-#include "plan/gates.h"
-#include "plan/output_files.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
 #include "retarget/load.h"
-#include "run/fingerprint.h"
+#include "retarget/measure.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -55,16 +54,15 @@ Result<void> check_request(const BatchRequest& request) {
                          "retarget batch " OPTION("help") " shows more");
   }
   if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_config_kind(solve.ik_config)) {
-    return usage_failure(
-        OPTION("ik-config") " is a configuration for one robot, but several are given",
-        "run a batch for each robot");
+    return usage_failure(OPTION("ik-config") " applies to one robot, but several are given",
+                         "run a batch for each robot");
   }
   if (request.resume && request.redo) {
     return usage_failure(OPTION("resume") " and " OPTION("redo") " cannot be combined",
                          "give only one of them");
   }
   if (std::ranges::find(request.inputs, "-") != request.inputs.end()) {
-    return usage_failure("a batch cannot read a motion from standard input",
+    return usage_failure("a batch cannot read motions from standard input",
                          OPTION("list") " - reads file names from it");
   }
   const PartOptions& part = request.run.options.part;
@@ -90,12 +88,36 @@ Result<void> check_request(const BatchRequest& request) {
   return check_config_choice(robot, solve);
 }
 
+// `base` formerly named the folder that `relative_to` names now.
+Result<BatchRequest> without_former_options(BatchRequest request, Observer& observer) {
+  if (request.former_base.empty()) return request;
+  std::error_code ignored;
+  if (!fs::is_directory(request.former_base, ignored)) {
+    return usage_failure(
+        OPTION("base") " must be auto or fixed, found \"" + request.former_base + "\"",
+        OPTION("relative-to") " sets the folder whose tree is kept");
+  }
+  if (!request.relative_to.empty()) {
+    return usage_failure(
+        OPTION("base") " DIR and " OPTION("relative-to") " DIR have the same meaning",
+        "give only one of them");
+  }
+  observer.warn({{0, 0,
+                  OPTION("base") " DIR is now " OPTION(
+                      "relative-to") " DIR; the former option will be "
+                                     "removed, because " OPTION("base") " now refers to the "
+                                                                        "robot's base"}},
+                {});
+  request.relative_to = std::exchange(request.former_base, {});
+  return request;
+}
+
 std::string without_last_slash(std::string folder) {
   while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
   return folder;
 }
 
-// `.` of a file alone
+// Returns `.` for a bare file name.
 std::string folder_of(const std::string& file) {
   const fs::path folder = fs::path(file).parent_path();
   return folder.empty() ? "." : folder.string();
@@ -110,10 +132,10 @@ Result<std::string> make_output_folder(const std::string& given) {
   fs::create_directories(folder, error);
   if (!error) return folder;
   return run_failure(folder,
-                     "cannot make the folder: " + std::generic_category().message(error.value()));
+                     "cannot create the folder: " + std::generic_category().message(error.value()));
 }
 
-// robots, loaded once; in a list, since tasks point to them
+// Loads each robot once. A list keeps their addresses stable, because tasks point to them.
 Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Observer& observer) {
   std::vector<std::string> names = request.robots;
   if (names.empty()) names.emplace_back();
@@ -121,7 +143,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
   for (const std::string& name : names) {
     BatchRobot robot;
     robot.run = request.run;
-    // each clip has a name of its own there
+    // Each clip replaces `*` by its own name.
     if (request.contacts) robot.run.options.save.contacts = contacts_output("*");
     robot.run.robot.name = name;
     robot.request = request.of_clip;
@@ -149,18 +171,18 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
   return robots;
 }
 
-// all that a batch needs before its first clip
+// Everything that a batch needs before its first clip.
 struct BatchPlan {
   std::vector<BatchInput> inputs;
-  std::set<std::string> known;  // relative names, those of other parts too
+  std::set<std::string> known;  // Relative names, including those of other shards.
   std::list<BatchRobot> robots;
-  std::vector<BatchTask> tasks;         // that are left to do
-  std::vector<ManifestEntry> left_out;  // as they repeat others
+  std::vector<BatchTask> tasks;         // Tasks that remain.
+  std::vector<ManifestEntry> left_out;  // Duplicates that are left out.
   std::size_t unchanged = 0;
   std::uint64_t bytes = 0;
 };
 
-// the clips that a table makes of the files
+// Replaces files by the parts that the clip table defines.
 Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
                                            const std::vector<ClipRow>& rows,
                                            const BatchRequest& request, Observer& observer) {
@@ -174,11 +196,11 @@ Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
   return parts;
 }
 
-// every clip: files, or parts of them, and mirror images
+// Finds all clips: files or parts of them, and mirror images.
 Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer& observer) {
-  InputSearch search{request.inputs, request.lists,
-                     request.base,   request.exclude,
-                     request.output, !request.run.options.source.from_robot.empty()};
+  InputSearch search{request.inputs,      request.lists,
+                     request.relative_to, request.exclude,
+                     request.output,      !request.run.options.source.from_robot.empty()};
   std::vector<ClipRow> rows;
   if (!request.clips.empty()) {
     TRY_ASSIGN(rows, read_clip_table(request.clips));
@@ -214,14 +236,14 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
   return {};
 }
 
-// the entry of a clip that is not done, as it repeats another
+// The entry of a clip that is left out as a duplicate.
 ManifestEntry entry_of_repeated(const BatchInput& input, const BatchRobot& robot,
                                 const RepeatedClip& repeated, const FinishedClips& finished) {
   ManifestEntry entry;
   entry.relative = input.relative;
   entry.robot = robot.name;
   entry.options_hash = robot.fingerprint.hash;
-  // what the next run knows it again by; its content is not looked at
+  // Enough for the next run to recognise the file; its content is not read.
   entry.input = {input.path, input.bytes, input.modified_ns, {}};
   entry.variant = input.variant;
   entry.signature = input.signature;
@@ -230,7 +252,7 @@ ManifestEntry entry_of_repeated(const BatchInput& input, const BatchRobot& robot
   return entry;
 }
 
-// longest first, what is done already and what repeats other clips left out
+// Creates tasks, longest first, without clips that are done already or are duplicates.
 void plan_tasks(const FinishedClips& finished, const std::map<std::string, RepeatedClip>& repeated,
                 BatchPlan& plan) {
   for (const BatchInput& input : plan.inputs) {
@@ -252,7 +274,7 @@ void plan_tasks(const FinishedClips& finished, const std::map<std::string, Repea
   }
 }
 
-// own entries that stay: all but those of clips that are done again, or are gone
+// Own entries except those of clips that are done again or are gone.
 std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const BatchPlan& plan) {
   std::set<std::pair<std::string, std::string>> redone;
   for (const BatchTask& task : plan.tasks) {
@@ -274,7 +296,7 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   return kept;
 }
 
-// of outputs whose files no option of this call makes any more
+// Warns of output files that the current options no longer create.
 void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
                            const FinishedClips& finished, Observer& observer) {
   const auto files = files_of_earlier_options(folder, plan.tasks, finished);
@@ -282,8 +304,8 @@ void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
                   count_text(files.size(), "file") +
-                      " that earlier options made from these clips are left in place and no longer "
-                      "in the manifest: " +
+                      " written by earlier options for these clips remain in place and are no "
+                      "longer in the manifest: " +
                       list_names(files, kShown)}},
                 folder);
 }
@@ -296,7 +318,7 @@ Result<void> write_options_file(const std::string& folder, const std::list<Batch
   return write_file(folder + "/options.json", text + "\n]\n");
 }
 
-// what keeps other batches out of the folder, or of one part of it
+// Locks that exclude other batches from the folder, or from one shard of it.
 struct BatchLocks {
   FolderLock folder;
   std::optional<FolderLock> part;
@@ -318,7 +340,7 @@ Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Obs
   return locks;
 }
 
-// robots and inputs
+// Loads robots and finds inputs.
 Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Observer& observer) {
   BatchPlan plan;
   TRY_ASSIGN(plan.robots, load_batch_robots(request, observer));
@@ -326,14 +348,17 @@ Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Ob
   return plan;
 }
 
-// leaves out what is done, and begins the manifest with it
+// Removes finished clips from the plan and begins the manifest with them.
 Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& manifests,
                                                        const FinishedClips& finished,
                                                        const BatchRequest& request, BatchPlan& plan,
                                                        Observer& observer) {
   std::map<std::string, RepeatedClip> repeated;
-  if (request.dedupe) {
+  // A split keeps mirror images together, which only signatures reveal.
+  if (request.dedupe || !request.split.empty()) {
     TRY(find_signatures(plan.inputs, plan.robots.front(), request, finished, observer));
+  }
+  if (request.dedupe) {
     TRY_ASSIGN(repeated, repeated_inputs(plan.inputs, observer));
     observer.line("dedupe", std::to_string(repeated.size()) + " of " +
                                 count_text(plan.inputs.size(), "clip") +
@@ -348,12 +373,12 @@ Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& man
   return ManifestWriter::begin(manifests.path, kept_entries(manifests, plan));
 }
 
-// the clips of the plan, and what is told of them
+// Runs the tasks of the plan and reports the result.
 Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& request,
                                  const std::string& folder, const FinishedClips& finished,
                                  ManifestWriter& manifest, Observer& observer) {
   if (plan.tasks.empty()) return std::size_t{0};
-  BatchProgress progress(observer, plan.tasks.size(), plan.bytes);
+  BatchProgress progress(observer, folder, plan.tasks.size(), plan.bytes);
   const auto ran =
       run_batch_tasks(plan.tasks, request, {folder, finished, manifest, progress, observer});
   observer.end_progress();
@@ -368,11 +393,11 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
   return failure(std::move(stopped));
 }
 
-// what says which clips are done, where none are
+// Refuses options that have no meaning when manifests are merged.
 Result<void> check_merge(const BatchRequest& request) {
   const auto refused = [](const char* option) {
     return usage_failure(std::string(option) + " and " OPTION("merge") " cannot be combined",
-                         OPTION("merge") " joins manifests and retargets no clips");
+                         OPTION("merge") " only joins manifests");
   };
   if (!request.clips.empty()) return refused(OPTION("clips"));
   if (request.mirror) return refused(OPTION("mirror"));
@@ -383,10 +408,10 @@ Result<void> check_merge(const BatchRequest& request) {
   return {};
 }
 
-// the gates that options.json tells of, after they were changed
+// Updates the gates recorded in options.json after they changed.
 Result<void> record_gates(const std::string& folder, const Gates& gates) {
   const std::string path = folder + "/options.json";
-  // what cannot be read tells nothing
+  // Ignore an unreadable file.
   auto options = load_json(path);
   if (!options || !options->is_array()) return {};
   for (auto& each : *options) {
@@ -397,7 +422,8 @@ Result<void> record_gates(const std::string& folder, const Gates& gates) {
 
 }  // namespace
 
-Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
+Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
+  TRY_ASSIGN(const BatchRequest request, without_former_options(given, observer));
   TRY(check_request(request));
   Shard shard;
   if (!request.shard.empty()) {
@@ -418,7 +444,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   warn_of_earlier_files(folder, plan, finished, observer);
   TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
-  // a clip whose process was ended could not take back what it had begun
+  // A clip whose process was killed could not remove its unfinished outputs.
   if (alone) remove_unfinished(folder, folders);
   if (failed) TRY(finish_manifests(folder, shard, plan.known, rules, observer));
   if (failed && request.motion_list && shard.count == 1) {

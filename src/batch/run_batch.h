@@ -6,51 +6,51 @@
 
 #include "retarget/error.h"
 #include "retarget/options.h"
-#include "run/observer.h"
-#include "run/run_to_files.h"
+#include "retarget/run.h"
 
 namespace retarget {
 
-/// Many clips, to one robot or several.
+/// Settings of a batch: many clips for one or several robots.
 struct BatchRequest {
-  Run run;  ///< Of every clip but for its file, robot and output; its memory is that of all.
+  Run run;                           ///< Settings of every clip; the memory limit is for all clips.
   RunRequest of_clip;                ///< Whether sidecars are written.
-  std::string data_folder;           ///< With robots/ and configs/.
-  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
-  std::vector<std::string> lists;    ///< Files of names.
-  std::string base;                  ///< Folder below which named files keep their tree.
+  std::string data_folder;           ///< Contains robots/ and configs/.
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; or manifests to merge.
+  std::vector<std::string> lists;    ///< Files with lists of names.
+  std::string relative_to;           ///< Folder below which single files keep their path.
+  std::string former_base;           ///< relative_to by its former option `base`; may be empty.
   std::vector<std::string> exclude;  ///< Shell patterns.
-  std::vector<std::string> robots;   ///< Names or folders; empty: the run's own.
-  std::string output;                ///< Folder.
-  int jobs = 0;                      ///< Clips at a time; 0: as many as there are processors.
-  double clip_timeout_s = 0.0;       ///< After which a clip has failed; 0: never.
+  std::vector<std::string> robots;   ///< Names or folders; empty: the run's own robot.
+  std::string output;                ///< Output folder.
+  int jobs = 0;                      ///< Clips in parallel; 0: one per processor.
+  double clip_timeout_s = 0.0;       ///< Time limit per clip; 0: none.
   bool resume = false;               ///< Skip clips that are done and unchanged.
-  bool redo = false;                 ///< Forget an earlier batch in the folder.
-  std::string shard;                 ///< `I/N`; empty: all of it.
-  bool quality = true;               ///< Measure the motions.
-  std::vector<std::string> gates;    ///< That the motions are held against: changed_gates().
+  bool redo = false;                 ///< Discard an earlier batch in the folder.
+  std::string shard;                 ///< `I/N`; empty: the whole batch.
+  bool quality = true;               ///< Measure the quality of the motions.
+  std::vector<std::string> gates;    ///< Quality gates for the motions: changed_gates().
   std::string clips;                 ///< Table of parts of the files (clip_table.h); empty: none.
-  bool mirror = false;               ///< Every clip's mirror image as well.
-  bool dedupe = false;               ///< Leave out clips that show what another shows.
-  std::string split;         ///< `RATIO:SEED` (split.h); empty: not for training and validation.
-  bool contacts = false;     ///< Write CLIP.contacts.csv beside each motion.
-  bool motion_list = false;  ///< Write motions.yaml.
-  std::string pack;          ///< Name of the NPZ of all motions that passed; empty: none.
+  bool mirror = false;               ///< Add the mirror image of every clip.
+  bool dedupe = false;               ///< Leave out duplicate clips.
+  std::string split;                 ///< Shares and seed (split.h); empty: no lists for training.
+  bool contacts = false;             ///< Write CLIP.contacts.csv next to each motion.
+  bool motion_list = false;          ///< Write motions.yaml.
+  std::string pack;                  ///< Name of the NPZ with all passed motions; empty: none.
 
-  /// Recorded of clips that failed; as of a process that does one clip alone.
+  /// Exit code recorded for failed clips, as in a run of one clip alone.
   std::function<int(ErrorKind)> exit_code;
   /// Called first in each worker process.
   std::function<void()> begin_worker;
 };
 
-/// Retargets all clips, each in a process of its own, and writes the manifest and the summary
-/// (docs/batch.md). A clip that fails is no error. Errors: kUsage, requests that contradict each other
-/// or would write one file twice; a manifest that cannot be written; kInterrupted.
-/// @return how many clips failed.
+/// Retargets all clips, each in a separate process, and writes the manifest and the summary
+/// (docs/batch.md). A failed clip is not an error. Errors: kUsage for requests that are
+/// contradictory or would write a file twice; a manifest that cannot be written; kInterrupted.
+/// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer);
 
-/// Joins the manifests of all parts in the output folder, and those that are inputs.
-/// @return how many clips failed.
+/// Merges the manifests of all parts in the output folder and the manifests given as inputs.
+/// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer);
 
 }  // namespace retarget

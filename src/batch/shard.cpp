@@ -18,7 +18,7 @@ Result<Shard> parse_shard(const std::string& text) {
     if (bad_count == std::errc() && rest == end && in_range) return shard;
   }
   return usage_failure(OPTION("shard") " must be I/N with I from 1 to N, found \"" + text + "\"",
-                       OPTION("shard") " 1/4 is the first of four parts");
+                       OPTION("shard") " 1/4 selects the first of four parts");
 }
 
 void sort_longest_first(std::vector<BatchInput>& inputs) {

@@ -7,18 +7,18 @@
 #include <exception>
 #include <utility>
 
-#include "base/number_text.h"
 #include "base/try.h"
 #include "batch/duplicates.h"
-#include "human/motion_signature.h"
+#include "batch/motion_signature.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
-#include "run/recorded_motion.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// of a clip as a run would take it; empty: it cannot be read
+// Signature of a clip as a run would read it; empty if it cannot be read.
 std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double memory_gb) {
   try {
     const Run run = run_of_clip(robot, clip, memory_gb);
@@ -30,12 +30,12 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
     return signature_bytes(
         motion_signature(*plan->clip, plan->human.calibration, plan->part.begin, plan->part.end));
   } catch (const std::exception&) {
-    // memory that ran out, say; the run itself will tell
+    // Such as out of memory; the run itself reports it.
     return {};
   }
 }
 
-// clips as they are, in the order in which the first of a kind is kept
+// Clips without mirror images, in the order in which the first duplicate is kept.
 std::vector<BatchInput*> originals(std::vector<BatchInput>& inputs) {
   std::vector<BatchInput*> clips;
   for (BatchInput& input : inputs) {
@@ -65,7 +65,7 @@ Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& 
   };
   const auto ended = [&](std::size_t task, const TaskEnd& end) {
     if (end.answered) unknown[task]->signature = end.answer;
-    observer.status(fmt::format("looking for duplicates: {} of {}", ++done, unknown.size()));
+    observer.status(fmt::format("looking for repeated motions: {} of {}", ++done, unknown.size()));
   };
   if (!unknown.empty()) TRY(run_in_processes(pool.memory, pool.options, work, ended));
   observer.end_progress();
@@ -82,7 +82,7 @@ Result<std::map<std::string, RepeatedClip>> repeated_inputs(const std::vector<Ba
   }
   auto repeated = repeated_clips(clips, [&] { return !observer.is_stopped(); });
   if (observer.is_stopped()) return interrupted_failure();
-  // an image goes with its original
+  // A mirror image shares the result of its original.
   for (const BatchInput& input : inputs) {
     const auto of = repeated.find(input.variant.mirror_of);
     if (input.variant.is_mirrored() && of != repeated.end()) repeated[input.relative] = of->second;

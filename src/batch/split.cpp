@@ -6,35 +6,35 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <utility>
 
-#include "base/lower_case.h"
-#include "base/number_text.h"
+#include "app/provenance/hash.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "batch/find_inputs.h"
-#include "provenance/hash.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
 
-// 07 and 7 are one
+// Removes leading zeros, since 07 and 7 are the same subject.
 std::string without_zeros(const std::string& digits) {
   const std::size_t first = digits.find_first_not_of('0');
   return first == std::string::npos ? "0" : digits.substr(first);
 }
 
-// what is added to the name of a mirror image
+// Removes the suffix of a mirror image.
 std::string without_mirror_mark(const std::string& stem) {
   static const std::regex kMark("^(.+)_(mirrored|mirror|flipped)$", std::regex::icase);
   std::smatch match;
   return std::regex_match(stem, match, kMark) ? match[1].str() : stem;
 }
 
-// `walk1_subject5`, `sub3_largebox_003`, `Subject_11_F_10`
+// Matches `walk1_subject5`, `sub3_largebox_003`, `Subject_11_F_10`.
 std::string subject_word(const std::string& stem) {
   static const std::regex kWord(
       "(?:^|[^a-z])(?:subject|subj|sub|actor|performer|person)[ _-]?([0-9]+)(?![0-9])",
@@ -44,7 +44,7 @@ std::string subject_word(const std::string& stem) {
                                                : std::string();
 }
 
-// `07_01`, `cmu_07_01_walk`: the subject's number, then the trial's
+// Matches `07_01`, `cmu_07_01_walk`: the subject's number, then the trial's.
 std::string cmu_subject(const std::string& stem) {
   static const std::regex kTrial("^(?:cmu_(?:[a-z0-9]+_)?)?([0-9]{1,3})_([0-9]{2})(?:[_ .-].*)?$",
                                  std::regex::icase);
@@ -53,7 +53,8 @@ std::string cmu_subject(const std::string& stem) {
                                                : std::string();
 }
 
-// a folder is a subject's where files are called as in AMASS, or it is called like one: `KIT/3`, `s1`
+// A folder belongs to a subject if its files are named as in AMASS, or if its name looks like a
+// subject: `KIT/3`, `s1`.
 std::string subject_folder(const fs::path& folder, const std::string& stem) {
   static const std::regex kAmass(".*_(poses|stageii|stagei)$", std::regex::icase);
   static const std::regex kPerson("(s|p|subject|subj|sub|actor|person)?[ _-]?[0-9]{1,3}",
@@ -69,24 +70,90 @@ std::string subject_folder(const fs::path& folder, const std::string& stem) {
   return is_subject ? folder.generic_string() : std::string();
 }
 
-// `M000001` is the mirror image of `000001`
+// `M000001` is the mirror image of `000001`.
 std::string humanml_number(const std::string& stem) {
   static const std::regex kNumber("^M?([0-9]{6})$");
   std::smatch match;
   return std::regex_match(stem, match, kNumber) ? match[1].str() : std::string();
 }
 
+// Adds the format and an example of each kind to an error.
+Failure split_failure(const std::string& problem) {
+  return usage_failure(
+      OPTION("split") " " + problem,
+      OPTION("split") " 0.9:1 uses 90 % for training, " OPTION(
+          "split") " 0.8,0.1,0.1:1 also splits the rest into validation and test; another seed "
+          "gives another split");
+}
+
+// Parses `0.8,0.1,0.1`. Returns an empty list unless all numbers are between 0 and 1.
+std::vector<double> parse_shares(std::string_view text) {
+  std::vector<double> shares;
+  while (true) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    const auto share = parse_number<double>(text.substr(0, comma));
+    if (!share || !(*share > 0.0 && *share < 1.0)) return {};
+    shares.push_back(*share);
+    if (comma == text.size()) return shares;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// A group, to be ordered by its hash.
+struct DrawnGroup {
+  std::string hash;
+  const std::string* key = nullptr;
+  std::size_t size = 0;
+  SplitSide side = SplitSide::kTrain;
+};
+
+// Adds groups to a set while they bring it closer to its fraction.
+void fill_side(std::vector<DrawnGroup>& groups, SplitSide side, double wanted) {
+  double taken = 0.0;
+  for (DrawnGroup& group : groups) {
+    if (group.side != SplitSide::kTrain) continue;
+    const double with = taken + static_cast<double>(group.size);
+    if (std::abs(with - wanted) >= std::abs(taken - wanted)) continue;
+    group.side = side;
+    taken = with;
+  }
+}
+
+// Moves the smallest group that another set can spare to an empty set.
+void spare_one_for(std::vector<DrawnGroup>& groups, SplitSide side) {
+  const auto count = [&](SplitSide of) {
+    return std::ranges::count(groups, of, &DrawnGroup::side);
+  };
+  if (count(side) > 0) return;
+  DrawnGroup* smallest = nullptr;
+  for (DrawnGroup& group : groups) {
+    if (count(group.side) < 2) continue;
+    if (smallest == nullptr || group.size < smallest->size) smallest = &group;
+  }
+  if (smallest != nullptr) smallest->side = side;
+}
+
 }  // namespace
 
 Result<Split> parse_split(const std::string& text) {
   const std::size_t colon = text.find(':');
-  const auto ratio = parse_number<double>(std::string_view(text).substr(0, colon));
-  if (ratio && *ratio > 0.0 && *ratio < 1.0) {
-    return Split{*ratio, colon == std::string::npos ? std::string() : text.substr(colon + 1)};
+  const std::vector<double> shares = parse_shares(std::string_view(text).substr(0, colon));
+  if (shares.empty() || shares.size() > 3) {
+    return split_failure(
+        "must be RATIO:SEED with a ratio between 0 and 1, or three shares for training, validation "
+        "and test, found \"" +
+        text + "\"");
   }
-  return usage_failure(
-      OPTION("split") " must be RATIO:SEED with a ratio between 0 and 1, found \"" + text + "\"",
-      OPTION("split") " 0.9:1 takes nine tenths for training; another seed parts them otherwise");
+  Split split{shares.front(), colon == std::string::npos ? std::string() : text.substr(colon + 1)};
+  if (shares.size() == 1) return split;
+  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+  constexpr double kRounding = 1e-9;
+  if (std::abs(sum - 1.0) > kRounding) {
+    return split_failure(
+        fmt::format("\"{}\": the shares add up to {}, not to 1", text, number_text(sum, 6)));
+  }
+  if (shares.size() == 3) split.test = shares.back();
+  return split;
 }
 
 ClipGroup group_of(const std::string& source) {
@@ -103,42 +170,27 @@ ClipGroup group_of(const std::string& source) {
   return {(path.parent_path() / stem).generic_string(), false};
 }
 
-Result<std::vector<bool>> split_clips(const std::vector<std::string>& groups, const Split& split) {
+Result<std::vector<SplitSide>> split_clips(const std::vector<std::string>& groups,
+                                           const Split& split) {
   std::map<std::string, std::size_t> sizes;
   for (const std::string& key : groups) ++sizes[key];
-  struct Drawn {
-    std::string hash;
-    const std::string* key = nullptr;
-    std::size_t size = 0;
-    bool validates = false;
-  };
-  std::vector<Drawn> drawn;
+  std::vector<DrawnGroup> drawn;
   for (const auto& [key, size] : sizes) {
     TRY_ASSIGN(std::string hash, hash_bytes(split.seed + '\n' + key));
-    drawn.push_back({std::move(hash), &key, size, false});
+    drawn.push_back({std::move(hash), &key, size});
   }
-  std::ranges::sort(drawn, {}, &Drawn::hash);
-  const double wanted = (1.0 - split.ratio) * static_cast<double>(groups.size());
-  double taken = 0.0;
-  for (Drawn& group : drawn) {
-    const double with = taken + static_cast<double>(group.size);
-    if (std::abs(with - wanted) >= std::abs(taken - wanted)) continue;
-    group.validates = true;
-    taken = with;
+  std::ranges::sort(drawn, {}, &DrawnGroup::hash);
+  const auto count = static_cast<double>(groups.size());
+  fill_side(drawn, SplitSide::kValidation, (1.0 - split.ratio - split.test) * count);
+  if (split.test > 0.0) fill_side(drawn, SplitSide::kTest, split.test * count);
+  for (const SplitSide side : {SplitSide::kTrain, SplitSide::kValidation, SplitSide::kTest}) {
+    if (side != SplitSide::kTest || split.test > 0.0) spare_one_for(drawn, side);
   }
-  // neither side stays empty where there are two groups: the smallest goes over
-  if (drawn.size() > 1) {
-    const auto on_side = std::ranges::count(drawn, true, &Drawn::validates);
-    if (on_side == 0 || on_side == std::ssize(drawn)) {
-      Drawn& smallest = *std::ranges::min_element(drawn, {}, &Drawn::size);
-      smallest.validates = !smallest.validates;
-    }
-  }
-  std::map<std::string_view, bool> trains;
-  for (const Drawn& group : drawn) trains[*group.key] = !group.validates;
-  std::vector<bool> result;
+  std::map<std::string_view, SplitSide> sides;
+  for (const DrawnGroup& group : drawn) sides[*group.key] = group.side;
+  std::vector<SplitSide> result;
   result.reserve(groups.size());
-  for (const std::string& key : groups) result.push_back(trains[key]);
+  for (const std::string& key : groups) result.push_back(sides[key]);
   return result;
 }
 

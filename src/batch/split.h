@@ -9,33 +9,37 @@
 
 namespace retarget {
 
-/// How clips are parted into those for training and those for validation.
+/// Division of clips into training, validation and test sets.
 struct Split {
-  double ratio = 0.9;  ///< Of the clips, for training.
-  std::string seed;    ///< Another one parts them in another way.
+  double ratio = 0.9;  ///< Fraction of the clips for training.
+  std::string seed;    ///< Seed of the pseudo-random division.
+  double test = 0.0;   ///< Fraction for testing; 0: only training and validation.
 };
 
-/// `0.9:seed`, or `0.9` alone; kUsage where the text is no such thing.
+/// The set of a clip.
+enum class SplitSide : unsigned char { kTrain, kValidation, kTest };
+
+/// Parses `0.9`, `0.9:seed`, or fractions that add up to 1: `0.8,0.1,0.1:seed`. Errors: kUsage.
 [[nodiscard]] Result<Split> parse_split(const std::string& text);
 
-/// Clips that must be on one side.
+/// A group of clips that must stay in one set.
 struct ClipGroup {
   std::string key;          ///< `subject 5`, `KIT/3`, or the file.
-  bool is_subject = false;  ///< Of a person; else of one file.
+  bool is_subject = false;  ///< Groups the clips of a person, otherwise those of one file.
 };
 
-/// Whose clip it is, as far as names tell (docs/batch.md lists the rules): LAFAN1's `walk1_subject5`,
-/// CMU's `07_01`, AMASS's `KIT/3/walk_poses`, else the file's own name; a mirror image is its original's
-/// (`M000001` and `_mirrored`).
-/// @param source  the file's path below the folder that was given.
+/// Determines the person of a clip by name (docs/batch.md lists the rules): LAFAN1's
+/// `walk1_subject5`, CMU's `07_01`, AMASS's `KIT/3/walk_poses`, otherwise the file name itself. A
+/// mirror image belongs to its original (`M000001` and `_mirrored`).
+/// @param source  path of the file below the given folder.
 [[nodiscard]] ClipGroup group_of(const std::string& source);
 
-/// For each clip whether it is for training. Groups stay together: in an order that the hash of seed and
-/// key gives, each goes to validation if that brings its number of clips nearer to what the ratio asks.
-/// Of two groups or more, both sides get one. So neither the order of clips nor anything else counts but
-/// their groups.
-/// @param groups  of each clip, ClipGroup::key.
-[[nodiscard]] Result<std::vector<bool>> split_clips(const std::vector<std::string>& groups,
-                                                    const Split& split);
+/// Assigns a set to each clip. Groups stay together. In the order of the hash of seed and key, each
+/// group goes to validation, otherwise to test, if that brings the set's number of clips closer to
+/// its fraction; the others are for training. No set is empty if there are at least as many groups
+/// as sets. The result does not depend on the order of the clips.
+/// @param groups  group key of each clip, as from split_groups().
+[[nodiscard]] Result<std::vector<SplitSide>> split_clips(const std::vector<std::string>& groups,
+                                                         const Split& split);
 
 }  // namespace retarget

@@ -12,18 +12,18 @@
 namespace retarget {
 namespace {
 
-// by how many times a figure is beyond its gate; 0: it is not
+// Ratio by which a value exceeds its gate; 0 if the gate is kept.
 double ratio_beyond(const GateResult& gate) {
   if (gate.passed || !gate.value) return 0.0;
   const bool too_much = gate.max && !(*gate.value <= *gate.max);
   const double bound = too_much ? *gate.max : gate.min.value_or(0.0);
   const double ratio = *gate.value / bound;
-  // the wrong sign is beyond any number of times
+  // A value with the wrong sign has no meaningful ratio.
   if (!(ratio > 0.0) || !std::isfinite(ratio)) return HUGE_VAL;
   return std::max(ratio, 1.0 / ratio);
 }
 
-// quoted where a table needs it (RFC 4180)
+// Quotes a cell where required (RFC 4180).
 void add_cell(std::string& row, const std::string& text) {
   if (!row.empty()) row += ',';
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
@@ -36,7 +36,7 @@ void add_cell(std::string& row, const std::string& text) {
   row += '"';
 }
 
-// a cell of text; one that a spreadsheet would take for a formula is marked as text by an apostrophe
+// Adds a text cell. An apostrophe prevents spreadsheets from interpreting it as a formula.
 void add_text(std::string& row, const std::string& text) {
   const bool is_formula =
       !text.empty() && std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos;
@@ -103,7 +103,7 @@ std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> ent
   for (const ManifestEntry& entry : entries) order.push_back(&entry);
   const auto key = [](const ManifestEntry* entry) {
     const bool measured = entry->quality.has_value();
-    // what was left out is nobody's concern
+    // Duplicates that were left out come last.
     const int place = entry->has_failed() ? 0 : entry->is_left_out() ? 2 : 1;
     return std::tuple(place, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
                       measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);

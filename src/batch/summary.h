@@ -9,15 +9,16 @@
 
 namespace retarget {
 
-/// What a manifest keeps of a report.
+/// The part of a report that a manifest keeps.
 [[nodiscard]] ClipQuality clip_quality(const QualityReport& report);
 
-/// Failed clips lead, then most gates missed, then furthest beyond one, then by name.
+/// Sorts entries: failed clips first, then by number of missed gates, by distance beyond a gate,
+/// and by name.
 [[nodiscard]] std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> entries);
 
-/// A table for people and scripts, CSV with a header: a row per clip and robot, the worst first.
-/// The columns are status, clip, robot, frames, fps, duration_s, gates_missed, worst, worst_ratio, every metric
-/// by its key, message and hint. The same entries give the same bytes whatever their order.
+/// A CSV table with a header and a row per clip and robot, the worst first. The columns are status,
+/// clip, robot, frames, fps, duration_s, gates_missed, worst, worst_ratio, every metric by its key,
+/// message and hint. The result does not depend on the order of the entries.
 [[nodiscard]] std::string summary_csv(std::span<const ManifestEntry> entries);
 
 }  // namespace retarget

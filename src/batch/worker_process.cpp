@@ -20,7 +20,7 @@
 namespace retarget {
 namespace {
 
-// false: the other end is closed
+// Returns false if the other end is closed.
 bool write_all(int descriptor, const void* bytes, std::size_t size) {
   const char* at = static_cast<const char*>(bytes);
   while (size > 0) {
@@ -45,7 +45,7 @@ bool read_all(int descriptor, void* bytes, std::size_t size) {
   return true;
 }
 
-// the parent's locks, manifests and pipes to others must not stay open when the parent is gone
+// Closes the parent's locks, manifests and pipes, which must not stay open after the parent ends.
 void close_all_from(int first) {
 #ifdef SYS_close_range
   if (::syscall(SYS_close_range, static_cast<unsigned>(first), ~0U, 0U) == 0) return;
@@ -56,9 +56,9 @@ void close_all_from(int first) {
 
 constexpr int kTasks = 3, kAnswers = 4, kOthers = 5;
 
-// does tasks until there are no more; false: it could not begin
+// Runs tasks until the pipe closes. Returns false if it could not start.
 bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& actions) {
-  // both out of the way of the numbers that they are to have
+  // Move both descriptors away from the numbers that they will be duplicated to.
   const int other_tasks = ::fcntl(tasks, F_DUPFD, kOthers);
   const int other_answers = ::fcntl(answers, F_DUPFD, kOthers);
   if (::dup2(other_tasks, kTasks) < 0 || ::dup2(other_answers, kAnswers) < 0) return false;
@@ -66,7 +66,7 @@ bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& a
 #ifdef __linux__
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // it may have ended before that
+  // The parent may have ended before prctl() took effect.
   if (::getppid() != parent) return false;
   if (actions.begin) actions.begin();
   std::uint64_t task = 0;
@@ -98,7 +98,7 @@ Result<WorkerProcess> WorkerProcess::start(const Actions& actions) {
   const pid_t id = ::fork();
   const int error_number = errno;
   if (id == 0) {
-    // the parent's objects are not this process's to take down, nor is what called this to go on in it
+    // Never return into the caller or destroy the parent's objects in the child.
     actions.end(serve(parent, tasks[0], answers[1], actions) ? 0 : 1);
     for (;;) ::pause();
   }
@@ -148,7 +148,7 @@ void WorkerProcess::send_signal(int signal_number) const {
 }
 
 int WorkerProcess::wait() {
-  // without tasks it leaves
+  // The child exits when its task pipe is closed.
   if (to_worker_ >= 0) ::close(std::exchange(to_worker_, -1));
   if (from_worker_ >= 0) ::close(std::exchange(from_worker_, -1));
   int status = 0;

@@ -10,14 +10,14 @@
 
 namespace retarget {
 
-/// A process that does tasks for this one, which is its parent.
+/// A child process that runs tasks for this process.
 class WorkerProcess {
  public:
-  /// What runs in the process.
+  /// Functions called in the child process.
   struct Actions {
-    void (*end)(int code);                         ///< Ends it, as _exit() does.
-    std::function<void()> begin;                   ///< Comes first,
-    std::function<std::string(std::size_t)> work;  ///< then this for every task.
+    void (*end)(int code);                         ///< Ends the process like _exit().
+    std::function<void()> begin;                   ///< Called first.
+    std::function<std::string(std::size_t)> work;  ///< Called for every task.
   };
   [[nodiscard]] static Result<WorkerProcess> start(const Actions& actions);
   ~WorkerProcess();
@@ -26,15 +26,15 @@ class WorkerProcess {
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  /// False: it has ended.
+  /// Sends a task. Returns false if the process has ended.
   [[nodiscard]] bool give(std::size_t task);
-  /// What there is to be read of an answer is taken; to be called when the descriptor is readable.
+  /// Reads the available part of an answer. Call it when the descriptor is readable.
   enum class State { kWaiting, kAnswered, kEnded };
   [[nodiscard]] State read();
   [[nodiscard]] std::string take_answer();
   [[nodiscard]] int descriptor() const { return from_worker_; }
   void send_signal(int signal_number) const;
-  /// Waits for its end; the signal that ended it, or 0.
+  /// Waits for the process to end. Returns the signal that ended it, or 0.
   int wait();
 
  private:

@@ -8,8 +8,8 @@
 
 namespace retarget {
 
-/// The cubic from `begin` with velocity `begin_velocity` (per frame) to `end` with `end_velocity`
-/// over `frames` frames, at frame `at`.
+/// Evaluates a cubic Hermite curve over `frames` frames at frame `at`: from `begin` with velocity
+/// `begin_velocity` to `end` with `end_velocity` (per frame).
 [[nodiscard]] inline Eigen::Vector3d ease(const Eigen::Vector3d& begin,
                                           const Eigen::Vector3d& begin_velocity,
                                           const Eigen::Vector3d& end,
@@ -20,7 +20,7 @@ namespace retarget {
          end * (u * u * (1.0 + 2.0 * left)) - end_velocity * (frames * left * u * u);
 }
 
-/// The same to rest at zero: an offset that fades.
+/// Evaluates the cubic from `begin` to rest at zero: fades out an offset.
 [[nodiscard]] inline Eigen::Vector3d fade(const Eigen::Vector3d& begin,
                                           const Eigen::Vector3d& begin_velocity, double frames,
                                           double at) {
@@ -28,7 +28,7 @@ namespace retarget {
   return at >= frames ? rest : ease(begin, begin_velocity, rest, rest, frames, at);
 }
 
-/// As many frames as seconds are, one at least.
+/// Returns the number of frames in a duration, at least one.
 [[nodiscard]] inline int frames_in(double seconds, const FrameRate& rate) {
   constexpr double kMaxSeconds = 1e5;
   return std::max(1, static_cast<int>(std::lround(std::min(seconds, kMaxSeconds) * rate.fps())));

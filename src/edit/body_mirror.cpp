@@ -8,34 +8,35 @@
 #include <optional>
 #include <utility>
 
+#include "base/math/so3.h"
 #include "base/try.h"
 #include "edit/rest_frames.h"
-#include "human/bone_map.h"
-#include "math/so3.h"
+#include "human/skeleton/bone_map.h"
 
 namespace retarget {
 namespace {
 
-// shorter than this share of the longest bone an offset has no direction
+// An offset shorter than this fraction of the longest bone has no direction.
 constexpr double kShortOffset = 1e-3;
 
-// what measured bodies are uneven, as a share of a length
+// Asymmetry of captured bodies, as a fraction of a length.
 constexpr double kUneven = 0.25;
 
 struct OffsetPair {
   Eigen::Vector3d own, of_mate;
 };
 
-// the children of a joint with those of its counterpart, under some reflection
+// Pairs of a joint's children with its counterpart's children, for a given reflection.
 struct ChildPairs {
-  double cost = 0.0;                        // file units
-  std::vector<std::pair<int, int>> joints;  // that were not paired before
+  double cost = 0.0;                        // In file units.
+  std::vector<std::pair<int, int>> joints;  // Pairs that were not known before.
 };
 
-// the reflection of axes onto axes that is near another
+// Returns the reflection nearest to another that maps coordinate axes to coordinate axes, if one is
+// near.
 std::optional<Eigen::Matrix3d> of_axes(const Eigen::Matrix3d& guess) {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-  constexpr double kNear = 0.82;  // cosine of 35 degrees
+  constexpr double kNear = 0.82;  // Cosine of 35 degrees.
   for (int column = 0; column < 3; ++column) {
     int row = 0;
     if (guess.col(column).cwiseAbs().maxCoeff(&row) < kNear) return std::nullopt;
@@ -67,10 +68,10 @@ class MirrorFinder {
     }
     const std::optional<Eigen::Matrix3d> all = of_zero_pose();
     for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
-      // what hangs from nothing that is paired hangs from the root
+      // A joint without a parent is its own counterpart if the pairs do not determine one.
       if (mates_[joint] < 0 && skeleton_.joint(joint).parent < 0) mates_[joint] = joint;
       if (mates_[joint] < 0) return lonely(joint);
-      // of a pair, one side decides
+      // One side of each pair determines the reflection; the other side uses its inverse.
       if (mates_[joint] < joint) {
         axes_[joint] = axes_[mates_[joint]].transpose();
         continue;
@@ -86,7 +87,7 @@ class MirrorFinder {
                                  "\" has no counterpart on the other side of the body");
   }
 
-  // the bone's joint with the other side's, and what lies above both
+  // Pairs a bone's joint with the other side's, and likewise their ancestors.
   Result<void> pair_bones(Bone bone) {
     int joint = calibration_.bones[bone].position_joint;
     int mate = calibration_.bones[mirrored(bone)].position_joint;
@@ -103,7 +104,7 @@ class MirrorFinder {
     return {};
   }
 
-  // the mirror of a zero pose that is its own mirror image
+  // Returns the reflection under which the zero pose is symmetric, if it is.
   [[nodiscard]] std::optional<Eigen::Matrix3d> of_zero_pose() const {
     Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
     for (int joint = 1; joint < skeleton_.joint_count(); ++joint) {
@@ -114,7 +115,7 @@ class MirrorFinder {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(across);
     Eigen::Vector3d normal = solver.eigenvectors().col(2);
-    // an axis that is near is meant
+    // Snap to a coordinate axis if it is close.
     constexpr double kNearAxis = 0.99;
     int axis = 0;
     if (normal.cwiseAbs().maxCoeff(&axis) > kNearAxis) normal = Eigen::Vector3d::Unit(axis);
@@ -134,7 +135,7 @@ class MirrorFinder {
     return (axes * pair.own - pair.of_mate).norm() <= kUneven * size;
   }
 
-  // finds a joint's reflection, and pairs what hangs from it
+  // Finds a joint's reflection and pairs its children.
   Result<void> decide(int joint, const std::optional<Eigen::Matrix3d>& all) {
     const int parent = skeleton_.joint(joint).parent;
     const Eigen::Matrix3d guess = guessed(joint);
@@ -142,7 +143,7 @@ class MirrorFinder {
     if (all) candidates.push_back(*all);
     if (const auto axes = of_axes(guess)) candidates.push_back(*axes);
     if (parent >= 0) {
-      // of a limb's bone alone the T-pose knows more
+      // For a limb bone the T-pose gives better information than the parent does.
       const bool like_parent = mates_[joint] == joint || !turns_bone(joint);
       candidates.insert(like_parent ? candidates.begin() : candidates.end(), axes_[parent]);
     }
@@ -183,7 +184,7 @@ class MirrorFinder {
     return std::ranges::all_of(pairs, [&](const auto& pair) { return agrees(axes, pair); });
   }
 
-  // what leaves a joint, with what leaves its counterpart
+  // Pairs the offsets of a joint's children with those of its counterpart's.
   [[nodiscard]] std::vector<OffsetPair> leaving(int joint, const ChildPairs& found) const {
     std::vector<OffsetPair> pairs;
     for (const int child : children_[joint]) {
@@ -198,7 +199,7 @@ class MirrorFinder {
     return pairs;
   }
 
-  // each child that is not paired yet with that which is most like it in the mirror
+  // Pairs each unpaired child with the most similar one under the reflection.
   [[nodiscard]] Result<ChildPairs> pair_children(int joint, const Eigen::Matrix3d& axes) const {
     const int mate = mates_[joint];
     ChildPairs result;
@@ -220,7 +221,7 @@ class MirrorFinder {
       result.joints.emplace_back(child, other);
       left.erase(best);
       if (joint != mate || child == other) continue;
-      // both hang from this joint
+      // Both children belong to this joint, so neither is available any more.
       std::erase(left, child);
       done.push_back(other);
     }
@@ -235,8 +236,8 @@ class MirrorFinder {
     return result;
   }
 
-  // how far two subtrees are from having one shape, by the lengths in them; infinite: not of one
-  // tree
+  // Returns the shape difference of two subtrees, as a sum of length differences; infinite if their
+  // topologies differ.
   [[nodiscard]] double difference(int a, int b) const {
     if (children_[a].size() != children_[b].size()) return std::numeric_limits<double>::infinity();
     double sum = 0.0;
@@ -254,7 +255,8 @@ class MirrorFinder {
     return sum;
   }
 
-  // the reflection next to a guess that brings what leaves a joint to what leaves its counterpart
+  // Returns the reflection nearest to a guess that maps a joint's child offsets to its
+  // counterpart's.
   [[nodiscard]] Eigen::Matrix3d fitted(const Eigen::Matrix3d& guess,
                                        const std::vector<OffsetPair>& pairs) const {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -268,7 +270,7 @@ class MirrorFinder {
     if (own.isZero(0.0)) return guess;
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                                 Eigen::ComputeFullU | Eigen::ComputeFullV);
-    // of one direction the turn about it is the guess's
+    // A single direction leaves the rotation about it undetermined: keep the guess's.
     constexpr double kOneLine = 0.05;
     if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
       return rotation_between(guess * own, of_mate).toRotationMatrix() * guess;
@@ -285,7 +287,7 @@ class MirrorFinder {
   std::vector<std::vector<int>> children_;
   std::vector<int> mates_;
   std::vector<Eigen::Matrix3d> axes_;
-  double longest_ = 0.0;  // bone, file units
+  double longest_ = 0.0;  // Longest bone, file units.
 };
 
 }  // namespace

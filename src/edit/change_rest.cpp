@@ -4,19 +4,18 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "edit/rest_frames.h"
 #include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// index of each target joint's twin in the source
+// Returns the index in the source of each target joint's counterpart.
 Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& target,
                                       const std::string& file, const std::string& target_file) {
   std::vector<int> twins;
@@ -30,7 +29,7 @@ Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& ta
     }
     const auto twin = source.find(joint.name);
     if (!twin) {
-      return input_failure(file, "there is no joint \"" + joint.name + "\" as in " + target_file +
+      return input_failure(file, "no joint \"" + joint.name + "\" as in " + target_file +
                                      did_you_mean(joint.name, source.names()));
     }
     const int parent = source.joint(*twin).parent;
@@ -38,14 +37,14 @@ Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& ta
     if (above != (joint.parent < 0 ? "" : target.joint(joint.parent).name)) {
       return input_failure(
           file, "the joint \"" + joint.name + "\" has a different parent than in " + target_file,
-          "use retarget edit transfer for other trees");
+          "use retarget edit transfer for different joint trees");
     }
     twins.push_back(*twin);
   }
   if (source.joint_count() != target.joint_count()) {
     for (const Joint& joint : source.joints()) {
       if (target.find(joint.name)) continue;
-      return input_failure(target_file, "there is no joint \"" + joint.name + "\" as in " + file);
+      return input_failure(target_file, "no joint \"" + joint.name + "\" as in " + file);
     }
   }
   return twins;
@@ -72,8 +71,8 @@ class RestChanger {
 
   const Clip& clip_;
   const std::shared_ptr<const Skeleton>& target_;
-  const std::vector<int> twins_;           // of target joints, in the source
-  std::vector<Eigen::Quaterniond> turns_;  // Q of target joints
+  const std::vector<int> twins_;  // By target joint: index of its counterpart in the source.
+  std::vector<Eigen::Quaterniond> turns_;  // Rotation Q by target joint.
 };
 
 RestChange RestChanger::run() const {

@@ -1,9 +1,8 @@
-// edits of time: rate, speed, parts
+// Edits of time: frame rate, speed, cutting.
 
 #include <string>
 #include <utility>
 
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip_range.h"
@@ -12,6 +11,7 @@
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/options.h"
+#include "retarget/text.h"
 
 namespace retarget {
 
@@ -20,7 +20,7 @@ Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
   if (options.speed) {
     constexpr double kMinFactor = 0.01, kMaxFactor = 100.0;
     if (!(*options.speed >= kMinFactor && *options.speed <= kMaxFactor)) {
-      return usage_failure("a speed must be from 0.01 to 100, found " +
+      return usage_failure("the speed must be from 0.01 to 100, found " +
                            number_text(*options.speed, 4));
     }
     clip.set_rate(frame_rate_from_fps(clip.rate().fps() * *options.speed));
@@ -40,10 +40,10 @@ Edited cut_lead_in(Clip clip, bool can_start) {
   const int count = count_lead_in_frames(clip);
   if (count == 0) return {std::move(clip)};
   const std::string take =
-      std::string("; " OPTION("start") " 0 takes ") + (count == 1 ? "it" : "them");
+      std::string("; " OPTION("start") " 0 keeps ") + (count == 1 ? "it" : "them");
   return {cut(clip, count, clip.frame_count()),
           {{"lead-in", count_text(count, "frame") +
-                           " at the start left out, as the motion jumps away from there" +
+                           " at the start skipped, because the motion jumps there" +
                            (can_start ? take : std::string())}}};
 }
 

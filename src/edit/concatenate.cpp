@@ -9,15 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
 #include "base/option_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "edit/ground_pose.h"
 #include "edit/seam.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -42,7 +41,7 @@ class Joiner {
     mover.move_all(*raised_, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift}});
   }
 
-  // as wide as it takes for a good seam; without one as narrow as can be
+  // Widens the search band until a good seam is found; without one keeps the narrowest band.
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     TRY_ASSIGN(auto first, join(seam));
@@ -55,7 +54,7 @@ class Joiner {
     while (seam.band > 0.0 && seam.band < std::min(longest, options_.widest_band)) {
       seam.band = std::min(2.0 * seam.band, options_.widest_band);
       auto wider = join(seam);
-      // too much to search
+      // The wider search would exceed the size limit.
       if (!wider) break;
       if (wider->check.faults.empty()) return wider;
       first.band = seam.band;
@@ -64,7 +63,7 @@ class Joiner {
   }
 
  private:
-  // one after the other, as they lie
+  // Appends b to a without changes.
   [[nodiscard]] Concatenation put_together(SeamMap map) const {
     Clip whole = a_;
     whole.resize(a_.frame_count() + b_.frame_count());
@@ -91,7 +90,7 @@ class Joiner {
         on_floor = &*raised_;
       }
     }
-    // the best of those that turn out well
+    // Take the first seam without faults, otherwise the best one.
     std::optional<Concatenation> best;
     for (const Seam& seam : search.seams) {
       TRY_ASSIGN(auto joined, join_at(seam, *on_floor));
@@ -119,15 +118,15 @@ class Joiner {
   const ConcatenateOptions& options_;
   const HumanMotion motion_a_;
   const HumanClip human_b_;
-  double lift_ = 0.0;           // from b's floor to a's, metres,
-  std::optional<Clip> raised_;  // and b there, where that is not the same
+  double lift_ = 0.0;           // Height of a's floor above b's, metres.
+  std::optional<Clip> raised_;  // Clip b raised to a's floor, if it moves.
 };
 
 void tell_seam(Concatenation& joined, const FrameRate& rate) {
   const Seam& seam = joined.seam;
   auto& notes = joined.notes;
   if (seam.overlap == 0) {
-    notes = {{"seam", "the second continues where the first ends: joined as they are"}};
+    notes = {{"seam", "the second clip continues where the first ends: joined unchanged"}};
     return;
   }
   const auto frame_text = [&rate](int frame) {
@@ -135,39 +134,37 @@ void tell_seam(Concatenation& joined, const FrameRate& rate) {
   };
   const std::string lifted = joined.lift == 0.0
                                  ? std::string()
-                                 : fmt::format(", and {} by {} m to the first's floor",
+                                 : fmt::format(", and {} by {} m to the first clip's floor",
                                                joined.lift < 0.0 ? "lowered" : "raised",
                                                number_text(std::abs(joined.lift), 3));
   const SeamCheck& check = joined.check;
   notes = {
       {"seam", fmt::format("{} meets {}, {} in common", frame_text(seam.a_frame),
                            frame_text(seam.b_frame), count_text(seam.overlap, "frame"))},
-      {"", fmt::format("the second is turned by {} degrees about its hips at the seam and moved by "
-                       "{}, {} m{}",
+      {"", fmt::format("the second clip is rotated by {} degrees about its hips at the seam and "
+                       "moved by {}, {} m{}",
                        number_text(seam.a_from_b.heading * 180.0 / std::numbers::pi, 2),
                        number_text(seam.way.x(), 3), number_text(seam.way.y(), 3), lifted)},
       {"", fmt::format("{} cm apart, {} feet on the floor", number_text(100.0 * seam.distance, 2),
                        seam.same_support ? "the same" : "other")},
-      {"",
-       fmt::format(
-           "fastest relative to its usual speed: {} {} m/s (in the clips {}); planted feet slip at "
-           "{} m/s",
-           check.fastest_bone, number_text(check.largest_speed, 2),
-           number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
+      {"", fmt::format("largest speed relative to the clips: {} {} m/s (in the clips {}); planted "
+                       "feet slip at {} m/s",
+                       check.fastest_bone, number_text(check.largest_speed, 2),
+                       number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
   if (check.jolted_bone.empty()) return;
   notes.push_back(
-      {"", fmt::format("largest acceleration relative to its usual: {} {} m/s2 (in the clips {})",
+      {"", fmt::format("largest acceleration relative to the clips: {} {} m/s2 (in the clips {})",
                        check.jolted_bone, number_text(check.largest_acceleration, 1),
                        number_text(check.usual_acceleration, 1))});
 }
 
-// @param longest  of the clips, seconds
+// @param longest  length of the longer clip, seconds.
 void judge_seam(Concatenation& joined, bool searched_all, double longest, const std::string& a_name,
                 const std::string& b_name) {
   const std::vector<std::string>& faults = joined.check.faults;
   joined.doubts = as_warnings(faults);
   if (faults.empty()) return;
-  // a band as long as the clips leaves nothing to look at
+  // A band as long as the clips has covered everything.
   const bool everywhere = searched_all || joined.band >= longest;
   joined.misfit =
       run_failure(b_name,

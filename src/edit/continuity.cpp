@@ -10,12 +10,12 @@
 namespace retarget {
 namespace {
 
-// frames of each clip that are looked at
+// Number of frames of each clip that are compared.
 constexpr int kBeside = 4;
 
 using Samples = Eigen::Matrix<double, 2 * kBeside, Eigen::Dynamic>;
 
-// one row a frame: positions of all bones, from where they are at the end of a
+// Returns one row per frame: positions of all bones relative to the last frame of a.
 Samples positions_of(const HumanClip& a, const HumanClip& b, const std::vector<Bone>& bones) {
   Samples samples(2 * kBeside, 3 * static_cast<Eigen::Index>(bones.size()));
   const auto frame = [&](int i) -> const HumanPose& {
@@ -31,7 +31,8 @@ Samples positions_of(const HumanClip& a, const HumanClip& b, const std::vector<B
   return samples;
 }
 
-// what polynomials leave of the samples when b begins `spacing` frames after a's last one
+// Returns the residual of a polynomial fit to the samples if b begins `spacing` frames after a's
+// last frame.
 double roughness(const Samples& samples, double spacing) {
   constexpr int kDegree = 4;
   Eigen::Matrix<double, 2 * kBeside, kDegree + 1> powers;
@@ -52,10 +53,10 @@ double roughness(const Samples& samples, double spacing) {
 bool continues_motion(const HumanClip& a, const HumanClip& b) {
   if (a.frame_count < kBeside || b.frame_count < kBeside) return false;
   const Samples samples = positions_of(a, b, common_bones(a, b));
-  // a step, rather than the same frame again
+  // The clips must move on, not repeat the same frame.
   constexpr double kStep = 1e-5;
   if (samples.row(kBeside).cwiseAbs().maxCoeff() <= kStep) return false;
-  constexpr int kMaxOffset = 24;  // quarters of a frame
+  constexpr int kMaxOffset = 24;  // Quarters of a frame.
   double min = std::numeric_limits<double>::infinity();
   int best = 0;
   for (int quarters = -kMaxOffset; quarters <= kMaxOffset; ++quarters) {

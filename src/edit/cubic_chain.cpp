@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::RowVector2d;
 
-// weights of place and derivative at both ends of a piece
+// Weights of position and derivative at both ends of a piece.
 struct Basis {
   RowVector2d left, right;
 };
@@ -21,7 +21,7 @@ Basis basis_at(double u, double length) {
           {u * u * (1.0 + 2.0 * v), -length * u * u * v}};
 }
 
-// symmetric equations of 2 x 2 blocks that couple neighbours alone
+// Symmetric block-tridiagonal equations with 2 x 2 blocks.
 struct BlockEquations {
   std::vector<Matrix2d> diagonal, above, right_side;
 
@@ -89,7 +89,7 @@ CubicChain fit_cubic_chain(std::vector<double> knots, const std::vector<double>&
     equations.add(piece, basis_at((parameters[i] - chain.knots[piece]) / length, length),
                   points[i].transpose(), weights[i]);
   }
-  // where points say nothing: straight and even, at next to no cost
+  // Weak regularisation: straight and even where there are no points.
   constexpr double kEven = 1e-7;
   for (std::size_t piece = 0; piece + 1 < chain.knots.size(); ++piece) {
     const double length = chain.knots[piece + 1] - chain.knots[piece];

@@ -1,11 +1,11 @@
-#include "edit/edit_tables.h"
+#include "retarget/edit_tables.h"
 
 #include <array>
 #include <limits>
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "options/run_tables.h"
+#include "retarget/option_table.h"
 
 namespace retarget {
 
@@ -18,7 +18,7 @@ inline constexpr auto kEnumNames<PathKeep> = std::to_array<NamedValue<PathKeep>>
 
 namespace {
 
-// longer than any motion
+// Longer than any motion.
 constexpr double kLongestCycle = 1e9;
 
 Option number_row(const char* name, auto& member, const char* type, double min, double max,
@@ -32,11 +32,11 @@ Option choice_row(const char* name, auto& member, const char* help) {
 
 Option threshold_row(EditSettings& settings) {
   return number_row("threshold", settings.threshold_cm, "CM", 0.0, 1e6,
-                    "Largest distance of a seam, cm");
+                    "Maximum pose distance at a seam, cm");
 }
 
 Option force_row(EditSettings& settings) {
-  return choice_row("force", settings.force, "Join clips even if they do not fit");
+  return choice_row("force", settings.force, "Join clips even if they do not match");
 }
 
 }  // namespace
@@ -66,58 +66,59 @@ Result<ConcatenateOptions> EditSettings::concatenate_options() const {
 }
 
 OptionTable resample_table(EditSettings& settings) {
-  return {option("fps", settings.fps, kTimeGroup, "N",
-                 "Frames per second of the output (default: the source's)"),
-          number_row("speed", settings.timing.speed, "N", 0.01, 100.0,
-                     "How many times as fast: 0.8 takes 1/0.8 of the time"),
-          choice_row("interpolation", settings.interpolation, "Between source frames"),
-          choice_row("no-antialias", settings.no_antialias,
-                     "Do not low-pass a source that is faster than the output")};
+  return {
+      option("fps", settings.fps, kTimeGroup, "N",
+             "Frames per second of the output (default: the source's)"),
+      number_row("speed", settings.timing.speed, "N", 0.01, 100.0,
+                 "Speed factor: 0.8 takes 1/0.8 of the time"),
+      choice_row("interpolation", settings.interpolation, "Interpolation between source frames"),
+      choice_row("no-antialias", settings.no_antialias,
+                 "Do not low-pass filter a source whose rate is higher than the output's")};
 }
 
 OptionTable ground_table(EditSettings& settings) {
   return {option("floor", settings.floor, kInputGroup, "H",
-                 "Height of the floor in the source, metres (default: where the feet stand)",
+                 "Floor height in the source, metres (default: height of the standing feet)",
                  {.min = -1e6, .max = 1e6})};
 }
 
 OptionTable loop_table(EditSettings& settings) {
   return {number_row("shortest", settings.loop.shortest, "S", 0.0, kLongestCycle,
-                     "Shortest length of the cycle, seconds (default: half the clip)"),
+                     "Minimum length of the cycle, seconds (default: half the clip)"),
           number_row("times", settings.loop.times, "N", std::numeric_limits<int>::min(),
-                     std::numeric_limits<int>::max(), "How many times the cycle is played"),
-          choice_row("in-place", settings.loop.in_place, "The body neither advances nor turns"),
+                     std::numeric_limits<int>::max(), "Number of repetitions of the cycle"),
+          choice_row("in-place", settings.loop.in_place,
+                     "Keep the body in place: remove its travel and turn"),
           threshold_row(settings), force_row(settings)};
 }
 
 OptionTable concatenate_table(EditSettings& settings) {
   return {option("search", settings.search, kTimeGroup, "S|all",
-                 "Where the seam is searched: this many seconds at the end of one and the "
-                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
+                 "Search range for the seam: seconds at the end of the first and the beginning of "
+                 "the second clip, or `all` (default: 2, extended while no seam is good)"),
           number_row("window", settings.concat.seam.window, "S", 0.0, 10.0,
-                     "Length of the part compared and blended, seconds (default: a third)"),
+                     "Length of the compared and blended part, seconds (default: one third)"),
           choice_row("blend", settings.concat.blend,
-                     "Mix the frames that both have, or fade out the difference in the second"),
+                     "Mix the common frames, or fade out the difference in the second clip"),
           threshold_row(settings), force_row(settings)};
 }
 
 OptionTable path_table(EditSettings& settings) {
-  return {
-      option("to", settings.path.to, kTimeGroup, "FILE|line|circle|figure8",
-             "Path to follow: JSON, or a ready-made one with the length and start of the motion's "
-             "own (default: its own)"),
-      number_row("radius", settings.path.radius, "M", -1e6, 1e6,
-                 "Radius of " OPTION("to") " circle, metres; negative turns right"),
-      number_row("scale", settings.path.scale, "N", 0.001, 1000.0,
-                 "Make the path larger or smaller, from its beginning"),
-      number_row("rotate", settings.path.degrees, "DEG", -1e6, 1e6,
-                 "Turn the path about its beginning, degrees to the left"),
-      choice_row("keep", settings.follow_path.keep,
-                 "On a longer or shorter path: the duration (longer strides), the speed over the "
-                 "ground (slower motion), or the strides (the motion ends where its own way "
-                 "would)"),
-      number_row("tolerance", settings.follow_path.fit.tolerance, "M", 0.001, 100.0,
-                 "How far the fitted path may be from the track, metres")};
+  return {option("to", settings.path.to, kTimeGroup, "FILE|line|circle|figure8",
+                 "Path to follow: JSON, or a built-in shape with the length and start of the "
+                 "motion's own path (default: its own path)"),
+          number_row("radius", settings.path.radius, "M", -1e6, 1e6,
+                     "Radius of " OPTION("to") " circle, metres; negative values turn right"),
+          number_row("scale", settings.path.scale, "N", 0.001, 1000.0,
+                     "Scale the path about its beginning"),
+          number_row("rotate", settings.path.degrees, "DEG", -1e6, 1e6,
+                     "Rotate the path about its beginning, degrees to the left"),
+          choice_row("keep", settings.follow_path.keep,
+                     "Quantity to keep on a longer or shorter path: the duration (longer strides), "
+                     "the speed over the ground (slower motion), or the strides (the motion ends "
+                     "after its own distance)"),
+          number_row("tolerance", settings.follow_path.fit.tolerance, "M", 0.001, 100.0,
+                     "Maximum distance of the fitted path from the track, metres")};
 }
 
 }  // namespace retarget

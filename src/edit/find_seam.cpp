@@ -10,7 +10,7 @@
 #include "base/option_name.h"
 #include "edit/blend_offset.h"
 #include "edit/pose_distance.h"
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
@@ -19,7 +19,7 @@
 namespace retarget {
 namespace {
 
-// frames of one clip that are searched
+// Frames of one clip that are searched.
 struct SearchBand {
   int begin = 0, end = 0;
 
@@ -35,7 +35,7 @@ bool has_contacts(const ContactPlan& contacts) {
   return !contacts.phases[0].empty() || !contacts.phases[1].empty();
 }
 
-// metres: nearer than this two poses are one
+// Metres: poses closer than this are equal.
 constexpr double kSame = 1e-5;
 
 class SeamFinder {
@@ -76,13 +76,14 @@ class SeamFinder {
   }
 
  private:
-  // how many frames at the end of a are those at the beginning of b, somewhere else perhaps; but
-  // not all of a clip: it is joined to itself on purpose
+  // Returns the number of frames at the end of a that equal the first frames of b, also if
+  // translated. A match of the whole clip does not count: a clip may be joined to itself on
+  // purpose.
   [[nodiscard]] int shared_frames() const {
     const int fewer = std::min(a_.frame_count, b_.frame_count);
     for (int i = std::max(band_a_.begin, a_.frame_count - fewer + 1); i < band_a_.end; ++i) {
       const int shared = a_.frame_count - i;
-      // who stands still has the same pose anywhere: one frame is as good as many
+      // A still body has the same pose everywhere, so a long match means no more than one frame.
       if (shared > 1 && !moves_after(i)) continue;
       bool same = true;
       for (int k = 0; same && k < shared; k += window_) {
@@ -107,7 +108,7 @@ class SeamFinder {
     return false;
   }
 
-  // of those that are not near others
+  // Returns the best pair of frames that is not close to the given ones.
   [[nodiscard]] PairOfFrames best_pair(const SeamMap& map,
                                        const std::vector<PairOfFrames>& others) const {
     const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time() +
@@ -132,9 +133,9 @@ class SeamFinder {
     return best;
   }
 
-  // in the middle of the overlap
+  // Compares the supporting feet in the middle of the overlap.
   [[nodiscard]] bool same_support(int i, int j) const {
-    // of a clip too short for contacts nothing is known
+    // Clips too short for contact detection cannot be compared.
     if (!has_contacts(contacts_a_) || !has_contacts(contacts_b_)) return true;
     const int middle = (distance_.frames_at(i, j) - 1) / 2;
     for (int foot = 0; foot < 2; ++foot) {
@@ -172,7 +173,7 @@ class SeamFinder {
   const SeamOptions& options_;
   const std::vector<Bone> bones_;
   const PoseClouds in_a_, in_b_;
-  const int window_;  // frames
+  const int window_;  // In frames.
   const WindowDistance distance_;
   const ContactPlan contacts_a_, contacts_b_;
   SearchBand band_a_, band_b_;
@@ -184,7 +185,7 @@ Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamO
   const SeamFinder finder(a, b, options);
   constexpr std::int64_t kMaxPairs = 16'000'000;
   if (finder.pair_count() > kMaxPairs) {
-    return usage_failure("the seam would be searched among " + std::to_string(finder.pair_count()) +
+    return usage_failure("the seam search covers " + std::to_string(finder.pair_count()) +
                              " pairs of frames, which is too many",
                          OPTION("search") " S searches only the last and the first S seconds");
   }

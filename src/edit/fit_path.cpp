@@ -4,19 +4,19 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/number_text.h"
+#include "base/math/filter.h"
+#include "base/math/spline.h"
 #include "edit/cubic_chain.h"
 #include "edit/ground_pose.h"
-#include "math/filter.h"
-#include "math/spline.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// a body that goes nowhere has a path of this length, metres
+// Path length of a body that stays in place, metres.
 constexpr double kPathOfNoWay = 1e-3;
 
-// the smoothed track of the hips
+// Returns the smoothed ground track of the hips.
 std::vector<Eigen::Vector2d> ground_track(const std::vector<GroundPose>& hips,
                                           const FrameRate& rate, double cutoff) {
   std::vector<Eigen::Vector3d> points;
@@ -24,7 +24,7 @@ std::vector<Eigen::Vector2d> ground_track(const std::vector<GroundPose>& hips,
   for (const GroundPose& place : hips) {
     points.emplace_back(place.position.x(), place.position.y(), 0.0);
   }
-  // a second and more on each side, for a filter that is steep enough
+  // At least one period on each side makes the filter steep enough.
   constexpr double kPeriods = 1.0;
   constexpr double kMaxTaps = 20000.0;
   const double half_width = std::min(kPeriods / cutoff * rate.fps(), kMaxTaps);
@@ -39,16 +39,16 @@ std::vector<Eigen::Vector2d> ground_track(const std::vector<GroundPose>& hips,
   return track;
 }
 
-// the track without what is done while standing
+// The track without the points recorded while standing.
 struct ThinTrack {
   std::vector<Eigen::Vector2d> points;
-  std::vector<double> chords;    // metres from the first point, per point
-  std::vector<double> of_frame;  // the same for every frame of the clip
+  std::vector<double> chords;  // Distance along the chords from the first point, metres, per point.
+  std::vector<double> of_frame;  // The same per frame of the clip.
 };
 
 ThinTrack thin_out(const std::vector<Eigen::Vector2d>& track, double step) {
   ThinTrack thin{{track.front()}, {0.0}, {}};
-  std::vector<std::size_t> last_point;  // before or at each frame
+  std::vector<std::size_t> last_point;  // Last point at or before each frame.
   for (const Eigen::Vector2d& place : track) {
     const double distance = (place - thin.points.back()).norm();
     if (distance >= step) {
@@ -77,7 +77,7 @@ struct FittedTrack {
   double largest_distance = 0.0;
 };
 
-// splits pieces that are too far from the track; says whether there were any
+// Splits pieces that deviate too far from the track; returns true if any were split.
 bool refine_knots(const CubicChain& chain, const std::vector<double>& distances,
                   const PathFitOptions& options, std::vector<double>& knots) {
   knots = {chain.knots.front()};
@@ -114,7 +114,7 @@ FittedTrack fit_track(const ThinTrack& thin, const PathFitOptions& options) {
   return fitted;
 }
 
-// metres along the path at a parameter of the chain
+// Converts a parameter of the chain to metres along the path.
 double along_path(const GroundPath& path, const CubicChain& chain, double chord) {
   const std::size_t piece = chain.piece_of(chord);
   const double begin = chain.knots[piece];
@@ -143,8 +143,9 @@ std::vector<StillPhase> still_phases(const std::vector<double>& along,
   return phases;
 }
 
-// of the ways to turn from one heading to another, that nearest to a turn; a path that hardly
-// turns is not made to spin
+// Returns the rotation from one heading to another, modulo full turns, that is closest to `like`.
+// Prefers the shortest one unless clearly more is needed, so that a nearly straight path does not
+// spin.
 double turn_like(double from, double to, double like) {
   constexpr double kWhole = 2.0 * std::numbers::pi;
   const double shortest = std::remainder(to - from, kWhole);
@@ -170,7 +171,8 @@ Result<PathMotion> fit_path(const Clip& clip, const Calibration& calibration,
 }
 
 Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options) {
-  if (human.frame_count == 0) return input_failure({}, "the clip has no frames, hence no path");
+  if (human.frame_count == 0)
+    return input_failure({}, "the clip has no frames and therefore no path");
   const std::vector<GroundPose> hips = hips_over_ground(human);
   const ThinTrack thin =
       thin_out(ground_track(hips, human.rate, options.low_pass), options.still_step);
@@ -199,7 +201,7 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
   frames.reserve(along.size());
   for (const double place : along) frames.push_back(path.at(place));
   const auto count = static_cast<int>(frames.size());
-  // headings of frames that go somewhere go on steadily
+  // Make the headings of moving frames continuous.
   std::size_t next = 0;
   double before = frames.empty() ? 0.0 : frames.front().heading;
   for (int frame = 0; frame < count; ++frame) {
@@ -207,7 +209,7 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
       const StillPhase& phase = still[next];
       const bool ends = phase.end >= count;
       const double to = frames[std::min(phase.end, count - 1)].heading;
-      // at either end of the clip there is one heading alone
+      // A phase at the start or end of the clip has a heading on one side only.
       const double start = frame == 0 && !ends ? to : before;
       const double turn = frame == 0 || ends ? 0.0 : turn_like(start, to, turns[next]);
       for (; frame < phase.end; ++frame) {
@@ -225,9 +227,9 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
 }
 
 void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
-  constexpr double kMaxSpeed = 4.0;    // rad/s, a quick turn on the spot
-  constexpr double kMaxSeconds = 1.0;  // seconds: what turns for longer is no corner
-  constexpr double kPeakOfEase = 1.5;  // fastest against mean
+  constexpr double kMaxSpeed = 4.0;    // Rad/s, a quick turn on the spot.
+  constexpr double kMaxSeconds = 1.0;  // Seconds: a longer turn is not a corner.
+  constexpr double kPeakOfEase = 1.5;  // Ratio of peak to mean speed.
   const int count = static_cast<int>(frames.size());
   const auto longest = static_cast<int>(std::lround(kMaxSeconds * rate.fps()));
   const double fastest_step = kMaxSpeed * rate.frame_time();

@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "edit/fit_path.h"
@@ -16,14 +15,15 @@
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// shorter than this a path gives no speed, metres
+// A path shorter than this defines no speed, metres.
 constexpr double kMinPathLength = 0.01;
 
-// how fast a motion is to be played on its new path, to go as fast as on its own
+// Returns the playback rate on the new path that keeps the original travel speed.
 Result<double> playing_speed(PathKeep keep, double own_length, double length) {
   if (keep != PathKeep::kSpeed) return 1.0;
   if (own_length < kMinPathLength || length < kMinPathLength) {
@@ -34,8 +34,8 @@ Result<double> playing_speed(PathKeep keep, double own_length, double length) {
   return own_length / length;
 }
 
-// where feet stand: each contact as a whole, as its middle frame is moved
-// `clip` and its human are the source, `speed` times as fast as what `moves` has one of per frame
+// Returns the foot plants on the new path: each contact moves rigidly, as its middle frame does.
+// `clip` and `human` are the source, played at `speed`; `moves` has one entry per original frame.
 std::vector<PlantedFoot> moved_plants(const Clip& clip, const Calibration& calibration,
                                       const HumanClip& human, const std::vector<GroundPose>& moves,
                                       double speed, double same_stand) {
@@ -63,15 +63,15 @@ std::vector<Warning> doubts_about(const PlantSummary& feet) {
   constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
   if (feet.largest_miss > kNotedMiss) {
     doubts.push_back({0, 0,
-                      "a leg is too short to reach its place by " +
+                      "a leg is too short to reach its target position by " +
                           number_text(100.0 * feet.largest_miss, 1) + " cm"});
   }
   if (feet.largest_correction > kNotedCorrection) {
     doubts.push_back({0, 0,
-                      "a foot had to be moved by " +
+                      "a standing foot was moved by " +
                           number_text(100.0 * feet.largest_correction, 0) +
-                          " cm to stand: the new path turns or speeds up where these steps do not; "
-                          "a gentler path or " OPTION("keep") " stride suits them better"});
+                          " cm: the new path turns or accelerates where the steps do not; use a "
+                          "gentler path or " OPTION("keep") " stride"});
   }
   return doubts;
 }
@@ -85,7 +85,8 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
   TRY_ASSIGN(auto own, fit_path(human, options.fit));
   TRY_ASSIGN(const double speed, playing_speed(options.keep, own.path.length(), path.length()));
 
-  // turns while standing: of the own path as the body turns, of the new one as the own path does
+  // Headings while standing: the original path turns as the body does, the new one as the original
+  // path does.
   std::vector<double> body_turns, own_turns;
   for (const StillPhase& phase : own.still) body_turns.push_back(phase.turn);
   auto own_frames = path_frames(own.path, own.along, own.still, body_turns);
@@ -108,7 +109,7 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
     moves.push_back(result.frames[frame] * own_frames[frame].inverse());
     mover.move(result.clip, static_cast<int>(frame), moves.back());
   }
-  // feet are planted in what is played: no filter comes after
+  // Plant the feet last, in the resampled clip, because a filter would move them.
   std::vector<PlantedFoot> plants;
   if (speed == 1.0) {
     plants = moved_plants(clip, calibration, human, moves, 1.0, options.same_stand);

@@ -4,20 +4,20 @@
 #include <cmath>
 #include <utility>
 
+#include "base/math/so3.h"
+#include "base/math/spline.h"
+#include "base/math/trigonometry.h"
 #include "edit/blend_offset.h"
-#include "math/so3.h"
-#include "math/spline.h"
-#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {
 
-// corrections below this are rounding, metres and radians
+// Corrections below this are rounding errors, metres and radians.
 constexpr double kEpsilon = 1e-10;
 
 using Track = std::vector<Eigen::Vector3d>;
 
-// fills the frames between two places, or before the first or after the last one
+// Interpolates between two planted runs, or fades before the first and after the last one.
 void fade_between(Track& track, const std::vector<bool>& planted, int from, int to, int release) {
   const int frames = static_cast<int>(track.size());
   const auto velocity = [&](int frame, int inwards) -> Eigen::Vector3d {
@@ -25,7 +25,7 @@ void fade_between(Track& track, const std::vector<bool>& planted, int from, int 
     if (other < 0 || other >= frames || !planted[other]) return Eigen::Vector3d::Zero();
     return (track[other] - track[frame]) * inwards;
   };
-  // velocities inside the places, before anything is filled
+  // Velocities within the planted runs, taken before anything is filled.
   const Eigen::Vector3d leaving = from >= 0 ? velocity(from, -1) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d coming = to < frames ? velocity(to, 1) : Eigen::Vector3d::Zero();
   if (from >= 0 && to < frames && to - from <= 2 * release) {
@@ -51,11 +51,11 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
   return at < plant.stances.size() ? plant.stances[at] : FootStance::kOnSole;
 }
 
-// a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer
-// to the hip, as it does when a step is long
+// Rotates a foot on its toes about them if its leg would be stretched too far: the heel moves
+// towards the hip, as in a long step.
 Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
                  const Eigen::Vector3d& hip, const LegReach& stretch, double share) {
-  constexpr double kMaxTurn = 0.6;  // radians; beyond, the leg is too short
+  constexpr double kMaxTurn = 0.6;  // Radians; beyond this the leg is too short.
   const Eigen::Vector3d toes = wanted * toes_in_foot;
   const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
   const Eigen::Vector3d axis = foot.cross(leg);
@@ -92,7 +92,7 @@ LegReach FootOffsets::reach(std::size_t frame, const LegTrack& leg, double drop,
                             const PlantOptions& options) const {
   const double own = (leg.hips[frame] - leg.ankles[frame].translation).norm();
   const double against_hip = (shifts[frame] + Eigen::Vector3d(0.0, 0.0, drop)).norm();
-  return LegReach::of(leg.lengths[frame], own, against_hip, options);
+  return LegReach::of(leg.lengths[frame], own, against_hip, options.soft_reach, options.max_reach);
 }
 
 FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const LegTrack& leg) {
@@ -114,7 +114,7 @@ void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int
                   const PlantOptions& options, int ramp) {
   for (const PlantedFoot& plant : plants) {
     if (plant.foot != foot || !plant.toes_in_foot) continue;
-    // little at first, or the foot would jump where its toes come down
+    // Ramp up the rotation so that the foot does not jump when its toes touch down.
     int down = plant.begin == 0 ? ramp : 0;
     for (auto i = static_cast<std::size_t>(plant.begin); std::cmp_less(i, plant.end()); ++i) {
       if (stance_at(plant, static_cast<int>(i)) == FootStance::kOnHeel) continue;
@@ -129,7 +129,7 @@ void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int
 
 void fade_offsets(FootOffsets& offsets, int release) {
   const int frames = static_cast<int>(offsets.planted.size());
-  // places are runs of planted frames: the last frame before a gap, the first one after it
+  // Gaps lie between runs of planted frames: `from` is the last frame before, `to` the first after.
   int from = -1;
   for (int to = 0; to <= frames; ++to) {
     if (to < frames && !offsets.planted[to]) continue;

@@ -1,6 +1,6 @@
 #include "edit/foot_stands.h"
 
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 
 namespace retarget {
 

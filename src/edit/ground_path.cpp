@@ -6,17 +6,17 @@
 #include <cmath>
 #include <utility>
 
-#include "math/trigonometry.h"
+#include "base/math/trigonometry.h"
 
 namespace retarget {
 namespace {
 
-// parts of a segment whose lengths are kept
+// Subdivisions of a segment whose arc lengths are stored.
 constexpr int kParts = 16;
-// beside a cusp, as part of a segment, the tangent is looked up
+// Distance from a cusp, as a fraction of a segment, at which the tangent is evaluated instead.
 constexpr double kBesideCusp = 1e-4;
 
-// Gauss-Legendre quadrature of five points on [-1, 1]
+// Five-point Gauss-Legendre quadrature on [-1, 1].
 constexpr std::array<std::pair<double, double>, 5> kGauss = {
     {{-0.9061798459386640, 0.2369268850561891},
      {-0.5384693101056831, 0.4786286704993665},
@@ -88,10 +88,10 @@ GroundPose GroundPath::straight_on(std::size_t segment, double u, double beyond)
 }
 
 GroundPose GroundPath::at(double along) const {
-  // the parts around the length, without those that have none
+  // Find the part around the length; parts of zero length are skipped.
   const auto after = std::ranges::upper_bound(lengths_, std::max(along, 0.0));
   if (after == lengths_.end()) {
-    // the last part that has a length
+    // Extrapolate from the last part with nonzero length.
     const auto end = std::ranges::lower_bound(lengths_, length());
     const auto part =
         static_cast<std::size_t>(std::max<std::ptrdiff_t>(end - lengths_.begin() - 1, 0));
@@ -104,7 +104,7 @@ GroundPose GroundPath::at(double along) const {
   const double begin = static_cast<double>(part % kParts) / kParts;
   if (along <= 0.0) return straight_on(segment, begin, along);
 
-  // Newton's method, kept inside the part
+  // Newton's method, safeguarded by bisection within the part.
   const double wanted = along - lengths_[part];
   double low = begin, high = begin + 1.0 / kParts;
   double u = begin + wanted / (*after - lengths_[part]) / kParts;

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/canonical_pose.h"
-#include "math/trigonometry.h"
+#include "base/math/trigonometry.h"
+#include "human/skeleton/canonical_pose.h"
 
 namespace retarget {
 namespace {
 
-// nearer to upside down than this the hips have no heading: it stays as it was
+// Closer to upside down than this, the hips have no heading and keep the previous one.
 constexpr double kNoHeading = 1e-3;
 
 bool is_moved(const Clip& clip, int joint) {
@@ -25,11 +25,6 @@ bool is_moved(const Clip& clip, int joint) {
 }
 
 }  // namespace
-
-bool is_at_or_below(const Skeleton& skeleton, int joint, int above) {
-  while (joint > above) joint = skeleton.joint(joint).parent;
-  return joint == above;
-}
 
 bool moves_freely(const Joint& joint) {
   int positions = 0, rotations = 0;
@@ -98,10 +93,11 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const Calibration& calibration
     moves_all = is_at_or_below(skeleton, bone.position_joint, chain.back());
   }
   if (!moves_all) {
-    return input_failure({},
-                         "no joint moves the body as a whole: neither the root nor a joint between "
-                         "it and the hips has three position and three rotation channels",
-                         "retarget edit transfer moves the motion to a skeleton that has them");
+    return input_failure(
+        {},
+        "no joint moves the whole body: neither the root nor a joint between it and the hips has "
+        "three position and three rotation channels",
+        "use retarget edit transfer to move the motion to a skeleton with such a joint");
   }
   return BodyMover(chain.back(), calibration);
 }

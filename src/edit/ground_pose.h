@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/legs.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"
@@ -12,26 +13,23 @@
 
 namespace retarget {
 
-/// Whether a joint has three position and three rotation channels.
+/// Returns true if a joint has three position and three rotation channels.
 [[nodiscard]] bool moves_freely(const Joint& joint);
 
-/// Whether a joint is another one or hangs from it.
-[[nodiscard]] bool is_at_or_below(const Skeleton& skeleton, int joint, int above);
-
-/// A joint's pose in a frame, in the file's world; of -1 that of the world.
+/// Returns the pose of a joint in a frame, in the file's world; joint -1 is the world itself.
 [[nodiscard]] Pose world_from_joint(const Clip& clip, int frame, int joint);
 
-/// Moves the whole body of single frames, in the canonical human's world; only channels of one
-/// joint change: the first one from the root to the hips that can be moved and turned freely, and is
-/// in this clip. (A root that stands still above moving hips is a place of reference.)
+/// Moves the whole body in single frames, in the canonical human's world. Changes only the channels
+/// of one joint: the first one between root and hips with free translation and rotation that moves
+/// in this clip. (A root that stays fixed above moving hips is only a reference frame.)
 class BodyMover {
  public:
-  /// @param with  another clip of the skeleton that is to be moved by the same joint.
-  /// @return a kInput error for a body that no joint moves as a whole.
+  /// @param with  another clip of the same skeleton that will be moved by the same joint.
+  /// @return a kInput error if no joint moves the body as a whole.
   [[nodiscard]] static Result<BodyMover> of(const Clip& clip, const Calibration& calibration,
                                             const Clip* with = nullptr);
 
-  /// @param move  of the world, metres, z up.
+  /// @param move  motion in the world, metres, z up.
   void move(Clip& clip, int frame, const Pose& move) const;
   void move(Clip& clip, int frame, const GroundPose& over_ground) const {
     move(clip, frame, over_ground.in_space());
@@ -48,12 +46,12 @@ class BodyMover {
   Eigen::Quaterniond human_from_source_;
 };
 
-/// How far a rotation turns about the vertical (its twist), radians; nothing near to upside down.
+/// Returns the rotation about the vertical (twist), radians; nothing if close to upside down.
 [[nodiscard]] std::optional<double> heading_of(const Eigen::Quaterniond& turn);
 
-/// Where the hips are over the ground in every frame. The heading is the hips' turn about the
-/// vertical from the canonical T-pose that faces x (the twist of their rotation); it goes on
-/// steadily from frame to frame, through whole turns too.
+/// Returns the ground position of the hips in every frame. The heading is the hips' rotation about
+/// the vertical (twist) relative to the canonical T-pose facing x; it is continuous from frame to
+/// frame, also across full turns.
 [[nodiscard]] std::vector<GroundPose> hips_over_ground(const HumanClip& human);
 
 }  // namespace retarget

@@ -4,7 +4,7 @@
 
 #include "base/try.h"
 #include "edit/ground_pose.h"
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"

@@ -5,14 +5,14 @@
 #include <utility>
 #include <vector>
 
-#include "base/suggest.h"
 #include "base/try.h"
-#include "human/canonical_pose.h"
-#include "human/human_clip.h"
+#include "human/skeleton/canonical_pose.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 constexpr double kPublishedHeight = 1.75;
 constexpr double kCentimetresPerMetre = 100.0;
 
-// where a bone's joint hangs in LAFAN1's tree, by kMappedBones; the hips hang from nothing
+// Parents in LAFAN1's tree, by kMappedBones; the hips are the root and their entry is unused.
 constexpr std::array kParents = {
     Bone::kHips,      Bone::kHips,        Bone::kLeftUpLeg,  Bone::kLeftLeg,
     Bone::kLeftFoot,  Bone::kHips,        Bone::kRightUpLeg, Bone::kRightLeg,
@@ -34,14 +34,14 @@ Bone parent_of(Bone bone) {
   return kParents[static_cast<std::size_t>(bone)];
 }
 
-// y up from z up
+// Rotates z up to y up.
 Eigen::Quaterniond file_from_human() {
   Eigen::Matrix3d turn;
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   return Eigen::Quaterniond(turn);
 }
 
-// poses of all bones in a frame, those that are missing standing at their parents
+// Returns the poses of all bones in a frame; missing bones are placed at their parents.
 HumanPose whole_body(const HumanClip& human, int frame) {
   HumanPose bones;
   const HumanPose& poses = human.frame(frame);
@@ -83,7 +83,7 @@ Result<void> check_limbs(const HumanClip& human) {
   if (!human.has(Bone::kHips)) missing.emplace_back(bone_name(Bone::kHips));
   if (missing.empty()) return {};
   return input_failure(
-      {}, "a clip in LAFAN1's shape needs " + list_names(missing) + ", which the source lacks");
+      {}, "the LAFAN1 skeleton needs " + list_names(missing) + ", which the source lacks");
 }
 
 }  // namespace

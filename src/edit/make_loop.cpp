@@ -7,30 +7,29 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
+#include "base/math/so3.h"
 #include "base/option_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "edit/blend_offset.h"
 #include "edit/ground_pose.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
-#include "math/so3.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// least frames of a cycle
+// Minimum length of a cycle, frames.
 constexpr int kMinFrames = 3;
 
 struct CycleEnd {
   int frame = 0;
-  int overlap = 0;  // frames from there on that the clip has, at most a window
+  int overlap = 0;  // Frames from there to the clip's end, at most a window.
   CloudAlignment aligned;
 };
 
@@ -42,7 +41,7 @@ CycleEnd find_end(const HumanClip& human, int from, int window) {
   for (int frame = from; frame < human.frame_count; ++frame) {
     const int overlap = distance.frames_at(frame, 0);
     const CloudAlignment aligned = distance.at(frame, 0);
-    // of poses that are equal but for rounding the first counts
+    // Among poses that are equal up to rounding, take the first.
     constexpr double kEqual = 1e-6;
     const double cost = distance.counted(aligned.distance, frame, 0);
     if (cost >= min - kEqual) continue;
@@ -53,7 +52,7 @@ CycleEnd find_end(const HumanClip& human, int from, int window) {
 }
 
 GroundPose advance_over_ground(const HumanMotion& motion, const CycleEnd& end) {
-  // a foot that never leaves its place says it exactly
+  // A foot in contact throughout the cycle gives the exact advance.
   for (int foot = 0; foot < 2; ++foot) {
     if (motion.feet.ankles[foot].empty()) continue;
     for (const ContactPhase& phase : motion.feet.contacts.phases[foot]) {
@@ -65,7 +64,7 @@ GroundPose advance_over_ground(const HumanMotion& motion, const CycleEnd& end) {
   return end.aligned.a_from_b;
 }
 
-// how far the body has come when it is back in its first pose, whole turns and all
+// Returns the motion of the body over the cycle, including full turns.
 GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
   constexpr double kWhole = 2.0 * std::numbers::pi;
   GroundPose advance = advance_over_ground(motion, end);
@@ -75,11 +74,11 @@ GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
   return advance;
 }
 
-// part of a rigid motion over the ground: along the arc that it makes when repeated
+// Returns the fraction of a rigid motion over the ground, along the arc of its repetition.
 GroundPose part_of(const GroundPose& whole, double share) {
   constexpr double kStraight = 1e-6;
   if (std::abs(whole.heading) < kStraight) return {share * whole.position, share * whole.heading};
-  // about the centre c = R c + position
+  // Rotate about the fixed point c = R c + position.
   const GroundPose turn{Eigen::Vector2d::Zero(), whole.heading};
   Eigen::Matrix2d system = Eigen::Matrix2d::Identity();
   system.col(0) -= turn * Eigen::Vector2d(1.0, 0.0);
@@ -87,10 +86,10 @@ GroundPose part_of(const GroundPose& whole, double share) {
   return turn_about(system.inverse() * whole.position, share * whole.heading);
 }
 
-// takes a clip's last frame to its target: evenly, and its last step to the target's first one
+// Moves a clip's last frame to its target evenly, and its last step to the target's first step.
 template <typename Value>
 struct Closing {
-  Value gap, step;  // what position and step lack at the end
+  Value gap, step;  // Missing position and missing step at the end.
 
   [[nodiscard]] Value at(int frame, int last, int settle) const {
     const double from_end = frame - last;
@@ -101,7 +100,7 @@ struct Closing {
 };
 using VectorClosing = Closing<Eigen::Vector3d>;
 
-// the clip's frames 0..last and, in `next`, the two frames that shall follow in place of the last
+// Closes frames 0..last; `next` holds the two frames that follow in place of the last one.
 class LoopCloser {
  public:
   LoopCloser(Clip& clip, const Clip& next, int settle)
@@ -143,15 +142,15 @@ class LoopCloser {
   const int settle_;
 };
 
-// the frame that is most like itself a cycle later: what the seam changed, of feet that stand long
-// too, does not reach it; of equals that nearest to the middle
+// Returns the frame most similar to itself one cycle later, which the seam and long stances near it
+// affect least; among equal ones, the one nearest to the middle.
 int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
   const Pose move = advance.in_space();
   const std::vector<Bone> bones = common_bones(joined, joined);
   int best = cycle / 2;
   double min = std::numeric_limits<double>::infinity();
   for (int i = 0; i < cycle - 1; ++i) {
-    // outwards from the middle
+    // Search outwards from the middle.
     const int frame = cycle / 2 + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
     if (frame < 1 || frame >= cycle) continue;
     double largest = 0.0;
@@ -169,8 +168,9 @@ int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
   return best;
 }
 
-// one cycle of a clip that was joined to itself after `cycle` frames: from a frame of the first
-// time to the same of the second, far from the seam, put in its order and closed to the last bit
+// Extracts one cycle from a clip joined to itself after `cycle` frames: from a frame in the first
+// pass to the same frame in the second, far from the seam. Reorders it to start at frame 0 and
+// closes it exactly.
 Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advance,
               const BodyMover& mover, int settle) {
   Clip part = cut(joined, begin, begin + cycle + 1);
@@ -209,13 +209,13 @@ void tell(Loop& loop, const FrameRate& rate, bool in_place) {
                     " s; its ends were " + number_text(100.0 * loop.distance, 2) + " cm apart"},
       {"advance", number_text(loop.way.norm(), 3) + " m and " +
                       number_text(loop.advance.heading * 180.0 / std::numbers::pi, 2) +
-                      " degrees per cycle" + (in_place ? ", taken out" : "")}};
+                      " degrees per cycle" + (in_place ? ", removed" : "")}};
   loop.doubts = as_warnings(loop.check.faults);
   if (loop.check.faults.empty()) return;
   loop.misfit = run_failure(
-                    {}, "its end does not fit its beginning: " + list_names(loop.check.faults),
+                    {}, "the end does not match the beginning: " + list_names(loop.check.faults),
                     OPTION("start") " and " OPTION("end")
-                    " choose a part that comes back to its first pose; " OPTION("force")
+                    " select a part that returns to its first pose; " OPTION("force")
                     " closes it anyway")
                     .value();
 }
@@ -235,7 +235,8 @@ Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
   }
   constexpr std::int64_t kMaxFrames = 10'000'000;
   if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMaxFrames) {
-    return usage_failure("a cycle can be played once or more, up to 10 million frames");
+    return usage_failure(
+        "the cycle must be repeated at least once, with at most 10 million frames in total");
   }
   const HumanMotion motion(clip, calibration);
   const CycleEnd end = find_end(motion.human, std::max(kMinFrames, static_cast<int>(wanted)),

@@ -26,7 +26,7 @@ class Mirroring {
         before_(static_cast<std::size_t>(skeleton_.joint_count())),
         after_(before_.size()) {}
 
-  // in the mirror y = 0
+  // Mirrors at the plane y = 0.
   Clip run() {
     Clip result(clip_.shared_skeleton(), clip_.rate(), clip_.frame_count());
     for (int frame = 0; frame < clip_.frame_count(); ++frame) {
@@ -60,18 +60,18 @@ class Mirroring {
       translation = world_mirror_ * clip_.translation(frame, mate);
       return;
     }
-    // what the other side has beyond its offset, so that the body keeps its measures
+    // Mirror only the difference from the offset, so that bone lengths do not change.
     const Eigen::Vector3d beyond = clip_.translation(frame, mate) - skeleton_.joint(mate).offset;
     translation = skeleton_.joint(joint).offset + mate_axes_[mates_[parent]] * beyond;
   }
 
   const Clip& clip_;
   const Skeleton& skeleton_;
-  const Eigen::Matrix3d world_mirror_;  // file axes
+  const Eigen::Matrix3d world_mirror_;  // In file axes.
   const std::vector<int>& mates_;
   const std::vector<Eigen::Matrix3d>& mate_axes_;
-  std::vector<Pose> before_;               // of the frame
-  std::vector<Eigen::Quaterniond> after_;  // world rotations, file axes
+  std::vector<Pose> before_;               // Poses of the current frame.
+  std::vector<Eigen::Quaterniond> after_;  // World rotations, file axes.
 };
 
 }  // namespace
@@ -81,7 +81,7 @@ Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
   TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   Clip result = Mirroring(clip, calibration, body).run();
   if (clip.frame_count() == 0) return result;
-  // to where it began
+  // Move the clip back to its original start position and heading.
   const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front();
   const GroundPose is = hips_over_ground(to_human(cut(result, 0, 1), calibration)).front();
   mover.move_all(result, (was * is.inverse()).in_space());

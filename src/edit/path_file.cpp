@@ -1,4 +1,4 @@
-// paths over the ground as JSON
+// Reads and writes paths over the ground as JSON.
 
 #include <cmath>
 #include <optional>
@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
 #include "base/json.h"
 #include "base/option_name.h"
-#include "base/text_size.h"
 #include "base/try.h"
+#include "retarget/file.h"
 #include "retarget/ground_path.h"
 
 namespace retarget {
@@ -20,10 +19,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kHint =
-    "a path is {\"control_points\": [[x, y], ...]} with 3n + 1 points in metres, or "
-    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " OPTION("fit") " FILE writes one";
+    "a path must be {\"control_points\": [[x, y], ...]} with 3n + 1 points in metres, or "
+    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " OPTION(
+        "fit") " FILE writes a path file";
 
-// wider than any stage, narrower than any slip
+// Metres: larger than any stage.
 constexpr double kMaxCoordinate = 1e6;
 
 std::optional<Eigen::Vector2d> point_from(const Json& json) {

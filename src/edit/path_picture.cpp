@@ -1,4 +1,4 @@
-// motions seen from above
+// Draws motions seen from above.
 
 #include <fmt/format.h>
 
@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "base/number_text.h"
-#include "human/contact_plan.h"
-#include "human/human_clip.h"
+#include "human/gait/contact_plan.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-constexpr double kMaxSide = 900.0;  // of the picture, pixels
+constexpr double kMaxSide = 900.0;  // Picture size in pixels.
 constexpr double kMaxPerMetre = 120.0;
-constexpr double kMargin = 0.4;  // metres
+constexpr double kMargin = 0.4;  // Metres.
 
 struct Colours {
   const char* track;
@@ -81,7 +81,7 @@ class Canvas {
 
 std::vector<Eigen::Vector2d> hips_track(const HumanClip& human) {
   std::vector<Eigen::Vector2d> track;
-  // thinned: a point a centimetre is more than can be seen
+  // More than one point per centimetre would not be visible.
   constexpr double kStep = 0.01;
   for (int frame = 0; frame < human.frame_count; ++frame) {
     const Eigen::Vector2d place = human.frame(frame)[Bone::kHips].translation.head<2>();
@@ -97,7 +97,7 @@ std::vector<Eigen::Vector2d> path_points(const GroundPath& path) {
   return points;
 }
 
-// soles of planted feet, from ankle to toe
+// Draws the soles of planted feet, from ankle to toe.
 void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
   const ContactPlan contacts = find_contacts(human);
   for (int foot = 0; foot < 2; ++foot) {
@@ -115,7 +115,7 @@ void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
   }
 }
 
-// a drawing whose human is posed
+// A drawing with its posed human.
 struct PosedDrawing {
   std::optional<HumanClip> human;
   const GroundPath* path;

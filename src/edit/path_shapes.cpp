@@ -1,4 +1,4 @@
-// ready paths, paths through points, and the choice of one to follow
+// Predefined paths, paths through points, and the choice of a path to follow.
 
 #include <algorithm>
 #include <cmath>
@@ -6,19 +6,19 @@
 #include <utility>
 #include <vector>
 
+#include "base/math/trigonometry.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "math/trigonometry.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 
 namespace retarget {
 namespace {
 
-// an eighth of a turn: a cubic is within 4e-6 of the radius of such an arc
+// An eighth of a turn; a cubic approximates such an arc to 4e-6 of its radius.
 constexpr double kMaxArc = std::numbers::pi / 4.0;
 
-// adds an arc that begins at the last point; gives where it ends
+// Appends an arc that begins at the last point; returns its end.
 GroundPose add_arc(std::vector<Eigen::Vector2d>& points, const GroundPose& start, double radius,
                    double length) {
   const double turn = length / radius;
@@ -27,7 +27,7 @@ GroundPose add_arc(std::vector<Eigen::Vector2d>& points, const GroundPose& start
   const auto [sine, cosine] = portable::sin_cos(angle);
   const auto [quarter_sine, quarter_cosine] = portable::sin_cos(0.25 * angle);
   const double handle = 4.0 / 3.0 * quarter_sine / quarter_cosine * radius;
-  // along and left of the tangent
+  // End of one arc, along and to the left of the tangent.
   const GroundPose arc{{radius * sine, radius * (1.0 - cosine)}, angle};
   GroundPose reached = start;
   for (int i = 0; i < arcs; ++i) {
@@ -74,7 +74,7 @@ GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
   const auto last = places.size() - 1;
   const auto tangent = [&](std::size_t i) -> Eigen::Vector2d {
     const Eigen::Vector2d across = places[std::min(i + 1, last)] - places[i == 0 ? 0 : i - 1];
-    // of a point that is turned back at: none
+    // The tangent is zero at a point where the path turns back.
     return across.norm() > kCoincide ? across.normalized() : Eigen::Vector2d(0.0, 0.0);
   };
   std::vector<Eigen::Vector2d> control{places.front()};

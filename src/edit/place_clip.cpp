@@ -1,4 +1,4 @@
-// edits of place: the floor, turns, moves
+// Edits of position: floor height, rotation, translation.
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
+#include "base/math/statistics.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "edit/ground_pose.h"
-#include "human/contact_plan.h"
-#include "math/statistics.h"
+#include "human/gait/contact_plan.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
 #include "retarget/clip.h"
@@ -21,12 +20,13 @@
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 
 Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
   const Skeleton& skeleton = clip.skeleton();
-  // who is there for less than a contact stands if still
+  // In a clip shorter than the shortest contact, a still foot counts as standing.
   ContactOptions standing;
   standing.shortest = std::min(standing.shortest, clip.frame_count() * clip.rate().frame_time());
   ContactPlan contacts = find_contacts(to_human(clip, calibration), standing);
@@ -52,7 +52,7 @@ Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
   }
   if (heights.empty()) {
     return input_failure({}, "no foot is ever in contact: cannot infer the floor",
-                         OPTION("floor") " H gives the height of the floor in metres");
+                         OPTION("floor") " H sets the floor height in metres");
   }
   return median(std::move(heights));
 }
@@ -76,7 +76,7 @@ Result<Eigen::Vector2d> way_from_text(std::string_view text) {
   const auto x = number_from_text(text.substr(0, comma)),
              y = number_from_text(text.substr(std::min(comma + 1, text.size())));
   if (x && y) return Eigen::Vector2d(*x, *y);
-  return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + std::string(text) +
+  return usage_failure("a move must be X,Y in metres, up to 1000000, found \"" + std::string(text) +
                        "\"");
 }
 

@@ -4,22 +4,21 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/number_text.h"
+#include "base/math/trigonometry.h"
 #include "base/try.h"
 #include "edit/blend_offset.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
-#include "edit/two_bone_leg.h"
-#include "math/trigonometry.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// metres: lower by less is rounding
+// Metres: smaller drops are rounding errors.
 constexpr double kNoDrop = 1e-10;
 
-// at least as much everywhere, without corners: the largest near by, then a mean of those
+// Returns a smooth upper bound: a sliding maximum followed by a sliding mean.
 std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
   const int count = static_cast<int>(values.size());
   std::vector<double> largest(values.size(), 0.0), result(values.size(), 0.0);
@@ -55,7 +54,7 @@ class FootPlanter {
     for (int foot = 0; foot < 2; ++foot) {
       if (!legs[foot]) continue;
       const Bone bone = side_bone(kSides[foot], LimbBone::kLeg);
-      // knees bend about -z of the canonical shin
+      // Knees bend about -z of the canonical shin.
       Eigen::Vector3d axis = -Eigen::Vector3d::UnitZ();
       const auto& bone_axes = calibration.bones[bone].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
@@ -70,7 +69,7 @@ class FootPlanter {
     for (int foot = 0; foot < 2; ++foot) {
       if (solvers_[foot]) offsets[foot] = planted_offsets(plants, foot, tracks_[foot]);
     }
-    // who stands on a whole foot has to come down; who stands on the toes can rise on them
+    // A foot flat on the floor needs the hips lowered; a foot on its toes can rise on them instead.
     std::vector<double> drops = find_drops(offsets, false);
     for (int foot = 0; foot < 2; ++foot) {
       if (!solvers_[foot]) continue;
@@ -95,7 +94,7 @@ class FootPlanter {
   }
 
  private:
-  // how far the hips have to come down for the legs to reach, metres
+  // Returns how far the hips must be lowered for the legs to reach, metres.
   [[nodiscard]] std::vector<double> find_drops(const std::array<FootOffsets, 2>& offsets,
                                                bool on_toes) const {
     std::vector<double> drops(frames_, 0.0);
@@ -111,7 +110,7 @@ class FootPlanter {
         if (from_foot.norm() <= reach) continue;
         const double left = reach * reach - from_foot.head<2>().squaredNorm();
         const double drop = left > 0.0 ? from_foot.z() - std::sqrt(left) : from_foot.z();
-        // hips that are low, of a body that sits or lies, stay over the floor
+        // Limits the drop for low hips, so that a sitting or lying body stays above the floor.
         constexpr double kLower = 0.125;
         const double deepest = std::clamp(kLower * from_foot.z(), 0.0, options_.deepest_pelvis);
         drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, deepest));
@@ -147,28 +146,6 @@ class FootPlanter {
 };
 
 }  // namespace
-
-std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                  const Calibration& calibration) {
-  std::array<std::optional<LegJoints>, 2> legs;
-  for (int foot = 0; foot < 2; ++foot) {
-    const auto joint_of = [&](LimbBone part) {
-      const auto& bone = calibration.bones[side_bone(kSides[foot], part)];
-      // helpers in a joint's place turn with it
-      return is_at_or_below(skeleton, bone.rotation_joint, bone.position_joint)
-                 ? bone.position_joint
-                 : -1;
-    };
-    const LegJoints leg{joint_of(LimbBone::kUpLeg), joint_of(LimbBone::kLeg),
-                        joint_of(LimbBone::kFoot)};
-    if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&
-        is_at_or_below(skeleton, leg.knee, leg.hip) &&
-        is_at_or_below(skeleton, leg.ankle, leg.knee)) {
-      legs[foot] = leg;
-    }
-  }
-  return legs;
-}
 
 LegTrack track_leg(const Clip& clip, const Calibration& calibration, const LegJoints& leg) {
   const Eigen::Quaterniond human_from_source(calibration.human_from_source);

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "human/contact_plan.h"
-#include "human/human_clip.h"
+#include "human/gait/contact_plan.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/legs.h"
+#include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
@@ -17,68 +19,59 @@
 
 namespace retarget {
 
-/// The joints of a leg, each below the one before.
-struct LegJoints {
-  int hip = -1, knee = -1, ankle = -1;
-};
-
-/// The legs of a body, left and right; nothing for one that is not whole, or whose joints do not
-/// hang from each other.
-[[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                                const Calibration& calibration);
-
-/// A leg frame by frame before its foot is moved: the canonical human's world, metres.
+/// Positions of a leg per frame before its foot is moved, in the canonical human's world, metres.
 struct LegTrack {
-  std::vector<Pose> ankles;           ///< The ankle joint's.
-  std::vector<Eigen::Vector3d> hips;  ///< Where the thigh begins.
-  std::vector<double> lengths;        ///< Of thigh and shin.
+  std::vector<Pose> ankles;           ///< Poses of the ankle joint.
+  std::vector<Eigen::Vector3d> hips;  ///< Positions of the thigh's origin.
+  std::vector<double> lengths;        ///< Total length of thigh and shin.
 };
 
-/// Of every frame.
+/// Tracks a leg through all frames.
 [[nodiscard]] LegTrack track_leg(const Clip& clip, const Calibration& calibration,
                                  const LegJoints& leg);
 
-/// World poses of a leg's ankle (the file's joint and its axes), metres, z up, every frame.
+/// Returns the world poses of a leg's ankle (the file's joint and its axes) in every frame, metres,
+/// z up.
 [[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,
                                             const LegJoints& leg);
 
-/// What of a foot is on the floor.
+/// The part of a foot that touches the floor.
 enum class FootStance : std::uint8_t { kOnHeel, kOnSole, kOnToes };
 
-/// Where a foot has to stand, and when.
+/// Target poses of a foot over a range of frames.
 struct PlantedFoot {
   int foot = 0;                       ///< 0: left, 1: right.
   int begin = 0;                      ///< First frame.
-  std::vector<Pose> world_from_foot;  ///< One per frame: the ankle joint's, as ankle_poses.
-  /// One per frame; empty: on its sole all the time. A foot whose toes are down may turn about them
-  /// where its leg would be too short.
+  std::vector<Pose> world_from_foot;  ///< One per frame: poses of the ankle joint, as in
+                                      ///< ankle_poses.
+  /// One per frame; empty: always on its sole. A foot with its toes down may rotate about them if
+  /// its leg would be too short.
   std::vector<FootStance> stances = {};
-  /// Where the toes begin in the ankle joint's frame, metres; nothing: they are not known.
+  /// Position of the toes in the ankle joint's frame, metres; nothing if unknown.
   std::optional<Eigen::Vector3d> toes_in_foot = std::nullopt;
 
   [[nodiscard]] int end() const { return begin + static_cast<int>(world_from_foot.size()); }
 };
 
-/// Brings feet to where they have to stand, in place.
+/// Moves feet to their planted poses, in place.
 ///
-/// The way from where a foot is to where it has to be is known in the frames in which it is
-/// planted; before and after it fades (a cubic with continuous velocity), between two places that
-/// are near in time it goes from the one to the other. Each leg then follows its foot by two-bone
-/// inverse kinematics: the knee opens or closes in its own plane, the hip turns by the least
-/// rotation, the foot keeps the pose that was asked for. Where a leg would be too short a foot on
-/// its toes turns about them, and the hips are lowered, smoothly; the last few per cent of its
-/// stretch a leg takes less and less. Frames without a correction keep every bit.
+/// The correction of a foot is known in the frames in which it is planted. Before and after, it
+/// fades (a cubic with continuous velocity); between two plants that are close in time it
+/// interpolates. Each leg follows its foot by two-bone inverse kinematics: the knee bends in its
+/// own plane, the hip rotates minimally, the foot keeps its target pose. Where a leg would be too
+/// short, a foot on its toes rotates about them and the hips are lowered smoothly; a leg near full
+/// stretch follows only in part. Frames without a correction stay bit-identical.
 ///
-/// @param plants  of each foot in order of time, without overlap; feet without a leg are left out.
-/// @return kInput errors as BodyMover::of.
+/// @param plants  sorted by time for each foot, without overlap; feet without a leg are ignored.
+/// @return kInput errors as for BodyMover::of.
 [[nodiscard]] Result<PlantSummary> plant_feet(Clip& clip, const Calibration& calibration,
                                               std::span<const PlantedFoot> plants,
                                               const PlantOptions& options);
 
-/// What was done to plant feet, for people.
+/// Returns the human-readable summary of the corrections.
 [[nodiscard]] std::string planted_text(const PlantSummary& feet);
 
-/// Contacts with breaks shorter than `seconds` closed: no step is as short, the foot stands on.
+/// Merges contacts separated by less than `seconds`: no step is that short, so the foot stays down.
 [[nodiscard]] std::vector<ContactPhase> without_short_breaks(
     const std::vector<ContactPhase>& phases, double seconds, const FrameRate& rate);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/trigonometry.h"
+#include "base/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -97,7 +97,8 @@ CloudAlignment WindowDistance::at(int i, int j) const {
 double WindowDistance::with_foretold(int i, int j, const CloudAlignment& aligned) const {
   const int frames = frames_at(i, j);
   if (frames >= length_) return aligned.distance;
-  // the frame beyond the last common one: each clip's own, or the parabola through its last three
+  // Predicts the frame after the last common one: the clip's own, or a parabola through its last
+  // three.
   const auto next = [frames](const PoseClouds& clouds, int begin, std::size_t point) {
     const int last = begin + frames - 1;
     if (last + 1 < clouds.frame_count()) return clouds.frame(last + 1)[point];
@@ -117,7 +118,7 @@ double WindowDistance::with_foretold(int i, int j, const CloudAlignment& aligned
 }
 
 WindowDistance::PairSums WindowDistance::pair(int i, int j) const {
-  // the coordinates one after the other
+  // Coordinates are contiguous.
   const double* a = a_.frame(i).data()->data();
   const double* b = b_.frame(j).data()->data();
   const std::size_t count = 3 * a_.point_count();
@@ -163,7 +164,7 @@ std::vector<float> WindowDistance::map(int i_begin, int i_end, int j_begin, int 
   const int height = i_end - i_begin, width = j_end - j_begin;
   std::vector<float> result(static_cast<std::size_t>(height) * static_cast<std::size_t>(width));
   std::vector<PairSums> sums;
-  // pairs of frames are shared by the windows along a diagonal
+  // Windows along a diagonal share their pairs of frames.
   for (int diagonal = 1 - height; diagonal < width; ++diagonal) {
     const int first = std::max(0, -diagonal), last = std::min(height, width - diagonal);
     sums.clear();

@@ -3,15 +3,15 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-#include "human/bone_map.h"
-#include "human/canonical_pose.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/canonical_pose.h"
 #include "motion/skeleton_points.h"
 
 namespace retarget {
 namespace {
 
-// where the joints are in the T-pose, z up, from the root, file units
+// Joint positions in the T-pose relative to the root, z up, file units.
 class TPose {
  public:
   TPose(const Skeleton& skeleton, const Calibration& calibration)
@@ -51,7 +51,7 @@ class TPose {
   std::vector<Eigen::Vector3d> places_;
 };
 
-// shorter than this a bone has no direction
+// A bone shorter than this has no direction.
 constexpr double kNoLength = 1e-12;
 
 }  // namespace
@@ -109,7 +109,7 @@ Eigen::Quaterniond rest_turn(const Leaving& leaving) {
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // directions along one line leave the turn about it open: the minimal rotation closes it
+  // Collinear directions leave the rotation about them undetermined: use the minimal rotation.
   constexpr double kOneLine = 1e-9;
   if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
     return rotation_between(leaving.source[0], leaving.target[0]);

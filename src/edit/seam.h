@@ -6,8 +6,8 @@
 
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
-#include "human/contact_plan.h"
-#include "human/human_clip.h"
+#include "human/gait/contact_plan.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
@@ -15,83 +15,84 @@
 #include "retarget/human.h"
 #include "retarget/pose.h"
 
-// A seam of two clips, or of a clip with itself: found, blended, feet planted, checked.
+// A seam between two clips, or of a clip with itself: search, blending, foot planting, checks.
 
 namespace retarget {
 
-/// Faults as what is said without stopping.
+/// Converts faults to warnings, which do not stop the program.
 [[nodiscard]] std::vector<Warning> as_warnings(const std::vector<std::string>& faults);
 
 struct SeamSearch {
-  std::vector<Seam> seams;  ///< The best one, then the next best elsewhere; one at least.
+  std::vector<Seam> seams;  ///< The best seam, then the next best ones elsewhere; at least one.
   SeamMap map;
 };
 
-/// Finds where b goes on best from a: the least WindowDistance; see concatenate.
-/// @pre both have frames, and bones in common
+/// Finds the best transition from a to b, the one with the smallest WindowDistance; see
+/// concatenate.
+/// @pre Both have frames, and bones in common.
 /// @return kUsage errors: more than 16 million pairs of frames to search.
 [[nodiscard]] Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b,
                                            const SeamOptions& options);
 
-/// Whether b begins one frame after a's end, as the parts of a clip do that was cut in two and not
-/// moved: of all spacings between the two, in steps of a quarter of a frame, one frame (half a frame
-/// more or less) is that which makes the last four frames of a and the first four of b the
-/// smoothest, by polynomials of fourth degree through the bones' positions. Clips of fewer frames,
-/// and such as stand still, do not say.
+/// Returns true if b begins one frame after a's end, as for a clip that was cut in two and not
+/// moved. Tests all spacings between the clips in steps of a quarter of a frame. The spacing that
+/// gives the smoothest fit of fourth-degree polynomials to the bone positions in the last four
+/// frames of a and the first four of b must be one frame, plus or minus half a frame. Returns false
+/// for clips with fewer frames and for clips that stand still.
 [[nodiscard]] bool continues_motion(const HumanClip& a, const HumanClip& b);
 
-/// How two clips share the frames around their seam, in frames of the result.
+/// Frame ranges of two clips around their seam, in frames of the result.
 struct SeamRegion {
-  int begin = 0, end = 0;  ///< Frames that neither clip has as they are.
-  int a_end = 0;           ///< a counts in the frames before this one;
-  int b_begin = 0;         ///< b from this one on,
-  int b_shift = 0;         ///< whose frame f is frame f + b_shift.
+  int begin = 0, end = 0;  ///< Frames that differ from both clips.
+  int a_end = 0;           ///< Clip a contributes before this frame.
+  int b_begin = 0;         ///< Clip b contributes from this frame on.
+  int b_shift = 0;         ///< Frame f of b is frame f + b_shift of the result.
 
-  /// Weight of a in a frame.
+  /// Returns the weight of a in a frame.
   [[nodiscard]] double weight_of_a(int frame) const;
 };
 
 [[nodiscard]] SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options,
                                      const FrameRate& rate, int frames_of_b);
 
-/// The clips as one; b lies already where it is to go on.
-/// @param mover  of their skeleton.
+/// Blends the clips into one; b must already be in its final position.
+/// @param mover  mover of the clips' skeleton.
 [[nodiscard]] Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
                                const Calibration& calibration, const BodyMover& mover);
 
-/// The feet of one of two clips that are joined.
+/// The feet of one of two joined clips.
 struct ClipFeet {
-  std::array<std::vector<Pose>, 2> ankles;  ///< Where the clip lies in the result.
+  std::array<std::vector<Pose>, 2> ankles;  ///< In the clip's position within the result.
   ContactPlan contacts;
 };
 
-/// The motion over the ground that brings one place of a foot to another, heading and all.
+/// Returns the motion over the ground, including heading, between two poses of a foot.
 [[nodiscard]] GroundPose between_places(const Pose& from, const Pose& to);
 
-/// Where the feet stand in the joined clip: as in the clip they come from, but that a foot which
-/// stands in both around the seam stays where a has it until it leaves the floor in b. A foot that
-/// stands in one alone stands as long as the blend leaves it near the floor, and as that clip counts
-/// more than the other.
-/// @param blended  of the joined clip before feet are planted.
+/// Returns the foot plants of the joined clip. Plants come from the source clips, except that a
+/// foot that stands in both clips around the seam keeps a's position until it lifts off in b. A
+/// foot that stands in only one clip is planted while the blend leaves it near the floor and its
+/// clip has the larger weight.
+/// @param blended  feet of the joined clip before planting.
 [[nodiscard]] std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
                                                      const ClipFeet& blended,
                                                      const SeamRegion& region,
                                                      const FrameRate& rate);
 
-/// Speeds and accelerations of the joints at a seam, against what the same joints do in both clips.
+/// Compares joint speeds and accelerations at a seam with those in both clips.
 [[nodiscard]] SeamCheck check_motion(const HumanClip& a, const HumanClip& b,
                                      const HumanClip& joined, const SeamRegion& region,
                                      const MotionLimits& limits);
 
-/// Fills in what planted feet do at a seam: slip and jump.
+/// Measures slip and jumps of planted feet at a seam, into `check`.
 void check_feet(SeamCheck& check, const ClipFeet& a, const ClipFeet& b, const ClipFeet& joined,
                 const std::vector<PlantedFoot>& plants, const SeamRegion& region,
                 const FrameRate& rate);
 
-/// Says what is wrong, in check.faults.
+/// Describes faults in check.faults.
 void find_faults(SeamCheck& check, const Seam& seam, const ConcatenateOptions& options);
 
-/// A clip with the human and the feet in it.
+/// A clip with its human and foot data.
 struct HumanMotion {
   const Clip& clip;
   HumanClip human;
@@ -105,10 +106,9 @@ struct JoinedClips {
   SeamCheck check;
 };
 
-/// Joins b to a at a seam: blends the frames around it, plants the feet and checks what became of
-/// it.
-/// @param b  where it goes on, of a's skeleton and rate.
-/// @param mover  of their skeleton.
+/// Joins b to a at a seam: blends the frames around it, plants the feet and checks the result.
+/// @param b  in its final position, with a's skeleton and rate.
+/// @param mover  mover of their skeleton.
 [[nodiscard]] Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b,
                                              const Seam& seam, const Calibration& calibration,
                                              const BodyMover& mover,

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "base/math/so3.h"
+#include "base/math/spline.h"
 #include "edit/blend_offset.h"
 #include "edit/ground_pose.h"
-#include "math/so3.h"
-#include "math/spline.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
@@ -14,13 +14,13 @@
 namespace retarget {
 namespace {
 
-// mixes values of two clips in the frames around their seam
+// Blends values of two clips in the frames around their seam.
 class SeamMixer {
  public:
   SeamMixer(const Clip& a, const Clip& b, const SeamRegion& region)
       : a_(a), b_(b), region_(region), crossfades_(region.a_end > region.b_begin) {
     const int at_a = region.begin, at_b = seam_in_b();
-    // steps at one time: to the seam, or on from it where both clips have one
+    // Compare steps at the same time: into the seam, or after it if a clip has no earlier frame.
     const int after = at_a > 0 && at_b > 0 ? 0 : 1;
     step_a_ = at_a + after;
     step_b_ = at_b + after;
@@ -28,7 +28,7 @@ class SeamMixer {
     steps_ = step_b_ < b.frame_count() && (!foretold_ || at_a >= 2);
   }
 
-  /// @param in  the value of a clip in a frame.
+  /// @param in  returns the value of a clip in a frame.
   template <typename Value>
   [[nodiscard]] Eigen::Quaterniond rotation(const Value& in, int frame) const {
     const Eigen::Quaterniond of_b = in(b_, frame - region_.b_shift);
@@ -61,12 +61,12 @@ class SeamMixer {
   [[nodiscard]] double weight_of_b(int frame) const { return 1.0 - region_.weight_of_a(frame); }
   [[nodiscard]] int seam_in_b() const { return region_.begin - region_.b_shift; }
 
-  // what fades in b: at the seam b is a's value, and steps as a stepped
+  // Returns the offset that fades out over b: at the seam, b takes a's value and a's velocity.
   template <typename Step>
   [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Step& step,
                                       int frame) const {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    // the same frame in both goes on as b does
+    // If both clips have the same frame at the seam, b continues with its own velocity.
     constexpr double kSameFrame = 1e-7;
     if (steps_ && (!foretold_ || gap.norm() > kSameFrame)) {
       const int last = region_.begin;
@@ -82,13 +82,13 @@ class SeamMixer {
   const Clip& b_;
   const SeamRegion& region_;
   const bool crossfades_;
-  int step_a_ = 0, step_b_ = 0;  // frames that end a step
-  bool steps_ = false;           // they are known
-  bool foretold_ = false;        // a's is not there, but follows from the two before
+  int step_a_ = 0, step_b_ = 0;  // Frames at which the compared steps end.
+  bool steps_ = false;           // True if both steps are known.
+  bool foretold_ = false;        // True if a's step is extrapolated from its last two steps.
 };
 
-// gives the hips a world pose: by their own channels, or, where those are not free, by those of
-// what moves the body
+// Sets the world pose of the hips through their own channels, or through the joint that moves the
+// body if these are not free.
 void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
               const Calibration& calibration, const BodyMover& mover) {
   const Skeleton& skeleton = clip.skeleton();
@@ -150,8 +150,8 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
       result.translations(frame)[slot] = mixer.translation(in, frame);
     }
     if (a.skeleton().joint(hips).parent < 0) continue;
-    // joints above the hips may share the way between them differently in each clip: it is the
-    // hips' pose that counts
+    // Clips may distribute the motion differently over the joints above the hips, so blend the
+    // world pose of the hips.
     const auto turned = [hips](const Clip& clip, int at) {
       return world_from_joint(clip, at, hips).rotation;
     };

@@ -5,25 +5,25 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
+#include "base/math/statistics.h"
 #include "edit/plant_feet.h"
 #include "edit/pose_distance.h"
-#include "math/statistics.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
-// how a bone moves from frame to frame: its speed or its acceleration
+// Frame-to-frame change of a bone: speed or acceleration.
 struct Change {
-  int order;      // 1: over two frames, m/s; 2: over three, m/s2
-  double gentle;  // clips that stand still have none of their own
+  int order;      // 1: speed from two frames, m/s; 2: acceleration from three, m/s^2.
+  double gentle;  // Minimum reference value, for clips that stand still.
 
-  // of a bone, from a frame on
+  // Returns the value of a bone, starting at a frame.
   [[nodiscard]] double at(const HumanClip& human, int frame, Bone bone) const {
     const auto place = [&](int later) -> const Eigen::Vector3d& {
       return human.frame(frame + later)[bone].translation;
@@ -50,14 +50,15 @@ std::vector<double> all_changes(const Change& change, const HumanClip& a, const 
   return changes;
 }
 
-// of the bone at a seam that is largest for what it does
+// The largest change of a bone at a seam, relative to its usual change.
 struct LargestChange {
   double usual = 0.0, largest = 0.0;
   std::string bone;
-  double share = -1.0;  // largest / usual
+  double share = -1.0;  // Ratio of largest to usual.
 };
 
-// what a bone does at about this time in a clip itself; 0 where that has no such frames
+// Returns the largest change of a bone near this frame in a source clip; 0 if the clip has no such
+// frames.
 double own_change(const Change& change, const HumanClip& human, int frame, Bone bone) {
   double largest = 0.0;
   for (int near = std::max(frame - 1, 0);
@@ -86,7 +87,7 @@ LargestChange find_largest(const Change& change, const HumanClip& a, const Human
     for (int frame = std::max(region.begin - change.order, 0); frame < end; ++frame) {
       const double value = change.at(joined, frame, bones[k]);
       if (value <= found.share * usual) continue;
-      // a jolt of the recording is not the seam's
+      // A jolt in the recording is not caused by the seam.
       constexpr double kSame = 1.25;
       if (change.order == 2 &&
           value <= kSame * std::max(own_change(change, a, frame, bones[k]),
@@ -99,7 +100,7 @@ LargestChange find_largest(const Change& change, const HumanClip& a, const Human
   return found;
 }
 
-// the way of an ankle from a frame to the next; nothing where the clip has none
+// Returns the displacement of an ankle to the next frame; zero outside the clip.
 Eigen::Vector3d step_at(const std::vector<Pose>& ankles, int frame) {
   if (frame < 0 || frame + 1 >= static_cast<int>(ankles.size())) return Eigen::Vector3d::Zero();
   const auto at = static_cast<std::size_t>(frame);

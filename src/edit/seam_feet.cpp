@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "base/math/so3.h"
 #include "edit/blend_offset.h"
 #include "edit/plant_feet.h"
-#include "math/so3.h"
 #include "retarget/clip.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-// two contacts nearer in time than this are one, seconds
+// Contacts separated by less than this are merged, seconds.
 constexpr double kSameStand = 0.1;
 
 class FootJoiner {
@@ -23,7 +23,7 @@ class FootJoiner {
   FootJoiner(const std::vector<Pose>& a, const std::vector<Pose>& b, const SeamRegion& region)
       : a_(a), b_(b), region_(region) {}
 
-  // b's pose in a frame of the result
+  // Returns the pose of b in a frame of the result.
   [[nodiscard]] const Pose& of_b(int frame) const {
     return b_[static_cast<std::size_t>(frame - region_.b_shift)];
   }
@@ -36,14 +36,14 @@ class FootJoiner {
     return {0, phase.begin, {&of_b(phase.begin), &of_b(phase.begin) + (phase.end - phase.begin)}};
   }
 
-  // a foot that stands in both: over the ground it stays where a has it, height and tilt go over
-  // from a's to b's
+  // Returns the plant of a foot that stands in both clips: it keeps a's ground position; height and
+  // tilt blend from a to b.
   [[nodiscard]] PlantedFoot from_both(const ContactPhase& in_a, const ContactPhase& in_b) const {
-    // where a ends, b has to take over, before it has the foot down too
+    // Clip b must take over by a's last frame, even if its foot is not down yet.
     const int last = static_cast<int>(a_.size()) - 1;
     const int change = std::clamp(in_b.begin, region_.begin, last);
     const int middle = (std::max(in_a.begin, in_b.begin) + std::min(in_a.end, in_b.end)) / 2;
-    // compared in a frame that both clips have
+    // Compare in a frame that both clips have.
     const int both = std::clamp(middle, region_.begin, last);
     const Pose a_from_b = between_places(of_b(both), a_[both]).in_space();
 
@@ -112,7 +112,7 @@ std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
       for (const ContactPhase& phase : of_a) plants.push_back(joiner.from_a(phase));
       plants.push_back(joiner.from_both(in_a, in_b));
     } else {
-      // while both count, a foot that stands in one alone is half its own
+      // During the blend, a foot that stands in one clip follows that clip for half of the overlap.
       const int middle = (region.b_begin + a_end) / 2;
       const auto rises = [&](int frame, const Pose& stands) {
         const Pose& is = blended.ankles[foot][static_cast<std::size_t>(frame)];

@@ -9,14 +9,14 @@
 namespace retarget {
 namespace {
 
-using JointKey = std::pair<std::string, std::string>;  // name, parent's name
+using JointKey = std::pair<std::string, std::string>;  // Name, parent's name.
 
 JointKey key_of(const Skeleton& skeleton, int joint) {
   const int parent = skeleton.joint(joint).parent;
   return {skeleton.joint(joint).name, parent < 0 ? std::string() : skeleton.joint(parent).name};
 }
 
-// of joints that share name and parent's name the first is the first's twin, and so on
+// Joints with equal names and parent names are matched in order.
 std::vector<int> find_twins(const Skeleton& source, const Skeleton& target) {
   std::map<JointKey, std::vector<int>> known;
   for (int joint = source.joint_count() - 1; joint >= 0; --joint) {
@@ -37,12 +37,12 @@ std::vector<int> find_twins(const Skeleton& source, const Skeleton& target) {
 std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
                                                  const TransferTarget& target) {
   std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(target.skeleton->joint_count()));
-  // of bones that one joint turns the one nearest to the hips: the others hang from it
+  // If a joint turns several bones, keep the one nearest to the hips: the others depend on it.
   for (auto at = kMappedBones.rbegin(); at != kMappedBones.rend(); ++at) {
     const Bone bone = *at;
     const BoneSource &from = source.bones[bone], &to = target.calibration.bones[bone];
     if (from.position_joint < 0 || from.rotation_joint < 0 || to.rotation_joint < 0) continue;
-    // a bone without a joint of its own is turned as its neighbour
+    // A bone without its own joint follows its neighbour.
     if (to.position_joint != target.map.joint(bone)) continue;
     bones[to.rotation_joint] = bone;
   }

@@ -10,23 +10,24 @@
 
 namespace retarget {
 
-/// Which joints of two skeletons are one by their own and their parent's name, and how their rest
-/// poses differ.
+/// Joints of two skeletons matched by their own and their parent's name, with the difference of
+/// their rest poses.
 struct SharedJoints {
-  std::vector<int> twins;  ///< Of target joints, in the source; -1: none.
-  /// Of target joints: from rest axes of the source to those of the target. A bone's are those of
-  /// both T-poses; a twin's are its parent's, turned so that what leaves it points as before.
+  std::vector<int> twins;  ///< By target joint: index in the source; -1: none.
+  /// By target joint: rotation from source rest axes to target rest axes. Bones use both T-poses;
+  /// other matched joints use their parent's rotation, adjusted so that their child directions are
+  /// kept.
   std::vector<Eigen::Quaterniond> turns;
-  Eigen::Quaterniond world_turn;  ///< The same of the worlds.
+  Eigen::Quaterniond world_turn;  ///< The same rotation for the world axes.
 
-  /// Of what a joint hangs from.
+  /// Returns the rotation of a joint's parent, or of the world.
   [[nodiscard]] const Eigen::Quaterniond& turn_above(const Skeleton& target, int joint) const {
     const int parent = target.joint(joint).parent;
     return parent < 0 ? world_turn : turns[parent];
   }
 };
 
-/// The canonical bone that each joint of the target turns and the source has, if any.
+/// Returns the canonical bone that each target joint turns, if the source has it.
 [[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
                                                                const TransferTarget& target);
 

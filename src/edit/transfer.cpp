@@ -7,19 +7,19 @@
 #include <utility>
 #include <vector>
 
-#include "base/suggest.h"
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/shared_joints.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kSameLength = 1e-6;
 
-// whether a joint ever turns or moves against its parent, beyond what its OFFSET says
+// Returns true if a joint ever rotates, or translates relative to its OFFSET.
 bool is_turned_or_moved(const Clip& clip, int joint) {
   const Eigen::Vector3d& offset = clip.skeleton().joint(joint).offset;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -30,7 +30,7 @@ bool is_turned_or_moved(const Clip& clip, int joint) {
   return false;
 }
 
-// the joints that give a bone its pose, with the helpers between them
+// Marks the joints that define a bone's pose, including the helpers between them.
 void mark_joints(const BoneSource& bone, const Skeleton& skeleton, std::vector<bool>& marked) {
   marked[bone.rotation_joint] = marked[bone.position_joint] = true;
   for (int joint = bone.rotation_joint; joint > bone.position_joint;) {
@@ -59,7 +59,7 @@ class Transfer {
         shared_(find_shared_joints(clip.skeleton(), calibration, target)),
         bone_of_joint_(bones_of_joints(calibration, target)),
         world_from_joint_(target.skeleton->joint_count()) {
-    // where the path goes: the hips, or the next joint above that can be moved
+    // Place the hips themselves, or the nearest ancestor that can be translated.
     placed_joint_ = target.map.joint(Bone::kHips);
     while (placed_joint_ > 0 && target.skeleton->translation_slot(placed_joint_) < 0) {
       placed_joint_ = target.skeleton->joint(placed_joint_).parent;
@@ -78,8 +78,8 @@ class Transfer {
   }
 
  private:
-  // where the translations of twins are counted from: their OFFSET where it is the target's too,
-  // else their mean, for then the OFFSETs are not the lengths of both
+  // Reference for the translations of matched joints: their OFFSET if it equals the target's,
+  // otherwise their mean, because the OFFSETs then do not describe the same length.
   void find_lengths() {
     lengths_.assign(shared_.twins.size(), Eigen::Vector3d::Zero());
     for (int joint = 0; joint < target_.skeleton->joint_count(); ++joint) {
@@ -94,7 +94,7 @@ class Transfer {
     }
   }
 
-  // whose translations a joint of the target gets; -1: nobody's
+  // Returns the source joint whose translations a target joint receives; -1: none.
   [[nodiscard]] int carried_from(int joint) const {
     const int twin = shared_.twins[joint];
     const bool both = twin >= 0 && target_.skeleton->translation_slot(joint) >= 0 &&
@@ -135,7 +135,7 @@ class Transfer {
     }
   }
 
-  // moves the placed joint so that the hips are where the human's are
+  // Moves the placed joint so that the hips match the human's.
   void place(Clip& clip, int frame) {
     const int slot = target_.skeleton->translation_slot(placed_joint_);
     if (slot < 0) return;
@@ -155,15 +155,16 @@ class Transfer {
 
   const Clip& clip_;
   const HumanClip human_;
-  const double raise_;  // of the hips, metres
-  const double units_;  // the target's file units for the source's, bodies brought to one size
+  const double raise_;  // Height added to the hips, metres.
+  const double units_;  // Target file units per source file unit, for bodies scaled to one size.
   const TransferTarget& target_;
   const Eigen::Quaterniond target_from_human_;
   const SharedJoints shared_;
-  const std::vector<std::optional<Bone>> bone_of_joint_;  // of target joints
-  std::vector<Eigen::Vector3d> lengths_;  // of target joints: of their twins, source units
+  const std::vector<std::optional<Bone>> bone_of_joint_;  // By target joint.
+  std::vector<Eigen::Vector3d> lengths_;  // By target joint: reference translation of its match,
+                                          // source units.
   int placed_joint_ = 0;
-  std::vector<Pose> world_from_joint_;  // of the frame
+  std::vector<Pose> world_from_joint_;  // Poses of the current frame.
 };
 
 }  // namespace
@@ -181,7 +182,7 @@ UncarriedJoints uncarried_joints(const Clip& clip, const Calibration& calibratio
   const Skeleton &source = clip.skeleton(), &skeleton = *target.skeleton;
   const auto twins = find_shared_joints(source, calibration, target).twins;
   const auto bones = bones_of_joints(calibration, target);
-  // what is above the hips is in their way through the world
+  // Joints above the hips are part of the hips' world motion.
   const auto is_above_hips = [](const Skeleton& of, int joint, int hips) {
     return is_at_or_below(of, hips, joint);
   };
@@ -217,8 +218,8 @@ Transferred transfer(const Subject& source, const Subject& target) {
   for (const auto& [label, joints, of] : {std::tuple("left out", &uncarried.left_out, "target"),
                                           {"at rest", &uncarried.at_rest, "source"}}) {
     if (joints->empty()) continue;
-    result.notes.push_back(
-        {label, list_names(*joints) + ": the " + of + " has no such joint below the same parent"});
+    result.notes.push_back({label, list_names(*joints) + ": the " + of +
+                                       " has no corresponding joint below the same parent"});
   }
   result.left_out = std::move(uncarried.left_out);
   result.at_rest = std::move(uncarried.at_rest);

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "human/bone_map.h"
-#include "human/human_clip.h"
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
@@ -13,30 +13,30 @@
 
 namespace retarget {
 
-/// A skeleton that is to be moved: its bones and axes, as recognition and calibration found them.
+/// A target skeleton with its recognised bones and its calibration.
 struct TransferTarget {
   std::shared_ptr<const Skeleton> skeleton;
   BoneMap map;
   Calibration calibration;
 };
 
-/// The movement on the other skeleton, before feet are planted.
+/// Transfers the motion to the target skeleton, without planting feet.
 [[nodiscard]] Clip transfer(const Clip& clip, const Calibration& calibration,
                             const TransferTarget& target);
 
-/// What a transfer does not carry over.
+/// Joints that a transfer does not carry over.
 struct UncarriedJoints {
-  std::vector<std::string> left_out;  ///< Joints of the source that turn or move and have no twin.
-  std::vector<std::string> at_rest;   ///< Joints of the target that stay as they are.
+  std::vector<std::string> left_out;  ///< Moving joints of the source without a match.
+  std::vector<std::string> at_rest;   ///< Joints of the target that stay at rest.
 };
 [[nodiscard]] UncarriedJoints uncarried_joints(const Clip& clip, const Calibration& calibration,
                                                const TransferTarget& target);
 
-/// Plants the feet of a clip that was transferred: bodies of other proportions slide where the
+/// Plants the feet of a transferred clip, because bodies of other proportions slide where the
 /// source stands. Each foot that stands on its toes, sole or heel moves over the floor no more than
-/// the source's, in proportion, and is as high over it.
-/// @param moved  transfer(clip, calibration, target); changed.
-/// @return kInput errors as BodyMover::of.
+/// the source's, in proportion, and has the same height above it.
+/// @param moved  result of transfer(clip, calibration, target); modified.
+/// @return kInput errors as for BodyMover::of.
 [[nodiscard]] Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
                                                           const Clip& clip,
                                                           const Calibration& calibration,

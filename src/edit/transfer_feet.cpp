@@ -1,4 +1,4 @@
-// feet that stand after a transfer
+// Plants feet after a transfer.
 
 #include <algorithm>
 #include <optional>
@@ -19,37 +19,36 @@ namespace {
 
 using Track = std::vector<Eigen::Vector3d>;
 
-// stands of a foot with a shorter break are one, seconds
+// Stances separated by less than this are merged, seconds.
 constexpr double kBreakInStand = 0.1;
 
-// where a part of a foot is in the target, and where the source has it, brought to the target's
-// size
+// Positions of a foot part in the target, and in the source scaled to the target's size.
 struct PartTrack {
   Track is, as_source;
 };
 
-// one foot in both bodies
+// One foot in both bodies.
 class TransferredFoot {
  public:
-  // @param toe  nothing: one of the bodies has none
+  // @param toe  nothing if one of the bodies has no toe.
   TransferredFoot(PartTrack ankle, std::optional<PartTrack> toe)
       : ankle_(std::move(ankle)), toe_(std::move(toe)) {}
 
-  // how far the foot has to be moved in each frame of a stand
+  // Returns the displacement of the foot in each frame of a stance.
   [[nodiscard]] Track shifts(const FootStand& stand) const {
     Track shifts(static_cast<std::size_t>(stand.end - stand.begin));
     const auto down = frames_down(stand);
     const PartTrack& part = down.first < down.second && toe_ ? *toe_ : ankle_;
     const auto [first, last] =
         down.first < down.second && toe_ ? down : std::pair(stand.begin, stand.end);
-    // the place over the floor that is nearest to where it is
+    // Ground offset that keeps the foot closest to its current position.
     Eigen::Vector3d beside = Eigen::Vector3d::Zero();
     for (int i = first; i < last; ++i) beside += (part.is[i] - part.as_source[i]) / (last - first);
     beside.z() = 0.0;
     for (int i = first; i < last; ++i) {
       shifts[i - stand.begin] = part.as_source[i] + beside - part.is[i];
     }
-    // on its heel: as the ankle goes, from and to there
+    // While on the heel, follow the ankle before and after.
     for (int i = first - 1; i >= stand.begin; --i) {
       shifts[i - stand.begin] = shifts[first - stand.begin] + ankle_way(i) - ankle_way(first);
     }
@@ -64,7 +63,7 @@ class TransferredFoot {
     return ankle_.as_source[frame] - ankle_.is[frame];
   }
 
-  // from the first to the last frame with the toes down
+  // Range of frames from the first to the last with the toes down.
   static std::pair<int, int> frames_down(const FootStand& stand) {
     int first = stand.end, last = stand.begin;
     for (int i = stand.begin; i < stand.end; ++i) {
@@ -88,7 +87,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
   const double scale = target.calibration.size / calibration.size;
   const auto part_of = [&](Bone bone) -> std::optional<PartTrack> {
     if (!source.has(bone) || !human.has(bone)) return std::nullopt;
-    // joints are not as high in the foot in both
+    // The joints have different heights within the two feet.
     const auto rise = rise_over_soles(clip.skeleton(), calibration, bone),
                target_rise = rise_over_soles(moved.skeleton(), target.calibration, bone);
     const double higher = rise && target_rise ? *target_rise - scale * *rise : 0.0;

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 
 namespace retarget {
 

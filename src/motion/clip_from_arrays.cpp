@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMaxNormError = 1e-3;
 
-// indices of the joints, each behind its parent, depth first
+// Joint indices in depth-first order, so that each joint follows its parent.
 Result<std::vector<int>> depth_first(const ClipArrays& arrays) {
   const int joints = static_cast<int>(arrays.names.size());
   std::vector<std::vector<int>> children(arrays.names.size());
@@ -45,7 +45,7 @@ Result<std::vector<int>> depth_first(const ClipArrays& arrays) {
     waiting.insert(waiting.end(), children[joint].rbegin(), children[joint].rend());
   }
   if (static_cast<int>(order.size()) < joints) {
-    return usage_failure("parents: expected a tree with one root (-1), found a circle");
+    return usage_failure("parents: expected a tree with one root (-1), found a cycle");
   }
   return order;
 }
@@ -54,7 +54,7 @@ Result<void> check_names(const std::vector<std::string>& names) {
   if (names.empty()) return usage_failure("names: expected at least one joint");
   std::set<std::string_view> known;
   for (const std::string& name : names) {
-    if (name.empty()) return usage_failure("names: a joint without a name");
+    if (name.empty()) return usage_failure("names: a joint has no name");
     if (!known.insert(name).second) {
       return usage_failure(fmt::format("names: \"{}\" is given twice", name));
     }
@@ -77,7 +77,7 @@ class PoseReader {
     return {};
   }
 
-  // parent_from_joint
+  // The pose parent_from_joint.
   [[nodiscard]] Pose local(std::size_t frame, int joint) const {
     const int parent = arrays_.parents[joint];
     const Pose given = pose(frame * joints() + static_cast<std::size_t>(joint));
@@ -95,7 +95,7 @@ class PoseReader {
   [[nodiscard]] Pose pose(std::size_t index) const {
     const double* p = &arrays_.positions[3 * index];
     Eigen::Quaterniond q = rotation(index);
-    // those that are as good as normalised stay as they are, to the last bit
+    // Keeps rotations that are already normalised to rounding bit for bit.
     if (std::abs(q.squaredNorm() - 1.0) > 1e-15) q.normalize();
     return {q, {p[0], p[1], p[2]}};
   }
@@ -103,10 +103,10 @@ class PoseReader {
   const ClipArrays& arrays_;
 };
 
-// of one joint over all frames
+// The offset of one joint over all frames.
 struct OffsetFound {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  double spread = 0.0;  // largest distance from it
+  double spread = 0.0;  // Largest distance from the mean.
 };
 
 OffsetFound find_offset(const PoseReader& poses, std::size_t frames, int joint) {

@@ -9,26 +9,28 @@
 
 namespace retarget {
 
-/// A motion as arrays: positions and rotations of named joints, frame by frame.
+/// A motion given as arrays: positions and rotations of named joints, by frame.
 struct ClipArrays {
-  std::vector<std::string> names;     ///< Of the joints, each once.
-  std::vector<int> parents;           ///< Indices into names; -1: the root.
-  std::span<const double> positions;  ///< frames x joints x 3
-  std::span<const double> rotations;  ///< frames x joints x 4
-  bool scalar_first = true;           ///< Rotations are wxyz, else xyzw.
-  bool local = false;                 ///< Seen from the parent, else from the world.
+  std::vector<std::string> names;     ///< Unique joint names.
+  std::vector<int> parents;           ///< Indices into names; -1 for the root.
+  std::span<const double> positions;  ///< Size frames x joints x 3.
+  std::span<const double> rotations;  ///< Size frames x joints x 4.
+  bool scalar_first = true;           ///< Rotations are wxyz if true, xyzw if false.
+  bool local = false;                 ///< Poses are relative to the parent if true, to the world if
+                                      ///< false.
   std::size_t frames = 0;
   FrameRate rate;
-  std::string name;  ///< Of the clip, in messages.
-  /// By how much of the longest offset a joint may leave its own, and have it fixed.
+  std::string name;  ///< Name of the clip, for messages.
+  /// Largest deviation of a fixed joint offset from its mean, relative to the longest offset.
   double fixed_offset = 1e-4;
 };
 
-/// The clip of these poses. Joints come in depth-first order, siblings as they were given. A joint
-/// below the root keeps its distance to its parent (as a fixed offset, the mean) where it never
-/// differs by more than `fixed_offset` of the longest; else it has a translation in each frame.
-/// Errors (kUsage): a tree that is none, names that are empty or given twice, rotations that are not
-/// of unit length within 1e-3.
+/// Creates a clip from arrays. Joints are in depth-first order; siblings keep their order. A joint
+/// below the root gets a fixed offset (the mean) if its translation never deviates from it by more
+/// than `fixed_offset` of the longest offset; otherwise it gets a translation in each frame.
+///
+/// Errors (kUsage): an invalid tree, empty or repeated names, rotations whose norm differs from 1
+/// by more than 1e-3.
 [[nodiscard]] Result<Clip> clip_from_arrays(const ClipArrays& arrays);
 
 }  // namespace retarget

@@ -14,22 +14,22 @@
 namespace retarget {
 namespace {
 
-// in frames
+// Tolerance of times, in frames.
 constexpr double kTimeTolerance = 1e-6;
 
 Failure bad_range(std::string_view text) {
-  return usage_failure("the frame range \"" + std::string(text) + "\" is not of the form a:b",
-                       "frames are counted from 0 and b is not included: 0:300, 120: or :300");
+  return usage_failure("the frame range \"" + std::string(text) + "\" does not have the form a:b",
+                       "frames are numbered from 0 and b is excluded: 0:300, 120: or :300");
 }
 
-// "no frames" or "frames 0 to 299"
+// Returns "no frames" or, for example, "frames 0 to 299".
 std::string extent_text(int frame_count) {
   if (frame_count == 0) return "no frames";
   return "frames 0 to " + std::to_string(frame_count - 1);
 }
 
-// a whole number without a sign, or `fallback` for no text; nothing when it is neither.
-// Numbers beyond int mean its largest value
+// Parses an unsigned integer; empty text gives `fallback`. Returns nothing for other text. Numbers
+// that do not fit into int are clamped.
 std::optional<int> parse_bound(std::string_view text, int fallback) {
   if (text.empty()) return fallback;
   const bool digits = std::ranges::all_of(text, [](char c) { return '0' <= c && c <= '9'; });
@@ -39,7 +39,7 @@ std::optional<int> parse_bound(std::string_view text, int fallback) {
   return error == std::errc() ? value : std::numeric_limits<int>::max();
 }
 
-// without needless zeros, the same in every locale
+// Formats without trailing zeros, independently of the locale.
 std::string seconds_text(double seconds) {
   std::array<char, 32> text{};
   const auto [end, error] =
@@ -49,8 +49,8 @@ std::string seconds_text(double seconds) {
 
 Result<void> check_time(std::optional<double> time, const std::string& name) {
   if (!time || (std::isfinite(*time) && *time >= 0.0)) return {};
-  return usage_failure("the " + name + " at " + seconds_text(*time) + " is not a time of a clip",
-                       "times are in seconds from its first frame");
+  return usage_failure("the " + name + " at " + seconds_text(*time) + " is not a valid time",
+                       "times are in seconds from the first frame");
 }
 
 }  // namespace
@@ -67,8 +67,8 @@ Result<FrameRange> frame_range_from_text(std::string_view text, int frame_count)
                          extent_text(frame_count));
   }
   if (*begin >= *end) {
-    return usage_failure(quoted + " holds no frames",
-                         "b is not included; a single frame is a:b with b = a + 1");
+    return usage_failure(quoted + " contains no frames",
+                         "b is excluded; for a single frame, use a:b with b = a + 1");
   }
   return FrameRange{*begin, std::min(*end, frame_count)};
 }
@@ -81,7 +81,7 @@ Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::op
     return usage_failure("the end at " + seconds_text(*end) + " comes before the start at " +
                          seconds_text(*start));
   }
-  // compared as real numbers first: seconds may lie beyond any frame number
+  // Compares as real numbers first, because times may exceed any frame number.
   const double first = start ? std::ceil(*start * rate.fps() - kTimeTolerance) : 0.0;
   const double last = end ? std::floor(*end * rate.fps() + kTimeTolerance) : frame_count - 1.0;
   if (start && first >= frame_count) {

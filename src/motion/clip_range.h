@@ -9,26 +9,26 @@
 
 namespace retarget {
 
-/// The range that `a:b` means: frames counted from 0, b not included, as Python slices. Either
-/// may be left out: the beginning, the end. An end beyond the clip means its end.
+/// Parses a range `a:b`: frames counted from 0, b excluded, as in Python slices. Either number may
+/// be omitted and then means the beginning or the end. An end beyond the clip means its end.
 ///
-/// Usage errors: anything else than two whole numbers and a colon, negative numbers, a range
-/// without frames, a beginning behind the clip.
+/// Usage errors: text that is not two integers and a colon, negative numbers, an empty range, a
+/// beginning beyond the clip.
 [[nodiscard]] Result<FrameRange> frame_range_from_text(std::string_view text, int frame_count);
 
-/// The frames at times from `start` to `end` seconds, both included: the first frame at or after
-/// start, up to the last frame at or before end. A time within a millionth of a frame of a frame
-/// counts as the frame's own, so 0.1 s is frame 3 of 30 in a second. A time left out means the
-/// clip's own beginning or end; an end behind the clip means its end.
+/// The frames from `start` to `end` seconds, both included: from the first frame at or after
+/// `start` to the last frame at or before `end`. Times within a millionth of a frame period of a
+/// frame count as that frame, so 0.1 s is frame 3 at 30 frames per second. An omitted time means
+/// the clip's beginning or end; an end beyond the clip means its end.
 ///
-/// Usage errors: negative times or such as are not finite, an end before the start, a range
-/// without frames, a start behind the clip.
+/// Usage errors: negative or non-finite times, an end before the start, an empty range, a start
+/// beyond the clip.
 [[nodiscard]] Result<FrameRange> frame_range_from_seconds(std::optional<double> start,
                                                           std::optional<double> end,
                                                           const FrameRate& rate, int frame_count);
 
-/// The part of a clip that options choose, by frames or by times; nothing given: all of it. Usage
-/// errors: those of the two above; frames and times both.
+/// The part of a clip that the options select, by frames or by times; all of it if they select
+/// nothing. Usage errors: those of the two functions above; both frames and times given.
 [[nodiscard]] Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate,
                                               int frame_count);
 

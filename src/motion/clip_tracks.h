@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// The rotations of one joint over all frames.
+/// Rotations of one joint over all frames.
 [[nodiscard]] inline std::vector<Eigen::Quaterniond> rotation_track(const Clip& clip,
                                                                     std::size_t joint) {
   std::vector<Eigen::Quaterniond> track;
@@ -20,7 +20,7 @@ namespace retarget {
   return track;
 }
 
-/// The translations of one slot (Skeleton::translation_slot) over all frames.
+/// Translations of one slot (Skeleton::translation_slot) over all frames.
 [[nodiscard]] inline std::vector<Eigen::Vector3d> translation_track(const Clip& clip,
                                                                     std::size_t slot) {
   std::vector<Eigen::Vector3d> track;

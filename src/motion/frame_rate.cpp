@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kSnapTolerance = 1e-4;
 constexpr double kFractionTolerance = 1e-9;
-// keeps products of a frame number and a rate inside 64 bits
+// Keeps products of a frame number and a rate within 64 bits.
 constexpr std::int64_t kMaxTerm = 1'000'000'000;
 
-// the simplest fraction near a positive value, by its continued fraction
+// The simplest fraction near a positive value, by its continued fraction.
 FrameRate simplest_fraction(double value) {
   std::int64_t num_before = 0, num = 1, den_before = 1, den = 0;
   double rest = value;
@@ -32,7 +32,7 @@ FrameRate simplest_fraction(double value) {
     if (rest == whole) break;
     rest = 1.0 / (rest - whole);
   }
-  // rates beyond what 64-bit time arithmetic carries end at its edge
+  // Clamps rates beyond the range of 64-bit time arithmetic.
   if (den == 0) return {kMaxTerm, 1};
   if (num == 0) return {1, kMaxTerm};
   return {num, den};

@@ -10,17 +10,20 @@
 namespace retarget {
 namespace {
 
-constexpr double kJump = 0.1;          // second difference by the body's spread
-constexpr double kBeyondMotion = 5.0;  // and by the motion's own 95th percentile
-constexpr double kStill = 0.05;        // spreads from the first frame: noise, a person who stands
-constexpr double kMaxHold = 20.0;      // seconds
-constexpr double kMotionSeen = 2.0;    // seconds
-// what is held for longer must be another pose than the motion's, or it is the motion before a fault
-constexpr double kShortHold = 0.25;  // seconds
-constexpr double kSamePose = 0.1;    // spreads, the body brought to one place and heading
-constexpr int kMinAfter = 5;         // frames of motion
+constexpr double kJump = 0.1;          // Second difference, in spreads of the body.
+constexpr double kBeyondMotion = 5.0;  // Second difference, relative to the motion's 95th
+                                       // percentile.
+constexpr double kStill = 0.05;        // Spreads from the first frame; allows for noise and a
+                                       // standing person.
+constexpr double kMaxHold = 20.0;      // Seconds.
+constexpr double kMotionSeen = 2.0;    // Seconds.
+// A pose held for longer than this must differ from the motion's poses; otherwise it is motion
+// before a fault.
+constexpr double kShortHold = 0.25;  // Seconds.
+constexpr double kSamePose = 0.1;    // Spreads, after aligning position and rotation of the root.
+constexpr int kMinAfter = 5;         // Frames of motion after the jump.
 
-// positions of all joints, frame by frame, made when they are asked for
+// World positions of all joints by frame, computed on demand.
 class Positions {
  public:
   explicit Positions(const Clip& clip)
@@ -41,13 +44,13 @@ class Positions {
     return positions;
   }
 
-  // of two frames as the root sees them, the mean over the joints
+  // Mean joint distance of two frames, relative to the root.
   double pose_distance(int a, int b) {
     return (seen_by_root(a) - seen_by_root(b)).colwise().norm().mean();
   }
   double distance(int a, int b) { return (at(a) - at(b)).colwise().norm().mean(); }
 
-  // means over the joints
+  // step() and second_difference() are means over the joints; spread() is a root mean square.
   double step(int frame) { return (at(frame + 1) - at(frame)).colwise().norm().mean(); }
   double second_difference(int frame) {
     return (at(frame - 1) - 2.0 * at(frame) + at(frame + 1)).colwise().norm().mean();
@@ -72,12 +75,12 @@ class Positions {
   std::vector<Pose> poses_;
 };
 
-// whether the motion begins at a frame, with a jump away from the one before
+// Whether the motion begins at frame `begin`, with a jump from the frame before.
 bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   if (clip.frame_count() - begin < kMinAfter) return false;
   const double jump = positions.second_difference(begin);
   if (!(jump > kJump * positions.spread(begin))) return false;
-  // the second difference of the frame before a jump is as large; a jump may take two frames
+  // The frame before a jump has an equally large second difference; a jump may take two frames.
   if (positions.step(begin - 1) < 0.5 * positions.step(begin)) return false;
   const int end = std::min(
       clip.frame_count() - 1,
@@ -91,7 +94,8 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   return jump > kBeyondMotion * after[(95 * (after.size() - 1)) / 100];
 }
 
-// whether a frame has no rotation at all and the next one leaves it at once: nobody is recorded so
+// Whether all rotations of a frame are zero and the next frame leaves it by a jump, which real
+// recordings do not do.
 bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
   constexpr double kNoTurn = 1e-9;
   const auto none = [](const Eigen::Quaterniond& rotation) {
@@ -106,7 +110,7 @@ bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
   return step > kJump * positions.spread(frame + 1) && step > kBeyondMotion * next;
 }
 
-// whether the motion from a frame on comes back to a pose in the time that is seen of it
+// Whether the motion after `begin` returns to a pose within kMotionSeen.
 bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
   const double near = kSamePose * positions.spread(pose);
   const int end = std::min<int>(
@@ -117,7 +121,7 @@ bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
   return false;
 }
 
-// frames from `begin` on that are held and then left by a jump; 0: none
+// Number of frames from `begin` that are held and then left by a jump; 0 if there are none.
 int count_held(const Clip& clip, Positions& positions, int begin) {
   const auto longest =
       static_cast<int>(std::min(kMaxHold * clip.rate().fps(), 1.0 * clip.frame_count()));
@@ -136,7 +140,7 @@ int count_held(const Clip& clip, Positions& positions, int begin) {
 }  // namespace
 
 int count_lead_in_frames(const Clip& clip) {
-  // a frame of zeros, a T-pose
+  // For example a frame of zeros and a T-pose.
   constexpr int kMaxHolds = 3;
   Positions positions(clip);
   int count = 0;

@@ -4,17 +4,17 @@
 
 namespace retarget {
 
-/// Frames in front of a clip that are none of its motion: a T-pose, a frame of zeros, or several of
-/// them, each held still and then left by a jump that nobody makes. 0 where the motion begins with
-/// the first frame.
+/// Number of frames at the beginning of a clip that are not part of its motion: a T-pose, a frame
+/// of zeros, or several of them, each held still and then left by a jump that no human makes. 0 if
+/// the motion begins with the first frame.
 ///
-/// A jump is a step whose second difference, the mean over the joints, is above 0.1 times the
-/// spread of the body (the root mean square distance of its joints from their middle) and above
-/// five times the 95th percentile of those in the two seconds that follow; from a frame in which no
-/// joint is turned also a step of 0.1 times the spread and five times the next one. Held is what
-/// stays within 0.05 spreads of its first frame. What moves before the jump, is held for more than
-/// 20 s, or is held for more than 0.25 s in a pose that the motion comes back to within 2 s, is
-/// motion and stays.
+/// A jump is a step with a large second difference (mean over the joints): larger than 0.1 times
+/// the spread of the body (the root mean square distance of its joints from their mean) and larger
+/// than five times the 95th percentile of the second differences in the next two seconds. After a
+/// frame in which all rotations are zero, a step of more than 0.1 spreads and more than five times
+/// the next step is also a jump. A pose is held while it stays within 0.05 spreads of its first
+/// frame. Frames belong to the motion if they move before the jump, are held for more than 20 s, or
+/// are held for more than 0.25 s in a pose to which the motion returns within 2 s.
 [[nodiscard]] int count_lead_in_frames(const Clip& clip);
 
 }  // namespace retarget

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "math/filter.h"
+#include "base/math/filter.h"
 #include "motion/clip_size.h"
 #include "motion/clip_tracks.h"
 #include "motion/track_sampler.h"
@@ -15,19 +15,19 @@
 namespace retarget {
 namespace {
 
-// frame numbers times the terms of two rates pass 64 bits
+// Products of a frame number and the terms of two rates exceed 64 bits.
 __extension__ using Int128 = __int128;
 
 constexpr std::int64_t kMaxUpsampling = 1000;
 constexpr std::int64_t kMaxFrameCount = 10'000'000;
-// a sparse source may not become a clip of more bytes than these: a few kilobytes of text could
-// otherwise stand for gigabytes
+// A clip with more than kSparse samples per source frame must not exceed this size. Otherwise, a
+// few kilobytes of text could expand to gigabytes.
 constexpr std::int64_t kSparse = 4;
 constexpr std::int64_t kMaxSparseBytes = std::int64_t{64} << 20;
-// one part of an output sample that still counts as reached
+// Tolerance for the last output sample: one part of this many.
 constexpr std::int64_t kParts = 1'000'000'000;
 
-// source frames per output sample as a fraction
+// Source frames per output sample, as a fraction.
 struct Stride {
   Int128 numerator;
   Int128 denominator;
@@ -51,13 +51,13 @@ Result<void> check_size(const Clip& source, const FrameRate& output_rate,
                          (sparse && output_count > max_sparse);
   if (source.frame_count() < 2 || (!too_dense && output_count <= kMaxFrameCount)) return {};
   return input_failure("",
-                       "going from " + to_text(source.rate()) + " to " + to_text(output_rate) +
-                           " fps would make " + std::to_string(output_count) + " frames out of " +
+                       "resampling from " + to_text(source.rate()) + " to " + to_text(output_rate) +
+                           " fps would make " + std::to_string(output_count) + " frames from " +
                            std::to_string(source.frame_count()),
-                       "one of the two rates is wrong; give the true ones");
+                       "one of the two rates is wrong; give the correct rates");
 }
 
-// how the tracks of one clip are brought to the output's rate, each apart from the others
+// Resamples the tracks of one clip, independently of each other.
 class TrackResampler {
  public:
   TrackResampler(const Clip& source, int count, const Stride& stride,
@@ -74,14 +74,14 @@ class TrackResampler {
   std::vector<Value> resample(std::vector<Value> track) const {
     make_sign_continuous(track);
     if (stride_.numerator % stride_.denominator == 0) return pick(track);
-    // without what the output rate cannot show
+    // Removes frequencies that the output rate cannot represent.
     if (!taps_.empty()) track = low_pass(track, taps_);
     const TrackSampler<Value> sampler(std::move(track), interpolation_);
     std::vector<Value> samples;
     samples.reserve(count_);
     for (int i = 0; i < count_; ++i) {
       const Int128 place = i * stride_.numerator;
-      // the last sample may be a hair behind the last frame
+      // The last sample may lie slightly after the last frame.
       const auto frame = static_cast<int>(std::min(place / stride_.denominator, last_));
       const double fraction = static_cast<double>(place % stride_.denominator) /
                               static_cast<double>(stride_.denominator);
@@ -91,7 +91,7 @@ class TrackResampler {
   }
 
  private:
-  // every sample falls on a frame: the others need not be filtered
+  // Every sample falls on a frame, so only these frames need filtering.
   template <typename Value>
   std::vector<Value> pick(const std::vector<Value>& track) const {
     const auto stride = static_cast<std::size_t>(stride_.numerator / stride_.denominator);
@@ -109,7 +109,7 @@ class TrackResampler {
   const int count_;
   const Stride stride_;
   const Interpolation interpolation_;
-  std::vector<double> taps_;  // empty: no filter
+  std::vector<double> taps_;  // Empty: no filter.
 };
 
 }  // namespace
@@ -133,7 +133,7 @@ Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleO
       resampled_frame_count(source.frame_count(), source.rate(), output_rate);
   TRY(check_size(source, output_rate, count));
 
-  // joint by joint, so that no second copy of a long clip is needed
+  // Works joint by joint to avoid a second copy of a long clip.
   const TrackResampler tracks(source, static_cast<int>(count), Stride(source.rate(), output_rate),
                               options);
   Clip output = source.empty_like(output_rate, static_cast<int>(count));

@@ -10,31 +10,32 @@ namespace retarget {
 
 struct ResampleOptions {
   Interpolation interpolation = Interpolation::kCubic;
-  /// Damp what the output rate cannot show before going to a lower rate; see anti_alias_taps.
+  /// Whether to filter out frequencies that a lower output rate cannot represent; see
+  /// anti_alias_taps.
   bool antialias = true;
 };
 
-/// How many frames at `output_rate` a clip of `frame_count` frames at `source_rate` has:
-/// floor(duration * output fps + 1e-9) + 1, the duration being (frame_count - 1) / source rate,
-/// in whole numbers; none for none. The last sample may lie before the last source frame, never
-/// after it by more than the 1e-9 of a sample.
-/// @pre frame_count >= 0; the terms of the rates are at most 1e9, as frame_rate_from_fps makes them
+/// Number of frames at `output_rate` of a clip with `frame_count` frames at `source_rate`:
+/// floor(duration * output fps + 1e-9) + 1 with duration = (frame_count - 1) / source rate,
+/// computed in integers; 0 for an empty clip. The last sample may lie before the last source frame,
+/// but at most 1e-9 of a sample after it.
+/// @pre frame_count >= 0; the terms of the rates are at most 1e9, as from frame_rate_from_fps.
 [[nodiscard]] std::int64_t resampled_frame_count(int frame_count, const FrameRate& source_rate,
                                                  const FrameRate& output_rate);
 
-/// The clip at another frame rate. Sample i is at time i / output rate, the first at 0; the place
-/// of each among the source frames is found in whole numbers, so nothing drifts.
+/// Resamples a clip. Sample i is at time i / output rate, the first at 0. Its position among the
+/// source frames is computed in integers, so there is no drift.
 ///
-/// Rates that are equal within 1e-4 (same_rate) count as one: every frame is kept as it is, bit
-/// for bit, and the clip takes the output's rate. Otherwise quaternions are made sign-continuous
-/// (so they are in the result), a clip going to a lower rate is low-pass filtered first
-/// (zero-phase; rotations by their components, see low_pass), and samples between frames are
-/// interpolated. Samples that fall on a frame take it bit for bit; going to a whole fraction of
-/// the rate without the filter therefore picks frames.
+/// Rates that agree within 1e-4 (same_rate) count as equal: all frames are kept bit for bit, and
+/// the clip takes the output rate. Otherwise, quaternions are made sign-continuous (also in the
+/// result), a clip that goes to a lower rate is low-pass filtered first (zero-phase; rotations by
+/// their components, see low_pass), and samples between frames are interpolated. Samples that fall
+/// on a frame take it bit for bit, so without the filter, a whole fraction of the rate selects
+/// frames.
 ///
-/// Input errors: more than 1000 samples between two frames, more than 10 million in all, or more
-/// than four between two frames and 64 MB in all; a frame rate like that is a slip, and following
-/// it would fill the memory.
+/// Input errors: more than 1000 samples between two frames, more than 10 million in total, or more
+/// than four between two frames and 64 MB in total. Such a rate is a mistake and would exhaust the
+/// memory.
 [[nodiscard]] Result<Clip> resample(Clip source, const FrameRate& output_rate,
                                     const ResampleOptions& options = {});
 

@@ -17,7 +17,7 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
     points.push_back({joint.name, j, Eigen::Vector3d::Zero()});
     int number = 0;
     for (const Eigen::Vector3d& end_site : joint.end_sites) {
-      // a joint may have the name already
+      // A joint may already have this name.
       std::string name;
       do {
         ++number;
@@ -32,7 +32,7 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
 std::vector<SkeletonPoint> points_below(const Skeleton& skeleton, int joint) {
   std::vector<SkeletonPoint> points;
   if (joint < 0) return points;
-  // parents come before their children
+  // Parents come before their children.
   std::vector<bool> below(static_cast<std::size_t>(skeleton.joint_count()), false);
   for (int j = joint; j < skeleton.joint_count(); ++j) {
     const int parent = skeleton.joint(j).parent;
@@ -50,7 +50,7 @@ Pose world_from_point(const SkeletonPoint& point, const std::vector<Pose>& world
 }
 
 Eigen::AlignedBox3d extents(const Clip& clip) {
-  // a clip without frames shows its skeleton at rest
+  // A clip without frames has the extents of its skeleton at rest.
   const Clip rest(clip.shared_skeleton(), clip.rate(), 1);
   const Clip& shown = clip.frame_count() > 0 ? clip : rest;
   const std::vector<SkeletonPoint> points = skeleton_points(shown.skeleton());

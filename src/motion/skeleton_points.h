@@ -9,26 +9,27 @@
 
 namespace retarget {
 
-/// A point of a skeleton whose world pose can be asked for: a joint or an end site.
+/// A point of a skeleton: a joint or an end site.
 struct SkeletonPoint {
-  std::string name;  ///< The joint's; of end sites `<joint>_end`, `<joint>_end2` and so on, without
-                     ///< those that joints have as names.
+  std::string name;  ///< Name of the joint; end sites are named `<joint>_end`, `<joint>_end2` and
+                     ///< so on, without names that joints have.
   int joint = 0;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the joint, in its frame.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset from the joint, in its frame, file
+                                                     ///< units.
 };
 
 /// All joints in order, each followed by its end sites.
 [[nodiscard]] std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton);
 
-/// A joint, all that hang below it, and their end sites; nothing for a negative joint.
+/// A joint, its descendants and their end sites; empty for a negative joint.
 [[nodiscard]] std::vector<SkeletonPoint> points_below(const Skeleton& skeleton, int joint);
 
-/// World pose of a point, given those of the joints; end sites are turned like their joint.
+/// World pose of a point, from those of the joints. End sites have the rotation of their joint.
 [[nodiscard]] Pose world_from_point(const SkeletonPoint& point,
                                     const std::vector<Pose>& world_from_joint);
 
-/// The box around all joints and end sites over all frames, world axes, file units; of a clip
-/// without frames, around the skeleton with all rotations zero.
+/// The bounding box of all joints and end sites over all frames, world axes, file units. For a clip
+/// without frames, that of the skeleton with zero rotations.
 [[nodiscard]] Eigen::AlignedBox3d extents(const Clip& clip);
 
 }  // namespace retarget

@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "math/so3.h"
-#include "math/spline.h"
+#include "base/math/so3.h"
+#include "base/math/spline.h"
 #include "retarget/options.h"
 
 namespace retarget {
 
-/// Of q and -q takes for every rotation the one nearer to the one before.
+/// Makes a track sign-continuous: replaces q by -q where that is nearer to the previous rotation.
 inline void make_sign_continuous(std::vector<Eigen::Quaterniond>& track) {
   for (std::size_t i = 1; i < track.size(); ++i) {
     align_sign(track[i - 1].coeffs(), track[i].coeffs());
@@ -25,9 +25,9 @@ inline void make_sign_continuous(std::vector<Eigen::Vector3d>&) {}
   return p0 + s * (p1 - p0);
 }
 
-/// The rotations (Eigen::Quaterniond) or translations (Eigen::Vector3d) of one joint as a
-/// function of time, with sign-continuous quaternions and, for cubic interpolation, a velocity per
-/// frame, so that each sample costs the same wherever it lies.
+/// The rotations (Eigen::Quaterniond) or translations (Eigen::Vector3d) of one joint as a function
+/// of time. Quaternions are sign-continuous. For cubic interpolation, it stores a velocity per
+/// frame, so that each sample takes constant time.
 template <typename Value>
 class TrackSampler {
  public:
@@ -38,9 +38,9 @@ class TrackSampler {
     }
   }
 
-  /// At `fraction` in [0, 1) of the way from `frame` to the next one; a fraction of zero gives the
-  /// frame itself, bit for bit, as does any at the last frame.
-  /// @pre frame is one of the track's
+  /// Value at `fraction` in [0, 1) between `frame` and the next frame. A fraction of zero, or any
+  /// fraction at the last frame, gives the frame itself bit for bit.
+  /// @pre frame is one of the track's.
   [[nodiscard]] Value sample(int frame, double fraction) const {
     const auto at = static_cast<std::size_t>(frame);
     if (fraction == 0.0 || at + 1 == track_.size()) return track_[at];
@@ -53,7 +53,7 @@ class TrackSampler {
 
  private:
   std::vector<Value> track_;
-  std::vector<Eigen::Vector3d> velocities_;  // change per frame; empty when linear
+  std::vector<Eigen::Vector3d> velocities_;  // Change per frame; empty for linear interpolation.
 };
 
 }  // namespace retarget

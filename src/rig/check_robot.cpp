@@ -9,19 +9,20 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/limbs.h"
-#include "base/suggest.h"
-#include "human/canonical_pose.h"
-#include "pipeline/targets.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/text.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/import_robot.h"
 #include "rig/number_text.h"
+#include "rig/posed_human.h"
+#include "rig/self_test.h"
 #include "rig/t_pose.h"
-#include "robot/kinematic_tree.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {
@@ -29,7 +30,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kOddOffset = 8.0 * kDegree;
 constexpr double kWrongOffset = 75.0 * kDegree;
-constexpr double kOddReach = 0.03;  // of the leg's length
+constexpr double kOddReach = 0.03;  // Fraction of the leg's length.
 constexpr double kWrongReach = 0.25;
 
 const ConfigTask* task_of(const ResolvedConfig::Table& table, Bone bone) {
@@ -57,14 +58,14 @@ class Doctor {
   void check_sides_of_ranges();
   void check_limit_sets();
   void check_profile();
-  [[nodiscard]] HumanPose human_t_pose() const;
+  void check_motion();
   [[nodiscard]] std::string body_name(const ConfigTask& task) const {
     return task.body < 0 ? std::string() : robot_.bodies()[task.body].name;
   }
 
   const Robot& robot_;
   const RetargetingConfig* config_;
-  std::optional<ResolvedConfig> resolved_;  // where it is sound
+  std::optional<ResolvedConfig> resolved_;  // Set if the configuration is valid.
   std::optional<RobotAnatomy> limbs_;
   std::optional<TPose> t_pose_;
   std::vector<RobotFinding> findings_;
@@ -84,7 +85,7 @@ void Doctor::check_config() {
 
 std::optional<BoneAxesError> Doctor::offset_error(const ConfigTask& task) const {
   if (task.body < 0) return std::nullopt;
-  // the bone's axes in the body: as found in it, else as the T-pose has them
+  // Prefer the bone axes identified in the body; otherwise take those of the T-pose.
   std::optional<Eigen::Matrix3d> body_from_bone;
   for (const BonePart& part : bone_parts(*limbs_)) {
     if (part.bone == task.bone && part.part.body == task.body) {
@@ -97,7 +98,7 @@ std::optional<BoneAxesError> Doctor::offset_error(const ConfigTask& task) const 
                      t_pose_of(*limbs_, task.bone);
   }
   const Eigen::Matrix3d given =
-      task.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the task
+      task.rotation_offset.toRotationMatrix().transpose();  // The task's body_from_bone.
   return bone_axes_error(given, *body_from_bone);
 }
 
@@ -114,39 +115,11 @@ void Doctor::check_offsets() {
   }
 }
 
-// the canonical human of LAFAN1's lengths in the T-pose, hips over the origin
-HumanPose Doctor::human_t_pose() const {
-  using enum LimbBone;
-  constexpr HumanLengths kHuman;
-  HumanPose poses;
-  const double hips = kHuman.thigh + kHuman.shin + kHuman.ankle_height;
-  const auto set = [&](Bone bone, double x, double y, double z) {
-    poses[bone] = {Eigen::Quaterniond(canonical_t_pose(bone)), {x, y, z}};
-  };
-  for (const Bone bone : kAllBones) set(bone, 0.0, 0.0, hips);
-  for (const Side side : kSides) {
-    const double sign = side == Side::kLeft ? 1.0 : -1.0;
-    const double x = kHuman.hips_behind;
-    const double y = sign * kHuman.hip_width;
-    set(side_bone(side, kUpLeg), x, y, hips);
-    set(side_bone(side, kLeg), x, y, hips - kHuman.thigh);
-    for (const LimbBone foot : {kFoot, kFootMod}) {
-      set(side_bone(side, foot), x, y, hips - kHuman.thigh - kHuman.shin);
-    }
-    const double arm = sign * kHuman.shoulder_width;
-    const double z = hips + kHuman.shoulder_height;
-    set(side_bone(side, kArm), 0.0, arm, z);
-    set(side_bone(side, kForeArm), 0.0, arm + sign * kHuman.upper_arm, z);
-    set(side_bone(side, kHand), 0.0, arm + sign * (kHuman.upper_arm + kHuman.forearm), z);
-  }
-  return poses;
-}
-
-// whether the feet's targets lie within the legs' reach when hips and feet stand in the T-pose
+// Checks that the feet's targets are within the legs' reach when hips and feet stand in the T-pose.
 void Doctor::check_reach() {
   const TargetBuilder targets(*resolved_, HumanLengths{}.height);
   std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
-  targets.build(human_t_pose(), built);
+  targets.build(posed_human({}), built);
   const TreeState posed(robot_.tree(), t_pose_->qpos);
   const ConfigTask* root = task_of(resolved_->match_tables[1], resolved_->root_bone);
   if (root == nullptr || root->position_weight == 0.0 || root->body < 0) return;
@@ -158,7 +131,7 @@ void Doctor::check_reach() {
       if (task == nullptr || task->position_weight == 0.0) continue;
       const int target = targets.target_of(task->bone);
       if (target < 0 || root_target < 0 || task->body < 0) continue;
-      // both bodies moved to their targets: how far hip and ankle are apart then
+      // Distance between hip and ankle with both bodies at their targets.
       const Eigen::Vector3d hip = posed.world_from_body(leg.upper.body) * leg.upper.joint -
                                   posed.world_from_body(root->body).translation +
                                   built[root_target].translation;
@@ -274,15 +247,22 @@ void Doctor::check_profile() {
     if (!profile.speed_limits.contains(name)) missing.push_back(name);
   }
   if (!missing.empty()) {
-    note("no speed limit is known for " +
+    note("no speed limit for " +
          (missing.size() == robot_.output_joints().size() ? "any joint" : list_names(missing, 6)) +
          ": " + number_text(profile.default_speed_limit) + " rad/s is used");
   }
   if (profile.soles.size() < 2 && !profile.fixed_base)
-    note("the soles are not known (\"soles\" in robot.json)");
+    note("the soles are unknown (\"soles\" in robot.json)");
   if (profile.t_pose.empty() && limbs_) {
-    note("the T-pose is not known (\"t_pose\" in robot.json)");
+    note("the T-pose is unknown (\"t_pose\" in robot.json)");
   }
+}
+
+void Doctor::check_motion() {
+  const auto test = run_self_test(robot_, *limbs_, *resolved_);
+  if (!test) return note("the self-test motion cannot be retargeted: " + test.error().message);
+  if (!is_fault(*test)) return note(self_test_text(*test));
+  fault(self_test_text(*test) + ": " + self_test_reason(robot_, *limbs_));
 }
 
 std::vector<RobotFinding> Doctor::examine() {
@@ -292,6 +272,7 @@ std::vector<RobotFinding> Doctor::examine() {
   if (limbs) {
     limbs_ = *limbs;
     t_pose_ = solve_t_pose(robot_, *limbs);
+    for (const std::string& doubt : limbs_->doubts) note(doubt);
     if (const auto cause = t_pose_fault(robot_, *t_pose_)) fault(*cause + "; " + kTPoseHint);
   } else {
     const Error& error = limbs.error();
@@ -301,6 +282,7 @@ std::vector<RobotFinding> Doctor::examine() {
     check_offsets();
     if (limbs_->has_legs) check_reach();
     check_sides_of_config();
+    check_motion();
   }
   if (resolved_) check_moved_joints();
   if (limbs_) check_sides_of_ranges();

@@ -8,8 +8,8 @@
 
 namespace retarget {
 
-/// check_robot of one configuration.
-/// @param config  the robot's configuration; null: it has none.
+/// Runs check_robot with one configuration.
+/// @param config  the robot's configuration; null if it has none.
 [[nodiscard]] std::vector<RobotFinding> check_robot(const Robot& robot,
                                                     const RetargetingConfig* config);
 

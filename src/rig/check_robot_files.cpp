@@ -1,4 +1,4 @@
-// What is wrong or odd about a robot with all of its files.
+// Checks a robot together with all of its files.
 
 #include <algorithm>
 #include <filesystem>
@@ -7,21 +7,23 @@
 #include <utility>
 #include <vector>
 
-#include "anatomy/limbs.h"
 #include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 #include "rig/check_robot.h"
 #include "rig/check_shapes.h"
+#include "rig/derive_config.h"
 #include "rig/import_robot.h"
-#include "robot/load_robot.h"
-#include "robot/variant.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/anatomy/shapes.h"
+#include "robot/model/load_robot.h"
+#include "robot/model/variant.h"
 
 namespace retarget {
 namespace {
 
-// what a check says of the robot with each of its configurations
+// Adds the findings for the robot with each of its configurations.
 void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
                   std::vector<RobotFinding>& findings) {
   std::vector<std::string> files = {sources.config};
@@ -37,7 +39,7 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
       finding.text = spell_options(finding.text, spelling);
       if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
         continue;
-      // what only the second configuration is to blame for
+      // Findings that appear only with the second configuration name its file.
       if (file != files.front()) {
         finding.text = std::filesystem::path(file).filename().string() + ": " + finding.text;
       }
@@ -46,7 +48,17 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
   }
 }
 
-// a model that no robot was made from yet: as robots add would read it
+// Derives the configuration that `robots add` would write; nothing if no limbs are found, which
+// check_robot reports anyway.
+std::optional<RetargetingConfig> derived_config(const Robot& robot, const std::string& model) {
+  const auto limbs = find_limbs(robot, model);
+  if (!limbs) return std::nullopt;
+  DeriveOptions options;
+  options.sole_height = find_shapes(robot, *limbs, mesh_points(robot, model)).ankle_height;
+  return derive_config(robot, *limbs, options);
+}
+
+// Checks a model that has not been imported yet, reading it as `robots add` does.
 Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
                                                    OptionSpelling spelling) {
   const std::string name = std::filesystem::path(sources.model).stem().string();
@@ -61,7 +73,11 @@ Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
   for (const std::string& warning : imported.robot->warnings())
     findings.push_back({false, warning});
   for (std::string& note : imported.notes) findings.push_back({false, std::move(note)});
-  add_findings(*imported.robot, sources, spelling, findings);
+  const auto config = derived_config(*imported.robot, sources.model);
+  for (RobotFinding& finding : check_robot(*imported.robot, config ? &*config : nullptr)) {
+    finding.text = spell_options(finding.text, spelling);
+    findings.push_back(std::move(finding));
+  }
   for (RobotFinding& finding : check_shapes(*imported.robot, sources.model)) {
     findings.push_back(std::move(finding));
   }
@@ -79,7 +95,7 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
   std::vector<RobotFinding> findings;
   auto robot = load_robot_files(sources.model, sources.profile, sources.base);
   if (!robot) {
-    // a profile at fault does not hide what is odd about the model
+    // Check the model even if its profile is invalid.
     TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
     findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
     robot = std::move(bare);

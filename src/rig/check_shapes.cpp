@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "anatomy/bare_robot.h"
-#include "anatomy/limbs.h"
-#include "anatomy/neighbours.h"
-#include "anatomy/overlaps.h"
+#include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/anatomy/neighbours.h"
+#include "robot/anatomy/overlaps.h"
 
 namespace retarget {
 namespace {
@@ -24,7 +24,7 @@ std::vector<double> t_pose_of(const Robot& robot) {
   return qpos;
 }
 
-// of all bodies but neighbours, whatever the profile allows
+// Returns the overlaps of all bodies except neighbours, including those that the profile allows.
 std::vector<ModelOverlap> overlaps_of(const Robot& robot, const RobotAnatomy& limbs) {
   RobotProfile profile = robot.profile();
   profile.allowed_self_contact = neighbours(robot);
@@ -42,7 +42,7 @@ std::string list(const std::vector<std::string>& texts) {
 }
 
 constexpr const char* kNotCounted =
-    "their shapes are in each other by the model itself, so their contact is not counted: ";
+    "their shapes overlap in the model, so their contact is ignored: ";
 
 }  // namespace
 
@@ -54,7 +54,7 @@ std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& mo
   if (profile.soles.empty() && !profile.fixed_base) {
     const auto completed = complete_bare_robot(robot, model_path);
     if (!completed) return findings;
-    findings.push_back({false, "a run takes the soles as " + completed->note});
+    findings.push_back({false, "a run uses the soles from " + completed->note});
     if (!completed->overlaps.empty()) {
       findings.push_back({false, kNotCounted + list(completed->overlaps)});
     }
@@ -72,7 +72,7 @@ std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& mo
   }
   if (!counted.empty()) {
     findings.push_back({false,
-                        "shapes are in each other by the model itself and count as self-collision; "
+                        "shapes overlap in the model and count as self-collision; "
                         "\"allowed_self_contact\" in robot.json excludes them: " +
                             list(counted)});
   }

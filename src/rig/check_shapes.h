@@ -8,10 +8,10 @@
 
 namespace retarget {
 
-/// What is worth knowing of a robot's shapes and soles: pairs of bodies that overlap by the model itself,
-/// counted as self-collision or not, and where soles come from that the profile has not, or estimates.
-/// Nothing of a model that is no humanoid.
-/// @param model_path  the robot's; its meshes may be missing.
+/// Returns the findings about a robot's shapes and soles: body pairs that overlap in the model
+/// itself, whether or not they count as self-collision, and the source of soles that the profile
+/// lacks or estimates. Empty for a model that is not a humanoid.
+/// @param model_path  the robot's model; its meshes may be missing.
 [[nodiscard]] std::vector<RobotFinding> check_shapes(const Robot& robot,
                                                      const std::string& model_path);
 

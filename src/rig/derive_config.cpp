@@ -6,7 +6,7 @@
 
 #include "retarget/human.h"
 #include "rig/number_text.h"
-#include "robot/kinematic_tree.h"
+#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -14,22 +14,23 @@ namespace {
 constexpr HumanLengths kHuman;
 constexpr double kHeightAssumption = 1.8;
 
-// where a half turn's cosine is zero but for rounding, that would choose the quaternion's sign
+// Rounds entries such as the cosine of a half turn to zero; rounding errors would otherwise choose
+// the quaternion's sign.
 Eigen::Matrix3d without_rounding(const Eigen::Matrix3d& rotation) {
   constexpr double kGrid = 1e12;
   return (kGrid * rotation).array().round() / kGrid;
 }
 
-// weights of a bone's row in one pass
+// Task weights of a bone in one pass.
 struct Weights {
   double position = 0.0, rotation = 0.0;
 };
 
-// what the published tables have in common: a first pass of rotations that places the feet alone,
-// a second that places everything. The first turns trunk and upper arms harder than the rest: from
-// the zero configuration an arm may have to go half around, and a shoulder that is stuck is stuck
-// for good. Positions of forearms and hands are weak against the arm's rotations, for a robot's
-// shoulders are not where the human's are.
+// Weights common to the published tables: the first pass matches rotations and places only the
+// feet, the second places everything. The first pass weights trunk and upper arms most, because an
+// arm may have to turn half around from the zero configuration, and a stuck shoulder does not
+// recover. Position weights of forearms and hands are low relative to the arm's rotation weights,
+// because robot shoulders are not where human shoulders are.
 Weights weights_of(Bone bone, int pass, int wrist_joints) {
   using enum LimbBone;
   const bool second = pass == 1;
@@ -40,7 +41,7 @@ Weights weights_of(Bone bone, int pass, int wrist_joints) {
   if (bone == Bone::kHead) return {0.0, 2.0};
   if (part == kUpLeg || part == kLeg) return {0.0, 10.0};
   if (part == kForeArm) return {second ? 5.0 : 0.0, 10.0};
-  // a hand without a whole wrist cannot turn as the human's does
+  // A hand without a full wrist cannot match the human hand's rotation.
   const double rotation = wrist_joints >= 3 ? 5.0 : (wrist_joints > 0 ? 2.0 : 0.0);
   return {second ? 10.0 : 0.0, rotation};
 }
@@ -72,18 +73,19 @@ class ConfigMaker {
   const RobotAnatomy& limbs_;
   DeriveOptions options_;
   DerivedScales scales_;
-  double wider_ = 0.0;   // half the hips' width beyond the scaled human's
-  double higher_ = 0.0;  // ankles over the soles beyond the scaled human's
+  double wider_ = 0.0;   // Excess of half the hip width over the scaled human's, metres.
+  double higher_ = 0.0;  // Excess of the ankle height over the scaled human's, metres.
   Eigen::Vector3d hips_in_pelvis_ = Eigen::Vector3d::Zero();
 };
 
-// from the joint to the body's origin, in the body's frame; legs stand apart and high as the robot's
+// Returns the offset from the joint to the body's origin, in the body's frame, including the
+// robot's own hip width and ankle height.
 Eigen::Vector3d ConfigMaker::position_offset(const BonePart& part) const {
   using enum LimbBone;
   const Eigen::Matrix3d& axes = part.part.body_from_bone;
   if (part.bone == Bone::kHips) return higher_ * axes.col(0) - hips_in_pelvis_;
   if (part.bone == Bone::kSpine2 || part.bone == Bone::kHead) return Eigen::Vector3d::Zero();
-  // the bone's Z points right in the legs
+  // The Z axis of leg bones points right.
   const double side = side_of(part.bone) == Side::kLeft ? 1.0 : -1.0;
   const std::optional<LimbBone> of_limb = limb_bone(part.bone);
   const Eigen::Vector3d aside = -side * wider_ * axes.col(2);
@@ -110,7 +112,8 @@ RetargetingConfig ConfigMaker::make() const {
     const Limb& arm = limbs_.arms[side_of(part.bone) == Side::kLeft ? 0 : 1];
     for (int pass = 0; pass < 2; ++pass) {
       Weights weights = weights_of(part.bone, pass, arm.end_joints);
-      // where an upper body stands says nothing of where its human does: its limbs turn as the human's
+      // The position of an upper body is unrelated to the human's, so its limbs only match
+      // rotations.
       if (!limbs_.has_legs) weights.position = 0.0;
       IkMatch row;
       row.body = robot_.bodies()[part.part.body].name;

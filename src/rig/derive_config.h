@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "anatomy/limbs.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "rig/t_pose.h"
+#include "robot/anatomy/limbs.h"
 
 namespace retarget {
 
@@ -13,37 +13,38 @@ namespace retarget {
 struct HumanLengths {
   double thigh = 0.435, shin = 0.424;
   double upper_arm = 0.330, forearm = 0.252;
-  double hip_width = 0.105;        ///< From the middle to a hip joint.
-  double hips_behind = 0.019;      ///< From the middle of the hip joints back to the Hips joint.
-  double shoulder_width = 0.173;   ///< From the middle to a shoulder joint.
+  double hip_width = 0.105;        ///< From the midline to a hip joint.
+  double hips_behind = 0.019;      ///< From the midpoint of the hip joints back to the Hips joint.
+  double shoulder_width = 0.173;   ///< From the midline to a shoulder joint.
   double shoulder_height = 0.516;  ///< From the Hips joint up to the shoulder joints.
   double ankle_height = 0.073;     ///< From the sole up to the ankle.
   double height = 1.75;
 };
 
-/// What a retargeting configuration is derived from beside the limbs.
+/// Inputs of derive_config in addition to the limbs.
 struct DeriveOptions {
-  double sole_height = 0.0;  ///< From the soles up to the ankles in the T-pose, metres.
+  double sole_height = 0.0;  ///< Height of the ankles above the soles in the T-pose, metres.
 };
 
-/// How long the robot's parts are against the human's: scales before the schema's height factor.
+/// Ratio of the robot's limb lengths to the human's, before the schema's height factor.
 struct DerivedScales {
   double leg = 1.0, arm = 1.0;
 };
 [[nodiscard]] DerivedScales derive_scales(const RobotAnatomy& limbs);
 
-/// The configuration for a robot whose limbs are known, in the schema of the published tables.
+/// Derives the retargeting configuration for a robot whose limbs are known, in the schema of the
+/// published tables.
 ///
-/// Rotation offsets are canonical_bone(T)^-1 world_from_body(T) with the robot in an exact T-pose,
-/// body by body: what the bone's axes in the body (LimbPart) say, so that joint limits which keep
-/// a robot from the pose do not spoil them. Position offsets lead from the joint (hip, knee, ...)
-/// to the body's origin, and take up that the robot's hips are wider and its ankles higher or lower
-/// than the scaled human's. Scales: a straight human leg is a straight robot leg; arms likewise.
-/// Weights: the first pass turns everything and places the feet, the second places all.
+/// Rotation offsets are canonical_bone(T)^-1 world_from_body(T) for a robot in an exact T-pose.
+/// They come from the bone axes in each body (LimbPart), so that joint limits that prevent the
+/// T-pose do not distort them. Position offsets point from the joint (hip, knee, ...) to the body's
+/// origin and include the differences in hip width and ankle height from the scaled human. Scales
+/// map a straight human leg to a straight robot leg, and arms likewise. Weights: the first pass
+/// matches rotations and places the feet, the second places everything.
 [[nodiscard]] RetargetingConfig derive_config(const Robot& robot, const RobotAnatomy& limbs,
                                               const DeriveOptions& options = {});
 
-/// A retargeting configuration as the text of a file, in the schema that parse_retargeting_config reads.
+/// Formats a retargeting configuration as a file that parse_retargeting_config reads.
 [[nodiscard]] std::string format_retargeting_config(const RetargetingConfig& config);
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-// Robots in text and JSON.
+// Describes robots in text and JSON.
 
 #include <algorithm>
 #include <cmath>
@@ -7,26 +7,25 @@
 #include <string>
 
 #include "base/json.h"
-#include "base/number_text.h"
-#include "base/printable.h"
 #include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
-#include "robot/core_points.h"
-#include "robot/find_robot.h"
-#include "robot/kinematic_tree.h"
-#include "robot/load_robot.h"
+#include "retarget/text.h"
+#include "robot/model/core_points.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/kinematic_tree.h"
+#include "robot/model/load_robot.h"
 
 namespace retarget {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// heights in the zero configuration, metres
+// Heights in the zero configuration, metres.
 struct Heights {
-  double sole = 0.0;   // from the soles up to the root body's origin
-  double whole = 0.0;  // from the soles up to the highest point that is known
+  double sole = 0.0;   // From the soles to the root body's origin.
+  double whole = 0.0;  // From the soles to the highest known point.
 };
 
 std::optional<Heights> heights_of(const Robot& robot) {
@@ -154,7 +153,7 @@ std::string plain_text(const Json& json) {
             json["mapping_file_of_others"].get<std::string>() + "\n";
   }
   text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +
-          "weights of position and rotation, both passes\n";
+          "position and rotation weights, both passes\n";
   if (!json.contains("mapping") || json["mapping"].is_null()) return text;
   for (const Json& row : json["mapping"]) {
     text += padded(row["body"].get<std::string>(), 32) + padded(row["bone"].get<std::string>(), 16);
@@ -172,6 +171,22 @@ std::string plain_text(const Json& json) {
   return text;
 }
 
+Json left_out_json(const RobotSources& robot) {
+  return {{"name", robot.name},
+          {"description", robot.description},
+          {"joints", nullptr},
+          {"height_m", nullptr},
+          {"mapping", false},
+          {"licence", robot.licence},
+          {"licence_stated", robot.licence_stated},
+          {"installed", false}};
+}
+
+std::string left_out_text(const RobotSources& robot) {
+  return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) + robot.description +
+         (robot.licence_stated ? "" : " (no stated licence)") + " (not installed)\n";
+}
+
 }  // namespace
 
 Result<std::string> describe_robot(const RobotSources& robot, TextForm form) {
@@ -184,6 +199,11 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
   Json all = Json::array();
   std::string text;
   for (const RobotSources& each : robots) {
+    if (each.model.empty()) {
+      all.push_back(left_out_json(each));
+      text += left_out_text(each);
+      continue;
+    }
     TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
     const auto heights = heights_of(*robot);
     const std::size_t joints = robot->output_joints().size();
@@ -193,7 +213,8 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
                    {"height_m", heights ? Json(heights->whole) : Json()},
                    {"mapping", !each.config.empty()},
                    {"licence", robot->profile().licence},
-                   {"licence_stated", !is_unverified(each.model)}});
+                   {"licence_stated", !is_unverified(each.model)},
+                   {"installed", true}});
     text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
             robot->profile().description +

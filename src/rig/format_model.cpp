@@ -2,8 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "retarget/pose.h"
 #include "rig/number_text.h"
@@ -56,39 +58,42 @@ std::string pose_attributes(const Pose& pose) {
   return text;
 }
 
+std::string indent_of(int depth) {
+  return std::string(static_cast<std::size_t>(2 * depth), ' ');
+}
+
 class ModelWriter {
  public:
   ModelWriter(const Robot& robot, const std::vector<RoughShape>& shapes)
-      : robot_(robot), shapes_(shapes) {}
+      : robot_(robot), shapes_(shapes), frames_(joint_frames(robot)) {}
 
   void write_body(int body, int depth, std::string& text) const;
 
  private:
-  void write_joints(int body, const std::string& indent, std::string& text) const;
+  void write_joint(std::size_t j, const std::string& indent, std::string& text) const;
   void write_geoms(int body, const std::string& indent, std::string& text) const;
   void write_inertial(int body, const std::string& indent, std::string& text) const;
 
   const Robot& robot_;
   const std::vector<RoughShape>& shapes_;
+  const std::vector<std::string> frames_;  // By joint; empty if its body holds it.
 };
 
-void ModelWriter::write_joints(int body, const std::string& indent, std::string& text) const {
-  if (body == robot_.root_body()) text += indent + "<freejoint name=\"floating_base\"/>\n";
-  for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
-    const RobotJoint& joint = robot_.joints()[j];
-    if (joint.body != body) continue;
-    text += indent + "<joint" + attribute("name", joint.name);
-    text += attribute("type", joint.type == RobotJoint::Type::kHinge ? "hinge" : "slide");
-    text += attribute("axis", joint.axis.data(), 3);
-    if (!joint.anchor.isZero(0.0)) text += attribute("pos", joint.anchor.data(), 3);
-    if (joint.reference != 0.0) text += attribute("ref", &joint.reference, 1);
-    const std::array<double, 2> range = {robot_.model_limits().lower[j],
-                                         robot_.model_limits().upper[j]};
-    const bool limited = std::isfinite(range[0]) && std::isfinite(range[1]);
-    text += attribute("limited", limited ? "true" : "false");
-    if (limited) text += attribute("range", range.data(), 2);
-    text += "/>\n";
-  }
+// Writes type, axis and range of every joint explicitly, for readers other than MuJoCo that do not
+// apply defaults. A hinge without limits gets a non-limiting range of a full turn.
+void ModelWriter::write_joint(std::size_t j, const std::string& indent, std::string& text) const {
+  const RobotJoint& joint = robot_.joints()[j];
+  const bool hinge = joint.type == RobotJoint::Type::kHinge;
+  text += indent + "<joint" + attribute("name", joint.name);
+  text += attribute("type", hinge ? "hinge" : "slide");
+  text += attribute("axis", joint.axis.data(), 3);
+  if (joint.reference != 0.0) text += attribute("ref", &joint.reference, 1);
+  std::array<double, 2> range = {robot_.model_limits().lower[j], robot_.model_limits().upper[j]};
+  const bool limited = std::isfinite(range[0]) && std::isfinite(range[1]);
+  text += attribute("limited", limited ? "true" : "false");
+  if (!limited) range = {-std::numbers::pi, std::numbers::pi};
+  if (limited || hinge) text += attribute("range", range.data(), 2);
+  text += "/>\n";
 }
 
 void ModelWriter::write_inertial(int body, const std::string& indent, std::string& text) const {
@@ -123,21 +128,49 @@ void ModelWriter::write_geoms(int body, const std::string& indent, std::string& 
 }
 
 void ModelWriter::write_body(int body, int depth, std::string& text) const {
-  const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
-  const std::string inner = indent + "  ";
-  const std::string& name = robot_.bodies()[body].name;
-  text += indent + "<body" + attribute("name", name);
-  text += pose_attributes(robot_.bodies()[body].parent_from_body) + ">\n";
-  write_joints(body, inner, text);
+  const int outermost = depth;
+  Pose pose = robot_.bodies()[body].parent_from_body;
+  std::vector<std::size_t> held;
+  for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
+    if (robot_.joints()[j].body != body) continue;
+    if (frames_[j].empty()) {
+      held.push_back(j);
+      continue;
+    }
+    pose = pose * Pose{Eigen::Quaterniond::Identity(), robot_.joints()[j].anchor};
+    text +=
+        indent_of(depth) + "<body" + attribute("name", frames_[j]) + pose_attributes(pose) + ">\n";
+    write_joint(j, indent_of(++depth), text);
+    pose = {Eigen::Quaterniond::Identity(), -robot_.joints()[j].anchor};
+  }
+  const std::string inner = indent_of(depth + 1);
+  text += indent_of(depth) + "<body" + attribute("name", robot_.bodies()[body].name);
+  text += pose_attributes(pose) + ">\n";
+  if (body == robot_.root_body()) text += inner + "<freejoint name=\"floating_base\"/>\n";
+  for (const std::size_t j : held) write_joint(j, inner, text);
   write_inertial(body, inner, text);
   write_geoms(body, inner, text);
   for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
     if (robot_.bodies()[b].parent == body) write_body(static_cast<int>(b), depth + 1, text);
   }
-  text += indent + "</body>\n";
+  for (; depth >= outermost; --depth) text += indent_of(depth) + "</body>\n";
 }
 
 }  // namespace
+
+std::vector<std::string> joint_frames(const Robot& robot) {
+  const std::vector<RobotJoint>& joints = robot.joints();
+  std::vector<std::string> taken = robot.body_names();
+  std::vector<std::string> frames(joints.size());
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const bool last = j + 1 == joints.size() || joints[j + 1].body != joints[j].body;
+    if (last && joints[j].anchor.isZero(0.0)) continue;
+    frames[j] = joints[j].name + "_frame";
+    while (std::ranges::count(taken, frames[j]) > 0) frames[j] += "_";
+    taken.push_back(frames[j]);
+  }
+  return frames;
+}
 
 std::string format_model(const Robot& robot, const std::string& name,
                          const std::vector<RoughShape>& shapes) {

@@ -3,13 +3,19 @@
 #include <string>
 #include <vector>
 
-#include "anatomy/shapes.h"
 #include "retarget/robot.h"
+#include "robot/anatomy/shapes.h"
 
 namespace retarget {
 
-/// A robot as MJCF text without meshes: tree, joints, ranges and inertias to the last digit, and
-/// the given shapes as geoms. Bodies and joints must have names.
+/// Returns the names, by joint, of the bodies that format_model adds to hold single joints; empty
+/// for most. Readers that do not compile a model expect one joint per body, at its origin.
+/// Therefore a joint with an anchor, and all but the last of several joints, get their own body.
+[[nodiscard]] std::vector<std::string> joint_frames(const Robot& robot);
+
+/// Formats a robot as MJCF without meshes: tree, joints, ranges and inertias at full precision, and
+/// the given shapes as geoms. Every joint has a type, an axis and a range, but no offset. Bodies
+/// and joints must have names.
 [[nodiscard]] std::string format_model(const Robot& robot, const std::string& name,
                                        const std::vector<RoughShape>& shapes);
 

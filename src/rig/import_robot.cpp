@@ -6,22 +6,22 @@
 #include <string_view>
 #include <utility>
 
-#include "base/suggest.h"
 #include "base/try.h"
 #include "base/utf8.h"
-#include "robot/kinematic_tree.h"
+#include "retarget/text.h"
+#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {
 
-// profiles and configurations name parts of the model in JSON, which is UTF-8
+// Profiles and configurations refer to these names in JSON, which is UTF-8.
 Result<void> check_names(const mjModel& model, const std::string& path) {
   const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
   for (std::size_t at = 0; at < names.size();) {
     const std::string_view name = names.substr(at, names.find('\0', at) - at);
     if (valid_utf8(name) != name) {
       return config_failure(path, "the name \"" + valid_utf8(name) + "\" is not UTF-8",
-                            "save the model as UTF-8, or give its parts names in ASCII");
+                            "save the model as UTF-8, or use ASCII names");
     }
     at += name.size() + 1;
   }
@@ -47,13 +47,13 @@ Result<ImportedRobot> import_robot(const std::string& path, const std::string& n
   const bool fixed = base == RobotBase::kFixed;
   if (!loaded.sliding.empty()) {
     imported.notes.push_back("the root moved by " + quoted_names(loaded.sliding) + ": " +
-                             (fixed ? "they are held" : "a free joint takes their place"));
+                             (fixed ? "they are locked" : "a free joint replaces them"));
   } else if (!loaded.floated_body.empty() && !fixed) {
     imported.notes.push_back("the model had no free joint: \"" + loaded.floated_body +
-                             "\" was made to float");
+                             "\" was given one");
   }
   if (!loaded.held.empty()) {
-    imported.notes.push_back("ball joints that move nothing else are held: " +
+    imported.notes.push_back("ball joints that move nothing else are locked: " +
                              quoted_names(loaded.held));
   }
   imported.tied = std::move(loaded.tied);
@@ -78,7 +78,7 @@ Result<void> check_closed_chains(const ImportedRobot& imported, const RobotAnato
       ends.push_back(tree.link_of_joint(limb.joints.back()));
     }
   }
-  // moves with a limb or carries one
+  // Returns true if the body moves with a limb or carries one.
   const auto is_main = [&](const std::string& name) {
     const auto body = robot.find_body(name);
     if (!body) return false;
@@ -95,7 +95,7 @@ Result<void> check_closed_chains(const ImportedRobot& imported, const RobotAnato
           "remove the equality if the rest of the tree moves without it");
     }
     notes.push_back("an equality ties \"" + first + "\" to \"" + second +
-                    "\": it is dropped, and \"" + (is_main(first) ? second : first) +
+                    "\": the equality is dropped, and \"" + (is_main(first) ? second : first) +
                     "\" does not follow");
   }
   return {};

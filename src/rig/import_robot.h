@@ -5,38 +5,37 @@
 #include <utility>
 #include <vector>
 
-#include "anatomy/limbs.h"
 #include "retarget/error.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
-#include "robot/load_model.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/model/load_model.h"
 
 namespace retarget {
 
-/// A robot read from a model that was not made for this program: floating, or a base that stands fast,
-/// and every part named.
+/// A robot imported from a third-party model: with a floating or fixed base, and all parts named.
 struct ImportedRobot {
   std::shared_ptr<Robot> robot;
-  std::vector<std::string> notes;                             ///< What was changed, one line each.
-  std::vector<TiedBodies> tied;                               ///< Of equalities that were dropped.
-  std::vector<std::pair<std::string, std::string>> excluded;  ///< As LoadedModel's.
+  std::vector<std::string> notes;  ///< Changes to the model, one line each.
+  std::vector<TiedBodies> tied;    ///< Body pairs of equality constraints that were dropped.
+  std::vector<std::pair<std::string, std::string>> excluded;  ///< As LoadedModel::excluded.
 };
 
-/// Reads a model. Its profile has nothing but the name and couplings of joints.
-/// @param base  kFixed: the robot's base stands fast (Robot::fixed_base).
-/// kConfig errors: what load_model and check_robot_joints reject, names that are not UTF-8.
+/// Imports a model. The resulting profile contains only the name and the joint couplings.
+/// @param base  kFixed: the robot has a fixed base (Robot::fixed_base).
+/// Errors (kConfig): those of load_model and check_robot_joints, and names that are not UTF-8.
 [[nodiscard]] Result<ImportedRobot> import_robot(const std::string& path, const std::string& name,
                                                  RobotBase base = RobotBase::kAuto);
 
-/// Tells what a tree makes of a robot's closed chains: rods and other helpers beside the limbs stay
-/// as they are, which `notes` says.
-/// kConfig error: both ends of a tie move with limbs or trunk.
+/// Checks the closed chains of a robot, which the tree leaves open. Rods and other parts next to
+/// the limbs keep their pose, which `notes` reports.
+/// Errors (kConfig): both ends of a constraint move with limbs or trunk.
 [[nodiscard]] Result<void> check_closed_chains(const ImportedRobot& imported,
                                                const RobotAnatomy& limbs, const std::string& path,
                                                std::vector<std::string>& notes);
 
-/// What a model's numbers show to be wrong or odd, whatever its limbs are: its size (another unit),
-/// ranges that are missing, closed, or in another unit.
+/// Returns the findings from a model's numbers alone: an implausible size (wrong unit), and ranges
+/// that are missing, empty, or in the wrong unit.
 [[nodiscard]] std::vector<RobotFinding> model_findings(const Robot& robot);
 
 }  // namespace retarget

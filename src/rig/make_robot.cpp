@@ -8,20 +8,22 @@
 #include <utility>
 #include <vector>
 
-#include "anatomy/limbs.h"
-#include "anatomy/overlaps.h"
-#include "anatomy/robot_hands.h"
-#include "anatomy/shapes.h"
 #include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "rig/check_robot.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
 #include "rig/import_robot.h"
 #include "rig/number_text.h"
+#include "rig/self_test.h"
 #include "rig/t_pose.h"
 #include "rig/urdf_speeds.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/anatomy/overlaps.h"
+#include "robot/anatomy/robot_hands.h"
+#include "robot/anatomy/shapes.h"
 
 namespace retarget {
 namespace {
@@ -29,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Hands keep to what their models say of joints that others move; bodies do not.
+// Keeps the model's joint couplings for hands only; body joints become independent.
 void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotProfile& profile,
                              std::vector<std::string>& notes) {
   const auto is_of_hands = [&](const std::string& name) {
@@ -42,7 +44,7 @@ void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotP
   std::erase_if(profile.coupled_joints, [&](const auto& coupling) {
     const auto& [name, by] = coupling;
     if (is_of_hands(name) && is_of_hands(by.leader)) return false;
-    notes.push_back("a coupling of joints is dropped, each moves freely: \"" + name + "\" to \"" +
+    notes.push_back("a joint coupling is dropped, both joints move freely: \"" + name + "\" to \"" +
                     by.leader + "\"");
     return true;
   });
@@ -108,6 +110,9 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
   json["soles_source"] = shapes.sole_note;
   json["soles_estimated"] = shapes.sole_source == ShapeSource::kEstimated;
   json["allowed_self_contact"] = contacts_json(robot, contacts.pairs);
+  std::vector<std::string> frames = joint_frames(robot);
+  std::erase(frames, std::string());
+  if (!frames.empty()) json["joint_frames"] = frames;
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -140,19 +145,24 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   const std::vector<std::vector<double>> poses = {reference_configuration(robot), t_pose.qpos};
   const AllowedContacts contacts = find_allowed_contacts(robot, limbs, imported.excluded, poses);
   for (const ModelOverlap& overlap : contacts.overlaps) {
-    made.notes.push_back(overlap_text(robot, overlap) +
-                         " by the model itself: their contact is not counted");
+    made.notes.push_back(overlap_text(robot, overlap) + " in the model: their contact is ignored");
   }
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);
+  TRY_ASSIGN(const ResolvedConfig resolved, resolve_config(config, robot));
+  // Fail now on anything that `robots check` would report as an error.
+  for (RobotFinding& finding : check_robot(robot, &config)) {
+    if (finding.fault) return config_failure(model_path, std::move(finding.text));
+  }
+  TRY_ASSIGN(const SelfTest test, run_self_test(robot, limbs, resolved));
   const std::map<std::string, double> speeds = urdf_speeds(model_path);
 
   const std::string source = fs::path(model_path).filename().string();
   made.model = format_model(robot, name, shapes.shapes);
   made.profile = profile_text(robot, source, t_pose, shapes, contacts, speeds);
   made.config = format_retargeting_config(config);
-  const RobotFindings findings{robot, limbs, t_pose, shapes, config, speeds.size(), source};
+  const RobotFindings findings{robot, limbs, t_pose, shapes, config, test, speeds.size(), source};
   const std::vector<std::string> more = notes_about(findings);
   made.notes.insert(made.notes.end(), more.begin(), more.end());
   made.summary = summary_of(findings);

@@ -6,23 +6,22 @@
 
 #include <fmt/format.h>
 
-#include "base/number_text.h"
-#include "base/suggest.h"
+#include "retarget/text.h"
 #include "rig/import_robot.h"
-#include "robot/kinematic_tree.h"
+#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {
 
-// hinges with something odd about their ranges
+// Hinges with suspicious ranges.
 struct OddRanges {
   std::vector<std::string> open, closed, wide;
-  double widest = 0.0;  // the largest bound, rad
+  double widest = 0.0;  // Largest bound, rad.
   std::size_t limited = 0;
 };
 
 OddRanges odd_ranges(const Robot& robot) {
-  constexpr double kWide = 10.0;  // rad: more than a turn and a half either way
+  constexpr double kWide = 10.0;  // Radians: more than 1.5 turns in either direction.
   const LimitSet& limits = robot.model_limits();
   OddRanges odd;
   for (std::size_t j = 0; j < robot.joints().size(); ++j) {
@@ -43,7 +42,7 @@ OddRanges odd_ranges(const Robot& robot) {
 }
 
 void add_range_findings(const Robot& robot, std::vector<RobotFinding>& findings) {
-  constexpr double kNarrow = 0.12;  // rad: a whole turn that was taken for degrees is 0.11
+  constexpr double kNarrow = 0.12;  // Radians: a full turn in radians misread as degrees is 0.11.
   constexpr std::size_t kEnough = 6;
   const OddRanges odd = odd_ranges(robot);
   const auto most = [&](const std::vector<std::string>& names) {
@@ -51,33 +50,30 @@ void add_range_findings(const Robot& robot, std::vector<RobotFinding>& findings)
   };
   if (!odd.open.empty()) {
     findings.push_back(
-        {false, "without a range, or with one from 0 to 0, these turn without limit: " +
+        {false, "these joints have no range, or one from 0 to 0, and are unlimited: " +
                     list_names(odd.open, 6)});
   }
   if (!odd.closed.empty()) {
-    findings.push_back(
-        {most(odd.closed),
-         "the range of these is a single position, where they stay: " + list_names(odd.closed, 6)});
+    findings.push_back({most(odd.closed), "the range of these joints is a single position: " +
+                                              list_names(odd.closed, 6)});
   }
   if (!odd.wide.empty()) {
-    findings.push_back(
-        {most(odd.wide),
-         fmt::format("ranges reach {} rad, which looks like degrees: {}; write them in radians, or "
-                     "<compiler angle=\"degree\"/> into an MJCF",
-                     number_text(odd.widest, 0), list_names(odd.wide, 6))});
+    findings.push_back({most(odd.wide),
+                        fmt::format("ranges reach {} rad, which looks like degrees: {}; write them "
+                                    "in radians, or add <compiler angle=\"degree\"/> to an MJCF",
+                                    number_text(odd.widest, 0), list_names(odd.wide, 6))});
   }
   if (odd.limited >= kEnough && odd.widest < kNarrow) {
     constexpr double kDegrees = 57.29577951308232;
     findings.push_back(
-        {true,
-         fmt::format("no joint turns by more than {} degrees: the ranges look like radians that "
-                     "were taken for degrees; write <compiler angle=\"radian\"/>",
-                     number_text(kDegrees * odd.widest, 1))});
+        {true, fmt::format("no joint rotates by more than {} degrees: the ranges look like radians "
+                           "read as degrees; add <compiler angle=\"radian\"/>",
+                           number_text(kDegrees * odd.widest, 1))});
   }
 }
 
 void add_size_findings(const Robot& robot, std::vector<RobotFinding>& findings) {
-  constexpr double kGiant = 20.0, kMillimetres = 300.0, kTiny = 0.05;  // metres
+  constexpr double kGiant = 20.0, kMillimetres = 300.0, kTiny = 0.05;  // Metres.
   const TreeState posed(robot.tree(), robot.zero_configuration());
   Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
   for (int body = 1; body < static_cast<int>(robot.bodies().size()); ++body) {
@@ -91,10 +87,10 @@ void add_size_findings(const Robot& robot, std::vector<RobotFinding>& findings) 
     const bool millimetres = size > kMillimetres;
     findings.push_back(
         {true,
-         fmt::format("the bodies are {} m apart: the model looks as if it were in {}; multiply "
-                     "its lengths by {}",
-                     number_text(size, 0), millimetres ? "millimetres" : "centimetres",
-                     millimetres ? "0.001" : "0.01")});
+         fmt::format(
+             "the bodies are {} m apart: the model seems to be in {}; multiply its lengths by {}",
+             number_text(size, 0), millimetres ? "millimetres" : "centimetres",
+             millimetres ? "0.001" : "0.01")});
   } else if (size < kTiny) {
     findings.push_back(
         {true, fmt::format("the bodies are at most {} mm apart: lengths must be in metres",

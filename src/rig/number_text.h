@@ -4,13 +4,14 @@
 
 namespace retarget {
 
-/// The shortest text that reads back as the same number; no exponent for plain sizes.
+/// Returns the shortest text that parses back to the same number, without an exponent for ordinary
+/// magnitudes.
 [[nodiscard]] std::string number_text(double value);
 
-/// To so many decimals; no negative zero.
+/// Rounds to a number of decimals; never returns negative zero.
 [[nodiscard]] double rounded(double value, int decimals);
 
-/// A text as a JSON string, quotes included.
+/// Formats text as a JSON string, including quotes.
 [[nodiscard]] std::string json_text(const std::string& text);
 
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -9,15 +10,15 @@
 
 #include <fmt/format.h>
 
-#include "base/number_text.h"
+#include "retarget/text.h"
 
-#include "human/canonical_pose.h"
-#include "ik/box_qp.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "robot/composite.h"
-#include "robot/kinematic_tree.h"
+#include "robot/model/composite.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/ik/dense_least_squares.h"
 
 namespace retarget {
 namespace {
@@ -27,7 +28,7 @@ Eigen::Matrix3d world_from_bone(const TreeState& posed, const BonePart& bone) {
   return body.rotation.toRotationMatrix() * bone.part.body_from_bone;
 }
 
-// axes of bones against the canonical ones
+// Compares the bones' axes with the canonical ones.
 class TPoseProblem {
  public:
   TPoseProblem(const Robot& robot, const RobotAnatomy& limbs)
@@ -35,19 +36,19 @@ class TPoseProblem {
 
   [[nodiscard]] const std::vector<BonePart>& parts() const { return parts_; }
   [[nodiscard]] double cost(const std::vector<double>& qpos) const;
-  // what of the cost the bones are to blame for
+  // Returns the part of the cost that comes from the bones.
   [[nodiscard]] double misfit(const std::vector<double>& qpos) const;
-  // adds up J'J and J'r over the joints; gives the cost
-  double linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
-                   Eigen::VectorXd& gradient) const;
+  // Computes J'J and J'r over the joints.
+  void linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
+                 Eigen::VectorXd& gradient) const;
 
  private:
-  // directions matter more than twists: a limb that points elsewhere is worse than one that is turned
+  // Directions weigh more than twists: a wrong direction is worse than a wrong rotation about it.
   static constexpr std::array<double, 3> kAxisWeight = {2.0, 0.0, 1.0};
-  // of poses that are equally good the one with the least turns
+  // Regularisation: prefers the smallest joint movement among equally good poses.
   static constexpr double kStay = 1e-2;
 
-  // a torso that stands straight goes before arms that reach out
+  // An upright torso takes precedence over arms that reach out.
   [[nodiscard]] double weight_of(const BonePart& part, int column) const {
     constexpr double kTrunk = 10.0;
     const double weight = kAxisWeight[column];
@@ -59,20 +60,17 @@ class TPoseProblem {
   std::vector<BonePart> parts_;
 };
 
-double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
-                               Eigen::VectorXd& gradient) const {
+void TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
+                             Eigen::VectorXd& gradient) const {
   const KinematicTree& tree = robot_.tree();
   const TreeState posed(tree, qpos);
   std::vector<Composite> composites(tree.links().size());
   const auto count = static_cast<Eigen::Index>(robot_.joints().size());
   hessian = kStay * kStay * Eigen::MatrixXd::Identity(count, count);
   gradient = Eigen::VectorXd::Zero(count);
-  double cost = 0.0;
   for (Eigen::Index j = 0; j < count; ++j) {
     const RobotJoint& joint = robot_.joints()[j];
-    const double away = kStay * (qpos[joint.qpos_address] - joint.reference);
-    gradient[j] = kStay * away;
-    cost += away * away;
+    gradient[j] = kStay * (kStay * (qpos[joint.qpos_address] - joint.reference));
   }
   for (const BonePart& part : parts_) {
     const Eigen::Matrix3d found = world_from_bone(posed, part);
@@ -82,8 +80,7 @@ double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd&
       const double weight = weight_of(part, column);
       if (weight == 0.0) continue;
       const Eigen::Vector3d residual = weight * (found.col(column) - wanted.col(column));
-      cost += residual.squaredNorm();
-      // the axis changes with w x axis
+      // The derivative of the axis is w x axis.
       const Eigen::Vector3d axis = found.col(column);
       sum.angular += weight * weight * (Eigen::Matrix3d::Identity() - axis * axis.transpose());
       sum.torque += weight * axis.cross(residual);
@@ -94,12 +91,11 @@ double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd&
   Eigen::VectorXd slope(dofs);
   Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(dofs, dofs);
   assemble(posed, composites, rows, std::span(slope.data(), slope.size()));
-  // by column what is written by row: the upper triangle; joints come in the tree's order
+  // The row-major lower triangle is the column-major upper triangle; joints are in tree order.
   write_lower_triangle(tree, rows, curvature.data(), dofs);
   hessian +=
       Eigen::MatrixXd(curvature.selfadjointView<Eigen::Upper>()).bottomRightCorner(count, count);
   gradient += slope.tail(count);
-  return cost;
 }
 
 double TPoseProblem::cost(const std::vector<double>& qpos) const {
@@ -125,76 +121,99 @@ double TPoseProblem::misfit(const std::vector<double>& qpos) const {
   return sum;
 }
 
-double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
-  constexpr int kMaxSteps = 60;
-  constexpr double kConverged = 1e-8;
-  const LimitSet& limits = robot.model_limits();
-  const auto count = static_cast<Eigen::Index>(robot.joints().size());
-  Eigen::MatrixXd hessian, damped;
-  Eigen::VectorXd gradient, lower(count), upper(count);
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
-  BoxQp qp(static_cast<int>(count));
-  double damping = 1e-2;
-  double cost = problem.linearise(qpos, hessian, gradient);
-  for (int n = 0; n < kMaxSteps && damping < 1e8; ++n) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const auto joint = static_cast<std::size_t>(j);
-      const double position = qpos[robot.joints()[joint].qpos_address];
-      lower[j] = limits.lower[joint] - position;
-      upper[j] = limits.upper[joint] - position;
+// The descent of a TPoseProblem from a configuration.
+class TPoseDescent {
+ public:
+  TPoseDescent(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos)
+      : robot_(robot),
+        problem_(problem),
+        qpos_(qpos),
+        system_(static_cast<int>(robot.joints().size())) {}
+
+  [[nodiscard]] double cost() const { return problem_.cost(qpos_); }
+  void linearise() { problem_.linearise(qpos_, system_.hessian, system_.gradient); }
+  std::optional<double> solve(double damping) {
+    const LimitSet& limits = robot_.model_limits();
+    for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
+      const double position = qpos_[robot_.joints()[j].qpos_address];
+      const auto row = static_cast<Eigen::Index>(j);
+      system_.lower[row] = limits.lower[j] - position;
+      system_.upper[row] = limits.upper[j] - position;
     }
-    damped = hessian;
-    damped.diagonal().array() += damping;
-    qp.solve(damped, gradient, lower, upper, step);
-    std::vector<double> next = qpos;
-    for (Eigen::Index j = 0; j < count; ++j) {
-      next[robot.joints()[j].qpos_address] += step[j];
-    }
-    if (problem.cost(next) < cost) {
-      qpos = std::move(next);
-      cost = problem.linearise(qpos, hessian, gradient);
-      damping = std::max(0.2 * damping, 1e-9);
-      if (step.norm() < kConverged) break;
-    } else {
-      damping *= 5.0;
-      if (step.norm() < kConverged) break;
-    }
+    return system_.solve(damping);
   }
-  return cost;
+  double try_step(double length) {
+    tried_ = qpos_;
+    for (Eigen::Index j = 0; j < system_.step.size(); ++j) {
+      tried_[robot_.joints()[j].qpos_address] += length * system_.step[j];
+    }
+    return problem_.cost(tried_);
+  }
+  void accept() { qpos_.swap(tried_); }
+  void reject() {}
+
+ private:
+  const Robot& robot_;
+  const TPoseProblem& problem_;
+  std::vector<double>& qpos_;
+  std::vector<double> tried_;
+  DenseLeastSquares system_;
+};
+
+// Returns the final cost. If it is not finite, takes no step.
+double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
+  constexpr LeastSquaresPolicy kPolicy{.max_steps = 60,
+                                       .initial_damping = 1e-2,
+                                       .shrink = 0.2,
+                                       .growth = 5.0,
+                                       .min_damping = 1e-9,
+                                       .min_increased = 0.0,
+                                       .max_damping = 1e8,
+                                       .min_step = 1e-8};
+  TPoseDescent descent(robot, problem, qpos);
+  return damped_least_squares(descent, kPolicy).cost;
 }
 
-// knees and elbows straight; the joints before the elbow turned by a pattern of quarter turns
-std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pattern) {
+// Turns the first joints of both limbs of a pair by a pattern of quarter turns.
+void turn_pair(const Robot& robot, const std::array<Limb, 2>& pair, int pattern,
+               std::vector<double>& qpos) {
   constexpr double kQuarterTurn = 1.5707963267948966;
-  std::vector<double> qpos = reference_configuration(robot);
   const LimitSet& limits = robot.model_limits();
-  const auto set = [&](int joint, double position) {
-    qpos[robot.joints()[joint].qpos_address] =
-        std::clamp(position, limits.lower[joint], limits.upper[joint]);
-  };
-  for (const auto* pair : {&limbs.legs, &limbs.arms}) {
-    for (const Limb& limb : *pair) {
-      if (!limb.joints.empty()) set(limb.joints[limb.middle], limb.straight);
-    }
-  }
   for (std::size_t side = 0; side < 2; ++side) {
-    const Limb& arm = limbs.arms[side];
-    for (int i = 0, code = pattern; i < std::min(arm.middle, 3); ++i, code /= 3) {
-      const int joint = arm.joints[i];
-      // mirror images turn the same way where the axis lies across, else the other way
+    const Limb& limb = pair[side];
+    for (int i = 0, code = pattern; i < std::min(limb.middle, 3); ++i, code /= 3) {
+      const int joint = limb.joints[i];
+      // Mirrored limbs turn with the same sign if the axis is lateral, otherwise with opposite
+      // signs.
       const double turn = (code % 3 - 1) * kQuarterTurn;
-      const RobotJoint& other = robot.joints()[limbs.arms[0].joints[i]];
+      const RobotJoint& other = robot.joints()[pair[0].joints[i]];
       const RobotJoint& own = robot.joints()[joint];
       const bool mirrored = limits.lower[joint] + limits.upper[joint] == 0.0 ||
-                            limits.lower[joint] == limits.lower[limbs.arms[0].joints[i]];
+                            limits.lower[joint] == limits.lower[pair[0].joints[i]];
       const double sign = side == 0 || (mirrored && own.axis.dot(other.axis) > 0.0) ? 1.0 : -1.0;
-      set(joint, own.reference + sign * turn);
+      qpos[own.qpos_address] =
+          std::clamp(own.reference + sign * turn, limits.lower[joint], limits.upper[joint]);
     }
   }
+}
+
+// Straightens knees and elbows and turns the joints before the elbow by a pattern of quarter turns.
+std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pattern) {
+  std::vector<double> qpos = reference_configuration(robot);
+  const LimitSet& limits = robot.model_limits();
+  for (const auto* pair : {&limbs.legs, &limbs.arms}) {
+    for (const Limb& limb : *pair) {
+      if (limb.joints.empty()) continue;
+      const int middle = limb.joints[limb.middle];
+      qpos[robot.joints()[middle].qpos_address] =
+          std::clamp(limb.straight, limits.lower[middle], limits.upper[middle]);
+    }
+  }
+  turn_pair(robot, limbs.arms, pattern, qpos);
   return qpos;
 }
 
-// start's patterns, those that turn few joints first
+// Patterns for start(); those that turn few joints come first.
 std::vector<int> start_patterns() {
   std::vector<int> patterns(27);
   std::iota(patterns.begin(), patterns.end(), 0);
@@ -206,17 +225,32 @@ std::vector<int> start_patterns() {
   return patterns;
 }
 
+std::vector<TPoseResidual> residuals_of(const Robot& robot, const RobotAnatomy& limbs,
+                                        const TPoseProblem& problem,
+                                        const std::vector<double>& qpos) {
+  const TreeState posed(robot.tree(), qpos);
+  std::vector<TPoseResidual> residuals;
+  for (const BonePart& part : problem.parts()) {
+    const Eigen::Matrix3d found = world_from_bone(posed, part);
+    TPoseResidual residual{bone_axes_error(found, t_pose_of(limbs, part.bone)), {}};
+    residual.bone = bone_name(part.bone);
+    residual.body = part.part.body;
+    residuals.push_back(residual);
+  }
+  return residuals;
+}
+
 }  // namespace
 
 BoneAxesError bone_axes_error(const Eigen::Matrix3d& axes, const Eigen::Matrix3d& wanted) {
-  // the least turn that brings X into place, then the angle between the Z axes
+  // Align the X axes by the smallest rotation, then measure the angle between the Z axes.
   const Eigen::Vector3d z = rotation_between(axes.col(0), wanted.col(0)) * axes.col(2);
   return {angle_between(axes.col(0), wanted.col(0)), angle_between(z, wanted.col(2))};
 }
 
 std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
   std::vector<BonePart> parts;
-  // a base that carries the arms itself is the chest of an upper body
+  // A base that carries the arms directly is the chest of an upper body.
   const bool is_chest = !limbs.has_legs && limbs.torso == limbs.pelvis;
   parts.push_back({is_chest ? Bone::kSpine2 : Bone::kHips,
                    {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
@@ -248,6 +282,7 @@ Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, Bone bone) {
 
 std::optional<std::string> t_pose_fault(const Robot& robot, const TPose& t_pose) {
   constexpr double kPerRadian = 180.0 / std::numbers::pi;
+  constexpr double kSegment = 25.0 / kPerRadian;
   constexpr double kDirection = 60.0 / kPerRadian;
   constexpr double kTwist = 120.0 / kPerRadian;
   using enum LimbBone;
@@ -256,7 +291,8 @@ std::optional<std::string> t_pose_fault(const Robot& robot, const TPose& t_pose)
     const auto part = bone ? limb_bone(*bone) : std::nullopt;
     const bool segment = part == kUpLeg || part == kLeg || part == kArm || part == kForeArm;
     const bool turned = segment && residual.twist > kTwist;
-    if (residual.direction <= kDirection && !turned) continue;
+    const double at_most = segment || bone == Bone::kSpine2 ? kSegment : kDirection;
+    if (residual.direction <= at_most && !turned) continue;
     const double off = turned ? residual.twist : residual.direction;
     return fmt::format("the T-pose cannot be reached: \"{}\" ({}) stays {} degrees off{}",
                        robot.bodies()[residual.body].name, residual.bone,
@@ -267,27 +303,33 @@ std::optional<std::string> t_pose_fault(const Robot& robot, const TPose& t_pose)
 }
 
 TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
+  constexpr double kNothingLeft = 1e-6;
   const TPoseProblem problem(robot, limbs);
   TPose best;
   best.qpos = reference_configuration(robot);
   double min = minimise(robot, problem, best.qpos);
-  for (const int pattern : start_patterns()) {
-    // nothing is left to gain
-    if (problem.misfit(best.qpos) < 1e-6) break;
-    std::vector<double> qpos = start(robot, limbs, pattern);
+  const auto try_from = [&](std::vector<double> qpos) {
     const double cost = minimise(robot, problem, qpos);
-    // of results that are equally good the one that is found first
-    if (cost >= min - 1e-7) continue;
+    // Keep the first of equally good results; reject results with a non-finite cost.
+    if (!std::isfinite(cost) || cost >= min - 1e-7) return;
     min = cost;
     best.qpos = std::move(qpos);
+  };
+  for (const int pattern : start_patterns()) {
+    if (problem.misfit(best.qpos) < kNothingLeft) break;
+    try_from(start(robot, limbs, pattern));
   }
-  const TreeState posed(robot.tree(), best.qpos);
-  for (const BonePart& part : problem.parts()) {
-    const Eigen::Matrix3d found = world_from_bone(posed, part);
-    TPoseResidual residual{bone_axes_error(found, t_pose_of(limbs, part.bone)), {}};
-    residual.bone = bone_name(part.bone);
-    residual.body = part.part.body;
-    best.residuals.push_back(residual);
+  best.residuals = residuals_of(robot, limbs, problem, best.qpos);
+  // A bone half a turn off is a stationary point of the cost, so restart from turned limbs.
+  for (const auto* pair : {&limbs.legs, &limbs.arms}) {
+    if ((*pair)[0].joints.empty()) continue;
+    for (const int pattern : start_patterns()) {
+      if (!t_pose_fault(robot, best)) return best;
+      std::vector<double> qpos = best.qpos;
+      turn_pair(robot, *pair, pattern, qpos);
+      try_from(std::move(qpos));
+      best.residuals = residuals_of(robot, limbs, problem, best.qpos);
+    }
   }
   return best;
 }

@@ -7,8 +7,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/file.h"
+#include "base/parse_xml.h"
 #include "retarget/error.h"
+#include "retarget/file.h"
 
 namespace retarget {
 
@@ -17,7 +18,7 @@ std::map<std::string, double> urdf_speeds(const std::string& path) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return speeds;
   tinyxml2::XMLDocument document;
-  if (document.Parse(text->view().data(), text->view().size()) != tinyxml2::XML_SUCCESS) {
+  if (!parse_xml(text->view(), document)) {
     return speeds;
   }
   const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");

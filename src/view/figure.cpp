@@ -8,19 +8,19 @@
 #include <optional>
 #include <string>
 
-#include "human/side_colours.h"
+#include "human/skeleton/side_colours.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "robot/shape_distance.h"
+#include "robot/model/shape_distance.h"
 
 namespace retarget {
 namespace {
 
-constexpr double kBoneRadius = 0.035;  // metres
+constexpr double kBoneRadius = 0.035;  // Metres.
 constexpr double kHeadRadius = 0.1;
-constexpr double kRim = 1.6;  // pixels, both sides together
+constexpr double kRim = 1.6;  // Pixels, both sides together.
 
-// where the light comes from: above, in front of the page, from the left; of unit length
+// Returns the unit vector towards the light: above and to the left, in front of the page.
 Eigen::Vector3d light_from(const Camera& camera) {
   return (-0.4 * camera.right + 0.7 * camera.up + 0.6 * camera.nearer).normalized();
 }
@@ -57,7 +57,7 @@ void add_round(const RoundedShape& shape, const Camera& camera,
     pieces.push_back({columns({camera.project(shape.centre)}), shape.radius, 1.0});
     return;
   }
-  // lit as the line on it that is lit most
+  // Uses the light on the brightest line along the capsule.
   const Eigen::Vector3d& axis = shape.half_axes[0];
   const double along = axis.normalized().dot(light);
   pieces.push_back(
@@ -76,7 +76,7 @@ std::optional<Eigen::Vector3d> bone_place(const HumanClip& human, int frame,
   return human.frame(frame)[*bone].translation;
 }
 
-// between half of the colour and all of it
+// Scales the colour between half and full brightness.
 std::string shaded(int colour, double light) {
   const double share = 0.55 + 0.45 * std::clamp(light, 0.0, 1.0);
   int result = 0;
@@ -92,7 +92,7 @@ Camera Camera::beside(const Eigen::Vector3d& forward) {
   Eigen::Vector3d ahead(forward.x(), forward.y(), 0.0);
   if (ahead.norm() < 1e-9) ahead = Eigen::Vector3d::UnitX();
   ahead.normalize();
-  // 35 degrees from the side to the front, 8 degrees down
+  // Look from 35 degrees towards the front of the side view, 8 degrees downwards.
   const Eigen::Vector3d to_the_right(ahead.y(), -ahead.x(), 0.0);
   const Eigen::Vector3d level = 0.81915 * to_the_right + 0.57358 * ahead;
   Camera camera;
@@ -106,13 +106,13 @@ Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shape
                     std::span<const double> qpos, const Camera& camera) {
   std::vector<Pose> world_from_body(robot.bodies().size());
   forward_kinematics(robot, qpos, world_from_body);
-  // a part for each body: its pieces are drawn as one
+  // One part per body, so that its pieces are drawn together.
   Figure figure(robot.bodies().size());
   std::vector<int> counts(figure.size());
   for (const CollisionShape& shape : shapes) {
     const RoundedShape placed = place(shape, world_from_body[shape.body]);
     FigurePart& part = figure[shape.body];
-    // the mean of its shapes
+    // Depth is the mean over the body's shapes.
     const double share = 1.0 / ++counts[shape.body];
     part.nearness += share * (camera.nearer.dot(placed.centre) - part.nearness);
     part.colour = kRobotColour;
@@ -197,7 +197,7 @@ void draw(const Figure& figure, const Eigen::Vector2d& origin, double scale, Svg
     }
   };
   for (const FigurePart& part : figure) {
-    // a rim about the part as a whole sets it off from what lies behind it
+    // An outline around the whole part separates it from the parts behind it.
     for (const FigurePart::Piece& piece : part.pieces) draw_piece(piece, "#2b2b2b", kRim);
     for (const FigurePart::Piece& piece : part.pieces) {
       draw_piece(piece, shaded(part.colour, piece.light), 0.0);

@@ -5,79 +5,81 @@
 #include <span>
 #include <vector>
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/robot.h"
-#include "robot/visible_shapes.h"
+#include "robot/model/visible_shapes.h"
 #include "view/svg.h"
 
 namespace retarget {
 
-/// Looks at a body from its right side and a little from the front and from above, without
-/// perspective.
+/// Orthographic camera that looks at a body from its right side, slightly from the front and from
+/// above.
 struct Camera {
   Eigen::Vector3d right =
-      Eigen::Vector3d::UnitX();                   ///< Unit, in the world: on the page to the right,
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< up,
-  Eigen::Vector3d nearer = -Eigen::Vector3d::UnitY();  ///< and towards the reader.
+      Eigen::Vector3d::UnitX();                   ///< Unit vector in the world: right on the page.
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Unit vector in the world: up on the page.
+  Eigen::Vector3d nearer = -Eigen::Vector3d::UnitY();  ///< Unit vector in the world: towards the
+                                                       ///< viewer.
 
-  /// @param forward  where the body faces; of no length on the ground: +x.
+  /// @param forward  the body's facing direction; +x if its horizontal part is zero.
   [[nodiscard]] static Camera beside(const Eigen::Vector3d& forward);
-  /// On the page, metres, y up.
+  /// Projects to the page, metres, y up.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& point) const {
     return {right.dot(point), up.dot(point)};
   }
 };
 
-/// Something of one colour that is drawn whole, in front of or behind others.
+/// A single-coloured part that is drawn as a whole, in depth order.
 struct FigurePart {
   struct Piece {
-    /// One point: a disc; two: a line with round ends; more: the corners of a convex area in order.
-    /// On the page, metres.
+    /// On the page, metres. One point: a disc; two: a line with round ends; more: the corners of a
+    /// convex area in order.
     Eigen::Matrix2Xd points;
-    double radius = 0.0;  ///< Of disc and line, metres.
-    double light = 1.0;   ///< From 0 in the shadow to 1.
+    double radius = 0.0;  ///< Radius of disc or line, metres.
+    double light = 1.0;   ///< Brightness from 0 (shadow) to 1.
   };
   double nearness = 0.0;
   int colour = 0xFFFFFF;
   std::vector<Piece> pieces;
 };
 
-/// A body in one pose, from the part farthest away to the nearest.
+/// A body in one pose; parts are sorted from far to near.
 using Figure = std::vector<FigurePart>;
 
-/// @param qpos  a configuration of the robot's.
+/// @param qpos  a configuration of the robot.
 [[nodiscard]] Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shapes,
                                   std::span<const double> qpos, const Camera& camera);
 
-/// Bones of a human from joint to joint by name; those that a body lacks are skipped.
+/// A chain of human bones, by name; bones that a human lacks are skipped.
 struct HumanChain {
   Side side = Side::kNone;
   std::vector<std::string> bones;
 };
 
-/// What pictures and pages draw a human with.
+/// Returns the chains used to draw humans in pictures and pages.
 [[nodiscard]] const std::vector<HumanChain>& human_chains();
 
-/// A bone of a human, or its head, which has no length.
+/// A bone of a human, or its head, which has zero length.
 struct HumanLine {
-  Eigen::Vector3d from, to;  ///< World, metres.
+  Eigen::Vector3d from, to;  ///< World frame, metres.
   double radius = 0.0;       ///< Metres.
   int colour = 0xFFFFFF;
 };
 
-/// What a human is drawn with: lines from joint to joint, left and right in colours of their own, and
-/// a head.
+/// Returns the lines that represent a human: from joint to joint, with separate colours for left
+/// and right, and a head.
 [[nodiscard]] std::vector<HumanLine> human_lines(const HumanClip& human, int frame);
 
-/// The bones as lines, left and right in colours of their own, and a head.
+/// Draws a human as bones with separate colours for left and right, and a head.
 [[nodiscard]] Figure human_figure(const HumanClip& human, int frame, const Camera& camera);
 
-/// The smallest rectangle that holds a figure; metres.
+/// Returns the bounding box of a figure on the page, metres.
 [[nodiscard]] Eigen::AlignedBox2d extent(const Figure& figure);
 
+/// Draws a figure.
 /// @param origin  the pixel of the point (0, 0).
-/// @param scale   pixels a metre.
+/// @param scale   pixels per metre.
 void draw(const Figure& figure, const Eigen::Vector2d& origin, double scale, SvgWriter& svg);
 
 }  // namespace retarget

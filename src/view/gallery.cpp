@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/number_text.h"
 #include "retarget/report.h"
+#include "retarget/text.h"
 #include "view/page_assets.h"
 #include "view/page_data.h"
 #include "view/svg.h"
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// three digits that count: a figure is looked at here, and not computed with
+// Rounds to three significant digits, which is enough for display.
 Json short_number(double value) {
   if (!std::isfinite(value)) return Json();
   int decimals = 4;
@@ -25,8 +25,8 @@ Json short_number(double value) {
   return parse_number<double>(number_text(value, decimals)).value_or(value);
 }
 
-// for a script element of HTML: in ASCII, without what could end it; bytes that are no UTF-8 become
-// U+FFFD
+// Returns JSON for an HTML script element: ASCII only, and without characters that could end the
+// element. Invalid UTF-8 becomes U+FFFD.
 std::string script_json(const Json& json) {
   std::string text;
   for (const char letter : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
@@ -39,7 +39,7 @@ std::string script_json(const Json& json) {
   return text;
 }
 
-// metrics that some clip has; clips name them by their place
+// Returns the metrics that at least one clip has; clips refer to them by index.
 std::vector<const Metric*> known_metrics(std::span<const GalleryClip> clips) {
   std::vector<const Metric*> metrics;
   for (const Metric& metric : quality_metrics()) {
@@ -86,7 +86,7 @@ std::string gallery_page(const std::string& title, std::span<const GalleryClip> 
         {{"key", metric->key}, {"unit", metric->unit}, {"definition", metric->definition}});
   }
   for (const GalleryClip& clip : clips) header["clips"].push_back(clip_json(clip, metrics));
-  // pictures lie beside the page, on a disk or on a server
+  // Pictures are separate files next to the page, on disk or on a server.
   const std::string policy = fmt::format(
       "default-src 'none'; img-src 'self'; script-src {}; style-src {}; base-uri 'none'; "
       "form-action 'none'",

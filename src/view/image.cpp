@@ -10,7 +10,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// lines of a digit in a box of 4 by 6, from its lower left corner
+// Strokes of a digit in a box of 4 by 6, relative to its lower left corner.
 const std::vector<Points>& strokes_of(char letter) {
   static const std::vector<std::pair<char, std::vector<Points>>> kLetters = {
       {'0',
@@ -123,7 +123,7 @@ double distance_to(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eig
   return (p - a - share * along).norm();
 }
 
-// a line with round ends; its edge is one pixel soft
+// Draws a line with round ends and a soft edge of one pixel.
 void draw_stroke(Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double radius,
                  int colour) {
   const Eigen::Vector2d reach(radius + 1.0, radius + 1.0);
@@ -139,7 +139,7 @@ void draw_stroke(Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& 
       std::uint8_t* pixel = image.pixel(x, y);
       for (int i = 0; i < 3; ++i) {
         const int wanted = (colour >> (16 - 8 * i)) & 0xFF;
-        // lines that meet must not darken each other
+        // Take the minimum so that crossing lines do not darken each other.
         const double mixed = 255.0 + cover * (wanted - 255.0);
         pixel[i] = static_cast<std::uint8_t>(std::min<double>(pixel[i], std::floor(mixed + 0.5)));
       }

@@ -17,7 +17,7 @@ class Image {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-  /// Red, green, blue. @pre the pixel is inside
+  /// Returns the red, green and blue of a pixel. @pre The pixel is inside the image.
   [[nodiscard]] std::uint8_t* pixel(int x, int y) {
     return bytes_.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                 static_cast<std::size_t>(x));
@@ -28,14 +28,14 @@ class Image {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Writes digits, full stops, blanks and the letter s, drawn as lines; other characters are blank.
-/// @param middle  of the text's baseline, pixels.
-/// @param height  of a digit, pixels.
+/// Draws digits, full stops, blanks and the letter s as lines; other characters become blanks.
+/// @param middle  centre of the text's baseline, pixels.
+/// @param height  height of a digit, pixels.
 void draw_time(Image& image, std::string_view text, const Eigen::Vector2d& middle, double height,
                int colour);
 
-/// The bytes of a PNG (ISO/IEC 15948): 8-bit RGB, each row filtered in the way that leaves the
-/// smallest numbers, packed by zlib.
+/// Encodes a PNG (ISO/IEC 15948): 8-bit RGB, with the filter per row that minimises the sum of
+/// absolute values, compressed by zlib.
 [[nodiscard]] std::string format_png(const Image& image);
 
 }  // namespace retarget

@@ -1,8 +1,8 @@
 #include <array>
 #include <utility>
 
-#include "base/suggest.h"
 #include "base/try.h"
+#include "retarget/text.h"
 #include "retarget/view.h"
 #include "view/page_assets.h"
 #include "view/page_data.h"
@@ -26,7 +26,7 @@ std::string assemble_page(const std::string& title, PageData data) {
   const std::string policy = "default-src 'none'; script-src " + kPageScript.policy_source() +
                              "; style-src " + kPageStyle.policy_source() +
                              "; base-uri 'none'; form-action 'none'";
-  // in the order of the shell
+  // In the order of the marks in the shell.
   const std::array<std::pair<std::string_view, std::string>, 6> parts = {
       {{"@POLICY@", policy},
        {"@TITLE@", xml_text(title)},

@@ -1,7 +1,7 @@
 #include "view/page_assets.h"
 
-#include "base/base64.h"
 #include "base/utf8.h"
+#include "formats/containers/base64.h"
 
 namespace retarget {
 

@@ -7,17 +7,18 @@
 
 namespace retarget {
 
-/// A file of viewer/ as the build took it in (cmake/PageAssets.cmake); all are ASCII.
+/// A file of viewer/ embedded by the build (cmake/PageAssets.cmake); all files are ASCII.
 struct PageAsset {
-  std::span<const std::string_view> pieces;  ///< Compilers bound the length of one string.
-  std::string_view sha256;                   ///< Of the whole, in hexadecimal digits.
+  std::span<const std::string_view> pieces;  ///< Several pieces, because compilers limit string
+                                             ///< length.
+  std::string_view sha256;                   ///< Hash of the whole file, in hexadecimal digits.
 
   [[nodiscard]] std::string text() const;
-  /// As a content security policy names it: `'sha256-...'`.
+  /// Returns the hash as a content security policy source: `'sha256-...'`.
   [[nodiscard]] std::string policy_source() const;
 };
 
-extern const PageAsset kPageShell;   ///< page.html, with marks for what goes into it.
+extern const PageAsset kPageShell;   ///< page.html, with marks for the parts.
 extern const PageAsset kPageStyle;   ///< page.css
 extern const PageAsset kPageScript;  ///< dist/viewer.js
 
@@ -25,7 +26,8 @@ extern const PageAsset kGalleryShell;   ///< gallery.html, likewise.
 extern const PageAsset kGalleryStyle;   ///< gallery.css
 extern const PageAsset kGalleryScript;  ///< dist/gallery.js
 
-/// A shell with what stands for its marks, which are in this order and each there once.
+/// Replaces the marks of a shell by the given parts. The parts must be in the order of their marks,
+/// and each mark must occur exactly once.
 [[nodiscard]] std::string fill_shell(
     const PageAsset& shell, std::span<const std::pair<std::string_view, std::string>> parts);
 

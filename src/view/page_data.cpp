@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/located.h"
+#include "base/math/trigonometry.h"
 #include "base/try.h"
-#include "human/contact_plan.h"
-#include "math/trigonometry.h"
-#include "quality/body_tracks.h"
+#include "human/gait/contact_plan.h"
+#include "judge/quality/body_tracks.h"
 #include "retarget/version.h"
 #include "view/figure.h"
 
@@ -17,14 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// half of a step is the error; over a chain of joints they add up to less than 0.2 mm
-constexpr double kAngleStep = 1e-4;       // rad; metres of slides
-constexpr double kQuaternionStep = 2e-5;  // of each component
-constexpr double kRootStep = 1e-4;        // metres
+// The error is half a step; over a chain of joints the errors sum to less than 0.2 mm.
+constexpr double kAngleStep = 1e-4;       // Radians; metres for slides.
+constexpr double kQuaternionStep = 2e-5;  // Per component.
+constexpr double kRootStep = 1e-4;        // Metres.
 constexpr double kBoneStep = 1.5e-4;
 constexpr double kMeshStep = 4e-4;
-constexpr double kErrorStepCm = 0.1, kErrorStepDeg = 0.5;  // of errors of tracking,
-constexpr double kErrorRate = 15.0;                        // of which there are so many a second
+constexpr double kErrorStepCm = 0.1, kErrorStepDeg = 0.5;  // Steps of tracking errors.
+constexpr double kErrorRate = 15.0;                        // Samples per second of tracking errors.
 
 Json phases_json(const std::vector<ContactPhase>& phases) {
   Json json = Json::array();
@@ -32,7 +32,7 @@ Json phases_json(const std::vector<ContactPhase>& phases) {
   return json;
 }
 
-// when each of the robot's soles stands
+// Returns the contact phases of the robot's soles.
 Json robot_contacts(const RobotClip& clip) {
   Json json = Json::array();
   for (const SoleTrack& track : track_soles(clip)) {
@@ -58,7 +58,7 @@ Json limits_json(const Robot& robot, const LimitSet& limits) {
   return json;
 }
 
-// of each bone the place of the one before it in its chain, among those that come first; -1: none
+// Returns the index of each bone's predecessor in its chain; -1: none.
 std::vector<int> chain_parents(const std::vector<std::string>& bones) {
   std::vector<int> parents(bones.size(), -1);
   for (const HumanChain& chain : human_chains()) {
@@ -74,7 +74,7 @@ std::vector<int> chain_parents(const std::vector<std::string>& bones) {
   return parents;
 }
 
-// what motions have in common goes into the page once
+// Data that several motions share is written once per page.
 class PageWriter {
  public:
   explicit PageWriter(const PageOptions& options) : options_(options) {}
@@ -95,7 +95,7 @@ class PageWriter {
   Json robots_ = Json::array(), humans_ = Json::array(), motions_ = Json::array();
 };
 
-// as tracks, whose frames are vertices and triangles
+// Meshes are stored as tracks whose frames are vertices and triangles.
 Result<Json> PageWriter::meshes_of(const RobotMeshes& meshes) {
   Json json = Json::array();
   for (const auto& [body, mesh] : meshes.bodies) {
@@ -140,7 +140,7 @@ Result<int> PageWriter::human_of(const PageMotion& motion) {
     bones.push_back(bone);
     names.emplace_back(bone_name(bone));
   }
-  // rounded first, then from the bone before, which it moves with: smaller numbers, no other error
+  // Round first, then store positions relative to the previous bone: smaller numbers, same error.
   const std::vector<int> parents = chain_parents(names);
   std::vector<double> positions;
   positions.reserve(bones.size() * 3 * static_cast<std::size_t>(human.frame_count));
@@ -182,8 +182,9 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
   return Json{{"position", position}, {"rotation", rotation}, {"joints", joint}};
 }
 
-// how bodies follow their bones over time: of each a track, position and rotation, where it has errors
-// @param stride  of so many frames the first.
+// Returns the tracking errors over time: a track of position and rotation errors for each body that
+// has any.
+// @param stride  keeps every stride-th frame.
 Result<Json> PageWriter::error_tracks_of(const QualityReport& report, int stride) {
   Json json = Json::array();
   for (const TrackingRow& row : report.tracking) {
@@ -275,7 +276,8 @@ Result<PageData> PageWriter::finish() const {
 
 namespace {
 
-// a turn on the ground as a complex number of length 1: cosine, sine
+// Returns the rotation on the ground as a complex number: cosine, sine, times the lengths of both
+// vectors.
 Eigen::Vector2d turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return {from.dot(to), from.x() * to.y() - from.y() * to.x()};
 }
@@ -284,7 +286,7 @@ Eigen::Vector2d turned(const Eigen::Vector2d& turn, const Eigen::Vector2d& point
   return {turn.x() * point.x() - turn.y() * point.y(), turn.y() * point.x() + turn.x() * point.y()};
 }
 
-// from where the human faces to where the robot does, on the whole; not of length 1
+// Returns the mean rotation from the human's to the robot's facing direction; not normalised.
 Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, int frames) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = 0; frame < frames; ++frame) {
@@ -301,10 +303,10 @@ Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, 
 }  // namespace
 
 HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
-  constexpr double kPathSpread = 0.25;  // metres, root mean square: less is no path
-  constexpr double kMinSpread = 0.05;   // the same, for its direction
-  constexpr double kAlike = 0.9;        // correlation of paths from which on one is the other's
-  constexpr double kMinTurn = 0.3;      // rad: hips and pelvis need not face the same way exactly
+  constexpr double kPathSpread = 0.25;  // Metres, root mean square: a smaller spread is not a path.
+  constexpr double kMinSpread = 0.05;   // Likewise, minimum spread that defines a direction.
+  constexpr double kAlike = 0.9;        // Minimum correlation of paths that belong together.
+  constexpr double kMinTurn = 0.3;  // Radians: hips and pelvis need not face exactly the same way.
   const int frames = std::min(motion.frame_count(), human.frame_count);
   HumanPlacement placement;
   if (frames == 0) return placement;
@@ -315,7 +317,7 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
     root += root_at(frame) / frames;
     hips += hips_at(frame) / frames;
   }
-  Eigen::Vector2d both = Eigen::Vector2d::Zero();  // the turn times its scale
+  Eigen::Vector2d both = Eigen::Vector2d::Zero();  // Rotation times scale.
   double own = 0.0, other = 0.0;
   for (int frame = 0; frame < frames; ++frame) {
     const Eigen::Vector2d from = (hips_at(frame) - hips).head<2>();
@@ -331,7 +333,7 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   };
   const double of_paths = both.norm() / own;
   const double scale = walks && plausible(of_paths) ? of_paths : root.z() / hips.z();
-  // a motion that is not of this human: as it is
+  // An implausible scale means that the motion does not belong to this human: keep 1.
   if (plausible(scale)) placement.scale = scale;
   const Eigen::Vector2d turn = alike ? both : turn_of_facing(motion, human, frames);
   const double yaw = atan2(turn.y(), turn.x());
@@ -343,13 +345,13 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
 }
 
 Result<std::string> packed_json(const Json& json) {
-  // in ASCII, with U+FFFD for bytes that are no UTF-8
+  // ASCII output; invalid UTF-8 becomes U+FFFD.
   return packed_text(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {
   PageWriter writer(options);
-  // who reads several files is told which it is
+  // Errors name the motion, because a page may contain several files.
   for (const PageMotion& motion : motions) TRY(located(writer.add(motion), motion.label));
   return writer.finish();
 }

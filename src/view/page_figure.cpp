@@ -1,4 +1,4 @@
-#include "human/side_colours.h"
+#include "human/skeleton/side_colours.h"
 #include "view/figure.h"
 #include "view/page_data.h"
 

@@ -37,16 +37,11 @@ Json gate_json(const GateResult& gate) {
   Json json = {{"metric", gate.metric}, {"passed", gate.passed}};
   if (gate.min) json["min"] = *gate.min;
   if (gate.max) json["max"] = *gate.max;
-  // without a value it is not shown as kept
-  if (gate.not_applicable.empty()) {
-    if (gate.value) json["value"] = *gate.value;
-  } else {
-    json["not_applicable"] = gate.not_applicable;
-  }
+  if (gate.value) json["value"] = *gate.value;
   return json;
 }
 
-// a fault names a body, two of them as "a in b", or a joint
+// A fault refers to a body, two bodies as "a in b", or a joint.
 Json fault_json(const Fault& fault, const Robot& robot) {
   constexpr std::string_view kIn = " in ";
   Json json = {{"kind", fault_kind(fault.metric)},

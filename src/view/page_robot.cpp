@@ -1,4 +1,4 @@
-#include "robot/kinematic_tree.h"
+#include "robot/model/kinematic_tree.h"
 #include "view/figure.h"
 #include "view/page_data.h"
 

@@ -23,7 +23,7 @@ void append_chunk(std::string& file, const char* kind, std::string_view content)
       file, static_cast<std::uint32_t>(crc32(0, first, static_cast<uInt>(file.size() - checked))));
 }
 
-// the prediction nearest to left + above - corner
+// Returns the Paeth predictor: the neighbour nearest to left + above - corner.
 int paeth(int left, int above, int corner) {
   const int guess = left + above - corner;
   const int to_left = std::abs(guess - left), to_above = std::abs(guess - above),
@@ -32,8 +32,8 @@ int paeth(int left, int above, int corner) {
   return to_above <= to_corner ? above : corner;
 }
 
-// one row by one of PNG's five filters, its number first
-// @return how far its numbers are from zero, as signed bytes
+// Applies one of PNG's five filters to a row; the filter number comes first.
+// @return the sum of absolute values, as signed bytes (PNG filter heuristic).
 long filter_row(std::span<const std::uint8_t> row, std::span<const std::uint8_t> above, int filter,
                 std::string& result) {
   result[0] = static_cast<char>(filter);
@@ -78,12 +78,12 @@ std::string format_png(const Image& image) {
   std::string header;
   append_big_endian(header, static_cast<std::uint32_t>(image.width()));
   append_big_endian(header, static_cast<std::uint32_t>(image.height()));
-  // eight bits, colours without transparency, the only packing and filtering, not interlaced
+  // Bit depth 8, RGB without alpha, the standard compression and filter methods, no interlacing.
   header += std::string("\x08\x02\x00\x00\x00", 5);
   const std::string rows = filtered_rows(image);
   uLongf size = compressBound(static_cast<uLong>(rows.size()));
   std::string packed(size, '\0');
-  // cannot fail: the room is as large as it can get
+  // Cannot fail: the buffer has the maximum compressed size.
   compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
             reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()), 6);
   packed.resize(size);

@@ -11,23 +11,23 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 3;      // along each side of a pixel
-constexpr double kReach = 0.35;  // metres; what is farther away darkens nothing
+constexpr int kSamples = 3;      // Samples along each side of a pixel.
+constexpr double kReach = 0.35;  // Metres: more distant shapes cast no shadow.
 constexpr double kGroundReach = 1.2;
 constexpr double kGroundStrength = 2.2;
-constexpr double kFade = 0.16;  // share of a figure's part of the picture
+constexpr double kFade = 0.16;  // Fraction of the frame's width.
 constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
-// where a ray towards the page's back meets a shape
+// Intersection of a view ray with a shape.
 struct Hit {
-  double depth = kNothing;  // towards the reader, metres
+  double depth = kNothing;  // Towards the viewer, metres.
   Vector3d normal = Vector3d::Zero();
 };
 
-// in the camera's axes: right, up, nearer
+// A shape in camera axes: right, up, nearer.
 struct CameraShape {
   RoundedShape shape;
-  Vector3d colour;  // linear, 0 to 1
+  Vector3d colour;  // Linear, 0 to 1.
   Vector2d low, high;
 
   [[nodiscard]] Vector3d nearest_on_core(const Vector3d& point) const {
@@ -45,7 +45,7 @@ struct CameraShape {
     }
     return nearest;
   }
-  // of a sphere that darkens as the shape does
+  // Returns the radius of a sphere that occludes as much light as the shape.
   [[nodiscard]] double width() const {
     if (shape.axis_count < 3) return shape.radius;
     double least = std::numeric_limits<double>::max();
@@ -61,13 +61,13 @@ Hit hit_sphere(const Vector3d& centre, double radius, const Vector2d& at) {
   return {depth, (Vector3d(at.x(), at.y(), depth) - centre) / radius};
 }
 
-// the round side of a capsule, else its nearer end
+// Intersects the cylinder of a capsule, otherwise its nearer cap.
 Hit hit_capsule(const RoundedShape& shape, const Vector2d& at) {
   const Vector3d a = shape.centre - shape.half_axes[0], axis = 2.0 * shape.half_axes[0];
   const Vector3d from(at.x() - a.x(), at.y() - a.y(), -a.z());
   const double square = axis.squaredNorm(), lean = axis.z();
   const double along = axis.dot(from);
-  // |from + t z - share * axis|^2 = radius^2 with share the nearest point of the line
+  // |from + t z - share * axis|^2 = radius^2, where share is the nearest point on the axis.
   const double p = square - lean * lean, q = square * from.z() - along * lean;
   const double rest =
       square * from.squaredNorm() - along * along - shape.radius * shape.radius * square;
@@ -113,7 +113,7 @@ Hit hit_shape(const RoundedShape& shape, const Vector2d& at) {
   return shape.axis_count == 1 ? hit_capsule(shape, at) : hit_box(shape, at);
 }
 
-// light as the square of what pictures store, which is near enough to sRGB
+// Approximates the sRGB transfer function by a square.
 Vector3d linear(int colour) {
   const Vector3d value((colour >> 16) & 0xFF, (colour >> 8) & 0xFF, colour & 0xFF);
   return (value / 255.0).cwiseAbs2();
@@ -143,7 +143,7 @@ class FigureRenderer {
   }
 
  private:
-  // the light that reaches a shape at the last sample
+  // Cached ambient light of the shape at the previous sample.
   struct SkyOfShape {
     int shape = -1;
     Vector3d normal = Vector3d::Zero();
@@ -164,7 +164,7 @@ class FigureRenderer {
     shapes_.push_back(shape);
   }
 
-  // of a sample; metres on the page
+  // Returns the page position of a sample, metres.
   [[nodiscard]] Vector2d place_of(int x, int y) const {
     return {(frame_.left + (x + 0.5) / kSamples - frame_.origin.x()) / frame_.scale,
             (frame_.origin.y() - frame_.top - (y + 0.5) / kSamples) / frame_.scale};
@@ -202,7 +202,7 @@ class FigureRenderer {
            static_cast<std::size_t>(x);
   }
 
-  // how much of the light from all around reaches a point that faces along `normal`
+  // Returns the fraction of the ambient light that reaches a surface point with the given normal.
   [[nodiscard]] double open_sky(const Vector3d& point, const Vector3d& normal, int own,
                                 double reach) const {
     double open = 1.0;
@@ -216,14 +216,14 @@ class FigureRenderer {
       const double facing = normal.dot(way) / distance;
       if (facing <= 0.0) continue;
       const double size = std::min(1.0, shape.width() / distance);
-      // fades out towards its reach, so that nothing has an edge
+      // Fades out towards the reach, which avoids visible edges.
       const double fade = std::max(0.0, 1.0 - distance / far);
       open *= 1.0 - facing * size * size * fade;
     }
     return open;
   }
 
-  // @param sky_of  of this pixel: it changes too slowly to be found for each sample
+  // @param sky_of  cache of this pixel: ambient light varies too slowly to compute it per sample.
   [[nodiscard]] Vector3d shade(const Vector2d& at, double depth, int index,
                                SkyOfShape& sky_of) const {
     const CameraShape& shape = shapes_[static_cast<std::size_t>(index)];
@@ -242,14 +242,14 @@ class FigureRenderer {
     return lit.array() + 0.06 * gleam * open;
   }
 
-  // light that the ground at a place of the page returns, 1: all
+  // Returns the fraction of light that the ground at a page position reflects; 1: no shadow.
   [[nodiscard]] double ground_light(const Vector2d& at) const {
-    // the point of the view line at height 0
+    // Intersect the view ray with the plane of height 0.
     const Vector3d point(at.x(), at.y(), -at.y() * up_.y() / up_.z());
     const double shadow = 1.0 - open_sky(point, up_, -1, kGroundReach);
     return 1.0 - std::min(0.6, kGroundStrength * shadow);
   }
-  // fades shadows out towards the sides, where the next figure's part of the picture begins
+  // Fades shadows out towards the sides, because the next figure begins there.
   [[nodiscard]] double fade(int x) const {
     const double to_side = std::min(x + 0.5, frame_.width - x - 0.5);
     const double share = std::min(1.0, to_side / (kFade * frame_.width));
@@ -274,7 +274,7 @@ class FigureRenderer {
     Vector3d ground = Vector3d::Zero();
     if (covered < kAll) {
       const Vector2d at = place_of(x * kSamples + kSamples / 2, y * kSamples + kSamples / 2);
-      // shadows reach no farther before and behind the figure
+      // Shadows have a limited reach in front of and behind the figure.
       const bool near = std::abs(at.y()) < kGroundReach * up_.z();
       const double open = near ? 1.0 - fade(x) * (1.0 - ground_light(at)) : 1.0;
       for (int i = 0; i < 3; ++i) {
@@ -290,11 +290,11 @@ class FigureRenderer {
   }
 
   const Frame frame_;
-  Eigen::Matrix3d turn_;  // camera_from_world
-  Vector3d up_, light_;   // in the camera's axes
+  Eigen::Matrix3d turn_;  // Rotation camera_from_world.
+  Vector3d up_, light_;   // In camera axes.
   std::vector<CameraShape> shapes_;
-  std::vector<double> depths_;  // of samples
-  std::vector<int> nearest_;    // shapes; -1: none
+  std::vector<double> depths_;  // Per sample.
+  std::vector<int> nearest_;    // Shape per sample; -1: none.
 };
 
 }  // namespace

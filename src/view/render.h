@@ -8,16 +8,16 @@
 
 namespace retarget {
 
-/// A part of a picture that one figure is drawn into, without perspective.
+/// Part of a picture into which one figure is drawn, in orthographic projection.
 struct Frame {
   int left = 0, top = 0, width = 0, height = 0;      ///< Pixels.
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< Pixel of the world's origin.
-  double scale = 100.0;                              ///< Pixels a metre.
+  double scale = 100.0;                              ///< Pixels per metre.
 };
 
-/// Draws a figure over what is there: lit from above, its parts darkening each other and, softly, the
-/// ground (z = 0) below it. Nine samples a pixel; sums, products and square roots alone, so that
-/// every machine draws the same.
+/// Draws a figure over the existing picture: lit from above, with ambient occlusion between its
+/// parts and soft shadows on the ground (z = 0). Uses nine samples per pixel, and only sums,
+/// products and square roots, so that the result is the same on every machine.
 void render(const SolidFigure& figure, const Camera& camera, const Frame& frame, Image& image);
 
 }  // namespace retarget

@@ -4,15 +4,13 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/lower_case.h"
-#include "base/number_text.h"
-#include "base/plain_name.h"
 #include "base/try.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 #include "retarget/view.h"
-#include "robot/body_surfaces.h"
-#include "robot/mesh_files.h"
-#include "robot/read_mesh.h"
+#include "robot/model/body_surfaces.h"
+#include "robot/model/mesh_files.h"
+#include "robot/model/read_mesh.h"
 #include "view/triangle_mesh.h"
 
 namespace retarget {
@@ -20,11 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxTriangles = 1600;  // of a body
+constexpr std::size_t kMaxTriangles = 1600;  // Per body.
 
 Result<TriangleMesh> simple_mesh(const TriangleMesh& mesh, const std::string& file) {
   TriangleMesh simple = simplified(mesh, kMaxTriangles);
-  // all at one place
+  // Clustering removed all triangles, so they are degenerate.
   if (simple.triangles.empty()) return input_failure(file, "its triangles have no area");
   return simple;
 }
@@ -43,8 +41,8 @@ class RobotMeshLoader {
 
   const Robot& robot_;
   const std::string folder_;
-  const bool must_;            // errors are errors, and not notes
-  std::vector<bool> covered_;  // by body
+  const bool must_;            // If true, report errors as errors instead of notes.
+  std::vector<bool> covered_;  // By body.
   RobotMeshes result_;
 };
 
@@ -72,15 +70,14 @@ Result<void> RobotMeshLoader::add_model(const std::string& model) {
 
 void RobotMeshLoader::note_missing(const std::string& model, const BodySurfaces& surfaces) {
   const auto& [bodies, files, missing, unreadable] = surfaces;
-  const std::string primitives = "; primitives are drawn in their place";
+  const std::string primitives = "; drawing primitives instead";
   if (!missing.empty()) {
     const bool none = missing.size() == files;
-    result_.notes.push_back((none ? "no mesh file that " + model + " names is there, such as "
-                                  : count_text(missing.size(), "mesh file") + " of " +
-                                        std::to_string(files) + " that " + model + " names " +
-                                        (missing.size() == 1 ? "is" : "are") +
-                                        " not there, such as ") +
-                            missing.front() + primitives);
+    result_.notes.push_back(
+        (none ? "all mesh files of " + model + " are missing, such as "
+              : count_text(missing.size(), "mesh file") + " of " + std::to_string(files) + " of " +
+                    model + (missing.size() == 1 ? " is" : " are") + " missing, such as ") +
+        missing.front() + primitives);
   }
   if (!unreadable.empty()) {
     result_.notes.push_back(
@@ -124,8 +121,8 @@ Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& mod
   const bool other_model = is_model(named);
   const std::string folder = other_model ? std::string() : named;
   if (!folder.empty() && !fs::is_directory(folder, ignored)) {
-    return usage_failure("there is no folder \"" + folder + "\" with meshes",
-                         "a model, MJCF or URDF, is taken as well");
+    return usage_failure("no folder \"" + folder + "\" with meshes",
+                         "give a folder or a model (MJCF or URDF)");
   }
   RobotMeshLoader loader(robot, folder, !named.empty());
   const std::string& used = other_model ? named : model;
@@ -133,7 +130,7 @@ Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& mod
   if (!folder.empty()) TRY(loader.add_folder());
   RobotMeshes meshes = loader.finish();
   if (named.empty() || !meshes.bodies.empty()) return meshes;
-  const std::string hint = "its bodies are called " + robot.bodies()[1].name + " and so on";
+  const std::string hint = "its body names are " + robot.bodies()[1].name + " and so on";
   if (!meshes.notes.empty()) return input_failure(named, meshes.notes.front(), hint);
   return input_failure(named,
                        other_model ? "the model names no mesh for a body of " + robot.name()

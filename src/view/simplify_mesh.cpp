@@ -13,7 +13,7 @@ namespace {
 using Cell = std::array<std::int64_t, 3>;
 using Corners = std::array<int, 3>;
 
-// what is looked up by hash is never gone through: its order hangs on the library
+// Hash containers are only used for lookup, because their iteration order depends on the library.
 struct Hash {
   template <typename Number>
   std::size_t operator()(const std::array<Number, 3>& numbers) const {
@@ -26,8 +26,8 @@ struct Hash {
   }
 };
 
-// Cells have their middles at multiples of the side, so that 0 and -0 are in one. Vertices of a cell
-// as their mean; triangles that lose their area are left out
+// Replaces the vertices of each grid cell by their mean and drops triangles that become degenerate.
+// Cells are centred at multiples of the side, so that 0 and -0 share a cell.
 TriangleMesh clustered(const TriangleMesh& mesh, double side) {
   struct Cluster {
     int index = 0;
@@ -59,7 +59,7 @@ TriangleMesh clustered(const TriangleMesh& mesh, double side) {
     Corners corners = {index_of[static_cast<std::size_t>(a)], index_of[static_cast<std::size_t>(b)],
                        index_of[static_cast<std::size_t>(c)]};
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    // the smallest first, the sense of turning kept
+    // Rotate the smallest index to the front, which keeps the orientation.
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     if (known.insert(corners).second) result.triangles.push_back(corners);
   }
@@ -80,11 +80,12 @@ double area_of(const TriangleMesh& mesh) {
 }  // namespace
 
 TriangleMesh simplified(const TriangleMesh& mesh, std::size_t max_triangles) {
-  constexpr double kSame = 1e-5;  // metres
+  constexpr double kSame = 1e-5;  // Metres.
   constexpr double kCoarser = 1.3;
   TriangleMesh result = clustered(mesh, kSame);
   if (result.triangles.size() <= max_triangles) return result;
-  // a cell has about two triangles; from the first mesh each time, since means of means would wander
+  // A cell has about two triangles. Restart from the first mesh each time, because repeated
+  // averaging would move vertices.
   const TriangleMesh first = result;
   double side = 0.7 * std::sqrt(area_of(first) / static_cast<double>(max_triangles));
   for (side = std::max(side, kSame); result.triangles.size() > max_triangles; side *= kCoarser) {

@@ -15,10 +15,10 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-constexpr double kStep = 1e-4;          // metres; half of it is the error
-constexpr double kUnknownHeight = 1.7;  // metres; of what has no known unit
+constexpr double kStep = 1e-4;          // Metres; the error is half a step.
+constexpr double kUnknownHeight = 1.7;  // Metres; assumed if the unit is unknown.
 
-// places of joints and end sites, at rest or in a frame
+// Positions of joints and end sites, at rest or in a frame.
 class SkeletonPlacer {
  public:
   explicit SkeletonPlacer(const SkeletonPage& page)
@@ -28,7 +28,7 @@ class SkeletonPlacer {
       return;
     }
     const Vector3d size = extents(clip_.empty_like(clip_.rate(), 0)).sizes();
-    // Y up as in most files, unless the body is longest along z
+    // Assume Y up, as in most files, unless the body is longest along z.
     if (size.z() <= size.y()) world_from_file_ << 0, 0, 1, 1, 0, 0, 0, 1, 0;
     const double longest = size.maxCoeff();
     if (longest > 0.0) world_from_file_ *= kUnknownHeight / longest;
@@ -70,7 +70,7 @@ class SkeletonPlacer {
   Eigen::Matrix3d world_from_file_ = Eigen::Matrix3d::Identity();
 };
 
-// joints and end sites: what each hangs from, which bone it stands for, on which side it is
+// Returns the joints and end sites with their parent, bone and side.
 Json points_json(const SkeletonPage& page, const std::vector<SkeletonPoint>& points) {
   const Skeleton& skeleton = page.clip->skeleton();
   std::vector<int> point_of_joint(skeleton.joints().size(), -1);

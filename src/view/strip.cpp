@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
 #include "retarget/robot.h"
+#include "retarget/text.h"
 #include "view/figure.h"
 #include "view/strip_frames.h"
 #include "view/svg.h"
@@ -14,14 +14,14 @@
 namespace retarget {
 namespace {
 
-constexpr double kRowHeight = 220.0;  // of the highest figure, pixels
+constexpr double kRowHeight = 220.0;  // Height of the tallest figure, pixels.
 constexpr double kGap = 12.0;
 constexpr double kLabelHeight = 20.0;
 constexpr const char* kFloorColour = "#b0b0b0";
 
-// figures side by side on one floor
+// Figures next to each other on one floor.
 struct Row {
-  std::vector<Figure> figures;  // each with its body's place on the ground at 0
+  std::vector<Figure> figures;  // Each with its body's ground position at the origin.
   Eigen::AlignedBox2d box;
 
   void add(Figure figure) {
@@ -31,7 +31,7 @@ struct Row {
   [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
 };
 
-// moves a figure so that a point of the ground is at 0
+// Moves a figure so that a ground point is at the origin.
 Figure placed(Figure figure, const Camera& camera, const Eigen::Vector3d& body) {
   const Eigen::Vector2d ground = camera.project({body.x(), body.y(), 0.0});
   for (FigurePart& part : figure) {
@@ -40,8 +40,8 @@ Figure placed(Figure figure, const Camera& camera, const Eigen::Vector3d& body) 
   return figure;
 }
 
-// draws a row below `top` and gives where it ends
-// @param body  height of the highest figures, metres
+// Draws a row below `top` and returns its bottom.
+// @param body  height of the tallest figures, metres.
 double draw_row(const Row& row, double top, double cell, double scale, double body,
                 SvgWriter& svg) {
   const RowHeights heights = row_heights(row.box, body);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/solve.h"
@@ -10,33 +10,33 @@
 namespace retarget {
 
 struct StripOptions {
-  int poses = 6;      ///< As many as the motion has frames at most; at least one.
+  int poses = 6;      ///< At least one; limited to the number of frames.
   std::string title;  ///< Any text; empty: none.
 };
 
-/// A motion as a row of poses from its first frame to its last, evenly spread, as an SVG file: the
-/// robot as its collision shapes above a line for the floor, its time below. The root stays in the
-/// middle of its place, heights are kept; all is drawn to one scale, seen from the side that lies to
-/// the right of where the robot faces on the whole.
-/// @pre the motion has a frame
-/// @param human  in a row of its own above the robot: frame by frame the source of the motion; poses
-///               behind its end are left out. Null: none.
+/// Draws a motion as a row of evenly spaced poses from first to last frame, as an SVG file: the
+/// robot's collision shapes above a floor line, with the time below. The root is centred in each
+/// cell and heights are kept; all poses have the same scale and are seen from the robot's right,
+/// relative to its mean facing direction.
+/// @pre The motion has at least one frame.
+/// @param human  the source of the motion, frame by frame, drawn in a separate row above the robot;
+///   poses after its end are left out. Null: none.
 [[nodiscard]] std::string draw_strip(const RobotClip& motion, const HumanClip* human,
                                      const StripOptions& options = {});
 
 struct StripPictureOptions {
-  int poses = 6;                  ///< As of StripOptions.
-  double width = 1200.0;          ///< Of the picture at most, pixels.
-  double max_row_height = 420.0;  ///< Of the highest figure, pixels.
-  bool times = true;              ///< Below the poses.
+  int poses = 6;                  ///< As StripOptions::poses.
+  double width = 1200.0;          ///< Maximum width of the picture, pixels.
+  double max_row_height = 420.0;  ///< Maximum height of the tallest figure, pixels.
+  bool times = true;              ///< Draw times below the poses.
 };
 
-/// The same strip as the bytes of a PNG: shaded, with soft shadows, from the same place.
-/// @pre the motion has a frame
+/// Draws the same strip as a PNG: shaded, with soft shadows, from the same viewpoint.
+/// @pre The motion has at least one frame.
 [[nodiscard]] std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
                                              const StripPictureOptions& options = {});
 
-/// The picture of a motion that was solved, its source above it.
+/// Draws a solved motion with its source above it.
 [[nodiscard]] std::string draw_strip_picture(const Motion& motion,
                                              const StripPictureOptions& options = {});
 

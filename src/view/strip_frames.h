@@ -8,23 +8,25 @@
 
 namespace retarget {
 
-/// Evenly from the first frame to the last.
-/// @param poses  at least one; no more than there are frames are taken.
+/// Returns the evenly spaced frames from the first to the last.
+/// @param poses  at least one; limited to the number of frames.
 [[nodiscard]] std::vector<int> spread_frames(int frame_count, int poses);
 
-/// Where the robot faces on the whole in these frames, of any length: x is ahead in every robot's root.
+/// Returns the mean facing direction in these frames, not normalised; x is forward in every robot's
+/// root.
 [[nodiscard]] Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames);
 
-/// What a row of a strip shows from below to above: metres over the floor.
+/// Vertical extent of a strip row, metres above the floor.
 struct RowHeights {
   double low = 0.0, high = 0.0;
-  bool has_floor = true;  ///< Whether 0 is between them.
+  bool has_floor = true;  ///< True if 0 lies within the extent.
 };
 
-/// Down (or up) to the floor where that is no farther from the figures than `body`; else the figures
-/// alone, so that the height of a picture does not hang on where in the world a motion is.
-/// @param figures  of a row; not empty.
-/// @param body     height of the highest row's figures.
+/// Extends a row to the floor if the floor is no farther from the figures than `body`. Otherwise
+/// shows only the figures, so that the picture's height does not depend on the motion's position in
+/// the world.
+/// @param figures  bounding box of the row; not empty.
+/// @param body     height of the tallest row's figures, metres.
 [[nodiscard]] RowHeights row_heights(const Eigen::AlignedBox2d& figures, double body);
 
 }  // namespace retarget

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/number_text.h"
+#include "retarget/text.h"
 #include "view/image.h"
 #include "view/render.h"
 #include "view/strip.h"
@@ -13,11 +13,11 @@ namespace retarget {
 namespace {
 
 constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
-constexpr double kBetween = 0.12;  // between figures, share of the highest
-constexpr double kMargin = 0.05;   // above and below them
-constexpr double kMinSize = 0.05;  // metres; of figures without extent
+constexpr double kBetween = 0.12;  // Gap between figures, relative to the tallest one.
+constexpr double kMargin = 0.05;   // Margin above and below them, likewise.
+constexpr double kMinSize = 0.05;  // Metres; minimum size of figures without extent.
 
-// figures side by side on one floor, each with its body's place on the ground at the world's origin
+// Figures next to each other on one floor, each with its body's ground position at the origin.
 struct SolidRow {
   std::vector<SolidFigure> figures;
   Eigen::AlignedBox2d box;
@@ -31,18 +31,19 @@ struct SolidRow {
   [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
 };
 
-// a row of the picture, pixels
+// Position of a row in the picture, pixels.
 struct RowPlace {
   int top = 0, height = 0;
   double floor = 0.0;
 };
 
-// @param body  height of the highest row's figures, metres
+// @param body  height of the tallest row's figures, metres.
 RowPlace place_row(const SolidRow& row, int top, double scale, double margin, double body) {
   const RowHeights heights = row_heights(row.box, body);
   const double above = heights.high * scale + margin;
   const double below = -heights.low * scale + margin;
-  // figures and as much again down to the floor: far away, where numbers are coarse, no more either
+  // Bounds the height, also far from the origin, where numbers are coarse: the figures plus an
+  // equal distance to the floor.
   const double most = 2.0 * (body * scale + margin);
   return {top, static_cast<int>(std::ceil(std::min(above + below, most))), top + above};
 }

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/number_text.h"
-#include "base/printable.h"
 #include "base/utf8.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -33,7 +32,7 @@ std::string xml_text(std::string_view text) {
         result += "&quot;";
         break;
       case '\xEF':
-        // U+FFFE and U+FFFF are characters of Unicode and none of XML
+        // U+FFFE and U+FFFF are valid in Unicode but not in XML.
         if (valid.compare(at, 3, "\xEF\xBF\xBE") == 0 ||
             valid.compare(at, 3, "\xEF\xBF\xBF") == 0) {
           result += '?';

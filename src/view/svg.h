@@ -6,23 +6,25 @@
 
 namespace retarget {
 
-/// A text as the content of an XML element or attribute: `<`, `>`, `&` and quotes as entities, what
-/// XML does not take or a terminal would obey as `?`, bytes that are no UTF-8 as U+FFFD.
+/// Escapes text for an XML element or attribute: `<`, `>`, `&` and quotes become entities,
+/// characters that are invalid in XML or control a terminal become `?`, invalid UTF-8 becomes
+/// U+FFFD.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
-/// Puts the parts of a drawing together. Pixels, x to the right, y down, a tenth of a pixel kept.
+/// Assembles an SVG drawing. Coordinates in pixels, x right, y down, rounded to a tenth of a pixel.
 class SvgWriter {
  public:
-  /// A line with round ends; of no length it is a disc.
+  /// Draws a line with round ends; a line of zero length is a disc.
   void stroke(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width,
               std::string_view colour);
-  /// @param corners    of a convex area, in order, as columns.
-  /// @param rim        width of a line around it with round corners, in the same colour; 0: none.
+  /// Fills a convex area.
+  /// @param corners    in order, as columns.
+  /// @param rim        width of an outline with round corners in the same colour; 0: none.
   void area(const Eigen::Matrix2Xd& corners, std::string_view colour, double rim);
-  /// @param text  any: it is made XML.
+  /// @param text  any text; it is escaped.
   void label(const Eigen::Vector2d& middle, std::string_view text);
 
-  /// The whole file; `title` may be empty.
+  /// Returns the whole file; `title` may be empty.
   [[nodiscard]] std::string finish(const Eigen::Vector2d& size, std::string_view title) const;
 
  private:

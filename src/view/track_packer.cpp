@@ -7,14 +7,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/base64.h"
+#include "formats/containers/base64.h"
 
 namespace retarget {
 namespace {
 
 using Words = std::vector<std::uint32_t>;
 
-// without a sign, small for what is near 0
+// Maps signed to unsigned values such that values near 0 stay small (zigzag encoding).
 std::uint32_t folded(std::uint32_t value) {
   return (value << 1U) ^ ((value & 0x80000000U) != 0 ? 0xFFFFFFFFU : 0U);
 }
@@ -37,7 +37,7 @@ std::size_t bits_of(const Words& values) {
 
 struct PackedChannel {
   Words values;
-  char order = 0;  // how often differences were taken
+  char order = 0;  // Number of times that differences were taken.
 };
 
 PackedChannel packed(Words values) {
@@ -62,7 +62,7 @@ Result<std::string> packed_text(std::string_view bytes) {
   const int code = compress2(reinterpret_cast<Bytef*>(deflated.data()), &size,
                              reinterpret_cast<const Bytef*>(bytes.data()),
                              static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
-  if (code != Z_OK) return run_failure("", "zlib cannot deflate a page's data: out of memory");
+  if (code != Z_OK) return run_failure("", "zlib cannot compress the page data: out of memory");
   deflated.resize(size);
   return base64_text(deflated);
 }
@@ -77,10 +77,10 @@ Result<int> TrackPacker::add(int channels, double step, std::span<const double> 
     Words rounded(frames);
     for (std::size_t frame = 0; frame < frames; ++frame) {
       const double steps = std::nearbyint(values[frame * wide + channel] / step);
-      // also false for what is no number
+      // Negated comparison: NaN fails too.
       if (!(std::abs(steps) <= kMaxSteps)) {
         return input_failure(
-            "", "frame " + std::to_string(frame) + " has a position too far away to be shown");
+            "", "frame " + std::to_string(frame) + " has a position too far away to display");
       }
       rounded[frame] = static_cast<std::uint32_t>(static_cast<std::int32_t>(steps));
     }

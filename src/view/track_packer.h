@@ -10,31 +10,31 @@
 
 namespace retarget {
 
-/// Bytes as one zlib stream, in base64.
+/// Compresses bytes as one zlib stream, in base64.
 [[nodiscard]] Result<std::string> packed_text(std::string_view bytes);
 
-/// Numbers over time in few bytes, for a page that has to carry them: rounded to a step, as
-/// differences from frame to frame, deflated.
+/// Encodes time series compactly for embedding in a page: rounded to a step, as differences between
+/// frames, deflated.
 ///
-/// A track's bytes: for each channel one that says how often differences were taken (0 to 2), then
-/// four planes, from the lowest byte to the highest, of channels x frames values, channel by channel.
-/// A value v is stored without a sign: 2v, or -2v - 1 where it is negative. Differences and what
-/// undoes them wrap at 32 bits, so nothing is lost.
+/// Layout of a track: first one byte per channel, the order of differences (0 to 2); then four byte
+/// planes, from the lowest byte to the highest, of channels x frames values, channel by channel. A
+/// value v is stored unsigned: as 2v, or as -2v - 1 if negative. Differences and their sums wrap at
+/// 32 bits, so they are exact.
 class TrackPacker {
  public:
   struct Track {
     int channels = 0;
     int frames = 0;
-    double step = 0.0;  ///< A value is a multiple of it; off by half of it at most.
+    double step = 0.0;  ///< Values are multiples of this; the error is at most half of it.
   };
 
-  /// Errors (kInput): a value that is not finite or more than a billion steps from 0.
+  /// Adds a track. Errors (kInput): a value that is not finite or more than a billion steps from 0.
   /// @param values  frame-major.
-  /// @return its place in tracks().
+  /// @return its index in tracks().
   [[nodiscard]] Result<int> add(int channels, double step, std::span<const double> values);
 
   [[nodiscard]] const std::vector<Track>& tracks() const { return tracks_; }
-  /// All tracks, one after the other, as packed_text.
+  /// Packs all tracks in order with packed_text.
   [[nodiscard]] Result<std::string> finish() const { return packed_text(bytes_); }
 
  private:

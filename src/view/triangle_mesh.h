@@ -6,8 +6,8 @@
 
 namespace retarget {
 
-/// The mesh with at most so many triangles: vertices are put together cell by cell of a grid, the
-/// finest that is coarse enough. Vertices at one place become one in any case.
+/// Simplifies a mesh to at most so many triangles by clustering vertices in the finest sufficient
+/// grid. Always merges coincident vertices.
 [[nodiscard]] TriangleMesh simplified(const TriangleMesh& mesh, std::size_t max_triangles);
 
 }  // namespace retarget

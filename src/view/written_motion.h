@@ -1,14 +1,14 @@
 #pragma once
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/solve.h"
-#include "robot/normalize_start.h"
+#include "robot/model/normalize_start.h"
 
 namespace retarget {
 
-/// A motion that was solved, as it is written, and its source frame by frame.
+/// A solved motion as it is written, and its source frame by frame.
 struct WrittenMotion {
   RobotClip clip;
   HumanClip human;

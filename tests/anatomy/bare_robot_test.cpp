@@ -1,4 +1,4 @@
-#include "anatomy/bare_robot.h"
+#include "robot/anatomy/bare_robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/load_robot.h"
-#include "robot/variant.h"
+#include "robot/model/load_robot.h"
+#include "robot/model/variant.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
 
@@ -96,7 +96,8 @@ TEST(BareRobot, GuessesSolesWithoutShapes) {
   EXPECT_EQ(completed->shapeless, 10);
 }
 
-// what a motion is measured by is the model's: a capsule in a cylinder's place would be a guess
+// The model defines the shapes that motions are measured with: a capsule instead of a cylinder
+// would be a guess.
 TEST(BareRobot, KeepsShapesOfTheModel) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);

@@ -1,4 +1,4 @@
-#include "anatomy/capsules.h"
+#include "robot/anatomy/capsules.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "robot/shape_distance.h"
+#include "robot/model/shape_distance.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "anatomy/limbs.h"
+#include "robot/anatomy/limbs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomy/bare_robot.h"
-#include "anatomy/shapes.h"
-#include "robot/core_points.h"
+#include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/shapes.h"
+#include "robot/model/core_points.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -90,9 +90,8 @@ TEST(MeshPoints, SayWhichFilesTheyLack) {
   const TemporaryFolder folder;
   const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
   EXPECT_TRUE(completed.guessed);
-  EXPECT_THAT(completed.note,
-              HasSubstr("estimated from the limbs' lengths (3 of 3 mesh files that "
-                        "the model names are not there or cannot be read, such as"));
+  EXPECT_THAT(completed.note, HasSubstr("estimated from the limbs' lengths (3 of 3 mesh files of "
+                                        "the model are missing or unreadable, such as"));
   EXPECT_THAT(completed.note, HasSubstr("foot.obj"));
 }
 
@@ -131,7 +130,8 @@ TEST(MeshPoints, FollowPackagesAndCollada) {
   expect_mesh_soles(*completed.robot);
 }
 
-// what the thigh touches beside its motor is not in it, as a single shape around the mesh would have it
+// The shape excludes parts that the thigh touches next to its motor; a single shape around the mesh
+// would include them.
 TEST(MeshPoints, GiveBodiesTheirOwnShapes) {
   const TemporaryFolder folder;
   write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));

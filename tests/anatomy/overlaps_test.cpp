@@ -1,4 +1,4 @@
-#include "anatomy/overlaps.h"
+#include "robot/anatomy/overlaps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "anatomy/bare_robot.h"
-#include "anatomy/limbs.h"
+#include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/limbs.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -66,7 +66,7 @@ TEST(ModelOverlaps, FindsThighsThatAreInEachOther) {
 }
 
 // a shell around everything near it is found although no pose is given
-TEST(ModelOverlaps, FindsWhatOverlapsInNearlyAllPoses) {
+TEST(ModelOverlaps, FindsPairsThatOverlapInNearlyAllPoses) {
   std::string text = tiny_humanoid(true);
   add_geom(text, "torso", "<geom type=\"box\" pos=\"0 0 0.2\" size=\"0.3 0.4 0.3\"/>");
   for (const std::string side : {"left", "right"}) {
@@ -86,7 +86,7 @@ TEST(ModelOverlaps, FindsWhatOverlapsInNearlyAllPoses) {
 
 // hands that hang against the thighs come apart as soon as an arm moves: a motion in which they are in
 // each other is at fault
-TEST(ModelOverlaps, LeavesHandsBesideTheThighs) {
+TEST(ModelOverlaps, IgnoresHandsNextToTheThighs) {
   std::string text = tiny_humanoid(true);
   for (const std::string side : {"left", "right"}) {
     add_geom(text, side + "_thigh",

@@ -1,7 +1,7 @@
 // Hands of robots are found from their trees: which branch is which finger, how palms lie, where fingers
 // end, and which joints others move.
 
-#include "anatomy/robot_hands.h"
+#include "robot/anatomy/robot_hands.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "robot/kinematic_tree.h"
-#include "robot/variant.h"
+#include "robot/model/kinematic_tree.h"
+#include "robot/model/variant.h"
 #include "support/hand_robots.h"
 
 namespace retarget {
@@ -134,7 +134,8 @@ TEST(RobotHandsTest, OtherRobotsHaveNone) {
     for (const auto& entry :
          std::filesystem::directory_iterator(std::filesystem::path(RETARGET_SOURCE_DIR) / folder)) {
       const std::string name = entry.path().filename().string();
-      if (name == "unverified" || name == "unitree_g1_with_hands") continue;
+      if (!entry.is_directory() || name == "unverified" || name == "unitree_g1_with_hands")
+        continue;
       const auto robot = load_robot_files((entry.path() / "model.xml").string(),
                                           (entry.path() / "robot.json").string());
       ASSERT_TRUE(robot) << name;
@@ -146,7 +147,7 @@ TEST(RobotHandsTest, OtherRobotsHaveNone) {
   EXPECT_GE(looked_at, 15);
 }
 
-TEST(RobotHandsTest, HeldFingersAreNone) {
+TEST(RobotHandsTest, IgnoresHeldFingers) {
   const auto robot = robot_variant(load_shipped_robot("unitree_g1_with_hands"), "29");
   ASSERT_TRUE(robot);
   const RobotHands hands = find_hands(**robot);

@@ -1,5 +1,5 @@
-"""Files of a room can be compiled as one (RETARGET_UNITY_BUILD, the preset demo): what two of them define
-in their anonymous namespaces differs in name, or in parameters."""
+"""Files of a room can be compiled as one (RETARGET_UNITY_BUILD, the preset demo): the names that two of
+them define in their anonymous namespaces differ in name or in parameters."""
 
 import collections
 import pathlib
@@ -9,7 +9,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.M | re.S)
 TYPE = re.compile(r"^(?:template <[^\n]*>\n)?(?:struct|class|enum class|enum) (\w+)", re.M)
-VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>,\s*&]*?\b(\w+)\s*(?:=|\{|\[)",
+VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>,\s*&]*?\b(\w+)\s*(?:=|\{|\[|;)",
                    re.M)
 FUNCTION = re.compile(r"^(?=\w)(?!using|struct|class|enum|namespace|//|#|constexpr \w+ k[A-Z])"
                       r"[\w:<>,&*\[\] ]+?[ &*\n]([\w:]+)\(([^;{}]*?)\)\s*(?:const )?(?:noexcept )?\{", re.M)
@@ -26,11 +26,11 @@ def definitions(text):
 
 def main():
     rooms = collections.defaultdict(lambda: collections.defaultdict(set))
-    for source in [*sorted((ROOT / "src").glob("*/*.cpp")), *sorted((ROOT / "tools/retarget").glob("*.cpp"))]:
+    for source in [*sorted((ROOT / "src").glob("**/*.cpp")), *sorted((ROOT / "tools/retarget").glob("*.cpp"))]:
         if source.name == "main.cpp":
             continue
         for name in definitions(source.read_text()):
-            rooms[source.parent.name][name].add(source.name)
+            rooms[str(source.parent.relative_to(ROOT))][name].add(source.name)
     if sum(map(len, rooms.values())) < 1000:
         print("hardly any definitions were found: this test looks at the wrong place")
         return 1

@@ -1,4 +1,4 @@
-#include "base/byte_order.h"
+#include "formats/containers/byte_order.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ TEST(ByteReader, ReadsNumbersInBothOrders) {
   EXPECT_TRUE(little.ok());
 }
 
-TEST(ByteReader, WhatIsNotThereIsZeroFromThenOn) {
+TEST(ByteReader, ReadsZeroBeyondTheEnd) {
   ByteReader<std::endian::little> reader("abc");
   EXPECT_EQ(reader.number<std::uint32_t>(), 0U);
   EXPECT_FALSE(reader.ok());
@@ -44,7 +44,7 @@ TEST(ByteReader, TextsEndWithAZero) {
   EXPECT_FALSE(reader.ok());
 }
 
-TEST(ByteReader, CountsAreNotBelieved) {
+TEST(ByteReader, ChecksCountsAgainstTheSize) {
   ByteReader<std::endian::big> reader("12345678");
   EXPECT_TRUE(reader.may_hold(2, 4));
   EXPECT_FALSE(reader.may_hold(3, 4));

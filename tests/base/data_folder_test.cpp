@@ -69,6 +69,31 @@ TEST_F(DataFolderTest, FindsSourceTreeAboveTheBinary) {
   EXPECT_EQ(find_data_folder(search).value(), source);
 }
 
+// a program that is built somewhere below a source tree uses the library that it links
+TEST_F(DataFolderTest, InstalledLibraryComesBeforeASourceTree) {
+  DataFolderSearch search;
+  const fs::path source = data_folder("source");
+  fs::create_directories(source / "include/retarget");
+  search.executable = source / "build/program";
+  search.installed = data_folder("prefix/share/retarget").string();
+  EXPECT_EQ(find_data_folder(search).value(), search.installed);
+  // a tree that was moved away since
+  search.installed = (root_ / "gone").string();
+  EXPECT_EQ(find_data_folder(search).value(), source);
+  search.executable.clear();
+  EXPECT_FALSE(find_data_folder(search).has_value());
+}
+
+// as of a package that was unpacked together with its program
+TEST_F(DataFolderTest, ProgramsOwnTreeComesBeforeTheInstalledLibrary) {
+  DataFolderSearch search;
+  search.executable = root_ / "package/bin/program";
+  search.installed = data_folder("prefix/share/retarget").string();
+  EXPECT_EQ(find_data_folder(search).value(), search.installed);
+  const fs::path own = data_folder("package/share/retarget");
+  EXPECT_EQ(find_data_folder(search).value(), own);
+}
+
 TEST_F(DataFolderTest, NothingFoundExplainsHowToSetTheFolder) {
   DataFolderSearch search;
   search.executable = root_ / "bin/retarget";
@@ -87,6 +112,24 @@ TEST_F(DataFolderTest, ReadsTheEnvironment) {
   EXPECT_EQ(find_data_folder(std::nullopt).value(), folder);
   EXPECT_EQ(find_data_folder(data_folder("by flag").string()).value(), root_ / "by flag");
   ASSERT_EQ(::unsetenv("RETARGET_DATA_DIR"), 0);
+}
+
+TEST_F(DataFolderTest, TheUsersOwnFolderFollowsTheEnvironment) {
+  const char* data = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  const std::string old_data = data == nullptr ? "" : data, old_home = home == nullptr ? "" : home;
+  ::setenv("HOME", "/home/somebody", 1);
+  ::setenv("XDG_DATA_HOME", "/data", 1);
+  EXPECT_EQ(user_data_folder(), "/data/retarget");
+  // a relative path does not count
+  ::setenv("XDG_DATA_HOME", "data", 1);
+  EXPECT_EQ(user_data_folder(), "/home/somebody/.local/share/retarget");
+  ::unsetenv("XDG_DATA_HOME");
+  EXPECT_EQ(user_data_folder(), "/home/somebody/.local/share/retarget");
+  ::unsetenv("HOME");
+  EXPECT_EQ(user_data_folder(), std::nullopt);
+  if (data != nullptr) ::setenv("XDG_DATA_HOME", old_data.c_str(), 1);
+  if (home != nullptr) ::setenv("HOME", old_home.c_str(), 1);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(Describe, OmitsUnknownParts) {
   EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "what", {}, ""}), "error: what");
   EXPECT_EQ(describe(Error{ErrorKind::kInput, {"", 3, 4}, "what", {}, ""}),
             "line 3:4: error: what");
-  // a column alone says nothing
+  // A column without a line is not printed.
   EXPECT_EQ(describe(Error{ErrorKind::kInput, {"f", 0, 4}, "what", {}, ""}), "f: error: what");
 }
 
@@ -30,8 +30,9 @@ TEST(Describe, PutsTheHintOnItsOwnLine) {
 }
 
 TEST(Describe, ListsDetails) {
-  const Error error{ErrorKind::kConfig, {"m.json", 0, 0}, "2 faults", {"one", "two"}, "mend them"};
-  EXPECT_EQ(describe(error), "m.json: error: 2 faults\n  - one\n  - two\n  hint: mend them");
+  const Error error{
+      ErrorKind::kConfig, {"m.json", 0, 0}, "2 faults", {"one", "two"}, "repair them"};
+  EXPECT_EQ(describe(error), "m.json: error: 2 faults\n  - one\n  - two\n  hint: repair them");
 }
 
 TEST(Describe, SpellsOptionsForTheAudience) {
@@ -44,7 +45,7 @@ TEST(Describe, SpellsOptionsForTheAudience) {
             "a.bvh: error: no rate as fps asks\n  hint: give it with source_fps N");
   EXPECT_EQ(describe(error, option_as_flag),
             "a.bvh: error: no rate as --fps asks\n  hint: give it with --source-fps N");
-  // what is no whole mark stays as it is
+  // Characters outside of complete marks do not change.
   EXPECT_EQ(spell_options("a\x0e b"), "a\x0e b");
   EXPECT_EQ(spell_options("a\x0f b\x0e"), "a\x0f b\x0e");
 }

@@ -24,7 +24,7 @@ TEST(FaultsTest, ListsErrorsBelowTheirCount) {
   EXPECT_EQ(message_of(faults), "2 errors in the file\n  - one\n  - two");
 }
 
-// nobody reads the messages of a file that is nothing but faults
+// A list of all errors of a file that has nothing else would be unreadable.
 TEST(FaultsTest, LimitsTheListLength) {
   Faults faults;
   for (int i = 0; i < 100'000; ++i) faults.add("fault " + std::to_string(i));

@@ -1,4 +1,4 @@
-#include "base/file.h"
+#include "retarget/file.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -76,7 +76,7 @@ class FileSizeLimit {
   rlimit before_{};
 };
 
-TEST_F(FileTest, ReadsBackWhatWasWritten) {
+TEST_F(FileTest, ReadsWrittenFiles) {
   // beyond the first guess of the reader and with every byte there is
   std::string bytes;
   for (int i = 0; i < 300'000; ++i) bytes.push_back(static_cast<char>(i % 256));

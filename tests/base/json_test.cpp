@@ -41,7 +41,7 @@ TEST(JsonTest, SyntaxErrorsPointToTheFirstWrongByte) {
   expect_at("[\"a\nb\"]", 1, 4);  // a line break within a text
 }
 
-TEST(JsonTest, MessageSaysWhatWasExpected) {
+TEST(JsonTest, MessageNamesTheExpectedValue) {
   EXPECT_THAT(error_of("{\"a\": }").message, HasSubstr("unexpected '}'"));
   EXPECT_THAT(error_of("<html>").message, HasSubstr("invalid literal"));
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/npz.h"
+#include "formats/containers/npz.h"
 #include "support/npz_builder.h"
 
 namespace retarget {

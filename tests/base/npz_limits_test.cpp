@@ -1,4 +1,4 @@
-// Archives that lie about sizes, and damaged ones: what they may cost, and that they are refused.
+// Archives with wrong sizes and damaged archives are refused, with bounded memory and time.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/npz.h"
 #include "base/npz_arrays.h"
+#include "formats/containers/npz.h"
 #include "support/npz_builder.h"
 
 namespace retarget {
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using Style = NpzBuilder::Style;
 
 TEST(Npz, FalseSizesAllocateNothing) {
-  // header and directory agree on 2^40 bytes that are not there
+  // Header and directory agree on 2^40 bytes, which the archive lacks.
   const std::string array = npy("<u1", "(1099511627776,)", "12345678");
   Style style;
   style.zip64_central = true;
@@ -40,7 +40,7 @@ TEST(Npz, FalseSizesAllocateNothing) {
   }
 }
 
-TEST(Npz, InflatesOnlyWhatTheShapeNeeds) {
+TEST(Npz, InflatesOnlyTheBytesOfTheShape) {
   const std::string zeros(std::size_t{1} << 20, '\0');
   Style style;
   style.compress = true;
@@ -49,7 +49,7 @@ TEST(Npz, InflatesOnlyWhatTheShapeNeeds) {
   style.claimed_size = static_cast<std::int64_t>(array.size() - zeros.size() + 8);
   EXPECT_THAT(array_error(array, style), HasSubstr("its compressed data have the wrong length"));
 
-  // all is true, but more than is asked for
+  // The sizes are right, but exceed the caller's limit.
   style.claimed_size = -1;
   const std::string bytes = NpzBuilder().add("a", npy("<u1", "(1048576,)", zeros), style).build();
   EXPECT_LT(bytes.size(), zeros.size() / 100);
@@ -90,7 +90,7 @@ TEST(Npz, RejectsDecompressionBombs) {
               ::testing::AllOf(HasSubstr("array \"a\": its shape (1048576,) of <u1 needs 1048576 "
                                          "bytes, but the file has only"),
                                HasSubstr("packed as tightly")));
-  // what is not packed may be as large
+  // Uncompressed members may be as large.
   EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", options).has_value());
   options.max_ratio = 2000;
   EXPECT_TRUE(read_array(one, "a", options).has_value());

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file.h"
-#include "base/npz.h"
+#include "formats/containers/npz.h"
+#include "retarget/file.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

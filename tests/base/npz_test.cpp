@@ -1,4 +1,4 @@
-#include "base/npz.h"
+#include "formats/containers/npz.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "base/npz_writer.h"
+#include "formats/containers/npz_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/npz.h"
-#include "base/zip.h"
+#include "formats/containers/npz.h"
+#include "formats/containers/zip.h"
 
 namespace retarget {
 namespace {
@@ -70,7 +70,7 @@ TEST(NpzWriterTest, StreamsGiveTheSameBytes) {
   EXPECT_EQ(npz->read("names")->texts(), names);
 }
 
-TEST(NpzWriterTest, StreamsSayWhatChanged) {
+TEST(NpzWriterTest, StreamsNameTheChange) {
   NpzStream stream([](std::string_view) -> Result<void> { return {}; });
   const std::vector<double> values = {1.5, -2.0};
   NpyArray array = float64_array(values, {2});

@@ -1,4 +1,4 @@
-#include "base/number_text.h"
+#include "retarget/text.h"
 
 #include <gtest/gtest.h>
 

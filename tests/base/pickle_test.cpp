@@ -1,4 +1,4 @@
-#include "base/pickle.h"
+#include "formats/containers/pickle.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/npz_writer.h"
-#include "base/pickle_writer.h"
+#include "formats/containers/npz_writer.h"
+#include "formats/containers/pickle_writer.h"
 
 namespace retarget {
 namespace {
@@ -78,7 +78,7 @@ TEST(PickleTest, HandlesEveryChangedByte) {
     for (const int value : {0, 1, 0x28, 0x52, 0x62, 0x7f, 0xff}) {
       std::string changed = bytes;
       changed[i] = static_cast<char>(value);
-      // no crash, no hang; what is read may still be sound
+      // The reader must neither crash nor hang; the result may still be valid.
       (void)read_pickle(changed, "x.pkl");
     }
   }

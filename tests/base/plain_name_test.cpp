@@ -1,4 +1,4 @@
-#include "base/plain_name.h"
+#include "retarget/file.h"
 
 #include <gtest/gtest.h>
 

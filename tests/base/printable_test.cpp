@@ -1,4 +1,4 @@
-#include "base/printable.h"
+#include "retarget/text.h"
 
 #include <gtest/gtest.h>
 

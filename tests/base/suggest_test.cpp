@@ -1,4 +1,4 @@
-#include "base/suggest.h"
+#include "retarget/text.h"
 
 #include <gtest/gtest.h>
 

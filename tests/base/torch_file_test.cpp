@@ -1,4 +1,4 @@
-#include "base/torch_file.h"
+#include "formats/containers/torch_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +129,7 @@ TEST(TorchFileTest, ExecutesNothing) {
   EXPECT_THAT(with(TorchBuilder::global("torch", "load")), HasSubstr("names torch.load"));
   EXPECT_THAT(with(TorchBuilder::global("__main__", "Net")), HasSubstr("names __main__.Net"));
   EXPECT_THAT(with("\x82\x01"), HasSubstr("opcode EXT1"));
-  // what a pickle alone may not hold stays refused there
+  // A plain pickle still refuses persistent identifiers.
   const auto plain = read_pickle("\x80\x02K\x01Q.", "x.pkl");
   ASSERT_FALSE(plain.has_value());
   EXPECT_THAT(plain.error().message, HasSubstr("opcode BINPERSID, which is refused"));

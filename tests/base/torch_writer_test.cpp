@@ -1,4 +1,4 @@
-#include "base/torch_writer.h"
+#include "formats/containers/torch_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,15 +6,15 @@
 #include <array>
 #include <string>
 
-#include "base/npz_writer.h"
-#include "base/torch_file.h"
+#include "formats/containers/npz_writer.h"
+#include "formats/containers/torch_file.h"
 
 namespace retarget {
 namespace {
 
 using ::testing::ElementsAre;
 
-TEST(TorchWriterTest, WhatIsWrittenIsRead) {
+TEST(TorchWriterTest, WrittenFilesCanBeRead) {
   const std::array<double, 6> numbers = {1.0, 2.0, 3.0, 4.0, 5.0, 6.5};
   const std::array<std::uint8_t, 2> flags = {0, 7};
   const auto write = [&] {

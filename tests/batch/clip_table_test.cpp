@@ -25,7 +25,7 @@ class ClipTableTest : public ::testing::Test {
     path_ = folder_.write("parts.csv", text);
     return read_clip_table(path_);
   }
-  // what the error says behind the folder's name
+  // The error message after the folder's name.
   std::string error_of(const std::string& text) {
     const auto rows = read(text);
     if (rows) return "no error";
@@ -66,10 +66,10 @@ TEST_F(ClipTableTest, ErrorsNameTheLine) {
   EXPECT_THAT(error_of("a,f5,f5\n"), HasSubstr("is empty"));
   EXPECT_THAT(error_of("a,-1,2\n"), HasSubstr("\"-1\""));
   EXPECT_THAT(error_of("a,nan,2\n"), HasSubstr("\"nan\""));
-  EXPECT_THAT(error_of("a,1,2,../up\n"), HasSubstr("\"../up\" cannot be a clip's name"));
-  EXPECT_THAT(error_of("a,1,2,/root\n"), HasSubstr("cannot be a clip's name"));
-  EXPECT_THAT(error_of(",1,2\n"), HasSubstr("names no file"));
-  EXPECT_THAT(error_of("file,name\na,b\n"), HasSubstr("neither a column"));
+  EXPECT_THAT(error_of("a,1,2,../up\n"), HasSubstr("\"../up\" is not a valid clip name"));
+  EXPECT_THAT(error_of("a,1,2,/root\n"), HasSubstr("is not a valid clip name"));
+  EXPECT_THAT(error_of(",1,2\n"), HasSubstr("has no file name"));
+  EXPECT_THAT(error_of("file,name\na,b\n"), HasSubstr("no column"));
   EXPECT_THAT(error_of("\n\n"), HasSubstr("no rows"));
 }
 
@@ -87,9 +87,11 @@ TEST_F(ClipTableTest, MakesAnInputOfEveryRow) {
 
 TEST_F(ClipTableTest, ARowMustNameOneInputAndEachClipBeNew) {
   const auto error = [&](const std::string& text) { return describe(parts(text).error()); };
-  EXPECT_THAT(error("walk.bvh,1,2\n"), HasSubstr("parts.csv:1: error: \"walk.bvh\" is not among"));
+  EXPECT_THAT(error("walk.bvh,1,2\n"),
+              HasSubstr("parts.csv:1: error: \"walk.bvh\" matches no motion"));
   EXPECT_THAT(error("a/walk.bvh,1,2\na/wolk.bvh,1,2\n"), HasSubstr("did you mean \"a/walk.bvh\"?"));
-  EXPECT_THAT(error("a/walk.bvh,1,2,x\na/walk.bvh,2,3,x\n"), HasSubstr("in line 1 already"));
+  EXPECT_THAT(error("a/walk.bvh,1,2,x\na/walk.bvh,2,3,x\n"),
+              HasSubstr("already defined in line 1"));
 }
 
 TEST(ClipVariants, PartsBecomeOptions) {

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "human/motion_signature.h"
-#include "plan/gates.h"
+#include "batch/motion_signature.h"
+#include "retarget/measure.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -91,7 +91,7 @@ TEST_F(DataSetTest, BoundsScaleWithTheRecordedLeg) {
   EXPECT_EQ(reason_of(entries_[0]), "stance_slip_mean 0.002 (at most 0.001)");
 }
 
-TEST_F(DataSetTest, WhatIsNoNumberStillMisses) {
+TEST_F(DataSetTest, NaNMissesAGate) {
   entries_ = {done("a.bvh", std::nan(""))};
   judge({});
   EXPECT_FALSE(has_passed(entries_[0]));
@@ -100,7 +100,7 @@ TEST_F(DataSetTest, WhatIsNoNumberStillMisses) {
   EXPECT_FALSE(has_passed(entries_[0]));
 }
 
-TEST_F(DataSetTest, ListsAreOfWhatPassedAndWhatDidNot) {
+TEST_F(DataSetTest, ListsPassedAndFailedClips) {
   ManifestEntry bad = done("=c.bvh", 0.0);
   bad.done = false;
   bad.quality.reset();
@@ -140,7 +140,7 @@ TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
   EXPECT_FALSE(entries_[2].repeated);
 }
 
-TEST_F(DataSetTest, RepetitionsAreLookedForAmongWhatIsAskedFor) {
+TEST_F(DataSetTest, SearchesRepetitionsAmongTheRequestedClips) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 0.0)};
   entries_[0].signature = entries_[1].signature = signature(3);
   DataSetRules rules;

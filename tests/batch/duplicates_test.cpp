@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/motion_signature.h"
+#include "batch/motion_signature.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/load.h"
@@ -123,7 +123,7 @@ TEST(FindDuplicates, FindsThemAmongManyAndNoOthers) {
   std::mt19937 random(7);
   std::vector<MotionSignature> clips;
   for (std::size_t i = 0; i < kCount; ++i) clips.push_back(random_signature(random));
-  // the last ones repeat the first ones: every other one mirrored, all but for noise
+  // The last clips repeat the first ones with noise, every second one mirrored.
   std::uniform_int_distribution<int> noise(-2, 2);
   for (std::size_t i = 0; i < kTwins; ++i) {
     MotionSignature twin = i % 2 == 0 ? clips[3 * i] : mirrored(clips[3 * i]);
@@ -157,7 +157,7 @@ TEST(FindDuplicates, NamesTheFirstOfSeveral) {
   EXPECT_EQ(found[4]->index, 2U);
   EXPECT_EQ(found[5]->index, 2U);
   EXPECT_TRUE(find_duplicates({}).empty());
-  // who is told to stop looks no further
+  // The search stops when the callback returns false.
   EXPECT_FALSE(find_duplicates({&clip, &clip}, [] { return false; })[1]);
 }
 

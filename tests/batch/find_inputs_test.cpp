@@ -132,7 +132,7 @@ TEST_F(FindInputsTest, SkipsExcludedFilesAndTheOutputFolder) {
   const auto found = find_inputs(search);
   EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
   EXPECT_THAT(found->notes,
-              ElementsAre(HasSubstr("it is the output folder"), HasSubstr("left out 2")));
+              ElementsAre(HasSubstr("it is the output folder"), HasSubstr("skipped 2")));
 }
 
 TEST_F(FindInputsTest, UnreadableFoldersCountAsFailedClips) {

@@ -66,7 +66,7 @@ TEST_F(ResumeTest, DetectsChangedContentOfTheSameSize) {
   }
 }
 
-TEST_F(ResumeTest, ListsWhatToRedo) {
+TEST_F(ResumeTest, ListsClipsToRedo) {
   EXPECT_EQ(find("others").entry, nullptr);
   folder_.write("walk.bvh", "longer input");
   EXPECT_EQ(find().entry, nullptr);

@@ -23,6 +23,29 @@ TEST(Split, ReadsRatioAndSeed) {
   }
 }
 
+TEST(Split, ReadsThreeShares) {
+  const Split split = parse_split("0.8,0.1,0.1:seed").value();
+  EXPECT_EQ(split.ratio, 0.8);
+  EXPECT_EQ(split.test, 0.1);
+  EXPECT_EQ(split.seed, "seed");
+  EXPECT_EQ(parse_split("0.7,0.2,0.1").value().test, 0.1);
+  EXPECT_EQ(parse_split("0.333,0.333,0.334").value().seed, "");
+  // two shares are a ratio
+  EXPECT_EQ(parse_split("0.8,0.2").value().ratio, 0.8);
+  EXPECT_EQ(parse_split("0.8,0.2").value().test, 0.0);
+}
+
+TEST(Split, RefusesSharesThatDoNotAddUpToOne) {
+  for (const char* text : {"0.8,0.1,0.2", "0.8,0.1,0.05:1", "0.9,0.2", "80,10,10", "0.9,0.1,0",
+                           "0.4,0.3,0.2,0.1", "0.8,,0.2", "0.8,0.1,", "1.1,-0.2,0.1", ","}) {
+    const auto split = parse_split(text);
+    ASSERT_FALSE(split) << text;
+    EXPECT_THAT(split.error().message, HasSubstr(text));
+    EXPECT_THAT(split.error().hint, HasSubstr("0.8,0.1,0.1")) << text;
+  }
+  EXPECT_THAT(parse_split("0.8,0.1,0.2").error().message, HasSubstr("add up to 1.1"));
+}
+
 TEST(GroupOf, FindsTheSubjectInNames) {
   const std::vector<std::pair<std::string, std::string>> subjects = {
       {"walk1_subject5.bvh", "subject 5"},
@@ -44,7 +67,7 @@ TEST(GroupOf, FindsTheSubjectInNames) {
   }
 }
 
-TEST(GroupOf, TakesTheFileWhereNothingTellsASubject) {
+TEST(GroupOf, IsTheFileWithoutASubject) {
   for (const char* name : {"walk.bvh", "a/run_fast.bvh", "2024/take.bvh", "subjective.bvh",
                            "clip_100.bvh", "robots3/x.bvh"}) {
     EXPECT_FALSE(group_of(name).is_subject) << name;
@@ -63,15 +86,39 @@ std::vector<std::string> persons(int count, int clips) {
   return groups;
 }
 
+void expect_whole_groups(const std::vector<std::string>& groups,
+                         const std::vector<SplitSide>& sides) {
+  std::map<std::string, SplitSide> side;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto [at, is_new] = side.emplace(groups[i], sides[i]);
+    EXPECT_EQ(at->second, sides[i]) << groups[i];
+  }
+}
+
 TEST(SplitClips, KeepsGroupsTogetherAndTheRatio) {
   const std::vector<std::string> groups = persons(100, 7);
-  const auto trains = split_clips(groups, {0.9, "1"}).value();
-  std::map<std::string, bool> side;
+  const auto sides = split_clips(groups, {0.9, "1"}).value();
+  expect_whole_groups(groups, sides);
+  EXPECT_EQ(std::ranges::count(sides, SplitSide::kTrain), 630);
+  EXPECT_EQ(std::ranges::count(sides, SplitSide::kValidation), 70);
+}
+
+TEST(SplitClips, KeepsThreeShares) {
+  const std::vector<std::string> groups = persons(100, 7);
+  const auto sides = split_clips(groups, {0.7, "1", 0.1}).value();
+  expect_whole_groups(groups, sides);
+  EXPECT_EQ(std::ranges::count(sides, SplitSide::kTrain), 490);
+  EXPECT_EQ(std::ranges::count(sides, SplitSide::kValidation), 140);
+  EXPECT_EQ(std::ranges::count(sides, SplitSide::kTest), 70);
+}
+
+TEST(SplitClips, TestShareLeavesTheValidationClipsAsTheyAre) {
+  const std::vector<std::string> groups = persons(50, 3);
+  const auto two = split_clips(groups, {0.8, "7"}).value();
+  const auto three = split_clips(groups, {0.6, "7", 0.2}).value();
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    const auto [at, is_new] = side.emplace(groups[i], trains[i]);
-    EXPECT_EQ(at->second, trains[i]) << groups[i];
+    EXPECT_EQ(two[i] == SplitSide::kValidation, three[i] == SplitSide::kValidation) << i;
   }
-  EXPECT_EQ(std::ranges::count(trains, true), 630);
 }
 
 TEST(SplitClips, DependsOnSeedAndGroupsAlone) {
@@ -86,11 +133,28 @@ TEST(SplitClips, DependsOnSeedAndGroupsAlone) {
 
 TEST(SplitClips, LeavesNoSideEmptyWhereThereAreTwoGroups) {
   for (const double ratio : {0.01, 0.5, 0.99}) {
-    const auto trains = split_clips(persons(2, 5), {ratio, ""}).value();
-    EXPECT_EQ(std::ranges::count(trains, true), 5) << ratio;
+    const auto sides = split_clips(persons(2, 5), {ratio, ""}).value();
+    EXPECT_EQ(std::ranges::count(sides, SplitSide::kTrain), 5) << ratio;
   }
-  EXPECT_EQ(std::ranges::count(split_clips(persons(1, 5), {0.9, ""}).value(), true), 5);
+  for (const double test : {0.0, 0.05}) {
+    const auto alone = split_clips(persons(1, 5), {0.9, "", test}).value();
+    EXPECT_EQ(std::ranges::count(alone, SplitSide::kTrain), 5);
+  }
   EXPECT_TRUE(split_clips({}, {0.9, ""}).value().empty());
+}
+
+TEST(SplitClips, LeavesNoneOfThreeSidesEmptyWhereThereAreThreeGroups) {
+  for (const double ratio : {0.02, 0.34, 0.97}) {
+    for (const double share : {0.3, 0.5, 0.9}) {
+      const double test = share * (1.0 - ratio);
+      for (const int persons_there : {3, 4, 9}) {
+        const auto sides = split_clips(persons(persons_there, 5), {ratio, "", test}).value();
+        for (const SplitSide side : {SplitSide::kTrain, SplitSide::kValidation, SplitSide::kTest}) {
+          EXPECT_GE(std::ranges::count(sides, side), 5) << ratio << " " << test;
+        }
+      }
+    }
+  }
 }
 
 TEST(Split, ErrorShowsTheForm) {

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
 
 namespace retarget {
 

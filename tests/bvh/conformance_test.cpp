@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/option_name.h"
-#include "bvh/read_bvh.h"
 #include "bvh_test_support.h"
+#include "formats/bvh/read_bvh.h"
 #include "support/shared_data.h"
 
 namespace retarget {

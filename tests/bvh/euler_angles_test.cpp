@@ -1,4 +1,4 @@
-#include "bvh/euler_angles.h"
+#include "formats/bvh/euler_angles.h"
 
 #include <gtest/gtest.h>
 
@@ -86,7 +86,7 @@ TEST(EulerAngles, IsAccurateNearGimbalLock) {
 }
 
 TEST(EulerAngles, IsContinuousOverManyTurns) {
-  // angles that wind up and pass through gimbal lock come back as they were
+  // Angles that wind up and pass through gimbal lock are recovered exactly.
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     std::vector<double> before = {0.0, 45.0, 0.0};
     for (int frame = 0; frame < 2000; ++frame) {

@@ -1,4 +1,4 @@
-#include "bvh/number_line.h"
+#include "formats/bvh/number_parser.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kDeclined = std::string::npos;
 
-// what a reader makes of a line in the midst of a text
+// The result of a reader for a line in the middle of a text.
 struct Line {
   bool taken = false;
   std::size_t end = 0;  // from the line's begin
@@ -26,7 +26,7 @@ struct Line {
 };
 
 Line read(ReadNumberLine reader, const std::string& line, std::size_t count) {
-  // what stands around a line must not matter: digits before, numbers behind
+  // Text around the line must not matter: digits before it, numbers after it.
   const std::string before(40, '7');
   const std::string text = before + line + std::string(200, '8');
   std::vector<double> row(count + kNumberLineSlack, std::nan(""));
@@ -169,7 +169,7 @@ TEST_P(NumberLine, ReadsRandomNumbers) {
   }
 }
 
-// both readers may decline what they like; what both take they must read alike
+// Each reader may decline any line; lines that both accept must give equal numbers.
 TEST(NumberLineReaders, AgreeOnRandomBytes) {
   const ReadNumberLine vector = vector_number_line_reader();
   if (vector == nullptr) GTEST_SKIP() << "this processor has no vector reader";

@@ -1,4 +1,4 @@
-#include "bvh/number_parser.h"
+#include "formats/bvh/number_parser.h"
 
 #include <gtest/gtest.h>
 
@@ -104,7 +104,7 @@ TEST(NumberParser, MatchesStrtodBitForBitOnRandomText) {
   std::mt19937_64 random(20240611);
   std::uniform_real_distribution<double> degrees(-360.0, 360.0);
   for (int i = 0; i < 60000; ++i) {
-    // what files hold: few digits and many digits
+    // Numbers as in files: with few digits and with many.
     const double value = degrees(random);
     expect_same_as_strtod(printed("%f", value));
     expect_same_as_strtod(printed("%.9g", value));

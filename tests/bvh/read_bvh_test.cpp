@@ -1,4 +1,4 @@
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ TEST(ReadBvh, AllZeroPositionsKeepTheOffset) {
   EXPECT_EQ(still->clip.translation(1, 1), Eigen::Vector3d(1, 2, 3));
   ASSERT_EQ(still->warnings.size(), 1U);
   EXPECT_THAT(still->warnings[0].message, HasSubstr("the OFFSET is used for \"b\""));
-  // what leaves 0 by a good part of the OFFSET is a position
+  // A channel that differs from 0 by a good part of the OFFSET is a position.
   const Clip moved = clip_of(hierarchy + "0 0 0 0 0 0\n0 0 0 0 0 0.5\n");
   EXPECT_EQ(moved.translation(0, 1), Eigen::Vector3d::Zero());
 }
@@ -247,7 +247,7 @@ TEST(ReadBvh, CanReadOnlyTheSkeleton) {
   EXPECT_FALSE(file->has_motion);
   EXPECT_FALSE(file->declared_frames);
   EXPECT_EQ(file->clip.frame_count(), 0);
-  // what there is of MOTION is still checked
+  // The available part of MOTION is still checked.
   EXPECT_FALSE(read_exactly(std::string(kHierarchy) + "MOTION\n", options).has_value());
   EXPECT_FALSE(read_exactly(motion("3", ""), options).has_value());
 }

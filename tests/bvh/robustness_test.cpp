@@ -1,4 +1,4 @@
-// Whatever the bytes, the reader gives a clip or an error: no crash, no memory beyond the file.
+// For any bytes the reader returns a clip or an error: no crash, no memory beyond the file's size.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/option_name.h"
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
 #include "bvh_test_support.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
 
 namespace retarget {
 namespace {
@@ -160,7 +160,7 @@ TEST(BvhRobustness, JointsWithoutChannelsDoNotExhaustMemory) {
       "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
       "file of this size");
   EXPECT_LT(peak_kilobytes() - before, 80'000);
-  // what is not said is not taken either
+  // Missing rows are an error unless the reader is lenient.
   EXPECT_FALSE(read_exactly(head + "0\n").has_value());
   BvhReadOptions lenient;
   lenient.lenient = true;
@@ -179,7 +179,7 @@ TEST(BvhRobustness, ClipStaysWithinTheMemoryLimit) {
   EXPECT_THAT(file.error().hint, ::testing::HasSubstr(OPTION("memory")));
 }
 
-TEST(BvhRobustness, WhatIsReadCanBeWrittenBack) {
+TEST(BvhRobustness, AcceptedFilesCanBeWritten) {
   const std::filesystem::path folder =
       std::filesystem::path(RETARGET_SOURCE_DIR) / "tests/bvh/conformance";
   int written = 0;

@@ -1,4 +1,4 @@
-#include "bvh/write_bvh.h"
+#include "formats/bvh/write_bvh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -114,7 +114,7 @@ class BadInput(ToolTest):
         self.assert_refused(self.retarget("--ik-config", self.write("config.json", wrong)), 4,
                             "left_kne_link\" (did you mean \"left_knee_link\"?)",
                             "LeftHnad\" (did you mean \"LeftHand\"?)")
-        # what is wrong in itself and what does not fit the robot are told together
+        # Errors within the file and errors against the robot are reported together.
         wrong = wrong.replace("[0.5, 0.5, 0.5, 0.5]", "[2, 0, 0, 0]", 1)
         self.assert_refused(self.retarget("--ik-config", self.write("config.json", wrong)), 4,
                             "not a unit quaternion", "left_kne_link")

@@ -60,7 +60,7 @@ class Isolation(BatchTest):
         # a sanitizer would make an exit of the signal
         plain = {**os.environ,
                  "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
-        for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory ran out")):
+        for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory may have run out")):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1",
                                    "--jobs", "1", *FAST], cwd=self.folder, text=True, env=plain,

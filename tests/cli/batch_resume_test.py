@@ -1,4 +1,4 @@
-"""retarget batch again: what a second run does, and that nothing is lost."""
+"""A second run of retarget batch in the same folder loses nothing."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ from tool import SOURCE, TOOL
 
 
 class Resume(BatchTest):
-    def test_second_run_wants_to_be_told(self):
+    def test_second_run_requires_resume(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         self.assert_fails(self.batch(), 2, "--resume", "--redo")
@@ -64,7 +64,7 @@ class Resume(BatchTest):
         self.assertEqual(len(self.manifest()), 1)
 
     def test_meshes_that_shapes_are_made_from(self):
-        """The model as compiled has lost them, so its hash does not tell."""
+        """The compiled model lacks them, so its hash does not change."""
         self.clips("a.bvh")
         robot = SOURCE / "robots/unitree_g1"
         at = '<body name="left_elbow_link"'
@@ -102,16 +102,16 @@ class Resume(BatchTest):
         self.assertEqual(self.redone("--dof", "23-pbhc"), ["a.csv"])
         self.assertEqual(self.redone("--dof", "23-pbhc", "--limits", "official"), ["a.csv"])
 
-    def test_files_of_another_format_are_told_of(self):
+    def test_files_of_another_format_are_reported(self):
         self.clips("a.bvh", "sub/b.bvh")
         self.assert_done(self.batch())
         result = self.batch("--resume", "--format", "pkl-gmr")
         self.assert_done(result)
-        self.assertIn("2 files that earlier options made", result.stderr)
+        self.assertIn("2 files written by earlier options", result.stderr)
         self.assertIn("a.csv, sub/b.csv", result.stderr)
         self.assertEqual(self.outputs(), ["a.csv", "sub/b.csv"])
         self.assertEqual(self.outputs(end=".pkl"), ["a.pkl", "sub/b.pkl"])
-        # the same files again are replaced, and nothing is to be told
+        # The same files are replaced without a message.
         self.assertNotIn("earlier options", self.batch("--resume", "--format", "pkl-gmr",
                                                        "--fps", "25").stderr)
 
@@ -194,7 +194,7 @@ class NothingIsLost(BatchTest):
         self.assertEqual(self.batch("--resume", "--start", "1000").returncode, 1)
         self.assertEqual(self.outputs(), ["a.csv", "b.csv"])
 
-    def test_only_what_a_batch_made_is_removed(self):
+    def test_only_files_of_a_batch_are_removed(self):
         (self.folder / "in").mkdir()
         (self.folder / "in/z.bvh").write_text("junk")
         (self.folder / "out/y.csv").mkdir(parents=True)
@@ -244,7 +244,7 @@ class NothingIsLost(BatchTest):
         # the clips of a batch may be of both kinds
         self.assert_done(self.batch("--smpl-model", "body.npz"))
 
-    def test_what_was_edited_since_is_not_removed(self):
+    def test_edited_files_are_not_removed(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         kept = self.write("out/a.csv", "edited by hand\n")
@@ -277,7 +277,7 @@ class NothingIsLost(BatchTest):
         self.assertEqual([e["status"] for e in self.manifest()], ["done"])
         self.assertEqual(self.summary()[0]["status"], "done")
 
-    def test_what_failed_last_is_done_again(self):
+    def test_failed_clips_are_done_again(self):
         self.clips("a.bvh", "b.bvh")
         good = (self.folder / "in/a.bvh").read_bytes()
         self.assert_done(self.batch())

@@ -1,4 +1,4 @@
-"""What the tests of retarget batch share: runs of it, and what it left in its folder."""
+"""Support for tests of retarget batch: runs, and the contents of the output folder."""
 
 import csv
 import json

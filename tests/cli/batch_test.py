@@ -1,11 +1,11 @@
-"""retarget batch: what goes where, what happens to bad files."""
+"""retarget batch: names of outputs, handling of bad files."""
 
 import json
 import os
 import unittest
 
 from batch_runs import BatchTest
-from tool import short_clip
+from tool import read_rows, short_clip
 
 
 class Outputs(BatchTest):
@@ -59,14 +59,103 @@ class Outputs(BatchTest):
         self.assert_done(self.batch("--jobs", 3, "--memory", "0.001"))
         self.assertEqual(len(self.outputs()), 3)
 
+    def test_a_format_that_a_short_clip_cannot_have_is_left_out_alone(self):
+        self.write("in/long.bvh", short_clip("walk", 12))
+        for frames in (1, 2):
+            self.write(f"in/short{frames}.bvh", short_clip("walk", frames))
+        options = ("--format", "csv,npz-mjlab,csv-sonic,protomotions", "--sidecar", "--contacts",
+                   "--no-quality")
+        result = self.batch(*options, fast=False)
+        self.assert_done(result)
+        for frames in (1, 2):
+            self.assertIn(f"out/short{frames}.mjlab.npz: warning: not written: a tracking file "
+                          "needs three frames at 50 fps", result.stderr)
+            self.assertEqual({f for f in self.files() if f.startswith(f"out/short{frames}")},
+                             {f"out/short{frames}.{end}" for end in
+                              ("csv", "csv.json", "contacts.csv")})
+            self.assertEqual(len((self.folder / f"out/short{frames}.csv").read_text()
+                                 .splitlines()), frames)
+        entry = next(e for e in self.manifest() if e["relative"] == "short1.bvh")
+        self.assertEqual(entry["status"], "done")
+        self.assertEqual([each["file"] for each in entry["not_written"]],
+                         ["short1.mjlab.npz", "short1.sonic", "short1.motion"])
+        self.assertIn("three frames", entry["not_written"][0]["reason"])
+        passed = (self.folder / "out/passed.txt").read_text().splitlines()
+        self.assertIn("long.mjlab.npz", passed)
+        self.assertIn("short1.csv", passed)
+        self.assertNotIn("short1.mjlab.npz", passed)
+        again = self.batch(*options, "--resume", fast=False)
+        self.assertIn("3 of 3 are done", again.stderr)
+        # Files of an earlier run, in which the clip was longer, are removed.
+        self.write("in/long.bvh", short_clip("walk", 1))
+        self.assert_done(self.batch(*options, "--resume", fast=False))
+        self.assertEqual({f for f in self.files() if f.startswith("out/long")},
+                         {"out/long.csv", "out/long.csv.json", "out/long.contacts.csv"})
+
+    def test_a_clip_too_short_for_its_only_format_fails_alone(self):
+        self.write("in/long.bvh", short_clip("walk", 12))
+        self.write("in/short.bvh", short_clip("walk", 1))
+        result = self.batch("--format", "npz-mjlab", "--pack", "all.npz")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("three frames", result.stderr)
+        self.assertEqual((self.folder / "out/passed.txt").read_text(), "long.npz\n")
+        self.assertTrue((self.folder / "out/all.npz").exists())
+
+    def test_a_pack_takes_the_clips_that_have_its_format(self):
+        self.write("in/long.bvh", short_clip("walk", 12))
+        self.write("in/short.bvh", short_clip("walk", 1))
+        result = self.batch("--format", "csv,npz-mjlab", "--pack", "all.npz")
+        self.assert_done(result)
+        self.assertIn("all.npz: 1 clip,", result.stderr)
+
+    def test_base_takes_a_folder_as_its_former_meaning(self):
+        self.clips("a/walk.bvh", "b/walk.bvh")
+        self.write("list.txt", "in/a/walk.bvh\nin/b/walk.bvh\n")
+        former = self.batch("--base", "in", inputs=("@list.txt",))
+        self.assert_done(former)
+        self.assertIn("warning: --base DIR is now --relative-to DIR", former.stderr)
+        self.assertEqual(self.outputs(), ["a/walk.csv", "b/walk.csv"])
+        both = self.batch("--base", "in", "--relative-to", "in", inputs=("@list.txt",), output="b")
+        self.assert_fails(both, 2, "--base", "--relative-to", "give only one of them")
+        # neither a folder nor a kind of base
+        self.assert_fails(self.batch("--base", "fxied", output="c"), 2, '"fxied"', "auto", "fixed")
+        self.assertFalse((self.folder / "c").exists())
+
+    def test_the_base_of_the_robot_is_fixed_as_in_a_single_run(self):
+        self.clips("walk.bvh", frames=12)
+        # a folder of this name is not meant
+        (self.folder / "fixed").mkdir()
+        for method in ("fit", "gmr"):
+            held = self.run_tool("batch", "in", "-o", method, "--robot", "g1", "--base", "fixed",
+                                 "--method", method)
+            self.assert_done(held)
+            self.assertNotIn("warning", held.stderr)
+            rows = read_rows((self.folder / method / "walk.csv").read_text())
+            self.assertEqual({tuple(row[:7]) for row in rows}, {(0, 0, 0.793, 0, 0, 0, 1)})
+            self.assert_done(self.retarget("--base", "fixed", "--method", method,
+                                           bvh=self.folder / "in/walk.bvh"))
+            self.assertEqual((self.folder / "out.csv").read_bytes(),
+                             (self.folder / method / "walk.csv").read_bytes())
+        # another base makes other motions, so nothing is done already
+        again = self.run_tool("batch", "in", "-o", "gmr", "--robot", "g1", "--method", "gmr",
+                              "--base", "auto", "--resume")
+        self.assert_done(again)
+        rows = read_rows((self.folder / "gmr/walk.csv").read_text())
+        self.assertNotEqual({tuple(row[:7]) for row in rows}, {(0, 0, 0.793, 0, 0, 0, 1)})
+
     def test_lists_patterns_base_and_exclude(self):
         self.clips("a/walk.bvh", "b/walk.bvh", "b/other.bvh")
         self.write("list.txt", "in/a/walk.bvh\nin/b/walk.bvh\n")
         clash = self.batch(inputs=("@list.txt",))
-        self.assert_fails(clash, 2, "in/a/walk.bvh", "in/b/walk.bvh", "--base")
+        self.assert_fails(clash, 2, "in/a/walk.bvh", "in/b/walk.bvh", "--relative-to")
         self.assertFalse((self.folder / "out").exists())
-        self.assert_done(self.batch("--base", "in", inputs=("@list.txt",)))
+        kept = self.batch("--relative-to", "in", inputs=("@list.txt",))
+        self.assert_done(kept)
+        self.assertNotIn("--base", kept.stderr)
         self.assertEqual(self.outputs(), ["a/walk.csv", "b/walk.csv"])
+        outside = self.batch("--relative-to", "out", inputs=("@list.txt",), output="five")
+        self.assert_fails(outside, 2, '"in/a/walk.bvh" is not inside the folder "out"',
+                          "--relative-to")
         self.assert_done(self.batch(inputs=("in/*/w*.bvh",), output="two"))
         self.assertEqual(self.outputs("two"), ["a/walk.csv", "b/walk.csv"])
         self.assert_done(self.batch("--exclude", "a/*", output="three"))

@@ -33,7 +33,7 @@ FLAGS = [
 
 
 def chromium():
-    """The browser's program; None: there is none."""
+    """The browser's program; None if it is missing."""
     names = [os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome"]
     return next((found for name in names if name and (found := shutil.which(name))), None)
 
@@ -130,7 +130,7 @@ class Browser:
     # --- pages -------------------------------------------------------------------------------
 
     def open(self, path, fragment="", size=None, features=None):
-        """Opens a file in a new page and waits until it is there.
+        """Opens a file in a new page and waits until it is loaded.
 
         features: media features by name, such as prefers-color-scheme.
         """
@@ -207,7 +207,7 @@ class Browser:
         return base64.b64decode(self.send("Page.captureScreenshot", {"format": "png"})["data"])
 
     def complaints(self):
-        """What the page said on the console, exceptions, and what the browser logged about it."""
+        """Console messages of the page, exceptions, and the browser's log entries about it."""
         self.run("0")
         found = []
         for event in self.events:

@@ -10,7 +10,7 @@ import unittest
 
 from tool import SOURCE, TOOL, ToolTest, is_sanitized, sample
 
-# writes the rows that it is asked for, and takes its time for more than one
+# Writes the requested rows, and takes its time for more than one.
 FAKE_PEER = """
 import sys, time
 frames, output = int(sys.argv[1]) or 301, sys.argv[2]
@@ -97,7 +97,7 @@ class ComparePeers(ToolTest):
         self.assertGreater(loop["frames_per_s"]["retarget"]["min"], 0)
         self.assertIn("loop in Python, retarget", result.stdout)
 
-    def test_faults_are_said(self):
+    def test_faults_are_reported(self):
         for arguments, words in (((self.folder / "none.bvh",), "none.bvh"),
                                  (("--tool", "nothing", sample("walk")), "no tool at nothing"),
                                  (("--package", self.folder), "no package retarget"),

@@ -74,7 +74,7 @@ class ConfigurationChoice(ToolTest):
         self.assertIn("--ik-config published", summary)
         self.assertEqual(self.run_with(self.other, *gmr, "--ik-config", SOURCE / DERIVED)[0], found)
 
-    def test_evaluate_tracks_what_a_run_tracks(self):
+    def test_evaluate_tracks_the_same_bodies_as_a_run(self):
         self.run_with(self.other)
         for arguments, configuration in (((), DERIVED), (("--ik-config", "published"), PUBLISHED)):
             result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh",
@@ -107,7 +107,7 @@ class ConfigurationChoice(ToolTest):
         (folder / "ik.json").unlink()
         self.assertEqual(self.run_with(self.other, robot=folder)[1], PUBLISHED)
 
-    def test_what_is_not_there_is_refused(self):
+    def test_missing_files_are_errors(self):
         self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,
                           "no published retargeting configuration", "unitree_h1")
 

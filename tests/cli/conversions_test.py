@@ -1,4 +1,4 @@
-"""Robot motions read from every format and converted: what is found, what is asked."""
+"""Robot motions read from every format and converted: detection, required options."""
 
 import os
 import pathlib
@@ -68,7 +68,7 @@ class Conversions(FormatsTest):
         self.converted("high.csv", "x.csv", "--source-unit", "m")
         self.assert_same(self.rows("x.csv"), high.tolist(), 1e-6)
 
-    def test_what_cannot_be_told_is_asked(self):
+    def test_unknown_properties_are_required(self):
         rows = np.loadtxt(GOLDEN / "walk.csv", delimiter=",")
         odd = rows.copy()
         odd[:, 10] = 5.0

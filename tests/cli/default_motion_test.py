@@ -1,4 +1,4 @@
-"""What the default promises of the motion: an upright trunk, likeness, a calm root, feet that stand."""
+"""Properties of motions with default options: an upright trunk, likeness, a calm root, planted feet."""
 
 import json
 import os

@@ -6,15 +6,15 @@ import unittest
 
 from tool import SAMPLES, ToolTest, sample
 
-# glibc's names; those that a processor or a version lacks are skipped
+# glibc's names; it ignores names that the processor or the version lacks
 OLD_PROCESSOR = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX,-AVX2,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
 
 
 @unittest.skipUnless(platform.libc_ver()[0] == "glibc" and platform.machine() == "x86_64",
-                     "only glibc on x86-64 can be told what processor to see")
+                     "only glibc on x86-64 can hide features of the processor")
 class AnyProcessor(ToolTest):
     def both(self, name, *arguments):
-        """What is written on this processor, and on one without FMA."""
+        """Compares output of this processor with that of one without FMA."""
         texts = []
         for environment in (None, dict(os.environ, GLIBC_TUNABLES=OLD_PROCESSOR)):
             result = self.retarget("--quiet", *arguments, bvh=sample(name), output="-",

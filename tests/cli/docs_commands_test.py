@@ -2,7 +2,6 @@
 the files they name."""
 
 import json
-import os
 import re
 import shutil
 import struct
@@ -35,7 +34,7 @@ def documents():
 
 
 def code_lines(text):
-    """Lines of indented and fenced code; those that a backslash breaks are put together."""
+    """Lines of indented and fenced code; lines that a backslash breaks are joined."""
     fenced, before, pending = False, "", ""
     for line in text.splitlines():
         if line.startswith("```"):
@@ -108,6 +107,7 @@ class Commands(ToolTest):
             shutil.copy(ROBOT / "model.xml", self.folder / name)
         shutil.copy(SOURCE / "configs/lafan1_to_unitree_g1.json", self.folder / "my_mapping.json")
         shutil.copytree(SOURCE / "data", self.folder / "data")
+        shutil.copytree(SOURCE / "robots/unverified", self.folder / "SOURCE/robots/unverified")
         self.write_places()
 
     def write_places(self):
@@ -124,7 +124,7 @@ class Commands(ToolTest):
         return subprocess.run(
             ["bash", "-o", "pipefail", "-c",
              'retarget() { "$RETARGET_TOOL" "$@"; }\n' + line.replace(" NAME", " unitree_g1")],
-            cwd=self.folder, env={**os.environ, "RETARGET_TOOL": TOOL}, text=True, timeout=300,
+            cwd=self.folder, env=self.tool_environment(RETARGET_TOOL=TOOL), text=True, timeout=300,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def test_all_run(self):
@@ -137,7 +137,7 @@ class Commands(ToolTest):
                 continue
             shutil.rmtree(self.folder, ignore_errors=True)
             for line in lines:
-                # what one line wrote the next may read, but what they all name is as it was
+                # A command may read the output of the one before, but the named files are restored.
                 shutil.copytree(files, self.folder, dirs_exist_ok=True,
                                 ignore=shutil.ignore_patterns("commands"))
                 with self.subTest(document=document.name, command=line):
@@ -150,7 +150,7 @@ class Commands(ToolTest):
         self.assertGreater(ran, 40)
 
     def assert_written(self, line):
-        """What -o names is there."""
+        """The file that -o names exists."""
         for output in re.findall(r" -o (\S+)", line.split(" # ")[0]):
             if output == "-":
                 continue
@@ -160,7 +160,7 @@ class Commands(ToolTest):
 
 
 class OtherLines(unittest.TestCase):
-    """Lines that call what a test cannot: builds, job arrays. What they name is there."""
+    """Lines that a test cannot run: builds, job arrays. The files that they name exist."""
 
     def test_programs_and_presets_exist(self):
         presets = {preset["name"] for preset in

@@ -21,7 +21,7 @@ class Edit(ToolTest):
         self.assert_done(result)
         return self.folder / "edited.bvh"
 
-    def test_what_changes_nothing_gives_the_same_robot_motion(self):
+    def test_edits_without_effect_give_the_same_robot_motion(self):
         expected = self.robot_rows(sample("walk"))
         for arguments in (("rest", sample("walk"), "--like", sample("wave")),
                           ("transfer", sample("walk"), "--to", sample("squat")),
@@ -134,7 +134,7 @@ class Edit(ToolTest):
         rows = self.frames(self.folder / "loop.bvh")
         way = [0.01 * (rows[cycle][i] - rows[0][i]) for i in (0, 2)]
         self.assertAlmostEqual(float(advance.split()[0]), (way[0] ** 2 + way[1] ** 2) ** 0.5, 3)
-        # who gets up does not come back to lying
+        # A clip of getting up never returns to lying.
         up = sample("get_up")
         self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")
         self.said("loop", up, "--force", "-o", "x.bvh")
@@ -157,7 +157,7 @@ class Edit(ToolTest):
                           ("loop", "--end", "3", "--force")):
             with self.subTest(edit=arguments):
                 words = self.said(arguments[0], zeros, *arguments[1:], "-o", "one.bvh")
-                self.assertRegex(words, r"lead-in +1 frame at the start left out.*--start 0 takes it")
+                self.assertRegex(words, r"lead-in +1 frame at the start skipped.*--start 0 keeps it")
                 # times are the file's, which begins a frame earlier
                 plain = ["2.96667" if word == "3" else word for word in arguments]
                 self.said(plain[0], up, *plain[1:], "-o", "other.bvh")
@@ -169,11 +169,12 @@ class Edit(ToolTest):
         self.assertNotIn("warning", self.said("path", rare, "--to", "circle", "-o", "x.bvh"))
         several = self.with_zeros_in_front(walk, "several.bvh", held=20)
         self.assertRegex(self.said("ground", several, "-o", "x.bvh"),
-                         r"lead-in +20 frames at the start left out.*--start 0 takes them")
+                         r"lead-in +20 frames at the start skipped.*--start 0 keeps them")
         words = self.said("concat", several, several, "-o", "x.bvh")
-        self.assertEqual(words.count("20 frames at the start left out"), 2)
+        self.assertEqual(words.count("20 frames at the start skipped"), 2)
         self.assertNotIn("--start", words)
-        # who says where to begin means it, and what changes every frame alike takes all of them
+        # A given start is kept exactly, and an edit that changes every frame alike takes all
+        # frames.
         count = len(self.frames(zeros))
         for arguments in (("ground", "--start", 0), ("ground", "--frames", "0:"), ("mirror",),
                           ("resample", "--speed", 1), ("turn", "90"), ("move", "1,0"), ("lafan",),
@@ -217,7 +218,7 @@ class Edit(ToolTest):
         self.edited("move", "turned.bvh", "60,-80").rename(self.folder / "far.bvh")
         words = self.said("concat", "a.bvh", "far.bvh", "-o", "ab.bvh")
         # the second begins at the seam: the body goes back by what it was moved
-        self.assertIn("turned by -50 degrees", words)
+        self.assertIn("rotated by -50 degrees", words)
         x, y = (float(word) for word in
                 words.split("and moved by ")[1].split(" m")[0].split(", "))
         self.assertAlmostEqual(x, -60.0, 2)
@@ -297,7 +298,7 @@ class Edit(ToolTest):
         self.assertIn("at rest", words)
         self.assertIn("RightIndex", words)
 
-    @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is not there")
+    @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is missing")
     def test_other_skeletons(self):
         dialects = SHARED / "data/dialects"
         source = dialects / "games105_walk60.bvh"

@@ -17,7 +17,7 @@ except ImportError:
 SLACK = 1e-9  # of numbers with six digits
 
 
-@unittest.skipIf(numpy is None, "numpy is not there")
+@unittest.skipIf(numpy is None, "numpy is missing")
 class OddSources(ToolTest):
     @classmethod
     def setUpClass(cls):

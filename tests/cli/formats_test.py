@@ -111,7 +111,7 @@ class Dictionaries(FormatsTest):
         dof = np.delete(self.csv[:, 7:], [19, 20, 21, 26, 27, 28], axis=1)
         self.assertLess(np.abs(motion["dof"] - dof).max(), 1e-6)
         self.assertEqual(motion["pose_aa"].shape, (len(self.csv), 27, 3))
-        # each joint turns about one axis; the last three rows are nobody's
+        # Each joint rotates about one axis; the last three rows belong to no joint.
         self.assertLess(np.abs(motion["pose_aa"][:, 1:24].sum(-1) - dof).max(), 1e-6)
         self.assertEqual(np.abs(motion["pose_aa"][:, 24:]).max(), 0)
         self.assertLess(np.abs(motion["root_trans_offset"] - self.csv[:, :3]).max(), 1e-6)

@@ -1,4 +1,4 @@
-"""What the command line and the library behind it must agree on: records of runs, help, interrupts."""
+"""The command line agrees with the library behind it: records of runs, help, interrupts."""
 
 import json
 import signal
@@ -19,7 +19,7 @@ class Records(ToolTest):
     def batch(self, *options):
         return self.run_tool("batch", "in", "-o", "out", *G1, "--method", "gmr", *options)
 
-    def test_a_batch_goes_on_with_what_is_asked_for_now(self):
+    def test_a_batch_resumes_with_the_current_options(self):
         self.assert_done(self.batch("--no-quality"))
         again = self.batch("--no-quality", "--sidecar", "--resume")
         self.assert_done(again)

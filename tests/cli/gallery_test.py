@@ -27,7 +27,7 @@ def data_of(path, name):
 
 
 class GalleryTest(ToolTest):
-    """What both kinds of tests need."""
+    """Support for both kinds of tests."""
 
     def batch(self, *options, clips=("walk", "squat")):
         for name in clips:
@@ -98,6 +98,15 @@ class Gallery(GalleryTest):
         entry = self.entries()[0]["quality"]["figures"]["limb_angle_deg"]
         self.assertAlmostEqual(angle, entry, delta=0.3)
 
+    def test_a_fixed_base_is_measured_as_in_the_batch(self):
+        self.batch("--base", "fixed", clips=("walk",))
+        self.assert_done(self.gallery())
+        header = data_of(self.folder / "gallery" / self.index()["clips"][0]["page"], "page-header")
+        shown = {figure["key"] for figure in header["motions"][0]["report"]["figures"]}
+        recorded = set(self.entries()[0]["quality"]["figures"])
+        self.assertNotIn("stance_slip_mean", recorded)
+        self.assertEqual(shown & {"stance_slip_mean", "body_pen_cm_p99"}, set())
+
     def test_what_is_missing_is_said_and_the_rest_is_shown(self):
         self.batch()
         (self.folder / "out/walk.csv").unlink()
@@ -108,7 +117,7 @@ class Gallery(GalleryTest):
         self.assert_done(result)
         self.assertIn("a motion of the manifest is missing: walk.csv", result.stderr)
         self.assertIn("1 line of the manifest cannot be read", result.stderr)
-        self.assertIn("1 clip is shown without the source, which is no longer there", result.stderr)
+        self.assertIn("1 clip is shown without the source, which no longer exists", result.stderr)
         walk = next(clip for clip in self.index()["clips"] if clip["name"] == "walk.bvh")
         self.assertEqual(walk["message"], "the motion is missing: walk.csv")
         squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
@@ -176,7 +185,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("message", clip)
         self.assertIn("human", self.header(clip)["motions"][0])
 
-    def test_files_that_others_name_are_not_told(self):
+    def test_files_that_others_name_are_not_reported(self):
         self.batch(clips=("walk",))
         self.write("secret.txt", "HIERARCHY\nthe secret word\n")
         options = json.loads((self.folder / "out/options.json").read_text())
@@ -188,7 +197,7 @@ class Gallery(GalleryTest):
             self.write_entries([entry])
             self.assert_done(self.gallery())
             message = self.index()["clips"][0]["message"]
-            self.assertIn("a file of the batch's options has changed since: secret.txt", message)
+            self.assertIn("a file named by the batch's options has changed since: secret.txt", message)
             for file in self.folder.glob("gallery/**/*.html"):
                 self.assertNotIn("the secret", file.read_text(), role)
         options[0]["paths"] = {}
@@ -212,7 +221,7 @@ class Gallery(GalleryTest):
             robot = header["robots"][header["motions"][0]["robot"]]
             self.assertEqual(robot["name"], clip["robot"])
         self.assert_fails(self.run_tool("view", "out", "-o", "other", "--robot", "fourier_n1"), 2,
-                          "no motions of the robot", "booster_t1_29dof, unitree_g1")
+                          "no motions for the robot", "booster_t1_29dof, unitree_g1")
         self.assertFalse((self.folder / "other").exists())
 
     def test_the_options_say_how_a_motion_was_written(self):
@@ -262,7 +271,7 @@ class Gallery(GalleryTest):
             self.assert_fails(self.run_tool("view", "out", "-o", output), 2, word)
         self.assert_fails(self.gallery("--bvh", "clips/walk.bvh"), 2, "--bvh")
         self.assert_fails(self.run_tool("view", "out", "clips", "-o", "gallery"), 2, "one folder")
-        self.assert_fails(self.gallery("--robot", "nobody"), 4, "nobody")
+        self.assert_fails(self.gallery("--robot", "no_such_robot"), 4, "no_such_robot")
         self.assertFalse((self.folder / "gallery").exists())
 
     def data_with_a_gate_of_its_own(self):
@@ -361,7 +370,7 @@ class Gallery(GalleryTest):
         self.wait_until(ended)
         told = process.stderr.read()
         self.assertEqual(process.returncode, 1, told)
-        self.assertIn("no page could be made", told)
+        self.assertIn("no page could be created", told)
         self.assertFalse((self.folder / "gallery/index.html").exists())
 
     def test_where_one_process_dies_the_ways_lead_on(self):
@@ -384,7 +393,7 @@ class Gallery(GalleryTest):
         self.wait_until(lambda: process.poll() is not None)
         self.assertEqual(process.returncode, 0, process.stderr.read())
         clips = self.index()["clips"]
-        self.assertIn("its page could not be made", [clip.get("message") for clip in clips])
+        self.assertIn("its page could not be created", [clip.get("message") for clip in clips])
         for clip in clips:
             self.assertTrue((self.folder / "gallery" / clip["page"]).is_file(), clip)
 
@@ -450,8 +459,8 @@ class GalleryInABrowser(GalleryTest):
         with Browser(self.program) as browser:
             browser.open(page)
             self.assertEqual(len(self.names(browser)), 1000)
-            # what keeps it quick, however busy the machine: few elements, and cards out of sight
-            # are neither laid out nor drawn
+            # The page stays fast on a busy machine: it has few elements, and cards out of sight are
+            # neither laid out nor drawn.
             elements = browser.run("document.querySelectorAll('*').length")
             self.assertLess(elements, 13_000)
             skipped = browser.run(

@@ -22,7 +22,7 @@ validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])))
 
 
 def validator_folder():
-    """The folder of npm's modules, or why there is none, in words."""
+    """The folder of npm's modules, or the reason why it is missing as text."""
     if not shutil.which("node"):
         return None, "there is no node (Debian: nodejs)"
     folder = SOURCE / "build/deps/node/node_modules"
@@ -32,7 +32,7 @@ def validator_folder():
 
 
 def issues(path, folder):
-    """What the validator says of a file: messages with a severity (0 error, 1 warning)."""
+    """The validator's report on a file: messages with a severity (0 error, 1 warning)."""
     result = subprocess.run(["node", "-e", VALIDATE, str(path)], text=True, check=True, timeout=60,
                             stdout=subprocess.PIPE, env={**os.environ, "NODE_PATH": str(folder)})
     return json.loads(result.stdout)["messages"]

@@ -121,7 +121,7 @@ class Hands(ToolTest):
         self.assertEqual(len(fingers), 14)
         for name, values in follow.items():
             if name not in fingers:
-                # but for keeping them out of the thighs
+                # The arms differ only where they keep the hands out of the thighs.
                 self.assertLess(max(abs(a - b) for a, b in zip(values, off[name])), 0.2, name)
         self.assertEqual({value for name in fingers for value in off[name]}, {0.0})
         relaxed = self.columns("--hands", "relaxed")
@@ -147,7 +147,7 @@ class Hands(ToolTest):
         self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)
         self.assertEqual(exact["left_elbow_joint"], follow["left_elbow_joint"])
 
-    @unittest.skipIf(numpy is None, "numpy is not there")
+    @unittest.skipIf(numpy is None, "numpy is missing")
     def test_fingers_of_smplx(self):
         frames = 60
         poses = numpy.zeros((frames, 165))
@@ -179,7 +179,7 @@ class Hands(ToolTest):
     def test_summary_and_figures(self):
         result = self.retarget(bvh=self.clip, robot="unitree_g1_with_hands")
         self.assert_done(result)
-        self.assertRegex(result.stderr, r"hands +left and right as the human's")
+        self.assertRegex(result.stderr, r"hands +left and right following the human")
         result = self.retarget("--hands", "relaxed", bvh=self.clip, robot="unitree_g1_with_hands",
                                output="relaxed.csv")
         self.assertRegex(result.stderr, r"hands +left and right relaxed")

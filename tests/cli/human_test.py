@@ -1,5 +1,5 @@
-"""Any human skeleton: what is recognised, overridden, refused, and that copies of one movement that
-are stored differently give one robot motion."""
+"""Any human skeleton: recognition, overrides, refusals. Differently stored copies of one movement
+give one robot motion."""
 
 import json
 import os
@@ -99,7 +99,7 @@ class WhatIsUnderstood(ToolTest):
         self.assert_done(result)
         return json.loads(result.stdout)
 
-    def test_inspect_tells_what_was_understood(self):
+    def test_inspect_reports_the_recognised_skeleton(self):
         report = self.inspect(sample("walk"))
         self.assertEqual(report["dialect"], "lafan1")
         self.assertEqual(report["confidence"], 1)
@@ -107,7 +107,7 @@ class WhatIsUnderstood(ToolTest):
         self.assertEqual((report["unit"], report["up"], report["height_m"], report["rest_pose"]),
                          ("cm", "+y", 1.75, "lafan1"))
 
-    def test_inspect_shows_what_is_no_human_too(self):
+    def test_inspect_also_shows_other_skeletons(self):
         file = self.write("chain.bvh", "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation "
                           "Yrotation Zrotation\nJOINT b\n{\nOFFSET 0 1 0\nCHANNELS 0\n}\n}\n"
                           "MOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n")
@@ -139,7 +139,7 @@ class WhatIsUnderstood(ToolTest):
         self.assert_done(result)
         self.assertIn("no arms", result.stderr)
 
-    def test_what_is_given_is_taken(self):
+    def test_given_options_override_the_calibration(self):
         report = self.inspect(sample("walk"), "--height", "1.9", "--up", "z", "--unit", "0.02")
         self.assertEqual((report["height_m"], report["up"], report["metres_per_unit"]),
                          (1.9, "+z", 0.02))
@@ -163,7 +163,7 @@ class WhatIsUnderstood(ToolTest):
         self.assertEqual(self.files(), [])
 
 
-@unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is not there")
+@unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is missing")
 class SharedFiles(ToolTest):
     REFUSED = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root",
                "slimevr_hmd_root"}

@@ -37,7 +37,7 @@ class InspectPage(ToolTest):
         self.assertEqual(bones["LeftForeArm"], "LeftForeArm")
         self.assertIsNone(bones["LeftToe_end"])
 
-    def test_what_is_no_human_is_shown_and_said(self):
+    def test_other_skeletons_are_shown_and_reported(self):
         text = self.page("chain.bvh", b"""HIERARCHY
 ROOT a<script>alert(1)</script>
 {
@@ -115,7 +115,7 @@ Frame Time: 0.1
             self.assertFalse(browser.run("window.retarget.player.playing"))
             browser.run("[...document.querySelectorAll('button')]"
                         ".find((button) => button.textContent === 'Orbit').click()")
-            # what turns draws without end
+            # An orbiting camera draws without end.
             browser.run("new Promise((done) => setTimeout(done, 500))")
             frames = browser.run("window.retarget.frameTimes.length")
             browser.run("new Promise((done) => setTimeout(done, 500))")

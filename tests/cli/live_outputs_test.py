@@ -34,7 +34,7 @@ KEYS = ("action_body_unitree_g1_with_hands", "action_hand_left_unitree_g1_with_h
 
 
 class Subscriber:
-    """ZeroMQ's SUB socket: pyzmq's where that is there, else the system's library without any code of ours."""
+    """ZeroMQ's SUB socket: pyzmq's if it is installed, else the system's library without any code of ours."""
 
     def __init__(self, test, port):
         endpoint = f"tcp://127.0.0.1:{port}"
@@ -130,7 +130,7 @@ def rotation_vector(turn):
 
 
 def twist2_body(frame, before):
-    """The 35 numbers of TWIST2's controller for a frame of JSON lines and the one before it."""
+    """The 35 numbers of TWIST2's controller for a JSON line's frame and the one before it."""
     now, then = matrix(frame["root_rotation"]), matrix(before["root_rotation"])
     moved = numpy.subtract(frame["root_position"], before["root_position"])
     velocity = now.T @ moved * FPS
@@ -153,7 +153,7 @@ class OutputTest(LiveTest):
             absent(f"this build lacks {library}")
 
     def run_beside(self, *arguments, robot="unitree_g1"):
-        """A live run that writes JSON lines, too; its ports by what it tells of them, and its messages as they come."""
+        """A live run that writes JSON lines, too; its ports as its messages name them, and the messages."""
         process = self.start("--robot", robot, "--input", "udp:0?format=bvh", "--skeleton", sample("walk"),
                              "-o", "frames.jsonl", *arguments)
         ports, self.told = {}, []
@@ -191,11 +191,11 @@ class OutputTest(LiveTest):
 
 class Sonic(OutputTest):
     def messages(self, output, robot="unitree_g1"):
-        """What a subscriber got of a run; the joints and frames of the run."""
+        """The messages that a subscriber received; the joints and frames of the run."""
         self.need("ZeroMQ")
         ports, finish = self.run_beside("-o", output, robot=robot)
         subscriber = Subscriber(self, ports["publishing"])
-        time.sleep(0.5)  # a subscription takes its time; what is published before is lost to it
+        time.sleep(0.5)  # A subscription takes time; it misses earlier messages.
         taken, ended = [], threading.Event()
 
         def take():
@@ -250,7 +250,7 @@ class Sonic(OutputTest):
             return self.run_tool("live", "--robot", robot, "-o", output, *arguments)
         self.need("ZeroMQ")
         self.assert_fails(run("unitree_h1", "zmq:0"), 2, "SONIC reads the 29 joints", "unitree_g1")
-        self.assert_fails(run("unitree_g1", "zmq:0", "--fps", "30"), 2, "50 frames a second")
+        self.assert_fails(run("unitree_g1", "zmq:0", "--fps", "30"), 2, "50 frames per second")
         self.assert_fails(run("unitree_g1", "zmq:0?frames=0"), 2, "1 to 100")
         self.assert_fails(run("unitree_g1", "zmq:0?frame=1"), 2, "frames")
         self.assert_fails(run("unitree_g1", "zmq:0?format=jsonl"), 2, "sonic")
@@ -258,7 +258,7 @@ class Sonic(OutputTest):
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", 0))
             taken.listen()
-            self.assert_fails(run("unitree_g1", f"zmq:{taken.getsockname()[1]}"), 1, "port cannot be had")
+            self.assert_fails(run("unitree_g1", f"zmq:{taken.getsockname()[1]}"), 1, "cannot bind the port")
 
     def test_binds_to_this_machine_alone(self):
         self.need("ZeroMQ")
@@ -299,7 +299,7 @@ class Redis(OutputTest):
                               stderr=subprocess.DEVNULL, timeout=30).stdout.strip()
 
     def watch(self, port):
-        """All that the server is asked, as its MONITOR tells, in a list that grows."""
+        """All requests to the server, as its MONITOR reports them, in a growing list."""
         monitor = subprocess.Popen([CLIENT, "-p", str(port), "MONITOR"], text=True,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
         self.addCleanup(monitor.stdout.close)
@@ -342,7 +342,7 @@ class Redis(OutputTest):
             self.assertEqual([json.loads(keys[name]) for name in KEYS[1:4]], [[0] * 7, [0] * 7, [0] * 2])
             fastest = max(fastest, body[0])
         self.assertGreater(fastest, 0.5, "the walk goes forward, along the root's x")
-        # what a controller gets that asks for it
+        # A controller receives these values on request.
         self.assertEqual(self.ask(port, "GET", KEYS[0]), asked[-1][KEYS[0]])
 
     def test_a_server_that_stalls_does_not_hold_the_loop_up(self):
@@ -362,8 +362,8 @@ class Redis(OutputTest):
         player.join()
         passed = time.monotonic() - began
         told = finish()
-        self.assertEqual(told.count("does not answer"), 1, told)
-        self.assertRegex(told, r"takes robot frames again; \d+ were left out")
+        self.assertEqual(told.count("does not accept robot frames: it does not answer"), 1, told)
+        self.assertRegex(told, r"accepts robot frames again; \d+ frames? dropped")
         _, frames = self.frames()
         # none is late because of the server: as many frames left as time passed, and each at once
         self.assertGreater(len(frames), FPS * min(passed, 8) * 0.8)
@@ -378,12 +378,12 @@ class Redis(OutputTest):
         self.wait_for(lambda: self.ask(port, "GET", "t_action"))
         server.kill()
         server.wait()
-        self.wait_for(lambda: "takes no robot frames" in unwrapped("".join(self.told)))
+        self.wait_for(lambda: "does not accept robot frames" in unwrapped("".join(self.told)))
         self.start_server(port)
-        self.wait_for(lambda: "takes robot frames again" in unwrapped("".join(self.told)))
+        self.wait_for(lambda: "accepts robot frames again" in unwrapped("".join(self.told)))
         player.join()
         told = finish()
-        self.assertEqual(told.count("takes no robot frames"), 1, told)
+        self.assertEqual(told.count("does not accept robot frames"), 1, told)
         self.assertEqual(len(json.loads(self.ask(port, "GET", KEYS[0]))), 35)
 
     def test_refuses(self):
@@ -391,12 +391,12 @@ class Redis(OutputTest):
         live = ("live", "--robot", "unitree_g1", "-o")
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
-            # bound, but nobody listens
+            # The port is bound, but has no listener.
             self.assert_fails(self.run_tool(*live, f"redis:{free.getsockname()[1]}"), 1, "refused")
         self.assert_fails(self.run_tool(*live, "redis:6379?format=sonic"), 2, "twist2")
         self.assert_fails(self.run_tool("live", "--robot", "unitree_h1", "-o", "redis:6379"), 2, "TWIST2")
 
-    def test_what_is_no_server_is_told(self):
+    def test_a_peer_that_is_not_a_server_is_reported(self):
         self.need("hiredis")
         with socket.create_server(("127.0.0.1", 0)) as other:
             def answer():
@@ -417,7 +417,7 @@ class Redis(OutputTest):
             self.play(ports["listening"], 60)
             told = finish()
             other.shutdown(socket.SHUT_RDWR)
-        self.assertEqual(told.count("takes no robot frames"), 1, told)
+        self.assertEqual(told.count("does not accept robot frames"), 1, told)
         self.assertGreater(len(self.frames()[1]), 50)
 
     def test_a_build_without_it_says_so(self):

@@ -1,4 +1,4 @@
-"""bench/live_soak.py in seconds: minutes of a stream, and that it notices what it is for."""
+"""bench/live_soak.py in seconds: minutes of a stream, and detection of the faults that it looks for."""
 
 import stat
 import subprocess

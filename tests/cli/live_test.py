@@ -13,7 +13,7 @@ from tool import MEGABYTE, TOOL, ToolTest, difference, is_sanitized, read_rows, 
 
 
 def free_port():
-    """A port that nobody has just now."""
+    """A port that is free at the moment."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         return taken.getsockname()[1]
@@ -39,11 +39,11 @@ class LiveTest(ToolTest):
             found = re.search(r"listening at \w+:127\.0\.0\.1:(\d+)", line)
             if found:
                 return process, int(found.group(1))
-        self.fail("nobody listens")
+        self.fail("the port has no listener")
         return None
 
     def end(self, process):
-        """What it printed, after Ctrl-C."""
+        """The printed text, after Ctrl-C."""
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, err)
@@ -57,7 +57,7 @@ class LiveTest(ToolTest):
         return result.stdout
 
     def live(self, text, *arguments):
-        """What a live run makes of standard input."""
+        """The output of a live run for this standard input."""
         self.write("input.txt", text)
         with open(self.folder / "input.txt") as stream:
             return self.run_tool("live", "--robot", "unitree_g1", *arguments, stdin=stream)
@@ -87,14 +87,22 @@ class Pipes(LiveTest):
         self.assertAlmostEqual(frames[10]["time"] - frames[9]["time"], 0.02, places=9)
         self.assertEqual(len(frames[0]["joints"]), 29)
 
-    def test_malformed_lines_are_counted_and_told_once(self):
+    def test_a_folded_zero_pose_raises_no_doubts(self):
+        for form in ("lines", "bvh"):
+            result = self.live(self.played(form, "walk"), "--input", f"stdin?format={form}", "-o", "live.csv")
+            self.assert_done(result)
+            self.assertIn("LAFAN1", result.stderr)
+            self.assertNotIn("unusual", result.stderr)
+            self.assertNotIn("in no frame", result.stderr)
+
+    def test_malformed_lines_are_counted_and_reported_once(self):
         text = self.played("lines").splitlines()
         for place in (5, 50, 100):
             text.insert(place, '{"time": 1, "joints": \x1b[31m')
         result = self.live("\n".join(text) + "\n")
         self.assert_done(result)
         self.assertIn("3 malformed", result.stderr)
-        self.assertEqual(result.stderr.count("a packet is left out"), 1)
+        self.assertEqual(result.stderr.count("skipping malformed packet"), 1)
         self.assertNotIn("\x1b[31m", result.printed)
 
     def test_usage(self):
@@ -115,7 +123,7 @@ class Pipes(LiveTest):
         peaks = []
         for seconds in (20, 160):
             frames = 50 * seconds
-            # row by row: a child is taken for as large as its parent was
+            # Row by row, because the peak memory of a child process starts at its parent's.
             with open(self.folder / "rows.txt", "w") as stream:
                 for frame in range(frames):
                     stream.write(there_and_back[frame % len(there_and_back)] + "\n")
@@ -130,7 +138,7 @@ class Pipes(LiveTest):
         if not is_sanitized():
             self.assertLess(peaks[1] - peaks[0], 4 * MEGABYTE, peaks)
 
-    def test_a_stream_without_frames_is_no_error(self):
+    def test_a_stream_without_frames_is_not_an_error(self):
         result = self.live("")
         self.assert_done(result)
         self.assertIn("0 frames", result.stderr)
@@ -168,7 +176,7 @@ def turned(q, v):
 
 
 def mvnx_document(frames):
-    """Somebody who steps in place and waves, 50 frames a second, as MVN exports it."""
+    """A person who steps in place and waves, 50 frames a second, as MVN exports it."""
     def pose(turns):
         rotations, places = [], []
         for name, parent, at in SEGMENTS:
@@ -282,9 +290,9 @@ class BinaryFormats(LiveTest):
     def test_usage(self):
         g1 = ("live", "--robot", "unitree_g1", "--input")
         self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&multicast=1.2.3.4"), 2, "239.255.42.99")
-        self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&server=motive"), 2, "address with four numbers")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&server=motive"), 2, "after an IPv4 address")
         self.assert_fails(self.run_tool(*g1, "udp:0?format=natnet&server=10.0.0.1"), 2, "udp:0.0.0.0")
-        self.assert_fails(self.run_tool(*g1, "udp:0?format=bvh&server=127.0.0.1"), 2, "cannot be asked")
+        self.assert_fails(self.run_tool(*g1, "udp:0?format=bvh&server=127.0.0.1"), 2, "have no server")
 
 
 class Sockets(LiveTest):
@@ -326,7 +334,7 @@ class Sockets(LiveTest):
     def test_a_port_that_is_taken(self):
         _, port = self.listen()
         self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "--input", f"udp:{port}"), 1,
-                          "port cannot be had")
+                          "cannot bind the port")
 
     def test_a_recording_gives_the_same_bytes_again(self):
         process, port = self.listen("--record", "kept", "--mode", "lag", "--lag", "0.1",

@@ -1,5 +1,5 @@
-"""What happens to files beside and between runs: nothing is overwritten, differences are told, and
-what a file does not say is asked for or said."""
+"""Files next to and between runs: no input is overwritten, differences are reported, and missing
+information is required or reported."""
 
 import json
 import math
@@ -92,7 +92,7 @@ class Headers(MotionFilesTest):
         self.assert_done(self.convert(";".join(names), rows=self.rows.replace(",", ";")))
         self.assert_plain()
 
-    def test_what_is_not_understood_is_no_guess(self):
+    def test_unknown_files_are_not_guessed(self):
         letters = ",".join(f"c{i}" for i in range(36))
         self.assert_fails(self.convert(letters), 3, "not understood", '"c0", "c1"',
                           "--ignore-header")
@@ -144,7 +144,7 @@ class Rates(ToolTest):
         self.assert_done(result)
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["motions"][0]["fps"], 30)
 
-    def test_a_rate_that_soma_cannot_tell_is_said(self):
+    def test_a_rate_that_soma_cannot_store_is_reported(self):
         result = self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
                                "--source-fps", "50")
         self.assert_done(result)
@@ -153,7 +153,7 @@ class Rates(ToolTest):
                         ("compare", "soma.csv", "soma.csv")):
             result = self.run_tool(*command, *G1)
             self.assert_done(result)
-            self.assertIn("at 120 fps, which the file does not give", result.stderr)
+            self.assertIn("at 120 fps, not given in the file", result.stderr)
             result = self.run_tool(*command, *G1, "--source-fps", "50")
             self.assert_done(result)
             self.assertIn("at 50 fps\n", result.stderr)
@@ -375,8 +375,8 @@ class Messages(ToolTest):
         for kind in ("published", "derived"):
             result = self.run_tool(*model, "--ik-config", kind)
             self.assert_fails(result, 4, f"no {kind} retargeting configuration", "robots add")
-            self.assertNotIn("leave out --ik-config", result.stderr)
-        self.assert_fails(self.run_tool(*model), 2, "without a retargeting configuration", "robots add")
+            self.assertNotIn("omit --ik-config", result.stderr)
+        self.assert_fails(self.run_tool(*model), 2, "has no retargeting configuration", "robots add")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the tests of robot motions in files share: every format, conversions, comparisons."""
+"""Support for tests of robot motion files: every format, conversions, comparisons."""
 
 import pickle
 

@@ -30,10 +30,10 @@ def with_other_names(clip):
     return clip
 
 
-@unittest.skipIf(numpy is None, "numpy is not there")
+@unittest.skipIf(numpy is None, "numpy is missing")
 class OddBody(ToolTest):
     def run_clip(self, clip, *options, name="clip"):
-        """The motion's rows, what was said, and how far the limbs are from the human's, degrees."""
+        """The motion's rows, the messages, and how far the limbs are from the human's, degrees."""
         source = self.write(f"{name}.bvh", clip.text())
         report = self.folder / f"{name}.json"
         done = self.retarget("--report", report, *options, bvh=source, output=f"{name}.csv")
@@ -63,7 +63,7 @@ class MissingFeet(OddBody):
             rows, said, _ = self.run_clip(rename(clip))
             self.assertNotIn("no feet", said)
             self.assertIn("contact phase", said)
-            # the same body, but for the length of a foot that nothing tells
+            # The same body, up to the length of a foot, which the file lacks.
             self.assertLess(abs(rows[:, :3] - expected[:, :3]).max(), 0.05)
             self.assertLess(numpy.degrees(abs(rows[:, 7:] - expected[:, 7:]).mean()), 2.5)
 
@@ -77,7 +77,7 @@ class MissingFeet(OddBody):
             clip.drop("LeftHand", "RightHand")
             rows, _, _ = self.run_clip(rename(clip))
             self.assertLess(abs(rows[:, :3] - expected[:, :3]).max(), 0.01)
-            # but for the wrists
+            # All joints except for the wrists.
             joints = [7 + j for j in range(29) if j not in (19, 20, 21, 26, 27, 28)]
             self.assertLess(numpy.degrees(abs(rows[:, joints] - expected[:, joints]).mean()), 2.0)
 
@@ -94,7 +94,7 @@ class MissingFeet(OddBody):
         rows, said, _ = self.run_clip(clip, "--partial", "--unit", "cm", "--up", "y")
         self.assertIn("the source has no feet", said)
         self.assertEqual(len(rows), clip.frames)
-        # a height cannot be measured against, so it is not asked for either
+        # No height can be measured, so none is required either.
         told = self.retarget("--partial", "--height", "1.75", "--up", "y", bvh="clip.bvh")
         self.assert_fails(told, 3, "even with the given height", "--unit")
         self.assertNotIn("--height", told.stderr)
@@ -126,7 +126,7 @@ class FramesInFront(OddBody):
             clip = rename(Bvh(sample("walk")))
             clip.in_front([clip.zero_row()])
             rows, said, _ = self.run_clip(clip)
-            self.assertIn("1 frame at the start left out", said)
+            self.assertIn("1 frame at the start skipped", said)
             self.assertEqual(rows.shape, expected.shape)
             self.assertLess(abs(rows - expected).max(), 1e-5)
 
@@ -134,9 +134,9 @@ class FramesInFront(OddBody):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--lead-in", "keep")
-        self.assertNotIn("left out", said)
+        self.assertNotIn("skipped", said)
         self.assertEqual(len(rows), clip.frames)
-        # what the frame does to those behind it ends soon
+        # The frame affects only a few frames after it.
         expected, _, _ = self.run_clip(Bvh(sample("walk")), name="expected")
         self.assertLess(numpy.degrees(abs(rows[16:, 7:] - expected[15:, 7:]).mean()), 1.0)
 
@@ -159,7 +159,7 @@ class FramesInFront(OddBody):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--frames", "0:40")
-        self.assertNotIn("left out", said)
+        self.assertNotIn("skipped", said)
         self.assertEqual(len(rows), 40)
 
     def test_motions_of_others_are_held_against_all_frames(self):
@@ -188,7 +188,8 @@ class ToesThatTurnAsNoneDo(OddBody):
             expected, _, _ = self.run_clip(rename(Bvh(sample("walk"))), name="expected")
             clip = rename(Bvh(sample("walk")))
             for joint, values in zip(clip.joints, clip.values):
-                # from the second half on, about the foot's length
+                # In the second half the toes are turned by 180 degrees, which moves their ends by
+                # about the foot's length.
                 if joint.name.lower().endswith("toe"):
                     values[clip.frames // 2:, joint.channels.index("Xrotation")] += 180.0
             rows, said, _ = self.run_clip(clip)

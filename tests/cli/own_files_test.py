@@ -108,7 +108,7 @@ class Sidecars(FormatsTest):
         said = self.converted("odd.csv", "back.csv", "--precision", "9", "--dof", "23")
         self.assertIn("at 60 fps", said)
         self.assertIn("odd.csv.json records", said)
-        self.assertNotIn("does not give", said)
+        self.assertNotIn("not given in the file", said)
         self.assert_same(self.rows("back.csv"), self.rows("plain.csv"), 1e-8)
         for command in ("evaluate", "view"):
             result = self.run_tool(command, "odd.csv", "--robot", "unitree_g1",
@@ -126,9 +126,9 @@ class Sidecars(FormatsTest):
         self.assert_fails(self.convert("odd.csv", "x.csv", *options[:2]), 3, "--source-angles")
         said = self.converted("odd.csv", "back.csv", *options)
         self.assertIn("another content", said)
-        self.assertIn("30 fps, which the file does not give", said)
+        self.assertIn("30 fps, not given in the file", said)
 
-    def test_what_is_none_is_left_alone(self):
+    def test_other_files_are_not_changed(self):
         shutil.copy(self.folder / "odd.csv.json", self.folder / "plain.csv.json")
         self.assertNotIn("plain.csv.json", self.converted("plain.csv", "a.csv", "--source-dof", 23))
         for text in ("", "[]", "{", json.dumps({"output": 3}), "\xff"):

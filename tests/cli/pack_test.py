@@ -17,7 +17,7 @@ ALONG_TIME = ("joint_pos", "joint_vel", "body_pos_w", "body_quat_w", "body_lin_v
               "body_ang_vel_w")
 
 
-@unittest.skipIf(np is None, "numpy is not there")
+@unittest.skipIf(np is None, "numpy is missing")
 class Packs(BatchTest):
     def motions(self):
         for name, frames in FRAMES.items():
@@ -27,7 +27,7 @@ class Packs(BatchTest):
         return (self.folder / name).read_bytes()
 
     def assert_holds(self, packed, names, folder="out"):
-        """Every clip's slice is what its own file has, and nothing else is there."""
+        """Every clip's slice equals its own file, and the pack has no other contents."""
         with np.load(self.folder / packed, allow_pickle=False) as motions:
             arrays = dict(motions)
         self.assertEqual(arrays["clip_names"].tolist(), names)
@@ -60,7 +60,7 @@ class Packs(BatchTest):
         (self.folder / "one/motions.npz").unlink()
         self.batch(*NPZ, "--resume", output="one")
         self.assertEqual(self.bytes_of("one/motions.npz"), self.bytes_of("out/motions.npz"))
-        # whoever takes it for one motion is told
+        # Reading the pack as one motion is an error.
         self.assert_fails(self.run_tool("convert", "out/motions.npz", "x.csv", "--robot", "g1"), 3,
                           "holds many clips")
 
@@ -79,7 +79,7 @@ class Packs(BatchTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts", "--pack", "motions.npz"))
         self.assertEqual(self.bytes_of("parts/motions.npz"), self.bytes_of("out/motions.npz"))
 
-    def test_only_what_passed(self):
+    def test_only_passed_clips(self):
         self.motions()
         self.assert_done(self.batch("--method", "gmr", *NPZ, "--gate", "none", fast=False))
         speeds = {entry["relative"][:-4]: entry["quality"]["figures"]["peak_speed"]
@@ -108,7 +108,7 @@ class Packs(BatchTest):
     def test_one_of_several_formats(self):
         self.motions()
         self.assert_fails(self.batch("--format", "npz-mjlab,npz-beyondmimic", "--pack", "x.npz"), 2,
-                          "--pack", "one format")
+                          "--pack", "exactly one of the formats")
         self.assert_done(self.batch("--format", "npz-mjlab,npz-beyondmimic,csv"))
         merge = ("batch", "--merge", "-o", "out", "--pack", "x.npz")
         self.assert_fails(self.run_tool(*merge), 2, "several formats", "--format")
@@ -124,9 +124,9 @@ class Packs(BatchTest):
         merge = ("batch", "--merge", "-o", "out", "--pack", "motions.npz")
         own = self.bytes_of("out/b.npz")
         self.write("out/b.npz", own[:-1] + b"\1")
-        self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "no longer what the batch wrote")
+        self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "has changed since the batch wrote it")
         (self.folder / "out/b.npz").unlink()
-        self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "is gone")
+        self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "no longer exists")
         # another rate, from another batch that was joined with this one
         self.assert_done(self.batch("--format", "npz-mjlab", "--npz-fps", "25", output="slow"))
         entries = {entry["relative"]: entry for entry in self.manifest("slow/manifest.jsonl")}

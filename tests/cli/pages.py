@@ -1,4 +1,4 @@
-"""What the tests of pages share."""
+"""Support for tests of pages."""
 
 import base64
 import json
@@ -16,7 +16,7 @@ def data_of(page):
 
 
 def tracks_of(page):
-    """What a page packs, of each track of its header in order: (frames, channels) numbers."""
+    """The packed numbers per track of the page's header, in order: (frames, channels)."""
     header = data_of(page)[0]
     text = re.search(r'id="page-tracks">(.*?)</script>', page, re.DOTALL)[1]
     packed = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)

@@ -1,4 +1,4 @@
-"""Places of joints without rotations: the robot moves as by the file that has both."""
+"""Joint positions without rotations: the robot moves as with the file that has both."""
 
 import csv
 import io
@@ -93,8 +93,9 @@ class PositionsFiles(ToolTest):
                 self.compare(sample(name))
 
     def test_get_up_without_its_rotations(self):
-        # who kneels has the toes bent, which places do not tell: arms and trunk alone; nor do they
-        # tell how hands lie on the floor, which decides where planted arms go
+        # A kneeling body bends its toes, which positions do not determine: only arms and trunk are
+        # compared. The roll of hands on the floor, which decides the pose of planted arms, is
+        # unknown as well.
         self.compare(sample("get_up"), "--without", "contact", parts=[2, 3, 6, 7, 8], gates=False)
 
     def test_frame_by_frame(self):
@@ -126,7 +127,7 @@ class PositionsFiles(ToolTest):
         places = self.smpl_places()
         numpy.save(self.folder / "new_joints.npy", places)
         expected, said = self.rows_of("new_joints.npy")
-        for words in ("20 fps, as HumanML3D and MDM have", "in the order of SMPL", "up +y",
+        for words in ("20 fps, as HumanML3D and MDM have", "the joint order of SMPL", "up +y",
                       "unit m", "left_wrist, right_wrist, head"):
             self.assertIn(words, said)
         many = numpy.stack([places[::-1], places]).transpose(0, 2, 3, 1)
@@ -177,7 +178,7 @@ class PositionsFiles(ToolTest):
         shown = self.run_tool("inspect", "clip.npz")
         self.assert_done(shown)
         self.assertIn("left_wrist", shown.stdout)
-        self.assertIn("is not known and not followed", shown.stderr)
+        self.assertIn("is unknown and not followed", shown.stderr)
         self.assert_done(self.run_tool("inspect", "clip.npz", "--html", "page.html"))
         self.assert_done(self.run_tool("edit", "mirror", "clip.npz", "-o", "mirrored.bvh"))
         self.assert_done(self.run_tool("inspect", "mirrored.bvh"))
@@ -194,7 +195,7 @@ class PositionsFiles(ToolTest):
     def test_what_is_no_motion(self):
         self.write("few.txt", "a\nb\n")
         for array, options, words in (
-                (numpy.zeros((5, 22, 3)), (), ("no human in the order of SMPL", "--joint-names")),
+                (numpy.zeros((5, 22, 3)), (), ("in the joint order of SMPL", "--joint-names")),
                 (numpy.zeros((5, 9, 3)), ("--source-fps", 30), ("9 joints", "--joint-names")),
                 (numpy.zeros((2, 5, 9, 3)), (), ("2 motions", "--take")),
                 (numpy.full((5, 22, 3), numpy.nan), (), ("NaN in frame 0, joint 0",)),
@@ -202,7 +203,7 @@ class PositionsFiles(ToolTest):
                 (numpy.zeros((5, 22, 3)), ("--joint-names", "few.txt"),
                  ("22 joints", "2 names")),
                 (numpy.zeros((5, 2, 3)), ("--joint-names", "few.txt", "--source-fps", 30),
-                 ("no human in joints called a, b",)),
+                 ("no human found in the joints a, b",)),
                 (numpy.zeros((5, 263)), (), ("HumanML3D's features", "new_joints"))):
             numpy.save(self.folder / "odd.npy", array)
             self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", *options), 3, *words)
@@ -218,7 +219,7 @@ class PositionsFiles(ToolTest):
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
                                         "bad.json"), 4, "found something else")
         self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
-                                        "few.txt"), 2, "--joint-names is for places of joints")
+                                        "few.txt"), 2, "--joint-names applies only to joint positions")
 
     def test_kimodo_has_rotations(self):
         names, places = self.places_of(sample("walk"))

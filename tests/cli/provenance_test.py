@@ -35,7 +35,7 @@ class Provenance(FormatsTest):
         # nothing was written
         self.assertEqual(len(self.files()), 5)
 
-    def test_what_changed_is_named(self):
+    def test_changed_inputs_are_named(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar",
                                        bvh="in.bvh"))
         bvh = (self.folder / "in.bvh").read_text()
@@ -60,16 +60,16 @@ class Provenance(FormatsTest):
         csv = (self.folder / "out.csv").read_text()
         self.write("out.csv", csv + csv.splitlines()[-1] + "\n")
         self.assert_fails(self.verify(), 1, "changed since the sidecar was written")
-        self.assert_fails(self.verify("in.bvh"), 3, "not the sidecar of a run")
+        self.assert_fails(self.verify("in.bvh"), 3, "not a run's sidecar")
 
-    def test_an_output_beside_the_sidecar_alone(self):
+    def test_an_output_with_only_its_sidecar(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:2", "--sidecar",
                                        bvh="in.bvh"))
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
         for name in ("../out.csv", str(self.folder / "out.csv"), "a/out.csv", ".."):
             sidecar["output"]["file"] = name
             self.write("odd.json", json.dumps(sidecar))
-            self.assert_fails(self.verify("odd.json"), 3, "not the name of a file beside it")
+            self.assert_fails(self.verify("odd.json"), 3, "not the name of a file in the same folder")
 
     def test_a_sidecar_of_many_members_is_refused_at_once(self):
         sidecar = {"output": {"file": "a.csv"}, "options": {}, "inputs": []}

@@ -52,6 +52,36 @@ class RobotToRobot(ToolTest):
     def limb_angle(self, name):
         return self.report(name)["limb_angle_deg"][0]
 
+    def y_up(self, rows):
+        """The same motion as programs with Y up have it: (x, y, z) is (x, z, -y) there."""
+        half = math.sqrt(0.5)
+        turned = []
+        for row in rows:
+            x, y, z, qx, qy, qz, qw = row[:7]
+            # a quarter turn about x takes z to y: (-half, 0, 0, half) times q
+            quaternion = [half * (qx - qw), half * (qy + qz), half * (qz - qy), half * (qw + qx)]
+            turned.append([x, z, -y, *quaternion, *row[7:]])
+        return turned
+
+    def test_a_file_with_another_axis_up_is_turned_with_a_warning(self):
+        self.make("walk")
+        rows = self.rows("made.csv")
+        text = "\n".join(",".join(map(repr, row)) for row in self.y_up(rows))
+        self.write("turned.csv", text + "\n")
+        upright = self.convert("made.csv", "g1", "g1", "upright.csv")
+        self.assertNotIn("--up", upright.stderr)
+        found = self.convert("turned.csv", "g1", "g1", "found.csv")
+        self.assertRegex(found.stderr, r"warning: .*stands on a floor.*using [+]y as the up axis; override it with --up")
+        given = self.convert("turned.csv", "g1", "g1", "given.csv", "--up", "y")
+        self.assertNotIn("warning", given.stderr)
+        for name in ("found.csv", "given.csv"):
+            for row, wanted in zip(self.rows(name), self.rows("upright.csv")):
+                self.assertLess(max(abs(a - b) for a, b in zip(row[2:3] + row[7:],
+                                                               wanted[2:3] + wanted[7:])), 1e-3)
+        # An explicit axis overrides the check.
+        told = self.convert("turned.csv", "g1", "g1", "told.csv", "--up", "z")
+        self.assertNotIn("as the up axis", told.stderr)
+
     def test_same_robot_gives_it_back(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):
             self.make(name)
@@ -160,7 +190,7 @@ class RobotToRobot(ToolTest):
         self.assertIn("4 of 4 are done and unchanged", again.stderr)
 
     def test_own_robot_folder(self):
-        """A robot that somebody added serves as a source as well."""
+        """A robot that the user added works as a source as well."""
         self.assert_done(self.run_tool("robots", "add", "mine", "--model",
                                        SOURCE / "robots" / "fourier_n1" / "model.xml"))
         self.make("walk", "./mine", "made.csv", "--method", "gmr")
@@ -175,7 +205,7 @@ class RobotToRobot(ToolTest):
         self.assert_fails(run("made.csv", "t1", "-o", "x.csv", "--from-robot", "unitree_g2"), 4,
                           "unitree_g1")
         self.assert_fails(run(sample("wave"), "t1", "-o", "x.csv", "--from-robot", "g1"), 3,
-                          "leave out --from-robot")
+                          "omit --from-robot")
         self.assert_fails(run("made.csv", "t1", "-o", "x.csv", "--from-robot", "g1", "--unit",
                               "cm"), 2, "--unit", "--from-robot")
         self.assert_fails(run("made.csv", "t1", "-o", "x.csv", "--from-robot", "g1", "--lenient"),
@@ -206,15 +236,15 @@ class PublishedMotions(ToolTest):
         return report["motions"][0]["limb_angle_deg"][0]
 
     def test_g1_gives_itself_back(self):
-        """What the fit follows is the motion itself; its other terms mend what is wrong with it."""
+        """The fit tracks the motion itself; its other terms repair the motion's faults."""
         self.limb_angle(self.motion, "g1", "--from-robot", "g1", "--without",
                         "contact,floor,self-collision,foot-height,smoothness,speed")
         back = read_rows((self.folder / "made.csv").read_text())
         lines = self.motion.read_text().splitlines()
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 0.1)
 
-    def test_what_is_wrong_with_a_motion_is_mended_nearby(self):
-        """Published motions overlap themselves and their feet slip: mended, they keep all gates."""
+    def test_faults_of_a_motion_are_repaired_nearby(self):
+        """Published motions overlap themselves and their feet slip: after the repair they keep all gates."""
         result = self.run_tool(self.motion, "g1", "--from-robot", "g1", "-o", "made.csv", "--gate",
                                "default", *self.PART)
         self.assert_done(result)

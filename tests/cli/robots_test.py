@@ -1,7 +1,9 @@
-"""`retarget robots`: what is there, what is odd, new ones."""
+"""`retarget robots`: the list, unusual robots, new robots."""
 
 import json
+import shutil
 import unittest
+import zipfile
 
 from tool import SOURCE, ToolTest, read_rows, sample, short_clip, unwrapped
 
@@ -50,16 +52,20 @@ class Robots(ToolTest):
         self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
                           "--force")
 
-    def test_an_upper_body_whose_base_stands_fast(self):
+    def write_torso(self, place="pos='0 0 0.8'", column=""):
+        """An upper body on a stand, which may have a column."""
         limb = ("<body name='{0}_upper' pos='0 {1} 0.4'><joint name='{0}_pitch' axis='0 1 0'/>"
                 "<joint name='{0}_roll' axis='1 0 0'/><joint name='{0}_yaw' axis='0 0 1'/>"
                 "<body name='{0}_fore' pos='0 0 -0.25'><joint name='{0}_elbow' axis='0 1 0' range='-2.5 0.1'/>"
                 "<body name='{0}_hand' pos='0 0 -0.25'><joint name='{0}_wrist' axis='0 0 1'/>"
                 "<geom size='0.03' mass='0.3'/></body><geom size='0.03' mass='1'/></body><geom size='0.04' mass='1'/></body>")
         self.write("torso.xml", "<mujoco><compiler angle='radian'/><default><joint range='-2.8 2.8'/></default><worldbody>"
-                   "<body name='stand' pos='0 0 0.8'><geom size='0.1' mass='9'/><body name='torso'>"
+                   f"<body name='stand' {place}><geom size='0.1' mass='9'/>{column}<body name='torso'>"
                    "<joint name='waist' axis='0 0 1' range='-1 1'/><geom size='0.1' mass='9'/>" +
                    limb.format("left", 0.2) + limb.format("right", -0.2) + "</body></body></worldbody></mujoco>")
+
+    def test_an_upper_body_with_a_fixed_base(self):
+        self.write_torso()
         refused = self.run_tool("robots", "add", "torso", "--model", "torso.xml")
         self.assert_fails(refused, 4, "--base fixed")
         self.assert_done(self.run_tool("robots", "add", "torso", "--model", "torso.xml", "--base", "fixed"))
@@ -75,12 +81,33 @@ class Robots(ToolTest):
                 motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
                 self.assertFalse([name for name in motion if name.startswith(("float", "stance", "body_pen"))])
                 self.assertLess(motion["limb_angle_deg"][0], 8)
-        # a robot with legs that is held: nothing of its feet's path moves it
+        # In a robot with legs and a fixed base, the path of the feet has no effect.
         for method in ("fit", "gmr"):
             held = self.run_tool("--bvh", sample("walk"), "--frames", ":60", "--robot", "g1", "--base", "fixed",
                                  "--method", method, "-o", "-")
             self.assert_done(held)
             self.assertEqual({tuple(row[:7]) for row in read_rows(held.stdout)}, {(0, 0, 0.793, 0, 0, 0, 1)})
+
+    def test_motions_of_a_fixed_base_can_be_read_back(self):
+        """The pose of the base determines the order of its quaternion; its height does not determine the unit."""
+        for place in ("pos='0 0 0.8'", "pos='0 0 0'", "pos='0.3 0.1 9' quat='0.8 0 0 0.6'",
+                      "pos='0 0 1' quat='0.995 0 0.0998 0'", "pos='0 0 0.8' quat='0 0 0 1'"):
+            with self.subTest(place=place):
+                self.write_torso(place, "<geom type='capsule' fromto='0 0 -0.1 0 0 -0.9' size='0.05' mass='1'/>")
+                self.assert_done(self.run_tool("robots", "add", "torso", "--model", "torso.xml", "--base", "fixed",
+                                               "--force"))
+                made = self.run_tool(sample("wave"), "torso", "-o", "x.csv")
+                self.assert_done(made)
+                for order in ("xyzw", "wxyz"):
+                    self.assert_done(self.run_tool("convert", "x.csv", "y.csv", "--robot", "torso", "--csv-quat",
+                                                   order, "--source-quat", "xyzw"))
+                    read = self.run_tool("convert", "y.csv", "z.csv", "--robot", "torso")
+                    self.assert_done(read)
+                    self.assertIn(f"quaternion {order}", read.stderr)
+                    self.assertEqual((self.folder / "z.csv").read_bytes(), (self.folder / "x.csv").read_bytes())
+                for command in (("evaluate", "y.csv", "--bvh", sample("wave")),
+                                ("view", "y.csv", "-o", "x.html")):
+                    self.assert_done(self.run_tool(*command, "--robot", "torso"))
 
     def test_bodies_that_overlap_by_the_model_itself(self):
         """They are named wherever the model is used, and in the new robot's list."""
@@ -93,7 +120,7 @@ class Robots(ToolTest):
         self.write("thick.xml", text)
         pair = '"Left_Hip_Yaw" and "Right_Hip_Yaw" overlap by 4.8 cm at rest'
         checked = self.output_of("check", "thick.xml")
-        self.assertIn("so their contact is not counted: ", checked)
+        self.assertIn("so their contact is ignored: ", checked)
         self.assertIn(pair, checked)
         added = self.run_tool("robots", "add", "thick", "--model", "thick.xml")
         self.assert_done(added)
@@ -114,8 +141,8 @@ class Robots(ToolTest):
         self.write("thick/robot.json", json.dumps(profile))
         self.assertIn("count as self-collision", self.output_of("check", "thick"))
 
-    def test_estimated_soles_are_said_to_be(self):
-        """Wherever a robot is used whose feet nothing tells of, and which file would."""
+    def test_estimated_soles_are_reported(self):
+        """All uses of a robot with unknown feet warn, and name the missing file."""
         text = K1.read_text().replace("<worldbody>", '<asset><mesh name="foot" file="foot.stl"/></asset><worldbody>')
         for side in ("left", "right"):
             head, tail = text.split(f'<body name="{side}_foot_link">', 1)
@@ -123,7 +150,7 @@ class Robots(ToolTest):
             foot = "\n".join(line for line in foot.splitlines() if "<geom" not in line)
             text = f'{head}<body name="{side}_foot_link">{foot}<geom type="mesh" mesh="foot"/></body>{tail}'
         self.write("feet.xml", text)
-        words = "estimated from the limbs' lengths (2 of 2 mesh files that the model names are not there"
+        words = "estimated from the limbs' lengths (2 of 2 mesh files of the model are missing or unreadable"
         self.assertIn(words, self.output_of("check", "feet.xml"))
         added = self.run_tool("robots", "add", "feet", "--model", "feet.xml")
         self.assert_done(added)
@@ -204,7 +231,7 @@ class Robots(ToolTest):
         self.write("mine.xml", K1.read_bytes())
         kept = self.write("mine/thesis.txt", "years")
         add = ("robots", "add", "mine", "--model", "mine.xml", "--force")
-        self.assert_fails(self.run_tool(*add), 2, "mine", "not made by robots add")
+        self.assert_fails(self.run_tool(*add), 2, "mine", "robots add did not create it")
         self.assertEqual(kept.read_text(), "years")
         for _ in range(2):
             self.assert_done(self.run_tool("robots", "add", "new", "--model", "mine.xml",
@@ -243,7 +270,7 @@ class Robots(ToolTest):
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn("Left_Shnak", result.stdout)
         self.assertIn("RightUpLge", result.stdout)
-        self.assertIn("note: the soles are not known", result.stdout)
+        self.assertIn("note: the soles are unknown", result.stdout)
 
     def test_what_is_refused(self):
         self.write("arm.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/>"
@@ -254,6 +281,110 @@ class Robots(ToolTest):
         self.assert_fails(self.run_tool("robots", "show", "unitree_g2"), 4, "unitree_g1")
         self.assert_fails(self.run_tool("robots"), 2)
         self.assertEqual(self.files(), ["arm.xml"])
+
+
+class RobotsThatAreNotInstalled(ToolTest):
+    """A data folder as packages have it: some robots are known and not there."""
+
+    def setUp(self):
+        super().setUp()
+        self.data = self.folder / "share"
+        shutil.copytree(SOURCE / "robots", self.data / "robots")
+        shutil.copytree(SOURCE / "configs", self.data / "configs")
+        shutil.rmtree(self.data / "robots/unverified")
+        shutil.rmtree(self.data / "robots/booster_t1")
+
+    def run_here(self, *arguments, **variables):
+        return self.run_tool(*arguments, "--data-dir", self.data, env=self.tool_environment(**variables))
+
+    def move(self, robot, *arguments):
+        return self.run_here(sample("wave"), robot, "--frames", ":30", "-o", "x.csv", *arguments)
+
+    def test_a_full_name_is_not_completed_to_another_robot(self):
+        for robot in ("booster_t1", "Booster-T1", "t1"):
+            result = self.move(robot)
+            self.assert_fails(result, 4, "the robot booster_t1 is not installed",
+                              "retarget robots install booster_t1 --source SOURCE")
+        self.assert_fails(self.move("booster_k1"), 4, "its maker states no licence")
+        # the robot may be named before the motion
+        result = self.run_here("booster_t1", sample("wave"), "-o", "x.csv")
+        self.assert_fails(result, 4, "the robot booster_t1 is not installed")
+        self.assert_fails(self.move("booster"), 4, "booster_k1 (not installed)", "booster_t1_29dof")
+        self.assertFalse((self.folder / "x.csv").exists())
+
+    def test_a_completed_name_is_shown(self):
+        self.assertIn('robot    "g1" is unitree_g1\n', self.move("g1").stderr)
+        self.assertNotIn(" is unitree_g1", self.move("unitree_g1").stderr)
+
+    def test_the_list_names_them(self):
+        listed = json.loads(self.run_here("robots", "list", "--json").stdout)
+        names = sorted(p.parent.name for p in SOURCE.glob("robots/**/model.xml"))
+        self.assertEqual([robot["name"] for robot in listed], names)
+        left_out = {robot["name"] for robot in listed if not robot["installed"]}
+        unverified = {p.name for p in (SOURCE / "robots/unverified").iterdir()}
+        self.assertEqual(left_out, unverified | {"booster_t1"})
+        lines = self.run_here("robots", "list").stdout.splitlines()
+        self.assertEqual({line.split()[0] for line in lines if line.endswith("(not installed)")}, left_out)
+
+    def assert_moves_as_in_the_source(self, robot, *arguments):
+        self.assert_done(self.move(robot, *arguments))
+        found = (self.folder / "x.csv").read_bytes()
+        self.assert_done(self.run_tool(sample("wave"), robot, "--frames", ":30", "-o", "x.csv", *arguments))
+        self.assertEqual(found, (self.folder / "x.csv").read_bytes())
+
+    def test_one_is_installed_from_the_source_tree(self):
+        installed = self.run_here("robots", "install", "booster_k1", "booster_t1", "--source", SOURCE)
+        self.assert_done(installed)
+        self.assertIn("booster_k1: its maker states none", installed.stderr)
+        self.assertNotIn("booster_t1: its maker", installed.stderr)
+        own = self.folder / "data home/retarget/robots"
+        for folder, source in ((own / "booster_t1", "robots/booster_t1"),
+                               (own / "unverified/booster_k1", "robots/unverified/booster_k1")):
+            for file in (SOURCE / source).iterdir():
+                self.assertEqual((folder / file.name).read_bytes(), file.read_bytes())
+        self.assert_moves_as_in_the_source("booster_k1")
+        # with the published configuration, as a robot of the data folder
+        self.assert_moves_as_in_the_source("t1", "--method", "gmr")
+        again = self.run_here("robots", "install", "booster_k1", "--source", SOURCE)
+        self.assert_fails(again, 2, "already exists", "--force")
+        self.assert_done(self.run_here("robots", "install", "booster_k1", "--source", SOURCE, "--force"))
+
+    def test_all_are_installed_from_an_archive(self):
+        with zipfile.ZipFile(self.folder / "robots.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted((SOURCE / "robots/unverified").glob("*/*")):
+                archive.write(file, f"retarget-1/{file.relative_to(SOURCE)}")
+            archive.writestr("retarget-1/README.md", "text")
+        self.assert_done(self.run_here("robots", "install", "--source", "robots.zip"))
+        own = self.folder / "data home/retarget/robots/unverified"
+        self.assertEqual({p.name for p in own.iterdir()},
+                         {p.name for p in (SOURCE / "robots/unverified").iterdir()})
+        self.assert_moves_as_in_the_source("kuavo")
+        done = self.run_here("robots", "install", "--source", "robots.zip")
+        self.assert_done(done)
+        self.assertIn("are installed", done.stderr)
+        # into a folder of one's own choice
+        (self.folder / "mine").mkdir()
+        self.assert_done(self.run_here("robots", "install", "limx_oli", "--source", "robots.zip", "-o", "mine"))
+        self.assertTrue((self.folder / "mine/limx_oli/model.xml").is_file())
+
+    def test_failed_installs_leave_no_files(self):
+        own = self.folder / "data home"
+        self.assert_fails(self.run_here("robots", "install", "booster_k2", "--source", SOURCE), 2,
+                          'did you mean "booster_k1"?')
+        self.write("text.txt", "text")
+        self.assert_fails(self.run_here("robots", "install", "--source", "text.txt"), 2, "neither a folder nor a ZIP")
+        self.write("empty/readme", "")
+        self.assert_fails(self.run_here("robots", "install", "--source", "empty"), 2, "no robots in it")
+        self.write("bad/robots/bad/model.xml", "<mujoco>")
+        self.assert_fails(self.run_here("robots", "install", "--source", "bad"), 4, "model.xml")
+        self.write("bad/robots/bad/model.xml", K1.read_bytes())
+        self.write("bad/robots/bad/robot.json", K1.with_name("robot.json").read_bytes())
+        self.assert_fails(self.run_here("robots", "install", "--source", "bad"), 4, 'names the robot "booster_k1"')
+        with zipfile.ZipFile(self.folder / "evil.zip", "w") as archive:
+            archive.writestr("robots/../model.xml", K1.read_bytes())
+            archive.writestr("robots/x/../../y/model.xml", K1.read_bytes())
+        self.assert_fails(self.run_here("robots", "install", "--source", "evil.zip"), 2)
+        self.assertFalse([file for file in own.rglob("*") if file.is_file()])
 
 
 if __name__ == "__main__":

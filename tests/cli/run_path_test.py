@@ -42,7 +42,7 @@ __attribute__((constructor)) static void run(void) { fputs("loaded", stderr); }
 
 @unittest.skipUnless(sys.platform == "linux", "ELF files")
 class Hardening(ToolTest):
-    """What RETARGET_HARDENING asks of compiler and linker is in the built tool."""
+    """The built tool has the protections of RETARGET_HARDENING."""
 
     def read(self, *options):
         program = shutil.which("readelf")

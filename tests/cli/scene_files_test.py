@@ -1,7 +1,8 @@
-"""FBX, glTF and MVNX through the front door: run, inspect, batch, convert, edit; what is none of them."""
+"""FBX, glTF and MVNX through the front door: run, inspect, batch, convert, edit; other files."""
 
 import csv
 import json
+import re
 import struct
 import unittest
 
@@ -39,7 +40,57 @@ def mvnx(joints, parents, rows):
             f"</segments><joints>{connections}</joints><frames>{''.join(frames)}</frames></subject></mvnx>")
 
 
+def with_second_actor(glb, name):
+    """A GLB with a copy of all nodes, skins and animations; the copy's names begin with `name`."""
+    length = struct.unpack_from("<I", glb, 12)[0]
+    json_text, rest = glb[20:20 + length], glb[20 + length:]
+    scene = json.loads(json_text)
+    nodes, skins = len(scene["nodes"]), len(scene.get("skins", []))
+    for node in scene["nodes"][:nodes]:
+        copy = {key: value for key, value in node.items() if key not in ("mesh", "skin")}
+        copy["name"] = name + node.get("name", "")
+        copy["children"] = [child + nodes for child in node.get("children", [])]
+        scene["nodes"].append({key: value for key, value in copy.items() if value != []})
+    for skin in scene.get("skins", [])[:skins]:
+        copy = {**skin, "joints": [joint + nodes for joint in skin["joints"]]}
+        if "skeleton" in skin:
+            copy["skeleton"] += nodes
+        scene["skins"].append(copy)
+    for animation in list(scene["animations"]):
+        copy = json.loads(json.dumps(animation))
+        copy["name"] = name + animation.get("name", "")
+        for channel in copy["channels"]:
+            channel["target"]["node"] += nodes
+        scene["animations"].append(copy)
+    for one in scene["scenes"]:
+        one["nodes"] += [node + nodes for node in one["nodes"]]
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    return (glb[:8] + struct.pack("<I", 20 + len(text) + len(rest)) +
+            struct.pack("<I4s", len(text), b"JSON") + text + rest)
+
+
 class SceneFiles(ToolTest):
+    def test_a_second_actor_who_moves_is_named_and_can_be_chosen(self):
+        self.write("two.glb", with_second_actor((DATA / "walk.glb").read_bytes(), "Bob_"))
+        result = self.run_tool("two.glb", "g1", "-o", "first.csv")
+        self.assert_done(result)
+        told = re.search(r'two.glb: warning: another skeleton moves: "(Bob_\S+)" '
+                         r'\(take "(Bob_[^"]*)"\); --root NAME with --take NAME reads another skeleton',
+                         result.stderr)
+        self.assertTrue(told, result.stderr)
+        self.assertIn(told[1], json.loads(self.run_tool("inspect", "two.glb", "--json").stdout)
+                      ["warnings"][0]["message"])
+        second = self.run_tool("two.glb", "g1", "-o", "second.csv", "--root", told[1], "--take",
+                               told[2])
+        self.assert_done(second)
+        # A requested skeleton is no reason for a note.
+        self.assertNotIn("another skeleton", second.stderr)
+        self.assertEqual(*(((self.folder / name).read_bytes()) for name in
+                           ("first.csv", "second.csv")))
+        alone = self.run_tool(DATA / "walk.glb", "g1", "-o", "alone.csv")
+        self.assertNotIn("another skeleton", alone.stderr)
+
     def test_mvnx_is_the_motion_that_it_was_made_of(self):
         found = json.loads(self.run_tool("inspect", sample("walk"), "--json").stdout)
         parents = {joint["name"]: joint["parent"] for joint in found["joints"]}
@@ -90,7 +141,7 @@ class SceneFiles(ToolTest):
         self.assertIn("--take asks for", result.stderr)
         result = self.run_tool(sample("wave"), "g1", "-o", "out.csv", "--take", "1")
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("holds one motion alone", result.stderr)
+        self.assertIn("contains one motion", result.stderr)
 
     def test_batch_finds_them(self):
         clips = self.folder / "clips"
@@ -106,7 +157,7 @@ class SceneFiles(ToolTest):
         self.assert_done(self.run_tool("convert", DATA / "walk.fbx", "walk.glb"))
         self.assert_done(self.run_tool("edit", "mirror", DATA / "walk.fbx", "-o", "mirrored.bvh"))
         self.assert_done(self.run_tool("inspect", "mirrored.bvh"))
-        # what is written is read again
+        # The written file can be read.
         again = json.loads(self.run_tool("inspect", "walk.glb", "--json").stdout)
         self.assertEqual(again["frames"], 11)
 

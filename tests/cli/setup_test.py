@@ -21,7 +21,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 
 class Strict(unittest.TestCase):
-    """RETARGET_STRICT_TESTS: what other tests would be skipped without is there (.ci/run)."""
+    """RETARGET_STRICT_TESTS: the dependencies of all other tests are installed (.ci/run)."""
 
     def test_nothing_is_skipped_that_setup_can_install(self):
         if os.environ.get("RETARGET_STRICT_TESTS", "0") in ("", "0"):
@@ -43,7 +43,7 @@ class Strict(unittest.TestCase):
 
 @functools.cache
 def missing_packages():
-    """What setup.sh says is missing beside MuJoCo; empty: nothing."""
+    """The packages besides MuJoCo that setup.sh reports as missing; may be empty."""
     result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True, stderr=subprocess.PIPE,
                             timeout=300, env={**os.environ, "MuJoCo_ROOT": str(SOURCE)})
     return result.stderr or "something" if result.returncode else ""
@@ -67,7 +67,7 @@ class Setup(unittest.TestCase):
         self.environment.update(PIP_NO_INDEX="1", PIP_FIND_LINKS=str(self.index),
                                 PIP_CONFIG_FILE=os.devnull)
         if missing_packages():
-            absent("not all that setup.sh would install is there: " + missing_packages())
+            absent("packages that setup.sh would install are missing: " + missing_packages())
 
     def setup(self, *arguments, **variables):
         return subprocess.run(["bash", self.tree / "tools/setup.sh", *arguments], text=True,
@@ -138,7 +138,7 @@ esac
 
 
 class OnePython(Setup):
-    """All that is wanted of a Python is asked of one."""
+    """One Python must meet all requirements."""
 
     CODES = {"numpy": "*numpy*", "headers": "*Python.h*", "venv": "*ensurepip*", "pip": "*import?pip*",
              "fetches": "*-m?pip*"}
@@ -156,7 +156,7 @@ class OnePython(Setup):
         return self.setup("--python", *arguments, MuJoCo_ROOT=str(self.tree), **variables)
 
     def unpack(self, *left_out):
-        """What looks like the installed tools of tools/python.txt."""
+        """A folder that looks like the installed tools of tools/python.txt."""
         pinned = re.findall(r"^(\w+)==(\S+)", (SOURCE / "tools/python.txt").read_text(), re.MULTILINE)
         for name, version in pinned:
             if name not in left_out:
@@ -246,6 +246,15 @@ class TheDocsAgree(unittest.TestCase):
         block = re.search(r"\n\n((?:    .*\n)+)", listed)[1]
         self.assertEqual(block.split(), wanted)
 
+    def test_packages_of_npm_run_no_scripts_when_they_are_installed(self):
+        calls = []
+        for file in [*(SOURCE / "tools").rglob("*.sh"), SOURCE / ".ci/run"]:
+            calls += re.findall(r"^[^#\n]*\bnpm (?:ci|i|install|add)\b.*(?:\\\n.*)*",
+                                file.read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertGreaterEqual(len(calls), 2)
+        for call in calls:
+            self.assertIn("--ignore-scripts", call)
+
     def test_every_library_of_cmake_has_its_version_and_reason(self):
         told = {"Eigen3": "Eigen", "nlohmann_json": "nlohmann-json", "LibZip": "libzip", "ZLIB": "zlib",
                 "OpenSSL": "OpenSSL's libcrypto", "GTest": "GoogleTest", "benchmark": "Google Benchmark",
@@ -259,7 +268,7 @@ class TheDocsAgree(unittest.TestCase):
                     if name:
                         self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
 
-    def test_what_is_linked_has_its_notice(self):
+    def test_linked_libraries_have_their_notice(self):
         rows = self.text("docs/dependencies.md").split("## Libraries")[1].split("\n\n")[1].splitlines()[2:]
         notices = dict(re.findall(r"^={78}\n(.*)\n\nLicence: (.*)", self.text("THIRD_PARTY_NOTICES"), re.MULTILINE))
         told = []
@@ -279,7 +288,7 @@ class TheDocsAgree(unittest.TestCase):
         self.assertIn(f'"nanobind=={pinned}"', self.text("pyproject.toml"))
         self.assertIn(f"; {pinned} is fetched |", self.text("docs/dependencies.md"))
 
-    def test_ci_runs_the_checks_that_are_told(self):
+    def test_ci_runs_the_documented_checks(self):
         checks = re.search(r"RETARGET_CI_CHECKS-([\w -]+)}", self.text(".ci/run"))[1]
         page = self.text("docs/building.md")
         self.assertIn(f"`.ci/run` runs `tools/check.sh {checks}`, then `tools/test.sh`", page)

@@ -1,4 +1,4 @@
-"""What the tests of the command line share: running the tool, sample clips, comparing tables."""
+"""Support for tests of the command line: running the tool, sample clips, comparing tables."""
 
 import functools
 import json
@@ -6,11 +6,15 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import threading
 import time
 import unittest
+
+# a shell ignores SIGINT for what it runs in the background, and so would Python and the tool
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOOL = os.environ.get("RETARGET_TOOL", "")
@@ -26,9 +30,9 @@ def is_sanitized():
 
 
 def absent(what):
-    """Skips a test, as something that tools/setup.sh installs is not there; fails it where that must not be.
+    """Skips a test that lacks a dependency which tools/setup.sh installs; in strict mode the test fails.
 
-    RETARGET_STRICT_TESTS=1 says so (.ci/run): a test that CI skips holds nothing.
+    RETARGET_STRICT_TESTS=1 is the strict mode (.ci/run): a test that CI skips proves nothing.
     """
     if os.environ.get("RETARGET_STRICT_TESTS", "0") not in ("", "0"):
         raise AssertionError(f"{what}, and RETARGET_STRICT_TESTS is set")
@@ -36,7 +40,7 @@ def absent(what):
 
 
 def run_in_node(test, script):
-    """What a script of JavaScript writes as JSON; a test that it fails in fails."""
+    """The JSON output of a JavaScript script; an error of the script fails the test."""
     done = subprocess.run(
         [NODE, "--input-type=module", "-"],
         input=script,
@@ -72,7 +76,7 @@ def unwrapped(text):
 
 
 def difference(found, expected, tolerance):
-    """None, or in words where two tables of rows differ most."""
+    """A text about the largest difference of two tables of rows; None if they agree."""
     if len(found) != len(expected):
         return f"{len(found)} frames for {len(expected)}"
     worst, where = 0.0, None
@@ -80,7 +84,7 @@ def difference(found, expected, tolerance):
         if len(row) != len(wanted):
             return f"frame {frame} has {len(row)} columns for {len(wanted)}"
         for column, (a, b) in enumerate(zip(row, wanted), 1):
-            # written so that a value that is no number counts as a difference
+            # The negated comparison counts NaN as a difference.
             if not abs(a - b) <= worst:
                 worst = abs(a - b)
                 where = f"frame {frame}, column {column}: {a} for {b}, difference {worst:.3g}"
@@ -96,9 +100,14 @@ class ToolTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="retarget test "))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
+    def tool_environment(self, **variables):
+        """This process's, without the robots that a user of this machine installed."""
+        return {**os.environ, "XDG_DATA_HOME": str(self.folder / "data home"), **variables}
+
     def run_tool(self, *arguments, **options):
-        """The tool's result; `printed` has the messages as they came, `stderr` a line for each."""
+        """The tool's result; `printed` has the unchanged messages, `stderr` a line for each."""
         options.setdefault("stdin", subprocess.DEVNULL)
+        options.setdefault("env", self.tool_environment())
         result = subprocess.run([TOOL, *map(str, arguments)], cwd=self.folder, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300,
                                 **options)
@@ -111,9 +120,10 @@ class ToolTest(unittest.TestCase):
         started = time.monotonic()
         with open(self.folder / "messages", "w+") as messages:
             options.setdefault("stdin", subprocess.DEVNULL)
+            options.setdefault("env", self.tool_environment())
             process = subprocess.Popen([TOOL, *map(str, arguments)], cwd=self.folder,
                                        stdout=subprocess.DEVNULL, stderr=messages, **options)
-            # what never ends is killed, and then fails by its exit code
+            # A process that does not end is killed, and then fails by its exit code.
             watchdog = threading.Timer(seconds, process.kill)
             watchdog.start()
             _, status, usage = os.wait4(process.pid, 0)

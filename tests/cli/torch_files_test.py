@@ -1,4 +1,4 @@
-"""Motions of SMPL in files of PyTorch, pickles and single arrays: what the same numbers give as NPZ."""
+"""Motions of SMPL in files of PyTorch, pickles and single arrays: the result equals that of the NPZ file."""
 
 import json
 import os
@@ -127,7 +127,7 @@ class TorchFiles(ToolTest):
         self.assertIn("trans was taken as centimetres", result.stderr)
         self.assert_same(rows, expected, 2e-6)
 
-    def test_others_are_told(self):
+    def test_other_files_are_reported(self):
         motion = walking()
         numbers = numpy.arange(6, dtype="f4")
         big = named("torch._utils", "_rebuild_tensor_v2")
@@ -182,9 +182,9 @@ class TorchFiles(ToolTest):
         positions = numpy.zeros((4, 22, 3))
         numpy.save(self.folder / "joints.npy", positions)
         self.assert_fails(self.run_tool("joints.npy", "g1", "-o", "o.csv"), 3,
-                          "no human in the order of SMPL", "--joint-names")
+                          "in the joint order of SMPL", "--joint-names")
 
-    def test_what_they_are_is_asked_of_the_content(self):
+    def test_the_content_determines_the_format(self):
         self.write("really.bvh", torch_bytes(walking()))
         self.assert_done(self.run_tool("really.bvh", "g1", "-o", "o.csv"))
         self.write("really.pt", sample("wave").read_bytes())
@@ -200,13 +200,14 @@ class RealFiles(ToolTest):
                 result = self.run_tool(folder / name, "g1", "-o", "o.csv", "--report", "o.json")
                 self.assert_done(result)
                 if name.startswith("gvhmr"):
-                    # its body is thrown about for two frames
-                    self.assertIn("missed   com_acc_p99", result.stderr)
-                    self.assertIn("verdict  21 of 22 gates kept", result.stderr)
+                    # its body is thrown about for two frames, late to come down again, and its feet do not rest
+                    self.assertRegex(result.stderr,
+                                     r"missed +com_acc_p99 [^,]*,\s+hover_pct [^,]*,\s+source_slide_mean")
+                    self.assertIn("verdict  25 of 28 gates kept", result.stderr)
                 else:
-                    self.assertIn("verdict  22 of 22 gates kept", result.stderr)
+                    self.assertIn("verdict  28 of 28 gates kept", result.stderr)
 
-    def test_a_robots_motion_is_told(self):
+    def test_a_robots_motion_is_reported(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"
         self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found one of a robot",
                           "dof_pos", "--from-robot NAME", "retarget convert")

@@ -1,4 +1,4 @@
-"""The tracking arrays of a robot CSV computed with MuJoCo, none of this project's code: what
+"""The tracking arrays of a robot CSV computed with MuJoCo, without this project's code: the arrays that
 BeyondMimic's and mjlab's csv_to_npz write after replaying the CSV in a simulator.
 
     tracking_reference.py MODEL.xml MOTION.csv FPS FILE.npz

@@ -179,7 +179,7 @@ class Written(FormatsTest):
         steps = np.diff(motion["dof_pos"], axis=0) * 30
         self.assertLess(np.abs(motion["dof_vel"][:-1] - steps).max(), 1e-4)
         self.assertNotIn("rigid_body_contacts", motion)
-        # what is fixed to a body moves with it
+        # A geom that is fixed to a body moves with it.
         for body, carrier, place in ((1, 0, [0, 0, 0.4]), (24, 23, [0.12, 0, 0]),
                                      (32, 31, [0.12, 0, 0])):
             turn = rotation_matrices(motion["rigid_body_rot"][:, carrier])
@@ -204,7 +204,7 @@ class Written(FormatsTest):
 
 
 class Published(FormatsTest):
-    """ProtoMotions' own file of a walk: read, and what is written of it held against it."""
+    """ProtoMotions' own file of a walk is read, written and compared."""
 
     def test_protomotions(self):
         if not SHARED:
@@ -275,7 +275,7 @@ class Solved(FormatsTest):
         speed = np.linalg.norm(arrays["body_lin_vel_w"][:, ankle], axis=-1)
         flat = arrays["contacts"][:, 0] & arrays["contacts"][:, 1]
         self.assertLess(speed[flat].mean(), 0.3 * speed[~flat].mean())
-        # the same times at another rate, but for a frame or two at each end
+        # The same times at another rate, except for a frame or two at each end.
         nearest = flags[np.minimum(np.round(np.arange(len(flat)) * 0.6).astype(int), frames - 1)]
         self.assertGreater((nearest == arrays["contacts"]).mean(), 0.95)
         self.assertTrue(np.array_equal(self.contacts("out.sonic/contacts.csv")[:-1, 2:],
@@ -355,7 +355,7 @@ class Batches(FormatsTest):
         self.assertEqual(files, [("walk.pkl", "walk"), ("wave.pkl", "wave")])
         root = re.match(r'root_path: "(.*)"\nmotions:\n', text).group(1)
         for file, name in files:
-            # what TWIST2's loader takes
+            # The input of TWIST2's loader.
             with open(os.path.join(root, file), "rb") as pickled:
                 motion = pickle.load(pickled)
             self.assertEqual(motion["dof_pos"].shape, (30, 23))
@@ -371,7 +371,7 @@ class Batches(FormatsTest):
     def test_lists_need_one_format(self):
         self.assert_fails(self.batch("--format", "csv", "--motion-list"), 2, "--motion-list")
         self.assert_fails(self.batch("--format", "pkl-gmr,pkl-pbhc", "--motion-list"), 2,
-                          "one format")
+                          "exactly one of the formats")
 
     def test_folders(self):
         self.assert_done(self.batch("--format", "csv-sonic"))

@@ -1,5 +1,6 @@
-"""How commands are called: words without options, short names, mistakes and what is said of them."""
+"""How commands are called: words without options, short names, mistakes and their messages."""
 
+import re
 import shutil
 import subprocess
 import unittest
@@ -7,6 +8,20 @@ import unittest
 from tool import SOURCE, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
+
+# The same kinds of values as help pages name them.
+OPTION_KINDS = {"S": "SECONDS", "N\\|source": "N", "NAME,...": "NAME", "ADDRESS,...": "ADDRESS"}
+# Names that commands understand differently, each as clear from its command: this list may only shrink.
+NAMES_OF_SEVERAL_KINDS = {
+    "contacts": {"FILE", ""},  # a batch has one file for each clip
+    "json": {"FILE", ""},
+    "list": {"FILE", ""},  # of inputs (batch), of formats (live)
+    "output": {"FILE", "DIR", "ADDRESS"},
+    "scale": {"auto\\|table\\|height\\|limbs", "N"},  # of a body, of a path
+    "skeleton": {"FILE", ""},
+    "to": {"FILE", "FILE\\|line\\|circle\\|figure8", "ADDRESS"},
+    "tolerance": {"M", "X"},
+}
 
 
 class Words(ToolTest):
@@ -70,7 +85,7 @@ class Mistakes(ToolTest):
                              (("robots", "lst"), "list"), (("help", "edit", "concta"), "concat")):
             self.assert_fails(self.run_tool(*words), 2, f'did you mean "{meant}"?')
 
-    def test_a_file_is_no_mistyped_command(self):
+    def test_a_file_is_not_a_mistyped_command(self):
         self.write("edits", sample("wave").read_bytes())
         self.assert_done(self.run_tool("edits", "g1", "-o", "x.csv"))
 
@@ -104,6 +119,17 @@ class Mistakes(ToolTest):
         page = (SOURCE / "docs" / "options.md").read_text()
         self.assertEqual(made.stdout, page, "retarget generate options > docs/options.md")
 
+    def test_a_name_has_one_meaning_in_all_commands(self):
+        """The kinds of value that a name takes: a flag, a file, seconds, one of some words."""
+        kinds = {}
+        for line in self.run_tool("generate", "options").stdout.splitlines():
+            row = re.match(r"\| `--([a-z0-9-]+)`[^|]* \| ((?:\\\||[^|])*) \|", line)
+            if row:
+                kinds.setdefault(row[1], set()).add(OPTION_KINDS.get(row[2].strip(), row[2].strip()))
+        self.assertGreater(len(kinds), 100)
+        several = {name: found for name, found in kinds.items() if len(found) > 1}
+        self.assertEqual(several, NAMES_OF_SEVERAL_KINDS)
+
     def test_scripts_of_shells_are_sound(self):
         for shell in ("bash", "zsh", "fish"):
             script = self.run_tool("generate", shell)
@@ -122,7 +148,7 @@ class Mistakes(ToolTest):
     def test_bash_completes(self):
         bash = shutil.which("bash")
         if bash is None:
-            self.skipTest("bash is not there")
+            self.skipTest("bash is missing")
         self.write("complete.sh", self.run_tool("generate", "bash").stdout)
 
         def completed(*words):
@@ -147,7 +173,7 @@ class Mistakes(ToolTest):
                           "hint: retarget edit trim --help")
         self.assert_fails(self.run_tool("--no-such"), 2, "hint: retarget --help")
 
-    def test_all_that_is_missing_is_said_at_once(self):
+    def test_all_missing_arguments_are_reported_together(self):
         for words, missing in (
                 ((), "no motion file, no robot and no output are given"),
                 (("walk.bvh",), "no robot and no output are given"),
@@ -185,7 +211,7 @@ class Mistakes(ToolTest):
         self.write("x.csv", "1\n")
         self.assert_fails(self.run_tool("verify", "clips"), 3, "found a directory", "walk.csv.json")
         for words in (("compare", "x.csv", "clips"), ("compare", "clips", "x.csv")):
-            self.assert_fails(self.run_tool(*words), 3, "directory", "hint: name a file in it")
+            self.assert_fails(self.run_tool(*words), 3, "directory", "hint: give a file in it")
         model = ("--ik-config", "derived", "--bvh", sample("wave"), "-o", "x.csv", "--robot-xml")
         self.assert_fails(self.run_tool(*model, "clips"), 4, "clips", "found a directory", "MJCF")
         robot = SOURCE / "robots" / "unitree_g1"
@@ -212,11 +238,11 @@ class Mistakes(ToolTest):
         line = ("--bvh", sample("wave"), "--robot-xml", model, "-o", "x.csv", "--frames", "0:3")
         told = self.run_tool(*line, "--ik-config", "published")
         self.assert_fails(told, 4, "--ik-config derived", "--ik-config FILE")
-        self.assertNotIn("leave out", told.stderr)
+        self.assertNotIn("omit", told.stderr)
         self.assert_done(self.run_tool(*line, "--ik-config", "derived"))
 
     def test_a_search_of_whole_clips_is_not_told_in_seconds(self):
-        # who lies for a second and a third meets nobody who walks
+        # A clip of lying for a second and a third has no pose in common with a walk.
         self.write("lying.bvh", short_clip("get_up", 40))
         refused = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "-o", "x.bvh")
         self.assert_fails(refused, 1, "does not fit lying.bvh anywhere", "--force")

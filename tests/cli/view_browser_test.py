@@ -36,6 +36,9 @@ def box_stl(low, high):
     )
 
 
+MOST_FRAME_TIME = 2.0  # of the time of the arithmetic: twice what it takes
+
+
 class InABrowser(ToolTest):
     """One browser, and pages that are made once."""
 
@@ -140,7 +143,7 @@ class InABrowser(ToolTest):
 
     def test_playing_and_keys(self):
         self.open("one.html", "", size=(480, 360))
-        # plays by itself where nobody asked for a moment
+        # The page plays automatically without a time in the address.
         self.browser.wait_for("retarget.player.time > 0.2")
         self.browser.press(" ")
         self.assertFalse(self.run_script("retarget.player.playing"))
@@ -206,7 +209,7 @@ class InABrowser(ToolTest):
             ),
             [],
         )
-        # what is looked at is said of one mark and of no other
+        # Exactly one mark is announced as the current one.
         self.browser.press("n")
         self.browser.press("n")
         self.assertEqual(
@@ -397,7 +400,7 @@ class InABrowser(ToolTest):
             " && !each.getAttribute('aria-labelledby')).map((each) => each.outerHTML)"
         )
         self.assertEqual(nameless, [])
-        # Tab goes on, and what has the focus shows it
+        # Tab moves the focus, and the focused element shows it.
         self.browser.press("Tab")
         self.assertEqual(self.run_script("document.activeElement.id"), "help-button")
         seen = set()
@@ -423,7 +426,8 @@ class InABrowser(ToolTest):
 
     def test_nothing_but_the_page_itself_is_allowed(self):
         self.open("one.html")
-        # what the policy refuses says so; what fails for lack of a network would not
+        # The browser reports violations of the policy; a request that fails without a network has
+        # no such report.
         self.run_script(
             "window.violations = [];"
             "document.addEventListener('securitypolicyviolation',"
@@ -448,7 +452,7 @@ class InABrowser(ToolTest):
                 "(() => { const frame = document.createElement('iframe');"
                 "frame.src = 'https://example.org/'; document.body.append(frame); })()",
             ),
-            # later: what a test's own script calls at once is allowed it
+            # Later, since the policy allows requests that a test's own script makes directly.
             (
                 "script-src",
                 "void setTimeout(() => { try { (0, eval)('window.injected = 1'); } catch {} }, 1)",
@@ -542,7 +546,7 @@ class InABrowser(ToolTest):
         )
         self.assertEqual(self.run_script("retarget.meshes(0)"), [])
         self.assert_quiet("meshes.html")
-        # what is none leaves nothing
+        # An invalid mesh is omitted.
         (folder / "pelvis.stl").write_text("solid\nvertex 1 2 x")
         result = self.run_in_pages(
             "view", "fit.csv", "--robot", "unitree_g1", "--meshes", "meshes", "-o", "bad.html"
@@ -558,13 +562,15 @@ class InABrowser(ToolTest):
         )
 
     def test_a_picture_takes_little_time(self):
-        # of the script alone: a small picture, for it is painted by the processor here
+        # Of the script alone: a small picture, because the processor paints it here. A fixed amount of
+        # arithmetic in the same page tells how fast the machine is at the moment.
         self.open("two.html", size=(400, 300))
-        # others may need the processor: at its best of three
-        best = self.frame_time()
-        for _ in range(2):
-            best = best if best < 4.0 else min(best, self.frame_time())
-        self.assertLess(best, 4.0)
+        ratios = []
+        for _ in range(3):
+            ratios.append(self.frame_time() / self.arithmetic_time())
+            if ratios[-1] < MOST_FRAME_TIME:
+                break
+        self.assertLess(min(ratios), MOST_FRAME_TIME)
 
     def frame_time(self):
         """The median of what a frame's callback takes, milliseconds."""
@@ -572,6 +578,20 @@ class InABrowser(ToolTest):
         self.browser.wait_for("retarget.frameTimes.length >= 25", wait=150)
         self.run_script("retarget.player.pause()")
         return float(np.median(self.run_script("retarget.frameTimes")))
+
+    def arithmetic_time(self):
+        """The median time of 100,000 sines, milliseconds."""
+        return float(np.median(self.run_script("""(() => {
+            const times = [];
+            let sum = 0;
+            for (let round = 0; round < 25; ++round) {
+                const begin = performance.now();
+                for (let i = 0; i < 100000; ++i) sum += Math.sin(sum + i);
+                times.push(performance.now() - begin);
+            }
+            document.body.dataset.sum = sum;
+            return times;
+        })()""")))
 
     def test_pictures(self):
         """Coarse pictures against those that are checked in.

@@ -1,4 +1,4 @@
-"""Meshes of pages, as a maker's model names them: where they are, and those that are not there."""
+"""Meshes of pages, as a maker's model names them: their locations, and missing files."""
 
 import struct
 import unittest
@@ -160,8 +160,8 @@ class Meshes(ToolTest):
     def test_a_run_draws_them_as_well(self):
         self.make("robot/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text().replace(
             "<worldbody>", '<asset><mesh file="knee.stl"/></asset><worldbody>', 1).replace(
-            '<joint class="pitch" name="left_knee_joint"', '<geom type="mesh" mesh="knee"/>'
-            '<joint class="pitch" name="left_knee_joint"', 1))
+            '<joint name="left_knee_joint"', '<geom type="mesh" mesh="knee"/>'
+            '<joint name="left_knee_joint"', 1))
         self.make("robot/knee.stl", text_stl())
         self.assert_done(self.run_tool(
             SOURCE / "data/wave.bvh", "--robot-xml", "robot/model.xml", "--ik-config",
@@ -219,11 +219,11 @@ class Meshes(ToolTest):
         for name, (vertices, _) in self.shown().items():
             self.assert_same_points(vertices, own[name][0])
 
-    def test_what_is_not_there_is_said_and_drawn_as_primitives(self):
+    def test_missing_meshes_are_reported_and_drawn_as_primitives(self):
         self.make_maker()
         (self.folder / "maker/assets/sub/hand.obj").unlink()
         said = self.page().stderr
-        self.assertIn("1 mesh file of 4 that model.xml names is not there, such as", said)
+        self.assertIn("1 mesh file of 4 of model.xml is missing, such as", said)
         self.assertIn("hand.obj", said)
         self.assertEqual(self.shown().keys(), {"base", "upper"})
         self.make("maker/assets/trunk.stl", "solid\nvertex 1 2 x")
@@ -233,7 +233,7 @@ class Meshes(ToolTest):
         for file in ("trunk.stl", "arm.stl"):
             (self.folder / "maker/assets" / file).unlink()
         said = self.page().stderr
-        self.assertIn("no mesh file that model.xml names is there", said)
+        self.assertIn("all mesh files of model.xml are missing", said)
         self.assertEqual(self.shown(), {})
 
     def test_files_outside_the_package_are_not_opened(self):
@@ -245,14 +245,14 @@ class Meshes(ToolTest):
         self.assertIn("lies outside the model's package", said)
         self.assertEqual(self.shown(), {})
 
-    def test_what_was_asked_for_and_cannot_be_had_is_an_error(self):
+    def test_missing_requested_meshes_are_an_error(self):
         self.make_maker()
         self.make("bare.xml", "<mujoco><worldbody><body name='base'/></worldbody></mujoco>")
         self.make("broken.urdf", "<robot")
         for named, code, words in (
             ("bare.xml", 3, "names no mesh for a body of"),
             ("broken.urdf", 4, "broken.urdf"),
-            ("nothing.xml", 2, "there is no folder"),
+            ("nothing.xml", 2, "no folder"),
         ):
             with self.subTest(named):
                 result = self.run_tool(

@@ -1,4 +1,4 @@
-"""Pages of `retarget view` and `--html`: what is in the files. view_browser_test.py opens them."""
+"""Pages of `retarget view` and `--html`: the contents of the files. view_browser_test.py opens them."""
 
 import json
 import math
@@ -79,7 +79,9 @@ class PageFiles(ToolTest):
             )
         )
         again = data_of((self.folder / "again.html").read_text())[0]["motions"][0]["report"]
-        self.assertEqual(again["figures"], shown["figures"])
+        # A file does not record whether the solver failed; all other figures are equal.
+        of_file = [each for each in shown["figures"] if each["key"] != "solver_failures"]
+        self.assertEqual(again["figures"], of_file)
 
     def test_errors_over_time_are_those_of_the_report(self):
         clip = self.write("walk.bvh", short_clip("walk", 61))
@@ -131,7 +133,7 @@ class PageFiles(ToolTest):
         for arguments, message in (
             (
                 (*view, "b.csv", "-o", "two.svg"),
-                "a picture is of one motion, and 2 motions are given",
+                "a picture shows one motion, found 2 motions",
             ),
             (
                 (*view, "--label", "x", "--label", "y", "-o", "p.html"),
@@ -160,9 +162,9 @@ class PageFiles(ToolTest):
         self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
         view = ("view", "a.csv", "--robot", "unitree_g1")
         for arguments, message in (
-            (("-o", "p.html", "--strip", 6), "--strip is for a picture"),
-            (("-o", "p.png", "--label", "x"), "--label is for a page"),
-            (("-o", "p.svg", "--meshes", "."), "--meshes is for a page"),
+            (("-o", "p.html", "--strip", 6), "--strip needs a picture"),
+            (("-o", "p.png", "--label", "x"), "--label needs a page"),
+            (("-o", "p.svg", "--meshes", "."), "--meshes needs a page"),
         ):
             with self.subTest(message):
                 result = self.run_tool(*view, *arguments)

@@ -1,4 +1,4 @@
-"""What pages show of motions, in numbers: parts of viewer/src that need no browser, in Node."""
+"""The motions that pages show, in numbers: parts of viewer/src that need no browser, in Node."""
 
 import json
 import unittest
@@ -36,7 +36,7 @@ class Scene(unittest.TestCase):
     """Without a browser and without three.js."""
 
     def run_script(self, script, value=None):
-        """What a script returns for `value`; `viewer` is the folder of the sources."""
+        """The result of a script for `value`; `viewer` is the folder of the sources."""
         text = f"""
             const viewer = {json.dumps(VIEWER.as_uri())};
             const value = {json.dumps(value)};
@@ -92,7 +92,7 @@ class Scene(unittest.TestCase):
             )
         )
 
-    def test_the_camera_goes_on_with_who_still_moves(self):
+    def test_the_camera_follows_the_motion_that_continues(self):
         first, last, ended = self.run_script(
             MOTION
             + """
@@ -133,7 +133,7 @@ class Scene(unittest.TestCase):
         for height, root, _ in stands:
             self.assertAlmostEqual(height, 1.18 * 0.85)
             self.assertAlmostEqual(root, 0.85)
-        # who stands is not followed up and down, who climbs or crawls is
+        # The camera follows a climbing or crawling body up and down, but not a standing one.
         self.assertEqual(stands[0][2], 0)
         self.assertGreater(stands[1][2], 1.6)
         self.assertLess(stands[2][2], -0.5)
@@ -174,7 +174,7 @@ class Scene(unittest.TestCase):
             ],
         )
 
-    def test_no_gates_is_no_praise(self):
+    def test_without_gates_there_is_no_verdict(self):
         self.assertEqual(
             self.run_script(
                 "const { verdict } = await import(`${viewer}/quality_panel.js`);"

@@ -1,13 +1,13 @@
 // How large robots are by their legs, and what of a movement's figures goes with it.
 
-#include "dynamics/body_size.h"
+#include "solve/dynamics/body_size.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "dynamics/motion_dynamics.h"
 #include "robot/shipped_robots.h"
+#include "solve/dynamics/motion_dynamics.h"
 
 namespace retarget {
 namespace {
@@ -25,7 +25,7 @@ TEST(BodySize, IsTheLegsInTermsOfAG1s) {
   }
 }
 
-// what a G1 hardly notices throws a robot of a third of its size over
+// A torque that a G1 hardly notices topples a robot of a third of its size.
 TEST(BodySize, TorquesCountInTermsOfTheSize) {
   DynamicsSample sample;
   sample.unexplained_torque << 0.02, 0.0, 0.0;

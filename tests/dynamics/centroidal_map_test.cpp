@@ -1,6 +1,6 @@
 // Jacobian of the centre of mass and angular momentum matrix against MuJoCo's.
 
-#include "dynamics/centroidal_map.h"
+#include "solve/dynamics/centroidal_map.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -1,15 +1,16 @@
 // How little a centre of mass has to be moved for contacts to carry it: closed forms, and that no
 // nearby answer is better.
 
-#include "dynamics/centroidal_step.h"
+#include "solve/dynamics/centroidal_step.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
-#include "dynamics/inverse_dynamics.h"
+#include "solve/dynamics/inverse_dynamics.h"
 
 namespace retarget {
 namespace {
@@ -59,7 +60,7 @@ std::vector<CentroidalFrame> surge(double fps, double shiver) {
   return frames;
 }
 
-// what is asked of the body is the same however often it is looked at
+// The requested motion of the body does not depend on the sampling rate.
 TEST(CentroidalStep, FrameRatesBehaveAlike) {
   std::vector<Vector6d> at_30;
   for (const double fps : {30.0, 60.0, 120.0}) {
@@ -83,7 +84,7 @@ TEST(CentroidalStep, FrameRatesBehaveAlike) {
   }
 }
 
-TEST(CentroidalStep, WhatStandsIsLeftAlone) {
+TEST(CentroidalStep, DoesNotMoveAStandingBody) {
   auto frames = standing(40);
   CentroidalStep step;
   for (const Vector6d& x : step.solve(frames, kScale, 4)) EXPECT_LT(x.norm(), 1e-6);
@@ -109,7 +110,7 @@ TEST(CentroidalStep, ASurgeIsSmoothedAway) {
 }
 
 // with nothing to push against only free fall needs nothing: a body that is held up bends to it
-TEST(CentroidalStep, WhatFliesFalls) {
+TEST(CentroidalStep, AFlyingBodyFalls) {
   auto frames = standing(40);
   for (std::size_t t = 15; t < 25; ++t) {
     frames[t].cone.clear();
@@ -123,7 +124,7 @@ TEST(CentroidalStep, WhatFliesFalls) {
   EXPECT_GT(x[20][2], x[15][2]);
 }
 
-TEST(CentroidalStep, WhatIsNotTrustedIsLeftAlone) {
+TEST(CentroidalStep, DoesNotMoveUntrustedFrames) {
   auto frames = standing(40);
   for (std::size_t t = 15; t < 25; ++t) frames[t].needed[0] += 0.9;
   for (CentroidalFrame& frame : frames) frame.trust = 0.0;
@@ -145,6 +146,26 @@ TEST(CentroidalStep, TheEndsStay) {
   }
   auto few = standing(4);
   EXPECT_EQ(step.solve(few, kScale, 4).size(), 4U);
+}
+
+TEST(CentroidalStep, TakesNoStepWithNumbersThatAreNotFinite) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::nan(""), kInf, -kInf, 1e300}) {
+    auto frames = surge(30.0, 0.0);
+    frames[20].needed[1] = bad;
+    CentroidalStep step;
+    step.find_unexplained(frames, kScale);
+    const std::vector<Vector6d> x = step.solve(frames, kScale, 8);
+    EXPECT_TRUE(step.has_failed()) << bad;
+    ASSERT_EQ(x.size(), frames.size());
+    for (const Vector6d& each : x) EXPECT_EQ(each, Vector6d::Zero());
+    for (const Vector6d& each : step.accelerations()) EXPECT_EQ(each, Vector6d::Zero());
+    // of the next problem it knows nothing
+    frames = surge(30.0, 0.0);
+    step.find_unexplained(frames, kScale);
+    step.solve(frames, kScale, 8);
+    EXPECT_FALSE(step.has_failed()) << bad;
+  }
 }
 
 }  // namespace

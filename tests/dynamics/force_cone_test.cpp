@@ -1,6 +1,6 @@
 // Projections onto cones of contact forces: the conditions of optimality, and closed forms.
 
-#include "dynamics/force_cone.h"
+#include "solve/dynamics/force_cone.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ Vector6d wrench(const Vector3d& force, const Vector3d& torque) {
   return wrench;
 }
 
-TEST(ForceCone, WhatItCanExertLeavesNothing) {
+TEST(ForceCone, ResidualIsZeroForForcesInTheCone) {
   ForceCone cone = two_feet();
   ConeProjector projector;
   std::mt19937 random(3);
@@ -38,7 +38,8 @@ TEST(ForceCone, WhatItCanExertLeavesNothing) {
   }
 }
 
-// of the nearest point of a cone what is left is square to it and makes no sharp angle with any edge
+// The residual to the nearest point of a cone is orthogonal to that point and makes no acute angle
+// with any edge.
 TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
   ConeProjector projector;
   std::mt19937 random(5);

@@ -1,6 +1,6 @@
 // Recursive Newton-Euler against MuJoCo's inverse dynamics, and its sums against closed forms.
 
-#include "dynamics/inverse_dynamics.h"
+#include "solve/dynamics/inverse_dynamics.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -8,9 +8,9 @@
 #include <memory>
 #include <random>
 
-#include "dynamics/motion_spline.h"
 #include "robot/robot_kinematics.h"
 #include "robot/shipped_robots.h"
+#include "solve/dynamics/motion_spline.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -97,7 +97,7 @@ TEST(InverseDynamics, ForcesAreMujocos) {
   }
 }
 
-TEST(InverseDynamics, WhatStandsStillNeedsItsWeightAlone) {
+TEST(InverseDynamics, AStandingBodyNeedsOnlyItsWeight) {
   const auto robot = load_shipped("unitree_g1");
   const Inertias inertias = make_inertias(*robot);
   InverseDynamics own(robot->tree(), inertias);
@@ -108,7 +108,7 @@ TEST(InverseDynamics, WhatStandsStillNeedsItsWeightAlone) {
   EXPECT_LT(own.com_acceleration().norm(), 1e-12);
 }
 
-TEST(InverseDynamics, WhatFallsFreelyNeedsNothing) {
+TEST(InverseDynamics, AFreelyFallingBodyNeedsNoForce) {
   const auto robot = load_shipped("unitree_g1");
   const Inertias inertias = make_inertias(*robot);
   InverseDynamics own(robot->tree(), inertias);

@@ -1,6 +1,6 @@
-// What movements ask for, where it is known beforehand.
+// Required forces and torques of movements with a known solution.
 
-#include "dynamics/motion_dynamics.h"
+#include "solve/dynamics/motion_dynamics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <random>
 #include <vector>
 
-#include "dynamics/support_polygon.h"
 #include "robot/shipped_robots.h"
+#include "solve/dynamics/support_polygon.h"
 
 namespace retarget {
 namespace {
@@ -54,7 +55,8 @@ TEST(MotionDynamics, StandingIsPossible) {
   }
 }
 
-// the whole robot in a horizontal swing: what is needed is known, friction carries so much of it
+// The whole robot swings horizontally: the required force is known, and friction supplies part of
+// it.
 TEST(MotionDynamics, ASwayNeedsFriction) {
   constexpr double kRate = 2.0 * 3.14159265358979;  // rad/s
   for (const double peak : {2.0, 12.0}) {
@@ -100,7 +102,7 @@ TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
 }
 
 // a floor that is a few millimetres off is found by the soles that stand on it
-TEST(MotionDynamics, TheFloorIsWhereSolesStand) {
+TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
   RobotClip clip = standing(60);
   for (int t = 0; t < 60; ++t) clip.qpos(t)[2] += 0.03;
   const MotionDynamics dynamics = analyse_dynamics(clip);
@@ -132,6 +134,51 @@ TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
   EXPECT_NEAR(margin({0, 1}, {{0, 0}}), -1.0, 1e-15);
   EXPECT_NEAR(margin({0.5, 1}, {{0, 0}, {1, 0}}), -1.0, 1e-15);
   EXPECT_NEAR(margin({0.5, 1}, {{0, 0}, {1, 0}, {2, 0}}), -1.0, 1e-15);
+}
+
+// as a file with all digits of a robot that stands still: the turns from frame to frame are so small
+// that 1 - cos is 0
+TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
+  for (const double size : {1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 1.5e-8, 1e-7}) {
+    RobotClip clip = standing(30);
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0.0, size);
+    for (int t = 0; t < clip.frame_count(); ++t) {
+      const auto qpos = clip.qpos(t);
+      for (std::size_t i = 4; i < qpos.size(); ++i) qpos[i] += noise(random);
+    }
+    const MotionDynamics dynamics = analyse_dynamics(clip);
+    EXPECT_EQ(bad_share(dynamics), 0.0) << size;
+    for (const DynamicsSample& sample : dynamics.samples) {
+      EXPECT_LT(sample.unexplained_force.norm(), 1e-3) << size;
+      EXPECT_LT(sample.com_acceleration.norm(), 1e-9 + 2e4 * size) << size;
+      EXPECT_LT(sample.torque_ratio, 0.5) << size;
+    }
+  }
+}
+
+// A frame that overflows is bad and has no figures; the others are still measured.
+TEST(MotionDynamics, MovementsTooLargeToComputeWithAreBad) {
+  RobotClip clip = standing(30);
+  clip.qpos(10)[0] = 1e200;
+  clip.qpos(20)[12] = 1e305;
+  const MotionDynamics dynamics = analyse_dynamics(clip);
+  ASSERT_EQ(dynamics.samples.size(), 29U * 4U);
+  const auto unknown = std::ranges::count_if(dynamics.samples, [](const DynamicsSample& sample) {
+    EXPECT_TRUE(std::isfinite(sample.torque_ratio) || sample.torque_link < 0);
+    return !sample.unexplained_force.allFinite();
+  });
+  EXPECT_GT(unknown, 0);
+  EXPECT_EQ(bad_share(dynamics), 1.0);
+}
+
+TEST(SupportPolygon, LeavesOutCornersThatAreNotFinite) {
+  std::vector<Eigen::Vector2d> corners = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (int i = 0; i < 40; ++i) {
+    const double nan = std::nan("");
+    corners.insert(corners.begin() + i % 5, Eigen::Vector2d(i % 2 == 0 ? nan : 0.5, nan));
+  }
+  EXPECT_DOUBLE_EQ(margin_in_hull({0.5, 0.4}, corners), 0.4);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(Concatenation, FindsTheCutOfAClip) {
     const Clip whole = cut(sample.clip, 0, std::min(sample.clip.frame_count(), 200));
     const Clip a = cut(whole, 0, cut_case.end_of_a);
     Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
-    // somewhere else, for the alignment to be found
+    // Another pose on the ground, so that the search has to find the alignment.
     const GroundPose away{{3.0, -4.0}, 1.3};
     BodyMover::of(b, sample.calibration).value().move_all(b, away.in_space());
     for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
@@ -58,14 +58,14 @@ TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
     EXPECT_TRUE(joined->check.faults.empty());
     EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-12) << name;
   }
-  // what leaves out frames does not go on from there
+  // A clip with missing frames is no continuation of the first one.
   const EditSample& walk = data_sample("walk");
   const auto later =
       concatenate(cut(walk.clip, 0, 150), cut(walk.clip, 153, 301), walk.calibration, {}, "a", "b");
   EXPECT_GT(later->seam.overlap, 0);
 }
 
-// a hand that jerks in the recording is no fault of where it was cut
+// A hand that jerks in the recording must not affect the choice of the seam.
 TEST(Concatenation, IgnoresJoltsOfTheRecordingItself) {
   const EditSample& walk = data_sample("walk");
   Clip whole = walk.clip;
@@ -219,7 +219,7 @@ TEST(Concatenation, ReportsMisfits) {
   EXPECT_TRUE(format_bvh(joined->clip));
 }
 
-// what nothing goes on to at the beginning is skipped: more is searched while no seam is good
+// A beginning without a good seam is skipped: the search range grows until a seam is good.
 TEST(Concatenation, WidensTheSearchForAGoodSeam) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   const ConcatenateOptions options;

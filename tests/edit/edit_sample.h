@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <string>
 
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
 #include "edit/transfer.h"
-#include "human/calibrate.h"
-#include "human/recognise.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/recognise.h"
 #include "motion/forward_kinematics.h"
 
 namespace retarget::edit_test {

@@ -1,4 +1,4 @@
-// what edits decide and tell beside the motion
+// Decisions and reports of edits, apart from the motion.
 
 #include <gmock/gmock.h>
 
@@ -35,7 +35,7 @@ TEST(Parts, DropLeadInFrames) {
   const Edited begun = cut_lead_in(led);
   EXPECT_EQ(begun.clip.frame_count(), walk.frame_count());
   ASSERT_EQ(begun.notes.size(), 1u);
-  EXPECT_THAT(begun.notes[0].text, HasSubstr(OPTION("start") " 0 takes them"));
+  EXPECT_THAT(begun.notes[0].text, HasSubstr(OPTION("start") " 0 keeps them"));
   EXPECT_THAT(cut_lead_in(led, false).notes[0].text, Not(HasSubstr(OPTION("start"))));
 }
 
@@ -59,7 +59,7 @@ TEST(Seams, AreSearchedAsRequested) {
   EXPECT_FALSE(options.search("-1"));
 }
 
-TEST(Seams, ReportWhyTheyAreNotGood) {
+TEST(Seams, ReportTheReasonIfTheyAreBad) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   const Loop loop = make_loop(up.clip, up.calibration, {}).value();
   ASSERT_TRUE(loop.misfit);

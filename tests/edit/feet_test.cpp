@@ -1,5 +1,4 @@
-// what feet and knees do when a motion is edited: toes that stand while the heel is up, legs near
-// full stretch
+// Feet and knees of edited motions: planted toes while the heel is up, legs near full stretch.
 
 #include <gmock/gmock.h>
 
@@ -164,7 +163,7 @@ TEST(FeetAfterATransfer, ContactsMatchTheSource) {
     EXPECT_LT(largest_slide(source, planted, bone), 0.003) << bone;
   }
   EXPECT_LT(largest_knee_acceleration(planted), 1.3 * largest_knee_acceleration(source));
-  // who has the same body stands already
+  // With an identical body the feet need no correction.
   Clip same = transfer(sample.clip, sample.calibration, sample.as_target());
   const auto none =
       plant_transferred_feet(same, sample.as_target(), sample.clip, sample.calibration, {});

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
-#include "human/human_clip.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/edit.h"
 #include "support/lafan1_map.h"
 

@@ -116,7 +116,7 @@ TEST(Mirror, TwiceIsIdentityForEveryDialect) {
   }
 }
 
-// what is guessed of the T-pose is no part of the mirror: the file that was written mirrors back
+// The guess of the T-pose does not affect the mirror image: the written file mirrors back.
 TEST(Mirror, TwiceIsIdentityThroughFiles) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/math/statistics.h"
 #include "edit/fit_path.h"
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit_sample.h"
-#include "human/contact_plan.h"
-#include "math/statistics.h"
+#include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "support/shared_data.h"
 
@@ -195,7 +195,7 @@ TEST(Rethreading, WalksAlongACircle) {
     ASSERT_LT((was.position - is.position).norm(), 1e-9);
     ASSERT_LT(angle_between(was.heading, is.heading), 1e-9);
   }
-  // joints that are neither the root's nor the legs' stay as they are
+  // Joints other than the root's and the legs' do not change.
   const int spine = sample.map.joint(Bone::kSpine);
   for (int joint = spine; joint < sample.clip.skeleton().joint_count(); ++joint) {
     ASSERT_EQ(round.clip.rotations(150)[joint].coeffs(),
@@ -251,7 +251,7 @@ TEST(Rethreading, FeetStayPlantedAtConstantSpeed) {
   EXPECT_GT(steps.mean_stride, 1.5);
 }
 
-// the walk with end sites in the place of its toe joints
+// The walk with end sites instead of toe joints.
 Clip walk_without_toe_joints() {
   const Clip& walk = data_sample("walk").clip;
   std::vector<Joint> joints;

@@ -7,7 +7,7 @@
 #include "base/option_name.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 
 namespace retarget {
@@ -71,7 +71,7 @@ TEST(BodyMoves, RequireAJointThatMovesTheBody) {
       Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1), sample.calibration);
   ASSERT_FALSE(mover);
   EXPECT_EQ(mover.error().kind, ErrorKind::kInput);
-  EXPECT_THAT(mover.error().message, testing::HasSubstr("no joint moves the body"));
+  EXPECT_THAT(mover.error().message, testing::HasSubstr("no joint moves the whole body"));
 }
 
 TEST(Floor, IsAtThePlantedFeet) {
@@ -131,7 +131,7 @@ TEST(Loops, WalkLoopsWithoutASeam) {
   EXPECT_LT(largest_acceleration(loop.clip, loop.cycle - 4, loop.cycle + 4), 1.2 * usual);
 }
 
-// end and beginning that are not alike: feet stay where they stand, and what is not a cycle is said
+// Beginning and end differ: feet stay planted, and the report says that the clip is not a cycle.
 TEST(Loops, FeetStayPlantedAndBadSeamsAreReported) {
   const EditSample& sample = data_sample("walk");
   LoopOptions options;
@@ -188,7 +188,7 @@ TEST(Loops, HandleOddClips) {
   LoopOptions too_long;
   too_long.shortest = 100.0;
   EXPECT_FALSE(make_loop(sample.clip, sample.calibration, too_long));
-  // who stands still goes on standing
+  // A standing body keeps standing.
   Clip still = cut(sample.clip, 0, 30);
   for (int i = 0; i < 30; ++i) {
     std::ranges::copy(sample.clip.rotations(0), still.rotations(i).begin());

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "bvh/read_bvh.h"
 #include "edit_sample.h"
-#include "human/calibrate.h"
-#include "human/recognise.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/recognise.h"
 #include "human/twins.h"
 #include "retarget/edit.h"
 #include "support/shared_data.h"
@@ -200,7 +200,7 @@ TEST(Transfer, ReportsJointsThatAreNotCopied) {
   EXPECT_EQ(lacking.at_rest, names);
 }
 
-// real skeletons of other makes: what arrives is recognised as the same human
+// Skeletons of other software: the transferred motion is recognised as the same human.
 TEST(Transfer, HumanIsPreservedThroughEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;

@@ -1,5 +1,5 @@
-// The fit of a body that kneels, leans on its hands and gets up: what carries it lies on the floor and stays
-// in place.
+// The fit of a body that kneels, leans on its hands and gets up: supporting parts lie on the floor
+// and stay in place.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,12 +9,12 @@
 #include <memory>
 #include <vector>
 
-#include "bvh/read_bvh.h"
-#include "dynamics/motion_dynamics.h"
-#include "fit/fit.h"
-#include "math/statistics.h"
+#include "base/math/statistics.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
-#include "pipeline/support_bodies.h"
+#include "solve/dynamics/motion_dynamics.h"
+#include "solve/fit/fit.h"
+#include "solve/targets/support_bodies.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
@@ -41,7 +41,7 @@ class BodyContactTest : public testing::Test {
     return std::move(*result);
   }
 
-  // of what carries the robot while its counterpart carries the human
+  // Measures the robot's supports in phases in which their counterparts support the human.
   static Supports measure(const FitResult& result) {
     Supports found;
     TreeState state(robot_->tree());

@@ -1,6 +1,6 @@
 // Limbs that hang on the wrong branch: motions on which the fit alone leaves them there.
 
-#include "fit/branch_recovery.h"
+#include "solve/fit/branch_recovery.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 #include <span>
 #include <vector>
 
-#include "bvh/read_bvh.h"
-#include "fit/fit.h"
-#include "fit/limb_solver.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
+#include "solve/fit/fit.h"
+#include "solve/fit/limb_solver.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
@@ -44,7 +44,7 @@ struct ArmPose {
   double up, outwards, bend;
 };
 
-// sets the arms of somebody who stands
+// Sets the arms of a standing person.
 class ArmPoser {
  public:
   explicit ArmPoser(const Clip& clip) : skeleton_(clip.skeleton()) {
@@ -94,7 +94,7 @@ class ArmPoser {
   Vector3d left_, front_;
 };
 
-// somebody stands and moves both arms, a second from pose to pose
+// A standing person moves both arms from pose to pose, one per second.
 Clip arm_movement(std::span<const ArmPose> poses) {
   const Clip standing = cut(sample_clip("wave.bvh"), 0, 1);
   const ArmPoser poser(standing);
@@ -166,9 +166,9 @@ TEST(BranchRecovery, TakesArmsToTheBranchThatFollows) {
     ASSERT_TRUE(recovered.has_value());
     EXPECT_THAT(plain->report.notes, Not(Contains(HasSubstr("branch"))));
     EXPECT_THAT(recovered->report.notes,
-                Contains(HasSubstr("the left arm hung on the wrong branch in frames ")));
+                Contains(HasSubstr("the left arm was stuck on a wrong branch in frames ")));
     EXPECT_THAT(recovered->report.notes,
-                Contains(HasSubstr("the right arm hung on the wrong branch in frames ")));
+                Contains(HasSubstr("the right arm was stuck on a wrong branch in frames ")));
     // the fit without it is wrong for about two seconds of five
     EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
     const auto rotation = [](const FitReport& report) {
@@ -302,7 +302,7 @@ TEST_F(LimbSolverTest, FindsArmsAndLegs) {
   }
 }
 
-TEST_F(LimbSolverTest, ReachesWhatIsInReachAndMovesNothingElse) {
+TEST_F(LimbSolverTest, ReachesTargetsInRangeAndMovesNoOtherLimb) {
   for (const FitLimb& limb : limbs_) {
     SCOPED_TRACE(limb.name);
     const std::vector<double> zero = robot_.robot->zero_configuration();
@@ -342,6 +342,22 @@ TEST_F(LimbSolverTest, StaysInItsRange) {
   TreeState pose(model_.tree, qpos);
   solver.solve(goals, range, pose, qpos);
   EXPECT_EQ(joint_value(model_, limb.links[0], qpos), range.lower[0]);
+}
+
+TEST_F(LimbSolverTest, TakesNoStepTowardsTargetsThatAreNotFinite) {
+  const std::vector<double> zero = robot_.robot->zero_configuration();
+  for (const double bad : {std::nan(""), HUGE_VAL, 1e200}) {
+    for (const FitLimb& limb : limbs_) {
+      FrameGoals goals = goals_of(zero);
+      targets_[limb.tasks.back()].position.x() = bad;
+      goals.targets = targets_;
+      const LimbSolver solver(model_, limb);
+      std::vector<double> qpos = zero;
+      TreeState pose(model_.tree, qpos);
+      EXPECT_FALSE(std::isfinite(solver.solve(goals, solver.limits(), pose, qpos))) << limb.name;
+      EXPECT_EQ(qpos, zero) << limb.name << ", " << bad;
+    }
+  }
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <random>
 
-#include "fit/fit_model.h"
-#include "math/so3.h"
-#include "robot/shape_distance.h"
+#include "base/math/so3.h"
+#include "robot/model/shape_distance.h"
+#include "solve/fit/fit_model.h"
 
 namespace retarget {
 namespace {

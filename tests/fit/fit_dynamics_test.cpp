@@ -1,4 +1,5 @@
-// The fit with the term `dynamics`: what contacts can supply, and what it must not spoil.
+// The term `dynamics`: it moves the body to where contacts can supply the forces, without damage to
+// the other terms.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +8,11 @@
 #include <memory>
 #include <vector>
 
-#include "bvh/read_bvh.h"
-#include "dynamics/motion_dynamics.h"
-#include "fit/fit.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
 #include "motion/resample.h"
+#include "solve/dynamics/motion_dynamics.h"
+#include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
@@ -117,9 +118,10 @@ TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
   }
 }
 
-// who gets up on hands that are not planned: to the last bit as without it
-TEST_F(FitDynamicsTest, WhatItDoesNotHelpIsAsWithoutIt) {
-  // asked from the first step on, when places and limbs have not been found yet
+// Getting up on hands without planned contacts: the result equals the one without the term, bit for
+// bit.
+TEST_F(FitDynamicsTest, IsTakenBackIfItDoesNotImproveTheFit) {
+  // The term is active in the first step, when positions and limbs are not yet solved.
   const Clip rising = sample("get_up.bvh", 180, 240);
   FitOptions too_early = with_dynamics();
   too_early.dynamics_iterations = too_early.iterations;
@@ -127,11 +129,11 @@ TEST_F(FitDynamicsTest, WhatItDoesNotHelpIsAsWithoutIt) {
   ASSERT_TRUE(with.report.windows.front().dynamics_taken_back);
   EXPECT_EQ(largest_difference(without.clip, with.clip), 0.0);
   EXPECT_EQ(with.report.status.steps, without.report.status.steps);
-  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("it helped nothing")));
+  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("no improvement")));
 }
 
-// it stands in the air: nothing that is known carries it, and it stays as it is
-TEST_F(FitDynamicsTest, WhatHangsIsLeftAlone) {
+// The robot hangs in the air without a known support: the term does not move it.
+TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   Clip walk = sample("walk.bvh", 60, 130);
   for (int t = 0; t < walk.frame_count(); ++t) {
     // it rises by a metre as if in a lift with feet drawn up
@@ -140,7 +142,7 @@ TEST_F(FitDynamicsTest, WhatHangsIsLeftAlone) {
   const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
   EXPECT_GT(with.report.status.distrusted_frames, 20);
   EXPECT_LE(bad_share(with.clip), bad_share(without.clip) + 0.02);
-  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("what carries the body")));
+  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("contacts unknown")));
 }
 
 TEST_F(FitDynamicsTest, HandlesShortClips) {

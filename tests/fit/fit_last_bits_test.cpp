@@ -1,4 +1,4 @@
-// What the last bits of a source may change: no branch of the fit hangs on them.
+// The last bits of a source must not decide between branches of the fit.
 
 #include <gtest/gtest.h>
 
@@ -6,17 +6,17 @@
 #include <cmath>
 #include <random>
 
-#include "bvh/read_bvh.h"
-#include "fit/fit.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
+#include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 namespace {
 
-// The first stage makes 1e-9 of this much where a limb is nearly stretched, and a step of the fit
-// perhaps ten times as much of that. What no branch decides is the same in a printed file.
+// The first stage amplifies these bits to at most 1e-9 where a limb is nearly stretched, and a step
+// of the fit perhaps another ten times. Without a change of branch the printed files are equal.
 constexpr double kBits = 1e-12, kSameMotion = 1e-6;
 
 // a clip with the last bits of every rotation changed

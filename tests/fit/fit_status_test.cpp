@@ -1,16 +1,17 @@
-// How the steps of a fit end: what converges is not told, what does not is.
+// The end of the iteration: a fit that converges reports nothing, one that does not is reported.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "bvh/read_bvh.h"
-#include "fit/clip_fitter.h"
-#include "fit/fit.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
-#include "pipeline/targets.h"
+#include "solve/fit/clip_fitter.h"
+#include "solve/fit/fit.h"
+#include "solve/targets/targets.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
@@ -28,20 +29,21 @@ class FitStatusTest : public testing::Test {
     config_ = published_config(*robot_);
   }
 
-  FitReport report_of(const FitOptions& options) {
+  FitResult result_of(const FitOptions& options) {
     const auto file = load_bvh(RETARGET_SOURCE_DIR "/data/walk.bvh");
     const Clip clip = cut(file->clip, 60, 120);
     const Calibration calibration = lafan1_calibration(clip.skeleton());
-    const auto result = fit(clip, calibration, robot_, config_, robot_->model_limits(), options);
+    auto result = fit(clip, calibration, robot_, config_, robot_->model_limits(), options);
     EXPECT_TRUE(result.has_value()) << describe(result.error());
-    return result->report;
+    return std::move(*result);
   }
+  FitReport report_of(const FitOptions& options) { return result_of(options).report; }
 
   std::shared_ptr<const Robot> robot_;
   ResolvedConfig config_;
 };
 
-TEST_F(FitStatusTest, AClipThatConvergesIsNotTold) {
+TEST_F(FitStatusTest, DoesNotReportAClipThatConverges) {
   const FitReport report = report_of({});
   EXPECT_TRUE(report.status.converged);
   EXPECT_EQ(report.status.steps, FitOptions{}.iterations);
@@ -63,7 +65,7 @@ TEST_F(FitStatusTest, OneStepIsNotEnough) {
   EXPECT_THAT(report.notes, Contains(HasSubstr("not converged after 1 step")));
 }
 
-TEST_F(FitStatusTest, WhatHasNotConvergedGoesOn) {
+TEST_F(FitStatusTest, ContinuesWindowsThatHaveNotConverged) {
   FitOptions options;
   options.iterations = 2;
   options.anchor_iterations = 1;
@@ -73,7 +75,7 @@ TEST_F(FitStatusTest, WhatHasNotConvergedGoesOn) {
   EXPECT_LE(report.status.steps, 2 + options.extra_iterations);
 }
 
-TEST_F(FitStatusTest, NoStepIsNoConvergence) {
+TEST_F(FitStatusTest, WithoutAStepNothingConverges) {
   FitOptions options;
   options.iterations = 0;
   const FitReport report = report_of(options);
@@ -104,7 +106,7 @@ TEST_F(FitStatusTest, WindowsAddUp) {
   EXPECT_LE(decrease, report.status.predicted_decrease);
 }
 
-// targets that are no numbers make no equations: frames stay as they are, and it is said
+// NaN targets add no equations: their frames do not change, and the status reports them.
 TEST_F(FitStatusTest, BlocksThatAreNotFiniteAreCounted) {
   const TargetBuilder targets(config_, 1.75);
   BoneArray<int> target_of_bone;
@@ -128,7 +130,53 @@ TEST_F(FitStatusTest, BlocksThatAreNotFiniteAreCounted) {
   EXPECT_FALSE(status.converged);
   EXPECT_EQ(status.steps, 0);
   EXPECT_EQ(status.failed_blocks, options.iterations);
+  EXPECT_TRUE(status.failed);
   EXPECT_EQ(clip.qpos, before);
+  // the same in a window that moves along a clip, which is empty at first
+  clip.frame_count = 0;
+  const auto moving = make_moving_fit(model, options, clip, 0);
+  clip.frame_count = 4;
+  moving->move(0, 0);
+  EXPECT_FALSE(moving->step());
+  EXPECT_EQ(clip.qpos, before);
+  clip.targets.back().position.setZero();
+  EXPECT_TRUE(moving->step());
+  EXPECT_NE(clip.qpos, before);
+}
+
+// weights whose squares are not finite
+TEST_F(FitStatusTest, StepsThatAreNotFiniteAreAFailure) {
+  FitOptions options;
+  options.smoothness_leg = 1e200;
+  const FitResult failed = result_of(options);
+  EXPECT_TRUE(failed.report.status.failed);
+  EXPECT_FALSE(failed.report.status.converged);
+  EXPECT_EQ(failed.report.status.steps, 0);
+  ASSERT_EQ(failed.report.failures.size(), 1U);
+  EXPECT_EQ(failed.report.failures[0].solver, "fit");
+  EXPECT_EQ(failed.report.failures[0].begin, 0);
+  EXPECT_EQ(failed.report.failures[0].end, 60);
+  for (int t = 0; t < 60; ++t) {
+    for (const double value : failed.clip.qpos(t)) EXPECT_TRUE(std::isfinite(value)) << t;
+  }
+  EXPECT_TRUE(result_of({}).report.failures.empty());
+}
+
+TEST_F(FitStatusTest, DynamicsThatAreNotFiniteLeaveTheFitWithoutThem) {
+  FitOptions options;
+  const FitResult without = result_of(options);
+  options.dynamics = true;
+  options.com_weight = 1e200;
+  const FitResult failed = result_of(options);
+  EXPECT_TRUE(failed.report.status.dynamics_failed);
+  EXPECT_FALSE(failed.report.status.failed);
+  ASSERT_EQ(failed.report.failures.size(), 1U);
+  EXPECT_EQ(failed.report.failures[0].solver, "fit with dynamics");
+  for (int t = 0; t < 60; ++t) {
+    for (std::size_t i = 0; i < failed.clip.qpos(t).size(); ++i) {
+      EXPECT_EQ(failed.clip.qpos(t)[i], without.clip.qpos(t)[i]) << t;
+    }
+  }
 }
 
 }  // namespace

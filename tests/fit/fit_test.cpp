@@ -1,6 +1,6 @@
 // The whole fit on the repository's samples: guarantees, feet, odd clips, windows and threads.
 
-#include "fit/fit.h"
+#include "solve/fit/fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
 #include "motion/resample.h"
 #include "support/lafan1_map.h"
@@ -46,7 +46,7 @@ class FitTest : public testing::Test {
     return std::move(*result);
   }
 
-  // what must hold for every motion, of the numbers as they are printed
+  // Guarantees for every motion, on the numbers as they are printed.
   void expect_guarantees(const RobotClip& clip, const FitOptions& options = {}) {
     const double dt = clip.rate().frame_time();
     const auto printed = [](double x) { return std::round(x * 1e6) / 1e6; };
@@ -232,7 +232,7 @@ TEST_F(FitTest, OverlappingFeetAreSeparated) {
       std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
   ASSERT_NE(overlap, result->report.terms.end());
   EXPECT_GT(overlap->before, 100.0);
-  // what is left is less than the margin
+  // The remaining violation is smaller than the margin.
   const FitOptions options;
   EXPECT_LT(overlap->after,
             std::pow(options.self_collision_weight * options.self_collision_margin, 2));

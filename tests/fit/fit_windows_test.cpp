@@ -1,6 +1,6 @@
 // How a clip is cut, and what each window waits for.
 
-#include "fit/fit_windows.h"
+#include "solve/fit/fit_windows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Standing heights, contact phases and clearances of feet whose paths are known in closed form.
 
-#include "fit/foot_plan.h"
+#include "solve/fit/foot_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Gradients and Hessians of the terms of one frame, and of the steps between frames, against
 // finite differences of their costs, on the G1 in random configurations.
 
-#include "fit/frame_terms.h"
-#include "options/fit_options.h"
+#include "solve/fit/frame_terms.h"
+#include "retarget/option_table.h"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +14,11 @@
 #include <random>
 #include <set>
 
-#include "fit/clip_fitter.h"
-#include "fit/joint_speeds.h"
-#include "math/so3.h"
-#include "pipeline/targets.h"
+#include "base/math/so3.h"
 #include "retarget/human.h"
+#include "solve/fit/clip_fitter.h"
+#include "solve/fit/joint_speeds.h"
+#include "solve/targets/targets.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -319,7 +319,7 @@ TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
     speeds.update(model_, clip, 0, clip.frame_count);
     std::vector<StepTerm> terms(dofs_);
     speeds.terms(3, terms);
-    // what is left of the cost of a joint's steps after the smoothed ones have followed them
+    // The remaining cost of a joint's steps after the smoothed steps have followed them.
     const Eigen::Index count = clip.frame_count - 1;
     Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
     for (Eigen::Index i = 0; i + 1 < count; ++i) {

@@ -10,10 +10,10 @@
 #include <numbers>
 #include <string>
 
-#include "bvh/read_bvh.h"
-#include "dynamics/motion_dynamics.h"
-#include "fit/fit.h"
+#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
+#include "solve/dynamics/motion_dynamics.h"
+#include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 

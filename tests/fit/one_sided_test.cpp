@@ -1,6 +1,6 @@
 // The square of what is below 0, with a curvature that begins gradually: against finite differences.
 
-#include "fit/one_sided.h"
+#include "solve/fit/one_sided.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "fit/block_chain.h"
-#include "fit/symmetric_inverse.h"
+#include "solve/fit/block_chain.h"
+#include "solve/fit/symmetric_inverse.h"
 
 namespace retarget {
 namespace {
@@ -27,7 +27,7 @@ TEST(NegativeInverse, IsTheNegatedInverse) {
     const Eigen::MatrixXd wanted = random_positive(size, random);
     std::vector<double> a(static_cast<std::size_t>(size * size), 1e30), scratch(8 * a.size());
     for (int i = 0; i < size; ++i) {
-      // what is above the diagonal must not count
+      // The solver must not read the upper triangle.
       for (int j = 0; j <= i; ++j) a[static_cast<std::size_t>(i * size + j)] = wanted(i, j);
     }
     ASSERT_TRUE(negative_inverse(a.data(), size, scratch.data(), false));

@@ -1,6 +1,6 @@
 // Threads that share tasks: order, waiting, stopping.
 
-#include "fit/task_graph.h"
+#include "solve/fit/task_graph.h"
 
 #include <gtest/gtest.h>
 

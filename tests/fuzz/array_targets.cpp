@@ -8,12 +8,12 @@
 #include <variant>
 #include <vector>
 
-#include "base/npz.h"
-#include "base/pickle.h"
-#include "base/torch_file.h"
+#include "formats/containers/npz.h"
+#include "formats/containers/pickle.h"
+#include "formats/containers/torch_file.h"
+#include "formats/smpl/read_smpl.h"
 #include "fuzz/fuzz_target.h"
-#include "human/joint_clip.h"
-#include "smpl/read_smpl.h"
+#include "human/skeleton/joint_clip.h"
 #include "support/npz_builder.h"
 #include "support/read_npy.h"
 
@@ -110,7 +110,7 @@ void check_pickle(std::string_view bytes) {
   }
 }
 
-// all tensors that the root names, each only so far as its storage is there
+// Reads all tensors that the root names, each up to the end of its storage.
 void check_torch(std::string_view bytes) {
   const auto file = TorchFile::open(bytes, "fuzz.pt");
   if (!good(file)) return;

@@ -1,12 +1,12 @@
-// Any bytes as a BVH file, read in every way; what is accepted must be sound and must come back
-// from what the writer makes of it.
+// Any bytes as a BVH file, read in every way; an accepted file must be valid and must survive a
+// round trip through the writer.
 
 #include <cmath>
 #include <string>
 #include <string_view>
 
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
 #include "fuzz/fuzz_target.h"
 
 namespace retarget::fuzz {
@@ -31,9 +31,9 @@ void check_clip(const Clip& clip) {
 
 void check_round_trip(const Clip& clip) {
   const Result<std::string> text = format_bvh(clip);
-  require(text.has_value(), "what was read can be written");
+  require(text.has_value(), "a clip that was read can be written");
   const Result<BvhFile> again = read_bvh(*text, "written.bvh");
-  require(again.has_value(), "what was written can be read");
+  require(again.has_value(), "a written clip can be read");
   const Clip& back = again->clip;
   require(back.frame_count() == clip.frame_count(), "frames come back");
   require(back.skeleton().names() == clip.skeleton().names(), "names come back");

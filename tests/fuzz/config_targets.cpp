@@ -8,16 +8,16 @@
 #include <vector>
 
 #include "fuzz/fuzz_target.h"
-#include "human/bone_map_file.h"
-#include "human/skeleton_profile.h"
-#include "options/fit_options.h"
+#include "human/skeleton/bone_map_file.h"
+#include "human/skeleton/skeleton_profile.h"
 #include "retarget/ground_path.h"
+#include "retarget/option_table.h"
 #include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "rig/urdf_speeds.h"
-#include "robot/check_model.h"
-#include "robot/load_profile.h"
+#include "robot/model/check_model.h"
+#include "robot/model/load_profile.h"
 
 namespace retarget::fuzz {
 namespace {
@@ -61,7 +61,7 @@ void fuzz_path(std::string_view bytes) {
   if (!good(read)) return;
   require(std::isfinite(read->length()), "paths have a length");
   (void)read->at(0.5 * read->length());
-  require(parse_path(format_path(*read), "again").has_value(), "what is written is read again");
+  require(parse_path(format_path(*read), "again").has_value(), "the written text can be read");
 }
 
 void fuzz_fit_options(std::string_view bytes) {
@@ -91,7 +91,7 @@ void fuzz_profile(std::string_view bytes) {
   (void)good(load_profile(file_of(bytes, "robot.json"), *fuzz_robot()));
 }
 
-// not MuJoCo's own reader, which is not ours to mend: what is looked at before it
+// Checks the text before MuJoCo's own reader, whose errors cannot be fixed here.
 void fuzz_model(std::string_view bytes) {
   (void)good(check_model(file_of(bytes, "model.xml"), true));
 }

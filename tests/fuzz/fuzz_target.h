@@ -10,7 +10,7 @@
 
 namespace retarget::fuzz {
 
-/// A reader that is given any bytes: what it accepts must be sound, what it refuses says why.
+/// A reader of untrusted bytes: accepted input must be valid, refusals must state the reason.
 struct FuzzTarget {
   std::string_view name;
   /// Ends the process where the reader breaks a promise.
@@ -20,7 +20,7 @@ struct FuzzTarget {
 /// All targets; docs/security.md lists them.
 [[nodiscard]] std::span<const FuzzTarget> fuzz_targets();
 
-/// The target of a name; nullptr: there is none.
+/// The target of a name; nullptr for unknown names.
 [[nodiscard]] const FuzzTarget* find_fuzz_target(std::string_view name);
 
 /// Says what is not true and ends the process, so that a fuzzer keeps the input.
@@ -62,7 +62,6 @@ void fuzz_model(std::string_view bytes);
 void fuzz_urdf(std::string_view bytes);
 void fuzz_manifest(std::string_view bytes);
 void fuzz_sidecar(std::string_view bytes);
-void fuzz_plan(std::string_view bytes);
 void fuzz_mesh(std::string_view bytes);
 void fuzz_line(std::string_view bytes);
 void fuzz_fbx(std::string_view bytes);
@@ -73,6 +72,7 @@ void fuzz_stream_bvh(std::string_view bytes);
 void fuzz_stream_vmc(std::string_view bytes);
 void fuzz_stream_rokoko(std::string_view bytes);
 void fuzz_stream_smplx(std::string_view bytes);
+void fuzz_stream_xrobot(std::string_view bytes);
 void fuzz_stream_mvn(std::string_view bytes);
 void fuzz_stream_natnet(std::string_view bytes);
 void fuzz_stream_record(std::string_view bytes);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fuzz/fuzz_target.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget::fuzz {
@@ -36,7 +36,6 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"urdf", fuzz_urdf},
     {"manifest", fuzz_manifest},
     {"sidecar", fuzz_sidecar},
-    {"plan", fuzz_plan},
     {"mesh", fuzz_mesh},
     {"line", fuzz_line},
     {"fbx", fuzz_fbx},
@@ -47,6 +46,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"stream_vmc", fuzz_stream_vmc},
     {"stream_rokoko", fuzz_stream_rokoko},
     {"stream_smplx", fuzz_stream_smplx},
+    {"stream_xrobot", fuzz_stream_xrobot},
     {"stream_mvn", fuzz_stream_mvn},
     {"stream_natnet", fuzz_stream_natnet},
     {"stream_record", fuzz_stream_record},
@@ -78,7 +78,7 @@ const std::shared_ptr<const Robot>& fuzz_robot() {
   static const std::shared_ptr<const Robot> g1 = [] {
     const std::string folder = std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_g1/";
     auto loaded = load_robot_files(folder + "model.xml", folder + "robot.json");
-    require(loaded.has_value(), "the robot is there");
+    require(loaded.has_value(), "the robot loads");
     return *loaded;
   }();
   return g1;

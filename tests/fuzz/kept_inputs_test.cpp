@@ -14,7 +14,7 @@
 
 namespace retarget::fuzz {
 
-// what googletest names a target by
+// GoogleTest prints a target's name with this function.
 static void PrintTo(const FuzzTarget& target, std::ostream* out) {
   *out << target.name;
 }
@@ -56,7 +56,7 @@ TEST_P(KeptInputsTest, BreakNothing) {
 INSTANTIATE_TEST_SUITE_P(Fuzz, KeptInputsTest,
                          testing::ValuesIn(fuzz_targets().begin(), fuzz_targets().end()), name_of);
 
-// what no target reads would never be run
+// An input without a target would never run.
 TEST(KeptInputsTest, BelongToTargets) {
   for (const char* kind : {"seeds", "regressions"}) {
     const fs::path folder = fs::path(RETARGET_SOURCE_DIR) / "tests" / "fuzz" / kind;

@@ -7,19 +7,19 @@
 #include <utility>
 #include <vector>
 
-#include "bvh/read_bvh.h"
-#include "fit/fit.h"
+#include "formats/bvh/read_bvh.h"
 #include "fuzz/fuzz_target.h"
-#include "human/calibrate.h"
-#include "human/limb_directions.h"
-#include "human/recognise.h"
-#include "human/skeleton_profile.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/limb_directions.h"
+#include "human/skeleton/recognise.h"
+#include "human/skeleton/skeleton_profile.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
-#include "pipeline/solve_frames.h"
 #include "retarget/motion_io.h"
 #include "retarget/retargeting_config.h"
+#include "solve/fit/fit.h"
+#include "solve/targets/solve_frames.h"
 
 namespace retarget::fuzz {
 namespace {
@@ -28,7 +28,7 @@ namespace {
 constexpr int kMaxJoints = 48;
 constexpr int kMaxFrames = 6;
 
-// what a run needs beside the motion
+// The inputs of a run except for the motion.
 struct Setup {
   std::vector<SkeletonProfile> profiles;
   ResolvedConfig of_lafan1, of_others;
@@ -38,7 +38,7 @@ struct Setup {
 
 template <typename Value>
 Value take(Result<Value> result) {
-  require(result.has_value(), "the repository's own files are there");
+  require(result.has_value(), "the repository's own files load");
   return std::move(*result);
 }
 
@@ -70,7 +70,7 @@ std::optional<Clip> short_clip(std::string_view bytes) {
   return cut(std::move(clip), first, std::min(frames, first + kMaxFrames));
 }
 
-// what must hold of every motion that is written
+// Properties of every written motion.
 void check_motion(const RobotClip& clip) {
   const Robot& robot = *fuzz_robot();
   constexpr double kSlack = 1e-6;
@@ -86,7 +86,7 @@ void check_motion(const RobotClip& clip) {
   }
 }
 
-// what is written is read again, as it was printed
+// A written motion is read back with the printed values.
 void check_round_trip(const RobotClip& clip) {
   ReadMotionOptions options;
   options.rate = clip.rate();
@@ -94,7 +94,7 @@ void check_round_trip(const RobotClip& clip) {
   options.degrees = false;
   options.metres_per_unit = 1.0;
   const auto back = parse_robot_motion(format_robot_csv(clip), fuzz_robot(), "out.csv", options);
-  require(back.has_value(), "what is written is read again");
+  require(back.has_value(), "the written text can be read");
   require(back->clip.frame_count() == clip.frame_count(), "frames come back");
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     for (std::size_t i = 7; i < clip.qpos(frame).size(); ++i) {

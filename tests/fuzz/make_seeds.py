@@ -1,4 +1,4 @@
-"""Makes the seeds of tests/fuzz/seeds that are no settings: motions of two or three frames.
+"""Makes the seeds of tests/fuzz/seeds of formats other than settings: motions of two or three frames.
 
     RETARGET_TOOL=build/release/tools/retarget/retarget python3 tests/fuzz/make_seeds.py
 """
@@ -349,7 +349,7 @@ def packets_file(packets):
 
 
 def rokoko(frames):
-    """Frames of Rokoko Studio as datagrams: whole, in pieces, in a frame of LZ4 that stores them, and of version 2."""
+    """Frames of Rokoko Studio as datagrams: whole, in pieces, in an LZ4 frame that stores them, and of version 2."""
     write("stream_rokoko", "wave.bin", packets_file(frames))
     block = struct.pack("<I", len(frames[0]) | 1 << 31) + frames[0]
     stored = bytes.fromhex("04224d18604082") + block + bytes(4)
@@ -423,7 +423,7 @@ def streams():
     with tempfile.TemporaryDirectory() as folder:
         clip = pathlib.Path(folder) / "short.bvh"
         clip.write_text(short_bvh("wave.bvh", 2))
-        for form in ("lines", "bvh", "smplx", "rokoko"):
+        for form in ("lines", "bvh", "smplx", "xrobot", "rokoko"):
             played = subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to",
                                      f"stdout?format={form}"], check=True, capture_output=True)
             if form == "rokoko":
@@ -434,6 +434,14 @@ def streams():
     write("stream_smplx", "odd.txt", '{"up": "y", "height": 1.6}\nrestart\n'
           f'{{"time": 1, "betas": [1, 0.5], "trans": [0, 0, 1], "poses": {zeros}, "left_hand_pose": [0.1]}}\n'
           '{"transl": [0, 0, 1], "root_orient": [[1.5, 0, 0]], "pose_body": [[1]]}\n')
+    places = ((0, 9, 0), (-1, 9, 0), (1, 9, 0), (0, 10, 0), (-1, 5, 0), (1, 5, 0), (0, 11, 0), (-1, 1, 0), (1, 1, 0),
+              (0, 12, 0), (-1, 0, -1), (1, 0, -1), (0, 14, 0), (-1, 14, 0), (1, 14, 0), (0, 16, 0), (-2, 14, 0),
+              (2, 14, 0), (-4, 14, 0), (4, 14, 0), (-7, 14, 0), (7, 14, 0), (-8, 14, 0), (8, 14, 0))
+    tracked = {"timeStampNs": 5, "Body": {"joints": [{"p": ",".join(str(x / 10) for x in place) + ",0,0,0,1"}
+                                                     for place in places]}}
+    write("stream_xrobot", "odd.txt", "\n".join(json.dumps(line) for line in (
+        {"joints": [[0, 0, 0, 0, 0, 0, 1]] * 24}, tracked, {"value": json.dumps(tracked)}, {"value": "{"})) +
+        "\nrestart\n" + json.dumps({"time": 1, "joints": [[*place, 0, 0, 0, 0.5] for place in places]}) + "\n")
     pose = "[0.5, 0.9, 0, 1, 0, 0, 0]"
     write("stream_lines", "odd.txt", "noise\n" + '{"skeleton": {"pose": "t-pose", "up": "y", "unit": 0.01, "height": 1.8, '
           f'"joints": [{{"name": "a", "parent": null, "rest": {pose}}}, {{"name": "b", "parent": "a"}}]}}}}\n'

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "fuzz/fuzz_target.h"
-#include "robot/read_mesh.h"
+#include "robot/model/read_mesh.h"
 #include "view/triangle_mesh.h"
 
 namespace retarget::fuzz {

@@ -1,12 +1,12 @@
 // Any bytes as files of 3D scenes: FBX, glTF (as GLB and as JSON), MVNX; read as a motion and as a
-// skeleton. What is accepted must be sound.
+// skeleton. Accepted files must be valid.
 
 #include <cmath>
 #include <string>
 #include <string_view>
 
+#include "formats/scene/read_scene.h"
 #include "fuzz/fuzz_target.h"
-#include "scene/read_scene.h"
 
 namespace retarget::fuzz {
 namespace {

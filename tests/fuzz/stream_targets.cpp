@@ -1,5 +1,5 @@
-// Any bytes as the packets of a stream, one a line: whatever a decoder accepts must be sound, and what
-// it refuses must not change how it takes the next.
+// Any bytes as the packets of a stream, one per line: accepted packets must be valid, and a refused
+// packet must not change how the next one is read.
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "fuzz/fuzz_target.h"
-#include "stream/formats.h"
-#include "stream/stream_record.h"
+#include "live/stream/formats.h"
+#include "live/stream/stream_record.h"
 
 namespace retarget::fuzz {
 namespace {
@@ -46,7 +46,7 @@ class CheckedSink final : public StreamSink {
 
 void fuzz_decoder(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
-  require(found.has_value(), "the format is there");
+  require(found.has_value(), "the format exists");
   const auto decoder = (*found)->decoder(StreamAddress());
   CheckedSink sink;
   while (!bytes.empty()) {
@@ -65,7 +65,7 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
 // empty one is the end of a connection.
 void fuzz_packets(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
-  require(found.has_value(), "the format is there");
+  require(found.has_value(), "the format exists");
   StreamAddress connection;
   connection.transport = Transport::kTcp;
   const auto datagrams = (*found)->decoder(StreamAddress());
@@ -98,6 +98,10 @@ void fuzz_stream_bvh(std::string_view bytes) {
 
 void fuzz_stream_smplx(std::string_view bytes) {
   fuzz_decoder("smplx", bytes);
+}
+
+void fuzz_stream_xrobot(std::string_view bytes) {
+  fuzz_decoder("xrobot", bytes);
 }
 
 void fuzz_stream_vmc(std::string_view bytes) {

@@ -1,7 +1,7 @@
 // The solver's gradient is that of its cost, no search finds a lower cost, pinches close, fists close and
 // open hands open on hands of three fingers and of six motors.
 
-#include "hands/hand_solver.h"
+#include "solve/hands/hand_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "hands/hand_posture.h"
-#include "hands/hand_target.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "solve/hands/hand_posture.h"
+#include "solve/hands/hand_target.h"
 #include "support/counted_allocations.h"
 #include "support/finger_clip.h"
 #include "support/hand_robots.h"
@@ -275,6 +275,27 @@ TEST(HandSolverTest, NothingIsAllocatedPerFrame) {
       solver.solve(target);
     }
     EXPECT_EQ(allocations, before);
+  }
+}
+
+TEST(HandSolver, KeepsTheFrameBeforeWhereATargetIsNotFinite) {
+  for (const Solved& of : hands()) {
+    HandSolver solver = of.solver();
+    HandTarget bad = of.target(fist_shape());
+    bad.has_gap.fill(true);
+    bad.gap.fill(std::nan(""));
+    for (auto& part : bad.parts) part.directions.fill(Eigen::Vector3d::Constant(std::nan("")));
+    // The first frame already has the relaxed hand.
+    Eigen::VectorXd solved = solver.solve(bad);
+    EXPECT_TRUE(solver.has_failed());
+    EXPECT_EQ(solved, solver.relaxed());
+    solved = solver.solve(of.target(fist_shape()));
+    EXPECT_FALSE(solver.has_failed());
+    HandSolver fresh = of.solver();
+    EXPECT_EQ(solved, fresh.solve(of.target(fist_shape())));
+    const Eigen::VectorXd again = solver.solve(bad);
+    EXPECT_TRUE(solver.has_failed());
+    EXPECT_EQ(again, solved);
   }
 }
 

@@ -1,6 +1,6 @@
-// Hands of a whole clip: what follows, what is relaxed, bounds that hold as printed, followers that follow.
+// Hands of a whole clip: tracked and relaxed fingers, bounds on the printed values, coupled joints.
 
-#include "hands/hand_track.h"
+#include "solve/hands/hand_track.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hands/hand_errors.h"
+#include "solve/hands/hand_errors.h"
 #include "support/finger_clip.h"
 #include "support/hand_robots.h"
 

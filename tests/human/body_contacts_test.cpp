@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 
 namespace retarget {
 namespace {
@@ -52,7 +52,7 @@ TEST(BodyContacts, AKneeThatIsLowAndStillLies) {
               ElementsAre(ContactPhase{21, 49}));
 }
 
-TEST(BodyContacts, HeightsAreThoseOfTheJoint) {
+TEST(BodyContacts, UseTheHeightOfTheJoint) {
   const auto at = [](double height) {
     return [height](int) { return Eigen::Vector3d(0.0, 0.0, height); };
   };
@@ -62,7 +62,7 @@ TEST(BodyContacts, HeightsAreThoseOfTheJoint) {
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat, 0.5), IsEmpty());
 }
 
-TEST(BodyContacts, WhatSlidesSlowlyRestsInOnePlaceAfterTheOther) {
+TEST(BodyContacts, SplitASlowSlideIntoSuccessiveContacts) {
   const auto slides = [](int frame) { return Eigen::Vector3d(0.1 * frame / 30.0, 0.0, 0.05); };
   const auto found = contacts(source_with(kLeftKnee, 60, slides), kLeftKnee);
   ASSERT_GE(found.size(), 4U);
@@ -73,7 +73,7 @@ TEST(BodyContacts, WhatSlidesSlowlyRestsInOnePlaceAfterTheOther) {
   EXPECT_THAT(contacts(source_with(kLeftKnee, 60, hurries), kLeftKnee), IsEmpty());
 }
 
-TEST(BodyContacts, TouchesTooShortAreNone) {
+TEST(BodyContacts, IgnoreShortTouches) {
   const auto still = [](int begin, int end, int step) {
     return [=](int frame) {
       return Eigen::Vector3d(0.0, 0.0, frame >= begin && frame < end ? 0.05 : 0.05 + 0.01 * step);
@@ -101,7 +101,7 @@ TEST(BodyContacts, TheSameAtAnyRate) {
   }
 }
 
-TEST(BodyContacts, NothingIsSaidWithoutFeet) {
+TEST(BodyContacts, AreEmptyWithoutFeet) {
   SourceFeet source = source_with(kLeftKnee, 30, [](int) { return Eigen::Vector3d::Zero(); });
   source.foot_count = 0;
   BodyContacts all;

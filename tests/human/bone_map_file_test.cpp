@@ -1,9 +1,9 @@
-#include "human/bone_map_file.h"
+#include "human/skeleton/bone_map_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "support/temporary_folder.h"
 

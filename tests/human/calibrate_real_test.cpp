@@ -1,16 +1,16 @@
-// Calibration held against real files, where they are there.
+// Calibration of real files, if they are available.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
-#include "human/canonical_pose.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
-#include "human/recognise.h"
 #include "human/shipped_profiles.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/canonical_pose.h"
+#include "human/skeleton/recognise.h"
 #include "support/shared_data.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "human/calibrate.h"
+#include "human/skeleton/calibrate.h"
 #include "base/option_name.h"
 
 #include <gmock/gmock.h>
@@ -7,8 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
 #include "human/twins.h"

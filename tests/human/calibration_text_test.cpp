@@ -4,16 +4,16 @@
 #include <string>
 #include <utility>
 
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
+#include "human/skeleton/calibrate.h"
 
 namespace retarget {
 namespace {
 
 using testing::StartsWith;
 
-TEST(CalibrationText, SaysWhatTheSkeletonWasRecognisedBy) {
+TEST(CalibrationText, NamesTheEvidenceForTheSkeleton) {
   const Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/wave.bvh").value().clip;
   const std::pair<const char*, const char*> texts[] = {
       {"mixamo", "mixamo skeleton, unit cm (0.01 m), "},

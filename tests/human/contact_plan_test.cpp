@@ -1,4 +1,4 @@
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,13 +113,14 @@ TEST(ContactPlan, AContactBeginsOnlyBelowTheLowerThresholds) {
   EXPECT_THAT(contacts_of(feet, kLeg, kRate).phases[0], IsEmpty());
 }
 
-TEST(ContactPlan, ShortContactsAreNone) {
+TEST(ContactPlan, IgnoresShortContacts) {
   for (const int length : {2, 3}) {
     auto feet = standing_feet(30);
     for (int i = 0; i < 30; ++i) {
       if (i < 10 || i >= 10 + length) feet[1].toe[i].z() = 0.2;
     }
-    // a foot that jumps is fast in the frames beside: only the height moves here, slowly told
+    // The speed limits are out of reach, because a jumping foot is fast in the adjacent frames too:
+    // only the height decides.
     ContactOptions options;
     options.begin_speed = options.end_speed = 100.0;
     const ContactPlan contacts = contacts_of(feet, kLeg, kRate, options);
@@ -192,7 +193,7 @@ TEST(ContactPlan, AFootOnAStepStandsOnIt) {
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
   ASSERT_EQ(contacts.phases[0].size(), 2U);
   EXPECT_EQ(contacts.phases[0][0], (ContactPhase{0, 29}));
-  // the frames beside a jump are fast
+  // The foot is fast in the frames next to a jump.
   EXPECT_EQ(contacts.phases[0][1].begin, 31);
   EXPECT_EQ(contacts.phases[0][1].end, 60);
   EXPECT_NEAR(contacts.phases[0][1].support, 0.3, 1e-12);

@@ -1,13 +1,13 @@
 // Plans again and again: those of a planner that has seen nothing, without memory of its own for each.
 
-#include "human/contact_planner.h"
+#include "human/gait/contact_planner.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "bvh/read_bvh.h"
-#include "human/human_clip.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/human_clip.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"
 
@@ -54,7 +54,7 @@ TEST(ContactPlanner, RemembersNothingOfOtherClips) {
   }
 }
 
-TEST(ContactPlanner, AllocatesNothingForWhatHasRoom) {
+TEST(ContactPlanner, ReusesItsBuffers) {
   for (const char* name : {"get_up", "walk"}) {
     const SourceFeet source = feet_of(name);
     ContactPlanner planner;

@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// What each bone's joint is expected to be; all must hold.
+/// The expected joint per bone; all must match.
 inline void expect_bones(const std::string& body,
                          const std::vector<std::pair<const char*, const char*>>& expected) {
   const Skeleton skeleton = tiny_skeleton(body);

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "human/bone_map.h"
+#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {
 
-/// A bone map from joint names in the order of the bones; `-` for a bone that is not there.
+/// A bone map from joint names in the order of the bones; `-` for a missing bone.
 inline BoneMap bone_map(const Skeleton& skeleton, const std::vector<std::string>& names,
                         const std::string& profile = "test") {
   BoneMap map;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
+#include "human/skeleton/calibrate.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
 
@@ -19,7 +19,7 @@ Clip sample(const std::string& name) {
   return load_bvh((folder / (name + ".bvh")).string()).value().clip;
 }
 
-// who keeps the name of a joint that is split in two
+// The half that keeps the name of a joint that is split in two.
 enum class Named { kUpper, kLower };
 
 // The same movement with some joints split in two at one place: the upper one takes a share of the

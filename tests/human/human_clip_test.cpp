@@ -1,4 +1,4 @@
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(Lafan1Mapping, ConvertsYUpCentimetresToZUpMetres) {
   const Pose& foot = human.frame(0)[Bone::kLeftFoot];
   // (10, 5, 15) with y up
   EXPECT_LT((foot.translation - Eigen::Vector3d(0.10, -0.15, 0.05)).norm(), 1e-15);
-  // what pointed up along y now points up along z
+  // A direction along y in the file is along z in the clip.
   EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
   EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(), 1e-15);
 }

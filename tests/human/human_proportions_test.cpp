@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/option_name.h"
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 
 namespace retarget {

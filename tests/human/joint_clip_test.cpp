@@ -1,6 +1,7 @@
-// Places of joints become a clip: rotations from directions, orders without names, synthetic truth.
+// Joint positions become a clip: rotations from directions, orders without names, synthetic ground
+// truth.
 
-#include "human/joint_clip.h"
+#include "human/skeleton/joint_clip.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "human/joint_tree.h"
+#include "formats/smpl/joint_orders.h"
+#include "human/skeleton/joint_tree.h"
 #include "motion/forward_kinematics.h"
-#include "smpl/joint_orders.h"
 
 namespace retarget {
 namespace {
@@ -171,7 +172,7 @@ double turn_between(const Clip& clip, const std::string& name, int a, int b) {
   return world_of(clip, a)[joint].rotation.angularDistance(world_of(clip, b)[joint].rotation);
 }
 
-TEST(JointClipTest, PlanesOfBendsTellHowLimbsTurn) {
+TEST(JointClipTest, PlaneOfTheBendDeterminesTheRoll) {
   // elbows that stay bent while the upper arm turns about itself
   std::vector<Figure> figures(2);
   for (Figure& figure : figures) figure.left_elbow = figure.right_elbow = 0.8;
@@ -215,13 +216,13 @@ TEST(JointClipTest, LimbsThatNeverBendTurnWithTheBody) {
   }
 }
 
-TEST(JointClipTest, SaysWhatIsNotKnown) {
+TEST(JointClipTest, WarnsAboutUnknownRotations) {
   const Clip clip = clip_of(motion_of(moving()));
   EXPECT_THAT(clip.origin().unknown_rotations,
               testing::UnorderedElementsAre("left_wrist", "right_wrist", "head"));
   EXPECT_THAT(warnings_of(clip), HasSubstr("left_wrist"));
-  EXPECT_THAT(warnings_of(clip), HasSubstr("is not known and not followed"));
-  EXPECT_THAT(warnings_of(clip), Not(HasSubstr("change their length")));
+  EXPECT_THAT(warnings_of(clip), HasSubstr("is unknown and not followed"));
+  EXPECT_THAT(warnings_of(clip), Not(HasSubstr("limb lengths vary")));
 }
 
 TEST(JointClipTest, SaysThatLimbsChangeTheirLengths) {
@@ -230,7 +231,7 @@ TEST(JointClipTest, SaysThatLimbsChangeTheirLengths) {
     motion.positions[motion.index(frame, 20)] *= frame % 2 == 0 ? 1.06 : 0.94;
   }
   const Clip clip = clip_of(motion);
-  EXPECT_THAT(warnings_of(clip), HasSubstr("limbs change their length by"));
+  EXPECT_THAT(warnings_of(clip), HasSubstr("limb lengths vary by"));
   const auto world = world_of(clip, 7);
   EXPECT_LT((world[joint_of(clip, "left_wrist")].translation - motion.position(7, 20)).norm(),
             1e-9);
@@ -256,7 +257,7 @@ JointMotion in_order(const JointMotion& motion, const JointOrder& order,
 TEST(JointClipTest, FindsTheOrderByThePlaces) {
   const JointMotion motion = motion_of(moving());
   const Clip smpl = clip_of(motion_of(moving(), false));
-  EXPECT_THAT(warnings_of(smpl), HasSubstr("in the order of SMPL"));
+  EXPECT_THAT(warnings_of(smpl), HasSubstr("the joint order of SMPL"));
   // LAFAN1's order, left or right first, of the same places
   const std::vector<std::string> left = {"left_hip", "left_knee", "left_ankle", "left_foot"};
   const std::vector<std::string> right = {"right_hip", "right_knee", "right_ankle", "right_foot"};
@@ -274,7 +275,7 @@ TEST(JointClipTest, FindsTheOrderByThePlaces) {
     }
     const JointOrder& order = joint_orders()[right_first ? 2 : 1];
     const Clip clip = clip_of(in_order(motion, order, names));
-    EXPECT_THAT(warnings_of(clip), HasSubstr("in the order of " + std::string(order.name)));
+    EXPECT_THAT(warnings_of(clip), HasSubstr("the joint order of " + std::string(order.name)));
     EXPECT_LT(
         (world_of(clip, 9)[joint_of(clip, "LeftForeArm")].translation - motion.position(9, 18))
             .norm(),
@@ -289,23 +290,24 @@ std::string error_of(const JointMotion& motion) {
   return describe(clip.error(), option_as_flag);
 }
 
-TEST(JointClipTest, RefusesWhatIsNoKnownBody) {
+TEST(JointClipTest, RejectsUnknownBodies) {
   JointMotion motion = motion_of(moving(), false);
   std::reverse(motion.positions.begin(), motion.positions.end());
-  EXPECT_THAT(error_of(motion), HasSubstr("the places of the 22 joints are no human in the order"));
+  EXPECT_THAT(error_of(motion),
+              HasSubstr("the positions of the 22 joints do not form a human in the"));
   EXPECT_THAT(error_of(motion), HasSubstr("--joint-names"));
   motion.joint_count = 11;
   motion.frame_count *= 2;
-  EXPECT_THAT(error_of(motion), HasSubstr("places of 11 joints, an order of which none is known"));
+  EXPECT_THAT(error_of(motion), HasSubstr("no known joint order has 11 joints"));
   motion = motion_of(moving());
   motion.names[3] = "pelvis";
   EXPECT_THAT(error_of(motion), HasSubstr("two joints are called \"pelvis\""));
   for (std::size_t i = 0; i < motion.names.size(); ++i) motion.names[i] = "m" + std::to_string(i);
-  EXPECT_THAT(error_of(motion), HasSubstr("no human in joints called m0, m1"));
+  EXPECT_THAT(error_of(motion), HasSubstr("no human found in the joints m0, m1"));
   // all joints in one place
   motion = motion_of(moving(), false);
   for (Vector3d& place : motion.positions) place.setZero();
-  EXPECT_THAT(error_of(motion), HasSubstr("no human"));
+  EXPECT_THAT(error_of(motion), HasSubstr("do not form a human"));
 }
 
 TEST(JointClipTest, KeyPointsWithoutATrunkGetOne) {
@@ -326,7 +328,7 @@ TEST(JointClipTest, KeyPointsWithoutATrunkGetOne) {
     }
   }
   const Clip clip = clip_of(motion);
-  EXPECT_THAT(warnings_of(clip), HasSubstr("in the order of COCO"));
+  EXPECT_THAT(warnings_of(clip), HasSubstr("the joint order of COCO"));
   EXPECT_THAT(warnings_of(clip), HasSubstr("no joints for pelvis, chest, head"));
   EXPECT_THAT(clip.origin().unknown_rotations, testing::Contains("left_ankle"));
   EXPECT_TRUE(clip.skeleton().find("chest").has_value());

@@ -1,8 +1,8 @@
-#include "human/joint_names.h"
+#include "human/skeleton/joint_names.h"
 
 #include <gtest/gtest.h>
 
-#include "human/body_words.h"
+#include "human/skeleton/body_words.h"
 
 namespace retarget {
 namespace {

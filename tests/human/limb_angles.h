@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 
 namespace retarget {
 

@@ -1,10 +1,10 @@
-#include "human/limb_search.h"
+#include "human/skeleton/limb_search.h"
 #include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 
 namespace retarget {
@@ -56,7 +56,7 @@ TEST(LimbSearch, ChoosesAmongDuplicatesOfOptionalBones) {
   EXPECT_EQ(map->profile, "names");
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "Head"}) {
     EXPECT_GE(map->joint(bone_from_name(bone).value()), 0) << bone;
-    EXPECT_THAT(map->notes, Contains(HasSubstr("may each be the " + std::string(bone)))) << bone;
+    EXPECT_THAT(map->notes, Contains(HasSubstr("could each be the " + std::string(bone)))) << bone;
   }
   EXPECT_EQ(joint_name(*map, skeleton, "LeftToe").substr(4),
             joint_name(*map, skeleton, "RightToe").substr(5));

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "human/recognise.h"
-#include "human/skeleton_profile.h"
+#include "human/skeleton/recognise.h"
+#include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 
@@ -82,15 +82,24 @@ Skeleton skeleton_of(const Naming& naming) {
   std::map<Bone, int> places;
   const auto& parts = body();
   // depth first, as a file has them
+  std::map<Bone, Eigen::Vector3d> stands;
   const auto add = [&](auto&& self, std::size_t part) -> void {
     Joint joint;
     joint.name = name_of(naming, part);
     if (part > 0) {
       joint.parent = places.at(parts[part].parent);
-      for (const Part& other : parts) {
-        if (other.bone == parts[part].parent) joint.offset = parts[part].place - other.place;
-      }
+      joint.offset = parts[part].place - stands.at(parts[part].parent);
     }
+    // A part without a name is omitted: its children become children of its parent.
+    if (joint.name.empty()) {
+      places[parts[part].bone] = joint.parent;
+      stands[parts[part].bone] = stands.at(parts[part].parent);
+      for (std::size_t child = 1; child < parts.size(); ++child) {
+        if (parts[child].parent == parts[part].bone) self(self, child);
+      }
+      return;
+    }
+    stands[parts[part].bone] = parts[part].place;
     places[parts[part].bone] = static_cast<int>(joints.size());
     joints.push_back(joint);
     for (std::size_t child = 1; child < parts.size(); ++child) {
@@ -112,6 +121,7 @@ TEST_P(NamesOfScenesTest, AreKnown) {
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_THAT(map->profile, AnyOf(Eq(GetParam().profile), Eq("names"), Eq(GetParam().twin)));
   for (std::size_t part = 0; part < body().size(); ++part) {
+    if (name_of(GetParam(), part).empty()) continue;
     const int joint = map->joint(body()[part].bone);
     ASSERT_GE(joint, 0) << bone_name(body()[part].bone);
     EXPECT_EQ(skeleton.joint(joint).name, name_of(GetParam(), part));
@@ -151,6 +161,20 @@ std::vector<Naming> namings() {
        "left",
        "right",
        "vrm"});
+  all.push_back(
+      {"vrm without an upper chest",
+       {"hips", "spine", "", "chest", "neck", "head"},
+       {"*Shoulder", "*UpperArm", "*LowerArm", "*Hand", "*UpperLeg", "*LowerLeg", "*Foot", "*Toes"},
+       "left",
+       "right",
+       "vrm_short_spine"});
+  all.push_back({"bandai",
+                 {"Hips", "Spine", "", "Chest", "Neck", "Head"},
+                 {"Shoulder_*", "UpperArm_*", "LowerArm_*", "Hand_*", "UpperLeg_*", "LowerLeg_*",
+                  "Foot_*", "Toes_*"},
+                 "L",
+                 "R",
+                 "bandai"});
   all.push_back({"rokoko",
                  {"Hips", "Spine1", "Spine2", "Spine3", "Neck", "Head"},
                  {"*Shoulder", "*Arm", "*ForeArm", "*Hand", "*Thigh", "*Shin", "*Foot", "*Toe"},

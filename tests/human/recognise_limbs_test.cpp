@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "human/expect_bones.h"
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 
 namespace retarget {

@@ -3,15 +3,15 @@
 #include <filesystem>
 
 #include "base/option_name.h"
-#include "bvh/read_bvh.h"
-#include "human/recognise.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 #include "support/shared_data.h"
 
 namespace retarget {
 namespace {
 
-// from notes on the data sets and from looking at the files' trees
+// Expected bones, taken from notes on the data sets and from the files' trees.
 struct Expected {
   const char* file;
   const char* profile;
@@ -146,7 +146,7 @@ TEST_F(RealFiles, HeadsetWithoutArmsNeedsPartial) {
   EXPECT_EQ(name("Spine2"), "Chest");
   EXPECT_EQ(name("LeftUpLeg"), "Left-Hip");
   EXPECT_EQ(map->joint(Bone::kLeftArm), -1);
-  // the tree runs against the body: what turns the chest is the neck's rotation
+  // The tree runs from the head to the hips: the rotation of the chest is the neck joint's.
   const auto turned_by = [&](const char* bone) {
     return clip.skeleton()
         .joint(rotation_joint(*map, clip.skeleton(), bone_from_name(bone).value()))

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/option_name.h"
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 #include "human/tiny_skeleton.h"
 
 namespace retarget {
@@ -50,7 +50,7 @@ TEST(RecogniseRefuses, DuplicateNames) {
   ASSERT_FALSE(map);
   EXPECT_EQ(map.error().kind, ErrorKind::kInput);
   EXPECT_THAT(map.error().message, HasSubstr("2 joints are called \"LeftArm\""));
-  // a finger's name says nothing of the body
+  // The name of a finger does not identify a body.
   EXPECT_TRUE(recognise(
       tiny_skeleton(replaced(kBody, "                end 15 0 0\n",
                              "                Finger 5 0 1\n                Finger 5 0 -1\n"))));
@@ -66,11 +66,12 @@ TEST(RecogniseRefuses, NonHumanBodiesWithHumanNames) {
 }
 
 TEST(RecogniseRefuses, UndecidableSides) {
-  // LAFAN1's zero pose is no pose of a human: without names it does not tell left from right
+  // LAFAN1's zero pose is impossible for a human: without names it does not determine left and
+  // right.
   const Skeleton skeleton = tiny_skeleton(kLafan1);
   const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
   ASSERT_FALSE(map);
-  EXPECT_THAT(map.error().message, HasSubstr("left side"));
+  EXPECT_THAT(map.error().message, HasSubstr("distinguish the left and the right side"));
 }
 
 TEST(RecogniseRefuses, VeryDeepTrees) {

@@ -1,4 +1,4 @@
-#include "human/recognise.h"
+#include "human/skeleton/recognise.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <random>
 
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/expect_bones.h"
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "human/tiny_skeleton.h"
 #include "support/lafan1_map.h"
 

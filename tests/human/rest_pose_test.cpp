@@ -1,9 +1,9 @@
-#include "human/rest_pose.h"
+#include "human/skeleton/rest_pose.h"
 
 #include <gtest/gtest.h>
 
-#include "human/canonical_pose.h"
 #include "human/hand_made_maps.h"
+#include "human/skeleton/canonical_pose.h"
 
 namespace retarget {
 namespace {

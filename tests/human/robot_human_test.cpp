@@ -1,13 +1,13 @@
 // Clips of robots' motions: the very bones, lengths and soles that they were made of.
 
-#include "human/robot_human.h"
+#include "human/skeleton/robot_human.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "human/canonical_pose.h"
-#include "human/human_clip.h"
+#include "human/skeleton/canonical_pose.h"
+#include "human/skeleton/human_clip.h"
 
 namespace retarget {
 namespace {
@@ -35,7 +35,7 @@ HumanPose pose_at(double turn) {
 
 RobotHuman some_human() {
   RobotHuman human;
-  human.robot = "someone";
+  human.robot = "other_robot";
   human.rate = {60, 1};
   human.frame_count = 5;
   human.poses = [](int frame, HumanPose& pose) { pose = pose_at(0.1 * frame); };
@@ -51,7 +51,7 @@ TEST(RobotHuman, GivesItsBonesBack) {
   const Clip clip = clip_of_robot_human(human, "clip");
   ASSERT_TRUE(is_of_robot(clip));
   EXPECT_EQ(clip.name(), "clip");
-  EXPECT_EQ(clip.origin().robot, "someone");
+  EXPECT_EQ(clip.origin().robot, "other_robot");
   EXPECT_EQ(clip.rate(), human.rate);
   const BoneMap map = bone_map_of_robot(clip);
   EXPECT_EQ(map.mapped_count(), static_cast<int>(kMappedBoneCount));
@@ -72,7 +72,7 @@ TEST(RobotHuman, GivesItsBonesBack) {
   }
 }
 
-TEST(RobotHuman, MovesOnlyWhatMoves) {
+TEST(RobotHuman, MovesOnlyMovingJoints) {
   const Clip clip = clip_of_robot_human(some_human(), "clip");
   const auto has_places = [&](const char* joint) {
     return clip.skeleton().joint(*clip.skeleton().find(joint)).has_position_channels();
@@ -122,7 +122,7 @@ TEST(RobotHuman, KeepsSolesThatAreKnown) {
   EXPECT_LT((found.soles[0]->toe.tip - human.soles[0]->toe.tip).norm(), 1e-12);
 }
 
-TEST(RobotHuman, NobodyElseIsOne) {
+TEST(RobotHuman, RejectsHumanClips) {
   EXPECT_FALSE(
       is_of_robot(Clip(std::make_shared<const Skeleton>(std::vector<Joint>(1)), {30, 1}, 2)));
 }

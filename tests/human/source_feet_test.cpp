@@ -1,9 +1,9 @@
-#include "human/source_feet.h"
+#include "human/gait/source_feet.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 
 namespace retarget {
 namespace {

@@ -1,7 +1,7 @@
 // Fingers are found under whatever names, or under none that tell, and their lines are the same for both
 // hands whichever way a wrist turns.
 
-#include "human/source_hands.h"
+#include "human/skeleton/source_hands.h"
 
 #include <gtest/gtest.h>
 
@@ -112,7 +112,7 @@ TEST(SourceHandsTest, NoFingersNoHands) {
   EXPECT_FALSE(hands[1]);
 }
 
-TEST(SourceHandsTest, MetacarpalsAreNoBonesOfAFinger) {
+TEST(SourceHandsTest, ExcludesMetacarpalsFromFingers) {
   const FingerClip plain(1);
   std::vector<Joint> joints = plain.clip().skeleton().joints();
   // a joint near the wrist in front of each finger but the thumb
@@ -174,7 +174,7 @@ TEST(SourceHandsTest, LinesAreTheSameForBothHandsAndAnyWrist) {
   EXPECT_LT((index.at(4.0 / 8.3) - index.points[1]).norm(), 1e-9);
 }
 
-TEST(SourceHandsTest, EndsThatNobodyToldAreNineTenthsOfTheBoneBefore) {
+TEST(SourceHandsTest, EstimatesMissingTipsAsNineTenthsOfTheLastBone) {
   const FingerClip source(1, mixamo_name, false);
   const SourceHands hands = source.hands();
   ASSERT_TRUE(hands[0]);

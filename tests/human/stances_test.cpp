@@ -1,6 +1,6 @@
 // Feet that stand, and feet that lie where others stand.
 
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "human/canonical_pose.h"
+#include "human/skeleton/canonical_pose.h"
 
 namespace retarget {
 namespace {

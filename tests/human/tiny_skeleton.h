@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "human/bone_map.h"
-#include "human/recognise.h"
-#include "human/skeleton_profile.h"
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/recognise.h"
+#include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
 
 namespace retarget {
@@ -130,14 +130,14 @@ inline Skeleton with_names(const Skeleton& skeleton, const std::vector<std::stri
   return Skeleton(std::move(joints));
 }
 
-/// Names that say nothing: j0, j1 and so on.
+/// Meaningless names: j0, j1 and so on.
 inline std::vector<std::string> meaningless_names(const Skeleton& skeleton) {
   std::vector<std::string> names;
   for (int i = 0; i < skeleton.joint_count(); ++i) names.push_back("j" + std::to_string(i));
   return names;
 }
 
-/// The motion on a skeleton whose names say nothing.
+/// The motion on a skeleton with meaningless names.
 inline Clip without_names(const Clip& clip) {
   const Skeleton unnamed = with_names(clip.skeleton(), meaningless_names(clip.skeleton()));
   Clip same(std::make_shared<const Skeleton>(unnamed), clip.rate(), clip.frame_count());

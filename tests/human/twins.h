@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "human/canonical_pose.h"
-#include "human/human_clip.h"
+#include "human/skeleton/canonical_pose.h"
+#include "human/skeleton/human_clip.h"
 #include "motion/forward_kinematics.h"
 
 namespace retarget {
@@ -138,8 +138,8 @@ inline double largest_difference(const HumanClip& a, const HumanClip& b) {
 }
 
 /// The same movement with the file's root at the head, as headsets record it: the trunk runs from
-/// Head down to Hips, and each of its joints turns what lies below it. How the head itself turns
-/// is lost. For skeletons of LAFAN1's names.
+/// Head down to Hips, and each of its joints rotates the part below it. The rotation of the head
+/// itself is lost. For skeletons with LAFAN1's names.
 inline Clip rooted_at_head(const Clip& clip) {
   const std::vector<std::string> trunk = {"Head", "Neck", "Spine2", "Spine1", "Spine", "Hips"};
   const Skeleton& old = clip.skeleton();
@@ -166,7 +166,7 @@ inline Clip rooted_at_head(const Clip& clip) {
     if (place_of(i) >= 0) continue;
     Joint joint = old.joint(i);
     joint.parent = place_of(joint.parent);
-    // what hung from a joint of the trunk hangs from the new joint that turns the same part
+    // Children of a joint of the trunk move to the new joint that rotates the same part.
     if (joint.name == "LeftShoulder" || joint.name == "RightShoulder") {
       joint.parent = 1;  // the neck now turns what the torso turned
       joint.offset -= old.joint(old_joint("Neck")).offset;

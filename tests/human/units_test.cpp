@@ -1,10 +1,10 @@
-#include "human/units.h"
+#include "human/skeleton/units.h"
 #include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
@@ -65,7 +65,7 @@ TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
   ASSERT_TRUE(doubled);
   EXPECT_EQ(doubled->name, "scaled");
   EXPECT_DOUBLE_EQ(doubled->metres, 0.005);
-  // who says that a giant stands there is believed
+  // A given height overrides the usual range, even that of a giant.
   EXPECT_EQ(unit_of_body({191.9, 360.0, {}, 3.5})->name, "cm");
   // a unit that nearly gives the height is it: heights are estimates
   EXPECT_EQ(unit_of_body({90.0, 165.0, {}, 1.8})->name, "cm");
@@ -140,9 +140,43 @@ TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
   EXPECT_NEAR(found->height, 1.72 * 0.45, 0.03);
-  // the size is odd, which is said
+  // The size is unusual, which is a warning.
   ASSERT_FALSE(found->doubts.empty());
   EXPECT_THAT(found->doubts.back().message, HasSubstr("height"));
+  // a character of 5.7 m is taken by its proportions
+  for (Joint& joint : joints) joint.offset *= 3.3 / 0.45;
+  Clip giant(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
+  for (int frame = 0; frame < giant.frame_count(); ++frame) {
+    std::ranges::copy(small.rotations(frame), giant.rotations(frame).begin());
+    giant.translations(frame)[0] = small.translations(frame)[0] * (3.3 / 0.45);
+  }
+  const auto taken = calibrate(giant, *map, {});
+  ASSERT_TRUE(taken) << describe(taken.error());
+  EXPECT_NEAR(taken->height, 1.7, 0.051);
+  EXPECT_THAT(taken->doubts.at(0).message, HasSubstr("no known unit"));
+}
+
+// Blender's default scale makes hips 9,300 units high, or 0.93, where the file says centimetres
+TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
+  for (const double scale : {1e-4, 0.03, 2.2, 3.3, 100.0}) {
+    SCOPED_TRACE(scale);
+    Clip clip = sample_in(scale, false);
+    EXPECT_FALSE(calibrated(clip, false, {}));
+    ClipOrigin origin;
+    origin.metres_per_unit = 0.01;
+    clip.set_origin(origin);
+    const auto found = calibrated(clip, false, {});
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->unit, "unknown");
+    EXPECT_NEAR(found->height, 1.7, 0.051);
+    ASSERT_EQ(found->doubts.size(), 1U);
+    EXPECT_THAT(found->doubts[0].message, HasSubstr("scaled to a body height of 1.70 m"));
+  }
+  EXPECT_TRUE(has_human_proportions(0.93, 1.72));
+  EXPECT_TRUE(has_human_proportions(9300.0, 17200.0));
+  // a stick with legs, a body without any
+  EXPECT_FALSE(has_human_proportions(1.0, 1.1));
+  EXPECT_FALSE(has_human_proportions(0.0, 1.7));
 }
 
 TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {

@@ -1,4 +1,4 @@
-#include "human/up_axis.h"
+#include "human/skeleton/up_axis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "bvh/read_bvh.h"
+#include "base/option_name.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
+#include "human/postures.h"
 #include "human/twins.h"
 #include "motion/forward_kinematics.h"
 
@@ -60,10 +62,10 @@ TEST(UpAxis, UsesTheZeroPoseOfTumblingBodies) {
 TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
   const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).doubts;
   ASSERT_FALSE(doubts.empty());
-  EXPECT_THAT(doubts[0].message, testing::HasSubstr("+y was taken as the up axis"));
+  EXPECT_THAT(doubts[0].message, testing::HasSubstr("using +y as the up axis"));
 }
 
-// a zero pose along y in a world with z up: whoever plainly stands is believed
+// A zero pose along y in a world with z up: the posture of a standing body decides.
 TEST(UpAxis, UsesTheMovementOfStandingBodies) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const char* name : {"wave", "turn_in_place", "squat", "walk"}) {
@@ -79,6 +81,57 @@ TEST(ChooseUp, WithoutPosesUsesSkeletonFactsOrZeroPose) {
   EXPECT_EQ(choose_up(body, {}, {{}, SignedAxis{2, false}}).axis, (SignedAxis{2, false}));
   EXPECT_EQ(choose_up(body, {}, {SignedAxis{0, false}, SignedAxis{2, false}}).axis,
             (SignedAxis{0, false}));
+}
+
+std::vector<JointPoses> poses_of_frames(const Clip& clip) {
+  std::vector<JointPoses> poses;
+  for (const int frame : sampled_frames(clip)) poses.push_back(frame_pose(clip, frame));
+  return poses;
+}
+
+// While the body lies along another axis, declarations count in the order of their evidence.
+TEST(ChooseUp, PostureAloneOverrulesNothingKnown) {
+  const Clip clip = PostureClips(sample("walk")).make(Posture::kSupine, 0.0);
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const auto poses = poses_of_frames(clip);
+  const SignedAxis x{0, false}, y{1, false}, z{2, false};
+  EXPECT_NE(choose_up(body, poses, {}).doubt, "");
+  for (const KnownUp& known :
+       {KnownUp{{}, {}, y}, KnownUp{y, {}}, KnownUp{{}, y}, KnownUp{z, x, y}, KnownUp{y, y, {}}}) {
+    const UpChoice choice = choose_up(body, poses, known);
+    EXPECT_EQ(choice.axis, y) << to_text(choice.axis);
+    EXPECT_EQ(choice.doubt, "");
+  }
+}
+
+// The floor contradicts the declared axis and the skeleton's: the choice has a warning.
+TEST(ChooseUp, AStandingBodyOverrulesAFalseAxisWithAWarning) {
+  const Clip clip = sample("walk");
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const SignedAxis z{2, false}, x{0, false};
+  for (const KnownUp& known : {KnownUp{{}, {}, z}, KnownUp{z, {}}, KnownUp{x, z}}) {
+    const UpChoice choice = choose_up(body, poses_of_frames(clip), known);
+    EXPECT_EQ(choice.axis, SignedAxis{});
+    EXPECT_THAT(choice.doubt, testing::HasSubstr("the body stands on a floor perpendicular to +y"));
+    EXPECT_THAT(choice.doubt, testing::HasSubstr(OPTION("up")));
+  }
+  EXPECT_EQ(choose_up(body, poses_of_frames(clip), {{}, z}).doubt, "");
+}
+
+// a file that states a false axis while nothing but posture contradicts it
+TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
+  Clip clip = sample("wave");
+  // in the air, so that no floor says more
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0] += Eigen::Vector3d(0.0, 200.0, 300.0);
+  }
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const SignedAxis z{2, false};
+  const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, {}, z});
+  EXPECT_EQ(choice.axis, z);
+  EXPECT_THAT(choice.doubt, testing::HasSubstr("trunk and legs point along +y"));
+  // a fall is evidence
+  EXPECT_EQ(choose_up(body, poses_of_frames(clip), {z, {}, {}, SignedAxis{}}).axis, SignedAxis{});
 }
 
 }  // namespace

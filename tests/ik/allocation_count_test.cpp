@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ik/ik_cases.h"
+#include "solve/ik/dense_least_squares.h"
 #include "support/counted_allocations.h"
 
 namespace retarget {
@@ -23,6 +24,17 @@ TEST(Solvers, AllocateNothingPerFrame) {
     }
     EXPECT_EQ(allocations, before) << (fast ? "fast" : "reference");
   }
+}
+
+TEST(Solvers, DenseLeastSquaresAllocatesNothingPerStep) {
+  DenseLeastSquares system(6);
+  system.hessian.setIdentity();
+  system.gradient.setLinSpaced(-1.0, 1.0);
+  system.lower.setConstant(-0.5);
+  system.upper.setConstant(0.5);
+  const long before = allocations;
+  EXPECT_TRUE(system.solve(1e-3).has_value());
+  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

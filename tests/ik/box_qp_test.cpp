@@ -1,7 +1,8 @@
-#include "ik/box_qp.h"
+#include "solve/ik/box_qp.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -122,6 +123,31 @@ TEST(BoxQp, ReportsNonFiniteValues) {
       qp.solve(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(nan, 0.0), -bound, bound, x)
           .converged);
   EXPECT_FALSE(qp.solve(Eigen::Matrix2d::Constant(nan), bound, -bound, bound, x).converged);
+}
+
+// in the first factorisation, in one behind a bound, or in the gradient of a variable at its bound
+TEST(BoxQp, ReturnsAFinitePointInTheBoxForAnyInput) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), inf, -inf, 1e308}) {
+    for (int place = 0; place < 12; ++place) {
+      Eigen::MatrixXd H = 2.0 * Eigen::MatrixXd::Identity(3, 3);
+      Eigen::VectorXd g = Eigen::Vector3d(-9.0, 1.0, 0.5);
+      if (place < 9) {
+        H(place / 3, place % 3) = H(place % 3, place / 3) = bad;
+      } else {
+        g[place - 9] = bad;
+      }
+      const Eigen::VectorXd bound = Eigen::Vector3d::Constant(1.5);
+      BoxQp qp(3);
+      Eigen::VectorXd x(3);
+      const BoxQpStats stats = qp.solve(H, g, -bound, bound, x);
+      EXPECT_TRUE(x.allFinite()) << place << ", " << bad;
+      EXPECT_LE(x.cwiseAbs().maxCoeff(), 1.5);
+      if (!std::isfinite(bad)) {
+        EXPECT_FALSE(stats.converged) << place << ", " << bad;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
-#include "ik/frame_error.h"
+#include "base/math/se3.h"
 #include "ik/ik_cases.h"
-#include "math/se3.h"
+#include "solve/ik/frame_error.h"
+#include "solve/ik/published_jacobian.h"
 #include "support/exp_se3.h"
 
 namespace retarget {
@@ -88,13 +89,27 @@ TEST(FrameError, MatchesReferenceErrorAndJacobian) {
     EXPECT_LT((error.angular - R * twist.tail<3>()).norm(), 1e-12) << angle;
     // the inverse left Jacobian in world axes: A on the diagonal, -A Q A beside it
     const ErrorJacobian jacobian(error);
-    const Matrix6d inverse = left_jacobian_inverse_se3(twist);
+    const Matrix6d inverse = published_jacobian_inverse(twist);
     const Eigen::Matrix3d A = R * inverse.topLeftCorner<3, 3>() * R.transpose();
     const Eigen::Matrix3d side = R * inverse.topRightCorner<3, 3>() * R.transpose();
     EXPECT_LT((A * jacobian.coupling() + side).norm(), 1e-8) << angle;
     EXPECT_LT((jacobian.square() - A.transpose() * A).norm(), 1e-12) << angle;
     const Eigen::Vector3d v(0.3, -0.7, 1.1);
     EXPECT_LT((jacobian.transposed_times(v) - A.transpose() * v).norm(), 1e-12) << angle;
+  }
+}
+
+// squares of such distances are not finite
+TEST(IkEngines, ReportErrorsThatAreNotFinite) {
+  IkCase ik_case = random_case(load_g1(), 10, 3);
+  for (const double bad : {1e160, 1e200, std::nan("")}) {
+    ik_case.targets[2].translation.x() = bad;
+    const auto reference = make_reference_solver(ik_case.problem);
+    const auto fast = make_fast_solver(ik_case.problem);
+    for (IkSolver* const solver : {reference.get(), fast.get()}) {
+      std::vector<double> qpos = ik_case.start;
+      EXPECT_FALSE(solver->solve_pass(1, ik_case.targets, qpos).converged) << bad;
+    }
   }
 }
 

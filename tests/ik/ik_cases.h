@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "ik/ik_solver.h"
+#include "solve/ik/ik_solver.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "ik/box_qp.h"
+#include "base/math/se3.h"
 #include "ik/ik_cases.h"
-#include "ik/ik_solver.h"
-#include "math/se3.h"
+#include "solve/ik/box_qp.h"
+#include "solve/ik/ik_solver.h"
 
 namespace retarget {
 namespace {

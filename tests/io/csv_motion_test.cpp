@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "retarget/motion_io.h"
-#include "robot/variant.h"
+#include "robot/model/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -205,7 +205,7 @@ TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
     EXPECT_EQ(given->clip.rate(), (FrameRate{60, 1}));
     EXPECT_THAT(given->warnings, Contains(HasSubstr(words)));
   }
-  // what the file says against what is asked for
+  // The file's times contradict the requested rate.
   const auto against = read(timed({"0", ".02", ".04"}, "time"), at_60);
   ASSERT_TRUE(against);
   EXPECT_THAT(against->warnings,

@@ -28,7 +28,7 @@ std::vector<int> left_heel(const FootContacts& contacts) {
   return flags;
 }
 
-TEST(FootContactsTest, SamplesHaveWhatTheNearestFrameHas) {
+TEST(FootContactsTest, SamplesTakeTheNearestFrame) {
   const FootContacts contacts = contacts_of({1, 0, 0, 1});
   // 30 to 60: halfway between two frames the earlier one counts
   EXPECT_THAT(left_heel(resample_contacts(contacts, {30, 1}, {60, 1}, 7)),

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/gltf_writer.h"
+#include "formats/robot_motion/gltf_writer.h"
 
 namespace retarget {
 namespace {

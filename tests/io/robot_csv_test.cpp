@@ -102,14 +102,14 @@ TEST(RobotCsv, SomaFrameNumbersCountAt120Fps) {
   EXPECT_EQ(frame_numbers({120, 1}), "0,1,2,");
   EXPECT_EQ(frame_numbers({30, 1}), "0,4,8,");
   EXPECT_EQ(frame_numbers({60, 1}), "0,2,4,");
-  // rates that such numbers do not tell
+  // Frame numbers cannot represent these rates.
   for (const FrameRate& rate : {FrameRate{50, 1}, {240, 1}, {2997, 125}}) {
     EXPECT_FALSE(soma_csv_tells(rate));
     EXPECT_EQ(frame_numbers(rate), "0,1,2,");
   }
 }
 
-TEST(RobotCsv, PrintedClipMatchesWhatIsReadBack) {
+TEST(RobotCsv, PrintedClipsRoundTrip) {
   RobotClip clip = two_frames();
   const auto printed = printed_clip(clip, 3);
   ASSERT_TRUE(printed) << describe(printed.error());
@@ -120,7 +120,7 @@ TEST(RobotCsv, PrintedClipMatchesWhatIsReadBack) {
     const auto q = printed->qpos(frame);
     EXPECT_NEAR(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1.0, 1e-15);
   }
-  // the sign goes on: 3, 4, 5, 6 lies on the other side of .5, -.5, .5, -.5
+  // The quaternion keeps its sign: 3, 4, 5, 6 is in the hemisphere opposite to .5, -.5, .5, -.5.
   EXPECT_LT(printed->qpos(1)[3], 0.0);
   const auto nothing = printed_clip(clip, 0);
   ASSERT_FALSE(nothing);

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "io/compare_motions.h"
-#include "math/so3.h"
-#include "robot/resample_robot.h"
-#include "robot/variant.h"
+#include "base/math/so3.h"
+#include "formats/robot_motion/compare_motions.h"
+#include "robot/model/resample_robot.h"
+#include "robot/model/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {

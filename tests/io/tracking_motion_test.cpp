@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "base/npz.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "formats/containers/npz.h"
 #include "support/test_robots.h"
 
 namespace retarget {

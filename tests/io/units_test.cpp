@@ -86,7 +86,7 @@ TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
     ASSERT_TRUE(motion) << scale << ": " << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76 * scale, 1e-9);
     EXPECT_THAT(motion->warnings, IsEmpty());
-    // who lies may be as low
+    // A lying robot may be as low.
     EXPECT_TRUE(read(csv({.scale = scale, .lying = true})));
   }
 }
@@ -136,7 +136,8 @@ TEST_F(UnitsTest, SittingUprightIsPlausible) {
   EXPECT_THAT(motion->warnings, IsEmpty());
 }
 
-// these were taken for centimetres and millimetres, a hundredth and a thousandth of what they are
+// An earlier version read these as centimetres and millimetres, a hundredth and a thousandth of
+// their size.
 TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
   for (const double height : {6.5, 8.0, 90.0, 1000.0}) {
     expect_refused(csv({.height = height}), OPTION("source-unit"));

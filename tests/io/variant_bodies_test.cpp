@@ -10,7 +10,7 @@
 
 #include "g1_maker_models.h"
 #include "retarget/motion_io.h"
-#include "robot/variant.h"
+#include "robot/model/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -113,7 +113,7 @@ TEST_P(VariantBodies, AreTheMakersInPlaceAndOrder) {
 }
 
 // by the names that trainers' configurations have: the anchor and the bodies that are tracked
-TEST_P(VariantBodies, IncludeThoseThatTrainersName) {
+TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   const auto motion = make_tracking_motion(random_clip(variant_), MotionFormat::kNpzBeyondMimic);
   ASSERT_TRUE(motion);
   EXPECT_THAT(motion->body_names,

@@ -1,5 +1,5 @@
-// What networks and senders do to a stream, and what the robot does then. Time is given, so that every
-// run is the same.
+// Faults of networks and senders in a stream, and the robot's response. The tests supply the time,
+// so that every run is the same.
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <optional>
 #include <random>
 
+#include "base/math/so3.h"
 #include "live/live_sample.h"
-#include "live/sender_clock.h"
-#include "math/so3.h"
+#include "live/session/sender_clock.h"
 #include "motion/track_sampler.h"
 
 namespace retarget {
@@ -61,6 +61,7 @@ class Stream {
     while (const auto frame = session.pull(now)) {
       states.push_back(frame->state);
       times.push_back(frame->time);
+      due.push_back(frame->due);
       indices.push_back(frame->index);
       qpos.emplace_back(frame->qpos.begin(), frame->qpos.end());
     }
@@ -91,7 +92,7 @@ class Stream {
 
   LiveSession session;
   std::vector<LiveState> states;
-  std::vector<double> times;
+  std::vector<double> times, due;
   std::vector<std::int64_t> indices;
   std::vector<std::vector<double>> qpos;
 
@@ -113,11 +114,24 @@ TEST(LiveRates, AnyRateGivesEvenRobotFrames) {
       options.lag_s = 0.1;
       Stream stream(options);
       for (int i = 0; i <= 2.0 * rate; ++i) stream.frame(i / rate, i / rate + 0.005);
+      // Frames leave at the times of our clock, including the first one, which a window delays.
+      for (std::size_t i = 1; i < stream.due.size(); ++i) {
+        ASSERT_NEAR(stream.due[i] - stream.due[i - 1], 0.02, 0.0062) << rate;
+      }
       stream.session.finish();
       stream.take(2.1);
-      EXPECT_NEAR(static_cast<double>(stream.qpos.size()), 101.0, 1.0) << rate;
+      // At a lower rate a frame is known up to one interval later.
+      const double waits = 50.0 / std::min(rate, 50.0);
+      EXPECT_GE(stream.qpos.size(), 100U) << rate;
+      EXPECT_LE(static_cast<double>(stream.qpos.size()), 102.0 + waits) << rate;
       for (std::size_t i = 1; i < stream.times.size(); ++i) {
-        ASSERT_NEAR(stream.times[i] - stream.times[i - 1], 0.02, 1e-9) << rate;
+        const double step = stream.times[i] - stream.times[i - 1];
+        ASSERT_GE(step, 0.0) << rate;
+        ASSERT_LE(step, 0.03 + 1e-9) << rate;
+        // by then frames have come at every phase to those of the robot
+        if (stream.times[i - 1] > 0.6) {
+          ASSERT_NEAR(step, 0.02, 1e-9) << rate;
+        }
       }
       EXPECT_EQ(stream.session.statistics().held, 0) << rate;
       EXPECT_EQ(stream.session.statistics().lost, 0) << rate;
@@ -180,7 +194,7 @@ TEST(LiveFaults, DoubledAndReorderedFramesChangeNothing) {
     shuffled.frame(i / 60.0, now);
     shuffled.frame(i / 60.0, now);
   }
-  // before the first frame there is none
+  // Both copies of frame 0 precede the first received frame: they are late, not doubled.
   EXPECT_EQ(shuffled.session.statistics().doubled, 59);
   EXPECT_EQ(shuffled.session.statistics().late, 2);
   const std::size_t common = std::min(clean.qpos.size(), shuffled.qpos.size());
@@ -263,7 +277,7 @@ TEST(LiveFaults, AClockThatJumpsIsFollowed) {
   }
 }
 
-TEST(LiveFaults, OneWrongStampIsNoJump) {
+TEST(LiveFaults, ToleratesOneWrongTimestamp) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
   stream.session.push({1e6, walker_at(1.0)}, 1.0);
@@ -283,7 +297,7 @@ TEST(LiveFaults, FramesThatWereHeldUpOnTheirWayAreUsed) {
   stream.expect_no_jump(50.0);
 }
 
-TEST(LiveFaults, ValuesThatAreNoNumbersAreLeftOut) {
+TEST(LiveFaults, DropsFramesWithNaN) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
   HumanPose bad = walker_at(1.0);
@@ -299,7 +313,7 @@ TEST(LiveFaults, ValuesThatAreNoNumbersAreLeftOut) {
   }
 }
 
-TEST(LiveFaults, AnotherBodyGoesOnWhereTheRobotIs) {
+TEST(LiveFaults, ContinuesAtTheRobotsPoseWithAnotherBody) {
   for (const LiveMode mode : {LiveMode::kFrame, LiveMode::kLag}) {
     LiveOptions options = at_50();
     options.mode = mode;

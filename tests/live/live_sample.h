@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/live.h"
 #include "retarget/retarget.h"
 
@@ -21,13 +21,25 @@ inline const LoadedRobot& sample_robot() {
   return robot;
 }
 
-inline Plan sample_plan(const std::string& name, Method method) {
+/// The same robot, of which the arms alone follow.
+inline const LoadedRobot& sample_robot_arms() {
+  static const LoadedRobot robot = [] {
+    RobotChoice choice;
+    choice.name = "unitree_g1";
+    choice.follow = Follow::kArms;
+    return load_robot(choice, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+  }();
+  return robot;
+}
+
+inline Plan sample_plan(const std::string& name, Method method,
+                        const LoadedRobot& robot = sample_robot()) {
   auto clip = load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh");
   EXPECT_TRUE(clip) << describe(clip.error());
   Options options;
   options.solve.method = method;
   options.time.fps = std::nullopt;
-  auto plan = make_plan(std::move(*clip), sample_robot(), options);
+  auto plan = make_plan(std::move(*clip), robot, options);
   EXPECT_TRUE(plan) << describe(plan.error());
   return std::move(*plan);
 }
@@ -37,7 +49,7 @@ inline HumanClip human_of(const Plan& plan) {
   return to_human(*plan.clip, plan.human.calibration);
 }
 
-/// What a session gives for a clip that comes frame by frame, without any delay on its way.
+/// The output of a session for a clip that arrives frame by frame, without delay.
 inline std::vector<std::vector<double>> streamed(LiveSession& session, const HumanClip& human,
                                                  double begin = 0.0) {
   std::vector<std::vector<double>> frames;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "live/live_sample.h"
 #include "support/counted_allocations.h"
@@ -48,7 +49,7 @@ Motion motion_of(const Plan& plan, const std::vector<std::vector<double>>& frame
   return motion;
 }
 
-TEST(LiveFrames, AreThoseOfThePublishedMethod) {
+TEST(LiveFrames, EqualThePublishedMethod) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kGmr);
     const auto offline = solve(plan);
@@ -85,13 +86,14 @@ TEST(LiveFrames, AllocateNothing) {
   EXPECT_GT(session.statistics().robot_frames, 100);
 }
 
-// what is seen for the first time may need room, in the solver's lists of near shapes and limits
+// New situations may allocate: the solver's lists of near shapes and limits grow.
 TEST(LiveLag, AllocatesNothingOnceItHasSeenAll) {
   const Plan plan = sample_plan("walk", Method::kFit);
   const HumanClip human = human_of(plan);
   for (const double lag_s : {0.0, 0.2, 1.5}) {
     LiveSession session = session_of(plan, with_lag(50.0, lag_s));
-    // there and back again; the clip that is fitted forgets its beginning after twelve seconds, then every six
+    // The clip is played forwards and backwards; the fitted clip forgets its beginning after twelve
+    // seconds, then every six.
     constexpr double kKnown = 45.0, kSeconds = 70.0;
     const int period = 2 * human.frame_count - 2;
     long before = -1;
@@ -171,7 +173,7 @@ TEST(LiveLag, IsSmootherThanSingleFrames) {
   }
 }
 
-TEST(Live, RefusesWhatCannotBe) {
+TEST(Live, RejectsImpossibleOptions) {
   const Plan plan = sample_plan("wave", Method::kGmr);
   EXPECT_EQ(LiveSession::make(plan, with_lag(50.0, 0.2)).error().kind, ErrorKind::kUsage);
   LiveOptions options;
@@ -180,6 +182,22 @@ TEST(Live, RefusesWhatCannotBe) {
   Plan empty = plan;
   empty.clip = nullptr;
   EXPECT_EQ(LiveSession::make(empty).error().kind, ErrorKind::kUsage);
+}
+
+// weights whose squares are not finite: frames stay as the first stage has them, and are counted
+TEST(LiveLag, CountsStepsThatAreNotFinite) {
+  Plan plan = sample_plan("wave", Method::kFit);
+  LiveSession sound = session_of(plan, with_lag(plan.rate.fps(), 0.2));
+  streamed(sound, human_of(plan));
+  EXPECT_EQ(sound.statistics().failed_steps, 0);
+  plan.fit.smoothness_leg = 1e200;
+  LiveSession failing = session_of(plan, with_lag(plan.rate.fps(), 0.2));
+  const auto frames = streamed(failing, human_of(plan));
+  EXPECT_GT(failing.statistics().failed_steps, 0);
+  EXPECT_EQ(static_cast<int>(frames.size()), plan.clip->frame_count());
+  for (const auto& frame : frames) {
+    for (const double value : frame) EXPECT_TRUE(std::isfinite(value));
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "math/filter.h"
+#include "base/math/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,11 @@
-#include "math/rotation_spline.h"
+#include "base/math/rotation_spline.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 
 namespace retarget {
 namespace {
@@ -106,6 +106,25 @@ TEST(RotationSplineOfMotions, OneAndTwoSamples) {
       std::vector<Quaterniond>{Quaterniond::Identity(), exp_so3({0.4, 0.0, 0.0})});
   EXPECT_NEAR(two.at(0, 0.5).rotation.x(), exp_so3({0.2, 0.0, 0.0}).x(), 1e-15);
   EXPECT_NEAR(two.at(0, 0.5).velocity.x(), 0.4, 1e-15);
+}
+
+// Of turns so small that rotations add like vectors everything is in proportion to their size: 1e-4
+// rad is the measure, where that holds to 1e-4; quaternions hold turns of 1e-9 rad to 1e-7.
+TEST(RotationSplineOfMotions, StandingNoiseIsInProportionToItsSize) {
+  const double measure = 1e-4;
+  const RotationSpline larger(wandering(20, measure));
+  for (const double size : {1e-6, 1e-7, 1.5e-8, 1e-8, 3e-9, 1e-9}) {
+    const RotationSpline spline(wandering(20, size));
+    for (int i = 0; i + 1 < 20; ++i) {
+      for (const double s : {0.0, 0.5, 1.0}) {
+        const RotationState at = spline.at(i, s), wanted = larger.at(i, s);
+        const double share = size / measure, tolerance = 1e-3 + 1e-14 / size;
+        EXPECT_LT((at.velocity / share - wanted.velocity).norm(), tolerance * measure) << size;
+        EXPECT_LT((at.acceleration / share - wanted.acceleration).norm(), 10 * tolerance * measure)
+            << size;
+      }
+    }
+  }
 }
 
 }  // namespace

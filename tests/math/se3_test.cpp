@@ -1,4 +1,4 @@
-#include "math/se3.h"
+#include "base/math/se3.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 #include "support/exp_se3.h"
 
 namespace retarget {
@@ -60,41 +60,6 @@ TEST(LogSe3, DoesNotDependOnTheSignOfTheQuaternion) {
   Pose pose = exp_se3(twist);
   pose.rotation.coeffs() = -pose.rotation.coeffs();
   EXPECT_LT((log_se3(pose) - twist).norm(), 1e-12);
-}
-
-// log(exp(d) exp(x)) by central differences in d
-Matrix6d numeric_left_jacobian_inverse(const Vector6d& x) {
-  constexpr double kStep = 1e-6;
-  Matrix6d jacobian;
-  for (int i = 0; i < 6; ++i) {
-    const Vector6d d = kStep * Vector6d::Unit(i);
-    const Vector6d ahead = log_se3(exp_se3(d) * exp_se3(x));
-    const Vector6d behind = log_se3(exp_se3(-d) * exp_se3(x));
-    jacobian.col(i) = (ahead - behind) / (2.0 * kStep);
-  }
-  return jacobian;
-}
-
-TEST(LeftJacobianInverse, MatchesFiniteDifferences) {
-  RandomTwists twists;
-  for (const double angle : {1e-3, 1e-2, 0.1, 0.7, 1.5, 2.5, 3.0}) {
-    const Vector6d x = twists.next(angle);
-    EXPECT_LT((left_jacobian_inverse_se3(x) - numeric_left_jacobian_inverse(x)).norm(), 2e-8)
-        << angle;
-    const Eigen::Matrix3d rotation = numeric_left_jacobian_inverse(x).bottomRightCorner<3, 3>();
-    EXPECT_LT((left_jacobian_inverse_so3(x.tail<3>()) - rotation).norm(), 2e-8) << angle;
-  }
-}
-
-TEST(LeftJacobianInverse, SwitchesToTheIdentityBelowTheSmallAngle) {
-  RandomTwists twists;
-  EXPECT_EQ(left_jacobian_inverse_se3(twists.next(0.99e-5)), Matrix6d::Identity());
-  const Vector6d above = twists.next(1.01e-5);
-  EXPECT_NE(left_jacobian_inverse_se3(above), Matrix6d::Identity());
-  // above the switch the coupling of position and rotation is there
-  EXPECT_LT((left_jacobian_inverse_se3(above).topRightCorner<3, 3>() + 0.5 * skew(above.head<3>()))
-                .norm(),
-            1e-5);
 }
 
 }  // namespace

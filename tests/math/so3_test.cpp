@@ -1,4 +1,4 @@
-#include "math/so3.h"
+#include "base/math/so3.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "math/spline.h"
+#include "base/math/spline.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,6 +1,6 @@
-// Limits and speed limits hold for every sequence, and sequences that keep them stay as they are.
+// Limits and speed limits hold for every sequence, and sequences within them do not change.
 
-#include "math/step_bounds.h"
+#include "base/math/step_bounds.h"
 
 #include <gtest/gtest.h>
 

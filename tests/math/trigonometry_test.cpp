@@ -1,4 +1,4 @@
-#include "math/trigonometry.h"
+#include "base/math/trigonometry.h"
 
 #include <gtest/gtest.h>
 

@@ -36,7 +36,7 @@ TEST(FrameRangeFromText, InvalidTextIsAUsageError) {
     const auto range = frame_range_from_text(text, 100);
     ASSERT_FALSE(range.has_value()) << text;
     EXPECT_EQ(range.error().kind, ErrorKind::kUsage);
-    EXPECT_THAT(range.error().message, HasSubstr("\"" + text + "\" is not of the form a:b"));
+    EXPECT_THAT(range.error().message, HasSubstr("\"" + text + "\" does not have the form a:b"));
   }
 }
 
@@ -44,7 +44,7 @@ TEST(FrameRangeFromText, RangesWithoutFramesAreUsageErrors) {
   for (const std::string text : {"5:5", "6:5", "0:0", ":0"}) {
     const auto range = frame_range_from_text(text, 100);
     ASSERT_FALSE(range.has_value()) << text;
-    EXPECT_THAT(range.error().message, HasSubstr("holds no frames"));
+    EXPECT_THAT(range.error().message, HasSubstr("contains no frames"));
   }
   for (const std::string text : {"100:200", "100:", "99999999999999999999:"}) {
     const auto range = frame_range_from_text(text, 100);
@@ -92,7 +92,7 @@ TEST(FrameRangeFromSeconds, ImpossibleTimesAreUsageErrors) {
                               frame_range_from_seconds({}, bad, k30, 301)}) {
       ASSERT_FALSE(range.has_value()) << bad;
       EXPECT_EQ(range.error().kind, ErrorKind::kUsage);
-      EXPECT_THAT(range.error().message, HasSubstr("is not a time of a clip"));
+      EXPECT_THAT(range.error().message, HasSubstr("is not a valid time"));
     }
   }
 }

@@ -18,7 +18,7 @@ double wave(double t) {
   return std::sin(3.0 * t) + 0.3 * t;
 }
 
-// what is sampled, and the sampler
+// A clip and its sampler.
 struct Sampled {
   Clip clip;
   ClipSampler sampler;

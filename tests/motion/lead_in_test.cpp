@@ -71,7 +71,7 @@ TEST(LeadIn, StandingBeforeAGlitchIsMotion) {
   Clip clip = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
   for (auto& rotation : clip.rotations(100)) rotation = exp_so3(2.0 * kTestAxis);
   EXPECT_EQ(count_lead_in_frames(clip), 0);
-  // or stands elsewhere from there on
+  // Alternatively, the body jumps to another location and remains there.
   Clip moved = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
   for (int frame = 100; frame < moved.frame_count(); ++frame) {
     moved.translations(frame)[0] += Eigen::Vector3d(3.0, 0.0, 0.0);

@@ -37,7 +37,7 @@ TEST(Resample, SparseClipsDoNotExhaustMemory) {
   const auto result = resample(sparse, k30);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInput);
-  EXPECT_THAT(result.error().message, HasSubstr("would make 1199971 frames out of 40000"));
+  EXPECT_THAT(result.error().message, HasSubstr("would make 1199971 frames from 40000"));
   // as sparse, but short; as long, but dense
   EXPECT_EQ(resampled(Clip(make_tree(), {1, 1}, 1000), k30).frame_count(), 29'971);
   EXPECT_EQ(resampled(Clip(make_tree(), {10, 1}, 40'000), k30).frame_count(), 119'998);
@@ -239,7 +239,7 @@ TEST(Resample, RejectsExtremeRates) {
   const auto result = resample(stretched, k30);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInput);
-  EXPECT_THAT(result.error().message, HasSubstr("60000001 frames out of 3"));
+  EXPECT_THAT(result.error().message, HasSubstr("60000001 frames from 3"));
   // a single frame lasts no time at any rate
   EXPECT_EQ(resampled(cut(stretched, 0, 1), k30).frame_count(), 1);
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 #include "retarget/clip.h"
 
 namespace retarget {

@@ -1,6 +1,6 @@
 // Options from JSON, terms by name.
 
-#include "options/fit_options.h"
+#include "retarget/option_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

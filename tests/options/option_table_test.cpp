@@ -1,6 +1,6 @@
-// One table of options: what is read, written and said of them.
+// One table of options: reading, writing, documentation.
 
-#include "options/option_table.h"
+#include "retarget/option_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "options/fit_options.h"
-#include "options/options_json.h"
-#include "options/run_tables.h"
+#include "app/options/options_json.h"
 
 namespace retarget {
 namespace {

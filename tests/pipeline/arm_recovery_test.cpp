@@ -1,10 +1,10 @@
-#include "pipeline/arm_recovery.h"
+#include "solve/targets/arm_recovery.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 #include "retarget/human.h"
 #include "support/test_robots.h"
 
@@ -22,7 +22,7 @@ TEST(ArmRecovery, AreDetectedFromSixtyDegreesWithBackoff) {
   const std::vector<double> qpos = robot->zero_configuration();
   std::vector<Pose> world_from_body(robot->bodies().size());
   forward_kinematics(*robot, qpos, world_from_body);
-  // everything on its target but for an arm
+  // All bodies are on their targets except for one arm.
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
   const auto turn = [&](double degrees) {
     for (const FrameTask& task : problem->passes.back()) {

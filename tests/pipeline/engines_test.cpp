@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "bvh/read_bvh.h"
-#include "pipeline/solve_frames.h"
-#include "pipeline/targets.h"
+#include "formats/bvh/read_bvh.h"
 #include "retarget/motion_io.h"
-#include "robot/find_robot.h"
+#include "robot/model/find_robot.h"
+#include "solve/targets/solve_frames.h"
+#include "solve/targets/targets.h"
 #include "support/csv.h"
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
@@ -35,7 +35,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     if (!shared) GTEST_SKIP() << kNoSharedFolder;
     shared_ = *shared;
     const fs::path source = RETARGET_SOURCE_DIR;
-    const auto files = find_robot(GetParam().robot, source / "robots").value();
+    const auto files = find_robot(GetParam().robot, {source / "robots"}).value();
     const auto robot = load_robot_files(files.model.string(), files.profile.string());
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
@@ -59,7 +59,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
 
   fs::path shared_;
   std::shared_ptr<const Robot> robot_;
-  RetargetingConfig read_;  // what config_ was made from
+  RetargetingConfig read_;  // Source of config_.
   ResolvedConfig config_;
   LimitSet limits_;  // of the published method
 };

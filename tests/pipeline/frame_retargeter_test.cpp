@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "bvh/read_bvh.h"
-#include "pipeline/solve_frames.h"
+#include "formats/bvh/read_bvh.h"
+#include "solve/targets/solve_frames.h"
 #include "support/counted_allocations.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
@@ -121,7 +121,7 @@ TEST(FrameRetargeter, CarriesItsStateAndTakesAnother) {
               1.0, 1e-15);
 }
 
-TEST(FrameRetargeter, ErrorsAreThoseOfThePasses) {
+TEST(FrameRetargeter, ErrorsEqualThoseOfThePasses) {
   const HumanClip human = sample("walk", 1);
   FrameRetargeter retargeter = make_g1();
   EXPECT_EQ(retargeter.error(1).error().kind, ErrorKind::kUsage);
@@ -221,7 +221,7 @@ TEST(FrameRetargeter, BadFramesAreErrorsThatChangeNothing) {
   EXPECT_EQ(retargeter.solve().error().kind, ErrorKind::kInput);
   for (Pose& pose : bad) pose.translation.setConstant(1e90);
   ASSERT_TRUE(retargeter.update_targets(bad));
-  (void)retargeter.solve();  // whether or not this can be solved, what is there stays finite
+  (void)retargeter.solve();  // The solve may fail; the results must be finite.
   EXPECT_TRUE(std::ranges::all_of(retargeter.qpos(), [](double v) { return std::isfinite(v); }));
 
   EXPECT_FALSE(retargeter.set_qpos(std::span(before).first(7)));

@@ -1,6 +1,6 @@
 // Limbs whose elbow or knee is a hinge.
 
-#include "pipeline/limb_aim.h"
+#include "solve/targets/limb_aim.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/canonical_pose.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
 
 namespace retarget {
@@ -61,8 +61,8 @@ TEST(LimbAim, DirectionIgnoresBoneTwist) {
   const Vector3d second = (arm.end.translation - arm.lower.translation).normalized();
   EXPECT_LT((aimed->upper * Vector3d::UnitX() - first).norm(), 1e-9);
   EXPECT_LT((aimed->lower * Vector3d::UnitX() - second).norm(), 1e-9);
-  // the elbow that the upper bone then has lets the forearm point there but for the share of its own
-  // axis: atan(0.1 sin 30 / (sin(1.2 rad) + 0.1 cos 30)) of turn
+  // The elbow of the upper bone then lets the forearm point there, up to the inclination of its own
+  // axis: a rotation by atan(0.1 sin 30 / (sin(1.2 rad) + 0.1 cos 30)).
   EXPECT_LT(between(aimed->upper, plain.upper.rotation), 3.0 * kDegree);
   EXPECT_GT(between(arm.upper.rotation, plain.upper.rotation), 29.0 * kDegree);
 }

@@ -1,4 +1,4 @@
-#include "pipeline/limb_lengths.h"
+#include "solve/targets/limb_lengths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <random>
 #include <string_view>
 
-#include "pipeline/targets.h"
+#include "solve/targets/targets.h"
 #include "support/limbed_config.h"
 #include "support/test_robots.h"
 
@@ -145,7 +145,7 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
   }
   const auto crossed = robot_limbs(*robot, resolved(config, *robot));
   ASSERT_FALSE(crossed);
-  EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not follow each other"));
+  EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not form a chain"));
 }
 
 // a human whose limbs are the robot's, each stretched: the targets must be the robot's own bodies,

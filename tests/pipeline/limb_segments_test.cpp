@@ -10,12 +10,12 @@
 #include <numbers>
 #include <set>
 
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
-#include "human/recognise.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/smpl/read_smpl.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/recognise.h"
 #include "motion/resample.h"
-#include "pipeline/solve_frames.h"
-#include "smpl/read_smpl.h"
+#include "solve/targets/solve_frames.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -1,6 +1,6 @@
-// Joints at a limit: what pushes them there, against finite differences and by hand.
+// The diagnosis of joints at a limit, against finite differences and closed forms.
 
-#include "pipeline/limit_diagnosis.h"
+#include "solve/targets/limit_diagnosis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "math/se3.h"
+#include "base/math/se3.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -62,7 +62,7 @@ RetargetingConfig tables_of(std::vector<IkMatch> rows) {
   return config;
 }
 
-// bones that all are where a body of the robot is, but for a shift and a turn of each
+// Each bone coincides with a body of the robot, up to a fixed translation and rotation.
 struct Scene {
   std::shared_ptr<const Robot> robot;
   RobotClip clip;

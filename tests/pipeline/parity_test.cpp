@@ -5,12 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bvh/read_bvh.h"
-#include "ik/box_qp.h"
-#include "math/so3.h"
-#include "pipeline/solve_frames.h"
-#include "pipeline/targets.h"
+#include "base/math/so3.h"
+#include "formats/bvh/read_bvh.h"
 #include "retarget/motion_io.h"
+#include "solve/ik/box_qp.h"
+#include "solve/targets/solve_frames.h"
+#include "solve/targets/targets.h"
 #include "support/box_qp_residual.h"
 #include "support/csv.h"
 #include "support/lafan1_map.h"

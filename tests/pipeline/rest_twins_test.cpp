@@ -4,11 +4,11 @@
 
 #include <filesystem>
 
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
+#include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
+#include "human/skeleton/calibrate.h"
 #include "human/twins.h"
-#include "pipeline/solve_frames.h"
+#include "solve/targets/solve_frames.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,6 +1,6 @@
-// A robot as a human: what a robot that follows its own human is asked for is its own motion.
+// A robot as a human: the targets of a robot that follows its own human are its own motion.
 
-#include "pipeline/robot_as_human.h"
+#include "solve/targets/robot_as_human.h"
 
 #include <gtest/gtest.h>
 
@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "human/canonical_pose.h"
-#include "human/contact_plan.h"
-#include "human/human_clip.h"
-#include "human/robot_human.h"
-#include "pipeline/targets.h"
-#include "robot/find_robot.h"
-#include "robot/load_robot.h"
+#include "human/gait/contact_plan.h"
+#include "human/skeleton/canonical_pose.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/robot_human.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/load_robot.h"
+#include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {
@@ -28,7 +28,7 @@ struct SomeRobot {
 };
 
 SomeRobot some_robot(const std::string& name) {
-  const RobotFiles files = find_robot(name, RETARGET_SOURCE_DIR "/robots").value();
+  const RobotFiles files = find_robot(name, {RETARGET_SOURCE_DIR "/robots"}).value();
   auto robot = load_robot_files(files.model.string(), files.profile.string()).value();
   ResolvedConfig config =
       load_config((files.model.parent_path() / "ik.json").string(), *robot).value();

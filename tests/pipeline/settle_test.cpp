@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bvh/read_bvh.h"
-#include "pipeline/solve_frames.h"
+#include "formats/bvh/read_bvh.h"
+#include "solve/targets/solve_frames.h"
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
@@ -51,7 +51,7 @@ double way(const RobotClip& clip) {
   return max;
 }
 
-// frames may still change for two seconds, and are told when they do not any more
+// Frames may still change for two seconds; the callback receives them when they are final.
 TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
   const auto robot = load_g1();
   const auto config = load_config((kRoot / "robots/unitree_g1/ik.json").string(), *robot);

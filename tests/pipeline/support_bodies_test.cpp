@@ -1,13 +1,13 @@
-// What of the shipped robots rests on the floor where their humans kneel, lean, sit and lie.
+// Bodies of the shipped robots that rest on the floor when their humans kneel, lean, sit and lie.
 
-#include "pipeline/support_bodies.h"
+#include "solve/targets/support_bodies.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "robot/kinematic_tree.h"
+#include "robot/model/kinematic_tree.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -25,7 +25,7 @@ std::string link_name(const Robot& robot, int link) {
       .name;
 }
 
-TEST(SupportBodies, OfTheG1LieWhereTheyShould) {
+TEST(SupportBodies, HaveTheExpectedLocationsOnTheG1) {
   const auto robot = load_g1();
   const auto bodies = support_bodies(*robot, published_config(*robot));
   ASSERT_EQ(bodies.size(), kSupportBones.size());
@@ -65,7 +65,7 @@ TEST(SupportBodies, OfTheG1LieWhereTheyShould) {
   }
 }
 
-TEST(SupportBodies, FeetAreNone) {
+TEST(SupportBodies, ExcludeFeet) {
   const auto robot = load_g1();
   for (const SupportBody& body : support_bodies(*robot, published_config(*robot))) {
     for (const SupportBody::Point& point : body.points) {

@@ -1,4 +1,4 @@
-#include "pipeline/target_stream.h"
+#include "solve/targets/target_stream.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <chrono>
 #include <thread>
 
-#include "bvh/read_bvh.h"
-#include "pipeline/solve_frames.h"
+#include "formats/bvh/read_bvh.h"
+#include "solve/targets/solve_frames.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/targets.h"
+#include "solve/targets/targets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // How a human's trunk turns a robot's, held against the robot's own kinematics.
 
-#include "pipeline/trunk_aim.h"
+#include "solve/targets/trunk_aim.h"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@
 #include <numbers>
 #include <random>
 
-#include "human/canonical_pose.h"
-#include "math/so3.h"
-#include "pipeline/targets.h"
+#include "base/math/so3.h"
+#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
-#include "robot/find_robot.h"
-#include "robot/load_robot.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/load_robot.h"
+#include "solve/targets/targets.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -57,7 +57,7 @@ struct AimedRobot {
 };
 
 AimedRobot aimed_robot(const std::string& name) {
-  const RobotFiles files = find_robot(name, RETARGET_SOURCE_DIR "/robots").value();
+  const RobotFiles files = find_robot(name, {RETARGET_SOURCE_DIR "/robots"}).value();
   auto robot = load_robot_files(files.model.string(), files.profile.string()).value();
   const ResolvedConfig config =
       load_config((files.model.parent_path() / "ik.json").string(), *robot).value();
@@ -72,7 +72,7 @@ AimedRobot aimed_robot(const std::string& name) {
 }
 
 std::vector<std::string> robot_names() {
-  return list_robots(RETARGET_SOURCE_DIR "/robots");
+  return list_robots({RETARGET_SOURCE_DIR "/robots"});
 }
 
 class TrunkOf : public ::testing::TestWithParam<std::string> {};
@@ -214,7 +214,7 @@ TEST(RobotTrunk, RespectsTheLimitSet) {
   EXPECT_EQ(trunk.waist[0].upper, limits.upper[yaw]);
   EXPECT_NEAR(trunk.waist[1].lower, -0.08, 1e-12);
   EXPECT_NEAR(trunk.waist[1].upper, 0.28, 1e-12);
-  // what the waist cannot do the pelvis does
+  // The pelvis takes the part of the rotation that exceeds the waist's range.
   const TrunkAim aim(std::move(trunk), trunk_lines(human(kStill, kStill)), of.hips_to_pelvis);
   const auto upright = aim.aim(human(kStill, kStill));
   const Quaterniond bend = exp_so3({0.0, 0.8, 0.5});
@@ -258,6 +258,19 @@ TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
 TEST(TrunkAim, RequiresATrunk) {
   const AimedRobot of = aimed_robot("unitree_g1");
   EXPECT_FALSE(of.aim.aim(HumanPose()));
+}
+
+// A step that is not finite is not taken, and the targets show it: the solvers refuse them.
+TEST(TrunkAim, GivesNoPoseForAHumanThatIsNotFinite) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  HumanPose bones = human(kStill, kStill);
+  bones[Bone::kHips].rotation.coeffs().fill(std::nan(""));
+  const auto aimed = of.aim.aim(bones);
+  ASSERT_TRUE(aimed);
+  for (const Quaterniond& rotation : {aimed->world_from_pelvis, aimed->world_from_torso}) {
+    EXPECT_TRUE(rotation.coeffs().array().isNaN().all());
+  }
+  EXPECT_FALSE(aimed->chord.allFinite());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "pipeline/trunk_lines.h"
+#include "solve/targets/trunk_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/canonical_pose.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
 
 namespace retarget {
@@ -99,7 +99,7 @@ TEST(TrunkLines, NaturallyBentSpineIsUpright) {
 }
 
 TEST(TrunkLines, AreLearnedFromStandingFrames) {
-  // bent over in three frames of four: how the spine is bent then says nothing
+  // The body bends over in three frames of four: the bend of the spine then has no information.
   const Quaterniond part = exp_so3({0.0, 20 * kDegree, 0.0});
   const auto bent = trunk({exp_so3({0.0, 1.0, 0.0}), part, part, part}, Quaterniond::Identity());
   const auto upright = trunk(kStraight, Quaterniond::Identity());

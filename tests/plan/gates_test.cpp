@@ -1,4 +1,4 @@
-#include "plan/gates.h"
+#include "retarget/measure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ std::string error_of(const std::string& text) {
   return gates ? "no error" : describe(gates.error());
 }
 
-TEST(ChangedGates, AreTheDefaultOnesWhereNothingIsSaid) {
+TEST(ChangedGates, AreTheDefaultsWithoutChanges) {
   const Gates gates = default_gates(RETARGET_SOURCE_DIR).value();
   EXPECT_EQ(changed({}).value().all().size(), gates.all().size());
   EXPECT_EQ(changed({"default"}).value().all().size(), gates.all().size());
@@ -53,7 +53,7 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
   EXPECT_EQ(gate->max, 0.5);
   // not the robot's: as they are written
   EXPECT_FALSE(gate->leg);
-  // the first one alone leaves nothing of the default gate
+  // The first gate alone replaces the default gate.
   EXPECT_FALSE(
       gate_on(changed({"stance_height_p50_cm<=0.5"}).value(), "stance_height_p50_cm")->min);
 }
@@ -61,7 +61,7 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
 TEST(ChangedGates, ShortNamesMeanTheFigureWithAGate) {
   EXPECT_EQ(gate_on(changed({"limb_angle<=9"}).value(), "limb_angle_deg")->max, 9.0);
   EXPECT_EQ(gate_on(changed({"root_jerk<=9"}).value(), "root_jerk_mean")->max, 9.0);
-  EXPECT_THAT(error_of("flat_slip<=1"), HasSubstr("may be flat_slip_p50, flat_slip_p95"));
+  EXPECT_THAT(error_of("flat_slip<=1"), HasSubstr("is ambiguous: flat_slip_p50, flat_slip_p95"));
 }
 
 TEST(ChangedGates, FilesComeInTheirTurn) {
@@ -71,12 +71,12 @@ TEST(ChangedGates, FilesComeInTheirTurn) {
   EXPECT_EQ(gate_on(changed({file, "jumps<=1"}).value(), "jumps")->max, 1.0);
 }
 
-TEST(ChangedGates, ErrorsNameWhatIsNear) {
+TEST(ChangedGates, ErrorsSuggestSimilarNames) {
   EXPECT_THAT(error_of("jmps<=0"), HasSubstr("did you mean \"jumps\"?"));
   EXPECT_THAT(error_of("jumps<=few"), HasSubstr("\"few\""));
   EXPECT_THAT(error_of("jumps<=none"), HasSubstr("\"none\""));
-  EXPECT_THAT(error_of("jumps<3"), HasSubstr("\"<\" is no bound"));
-  EXPECT_THAT(error_of("jumps"), HasSubstr("lacks its bound"));
+  EXPECT_THAT(error_of("jumps<3"), HasSubstr("invalid relation \"<\""));
+  EXPECT_THAT(error_of("jumps"), HasSubstr("needs a bound"));
   EXPECT_THAT(error_of("missing.json"), HasSubstr("missing.json"));
 }
 

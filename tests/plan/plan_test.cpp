@@ -47,6 +47,13 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
+TEST(FrontDoor, FindsProfilesWithoutADataFolder) {
+  auto clip = load_clip(sample("walk"));
+  ASSERT_TRUE(clip) << describe(clip.error());
+  const auto human = find_human(*clip, {}, "");
+  ASSERT_TRUE(human) << describe(human.error());
+}
+
 TEST(FrontDoor, RetargetsAClipToAFile) {
   const TemporaryFolder folder;
   const auto robot = g1();
@@ -109,84 +116,6 @@ TEST(FrontDoor, DecisionsCanBeReplaced) {
   EXPECT_NE(format_robot_csv(motion->clip), format_robot_csv(other->clip));
 }
 
-TEST(FrontDoor, PlansRoundTrip) {
-  const TemporaryFolder folder;
-  const auto robot = g1();
-  ASSERT_TRUE(robot);
-  for (const char* name : {"walk", "get_up"}) {
-    Options options = short_options();
-    options.human.rest = RestPose::kZero;
-    options.time.fps = 24.0;
-    const auto plan = make_plan(load_clip(sample(name)).value(), *robot, options);
-    ASSERT_TRUE(plan) << describe(plan.error());
-    const std::string text = plan_json(*plan);
-    const std::string file = (folder.path() / "plan.json").string();
-    std::ofstream(file) << text;
-    const auto back = load_plan(file, {kSource, {}});
-    ASSERT_TRUE(back) << describe(back.error());
-    EXPECT_EQ(plan_json(*back), text);
-    EXPECT_EQ(format_robot_csv(solve(*back).value().clip),
-              format_robot_csv(solve(*plan).value().clip));
-  }
-}
-
-TEST(FrontDoor, PlansAreUtf8WhateverNamesTheClipHas) {
-  const TemporaryFolder folder;
-  const auto robot = g1();
-  ASSERT_TRUE(robot);
-  // Latin-1, as old files have it, before the names of all joints
-  std::string bvh = content(sample("walk"));
-  for (const std::string word : {"ROOT ", "JOINT "}) {
-    for (std::size_t at = bvh.find(word); at != std::string::npos; at = bvh.find(word, at + 1)) {
-      bvh.insert(at + word.size(), "Andr\xe9:");
-    }
-  }
-  const auto plan =
-      make_plan(load_clip(folder.write("walk.bvh", bvh)).value(), *robot, short_options());
-  ASSERT_TRUE(plan) << describe(plan.error());
-  const std::string text = plan_json(*plan);
-  EXPECT_THAT(text, HasSubstr("\"Andr\xef\xbf\xbd:LeftToe\""));
-  const auto back = load_plan(folder.write("plan.json", text), {kSource, {}});
-  ASSERT_TRUE(back) << describe(back.error());
-  EXPECT_EQ(plan_json(*back), text);
-  // a file whose own text is none is refused at its line
-  std::string wrong = text;
-  wrong.replace(wrong.find("\xef\xbf\xbd"), 3, "\xe9");
-  const auto refused = load_plan(folder.write("plan.json", wrong), {kSource, {}});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::kConfig);
-  EXPECT_GT(refused.error().location.line, 1U);
-  EXPECT_THAT(refused.error().message, HasSubstr("invalid JSON"));
-}
-
-TEST(FrontDoor, SolvesAnEditedPlan) {
-  const TemporaryFolder folder;
-  const auto robot = g1();
-  ASSERT_TRUE(robot);
-  const auto plan = make_plan(load_clip(sample("walk")).value(), *robot, short_options());
-  ASSERT_TRUE(plan);
-  auto json = nlohmann::ordered_json::parse(plan_json(*plan));
-  json["part"] = {5, 15};
-  const std::string file = (folder.path() / "plan.json").string();
-  std::ofstream(file) << json.dump();
-  const auto back = load_plan(file, {kSource, {}});
-  ASSERT_TRUE(back) << describe(back.error());
-  EXPECT_EQ(solve(*back).value().clip.frame_count(), 10);
-  json["part"] = {15, 5};
-  json["scale"] = "limb";
-  json["human"]["bones"]["Hips"]["position_joint"] = 1000;
-  std::ofstream(file) << json.dump();
-  const auto wrong = load_plan(file, {kSource, {}});
-  ASSERT_FALSE(wrong);
-  EXPECT_THAT(describe(wrong.error()), HasSubstr("is not a joint of the clip"));
-  json["human"]["bones"]["Hips"]["position_joint"] = 0;
-  std::ofstream(file) << json.dump();
-  const auto odd = load_plan(file, {kSource, {}});
-  ASSERT_FALSE(odd);
-  EXPECT_THAT(describe(odd.error()), HasSubstr("\"part\" is not a part of the clip"));
-  EXPECT_THAT(describe(odd.error()), HasSubstr("\"scale\" is not table"));
-}
-
 TEST(FrontDoor, SolvingReportsProgressAndCanBeStopped) {
   const auto robot = g1();
   ASSERT_TRUE(robot);
@@ -217,8 +146,37 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
   const auto plan = make_plan(load_clip(sample("walk")).value(), *known, options);
   ASSERT_FALSE(plan);
   EXPECT_THAT(describe(plan.error()),
-              HasSubstr("fit_config, with, without and window belong to method"));
+              HasSubstr("fit_config, with, without and window require method"));
   EXPECT_THAT(describe(plan.error(), option_as_flag), HasSubstr("--without"));
+}
+
+// If the solver meets numbers that are not finite, the motion is written, and its verdict is a
+// miss.
+TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
+  Options options = short_options();
+  options.solve.with = {"dynamics"};
+  auto plan = make_plan(*load_clip(sample("walk")), *g1(), options);
+  ASSERT_TRUE(plan) << describe(plan.error());
+  const auto sound = solve(*plan);
+  ASSERT_TRUE(sound) << describe(sound.error());
+  EXPECT_TRUE(sound->solver_failures.empty());
+  EXPECT_EQ(evaluate(*sound)->find("solver_failures")->value, 0.0);
+
+  plan->fit.com_weight = 1e200;
+  const auto failed = solve(std::move(*plan));
+  ASSERT_TRUE(failed) << describe(failed.error());
+  ASSERT_EQ(failed->solver_failures.size(), 1U);
+  QualityReport report = evaluate(*failed).value();
+  EXPECT_EQ(report.find("solver_failures")->value, 1.0);
+  EXPECT_FALSE(report.passed());
+  report.file = "walk.csv";
+  EXPECT_THAT(report_text({&report, 1}),
+              HasSubstr("walk.csv: solver_failures is 1, wanted at most 0\n"
+                        "  fit with dynamics: 30 frames, frames 0-29, worst 0\n"));
+  const auto json = nlohmann::json::parse(report_json({&report, 1}))["motions"][0];
+  EXPECT_EQ(json["solver_failures"], 1.0);
+  EXPECT_EQ(json["passed"], false);
+  EXPECT_EQ(json["fit"]["solver"]["dynamics_failed"], true);
 }
 
 }  // namespace

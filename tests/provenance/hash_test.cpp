@@ -1,4 +1,4 @@
-#include "provenance/hash.h"
+#include "app/provenance/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-#include "quality/measure.h"
+#include "retarget/measure.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -64,7 +64,7 @@ TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
   });
   EXPECT_DOUBLE_EQ(figure(report, "at_limit_pct"), 70.0);
   EXPECT_DOUBLE_EQ(figure(report, "joint_at_limit_pct"), 60.0);
-  // 9 of 10 frames of four joints: neither the head nor what has no range counts
+  // 9 of 10 frames of four joints: the head and joints without a range do not count.
   EXPECT_DOUBLE_EQ(figure(report, "joint_frames_at_limit_pct"), 100.0 * 9 / 40);
   ASSERT_TRUE(report.at_limit);
   EXPECT_EQ(report.at_limit->joint, "waist");

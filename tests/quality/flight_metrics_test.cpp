@@ -1,6 +1,6 @@
 // Flights of a human whose height over time is that of a thrown stone, and a robot's soles in them.
 
-#include "quality/flight_metrics.h"
+#include "judge/quality/flight_metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,9 @@
 #include <functional>
 #include <tuple>
 
-#include "human/contact_plan.h"
+#include "human/gait/contact_plan.h"
+#include "human/gait/source_feet.h"
+#include "judge/quality/hover_metric.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -16,7 +18,7 @@ namespace {
 
 constexpr double kFps = 30.0, kGravity = 9.81;
 
-// stands but for what its hips and feet are raised by
+// A standing human whose hips and feet are raised by these heights.
 HumanClip raised_human(int frames, const std::function<double(int)>& hips,
                        const std::function<double(int)>& feet) {
   HumanClip human;
@@ -85,6 +87,46 @@ TEST(Flights, ComparesSolePeaksWithScaledPeaks) {
     EXPECT_NEAR(report.find("flight_peak_max_cm")->value, wanted, 1e-9) << scale;
     EXPECT_EQ(report.faults.size(), wanted > 2.0 ? 1U : 0U) << scale;
   }
+}
+
+TEST(Flights, DoNotCountAsHovering) {
+  const auto robot = load_g1();
+  RobotClip clip(robot, {30, 1}, 90);
+  BodyTracks tracks;
+  tracks.lowest.assign(90, {1.0, 0});
+  const HumanClip human = raised_human(90, thrown, thrown);
+  const SourceFeet feet(human, 90);
+  const ContactPlan contacts = find_contacts(feet);
+  const auto flights = find_flights(human, contacts, 90);
+  ASSERT_EQ(flights.size(), 1U);
+  QualityReport report;
+  const QualityOptions options;
+  measure_hovering({clip, options, report}, tracks, feet, contacts, flights, 0.8);
+  ASSERT_NE(report.find("hover_pct"), nullptr);
+  const int aloft = flights[0].end - flights[0].begin;
+  EXPECT_NEAR(report.find("hover_pct")->value, 100.0 * (90 - aloft) / 90.0, 1e-9);
+  // as high as the source, by the scale
+  EXPECT_NEAR(source_clearance(feet, contacts, 36), thrown(36), 1e-9);
+  EXPECT_EQ(source_clearance(feet, contacts, 0), 0.0);
+}
+
+TEST(Flights, IgnoresBodiesThatLieOnTheFloor) {
+  // legs in the air, hips where those of bodies that sit or lie are
+  HumanClip human = raised_human(
+      90, [](int frame) { return frame < 45 ? 0.0 : -0.8; },
+      [](int frame) { return frame < 45 ? 0.0 : 0.5; });
+  const SourceFeet feet(human, 90);
+  const ContactPlan contacts = find_contacts(feet);
+  EXPECT_EQ(source_clearance(feet, contacts, 80), 0.0);
+  // half a metre higher nothing rests: the knees, 20 cm above the floor, are nearest to it
+  for (int frame = 45; frame < 90; ++frame) {
+    for (const Bone bone : kAllBones) {
+      human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() += 0.5;
+    }
+  }
+  const double clearance = source_clearance(SourceFeet(human, 90), contacts, 80);
+  EXPECT_GT(clearance, 0.05);
+  EXPECT_LT(clearance, 0.2);
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
-// Metrics in cases that can be told without a computer.
+// Metrics in cases with a solution on paper.
 
-#include "quality/measure.h"
+#include "retarget/measure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "human/canonical_pose.h"
+#include "human/skeleton/canonical_pose.h"
 #include "quality/walker.h"
 #include "retarget/report.h"
 
@@ -85,7 +85,7 @@ TEST_F(MeasureQuality, StanceRequiresTheFootOnItsSole) {
   EXPECT_NEAR(figure(standing, "stance_slip_mean"), 0.1, 1e-12);
   EXPECT_NEAR(figure(standing, "stance_height_p50_cm"), 1.0, 1e-9);
   EXPECT_EQ(figure(standing, "stance_drift_p95_cm"), figure(standing, "contact_drift_p95_cm"));
-  // a foot on its instep, its joints where those of one that stands are: of somebody who crawls
+  // A foot on its instep, with its joints at the height of a planted foot's: the body crawls.
   turn_feet(human, 2.0);
   const QualityReport lying = measure(30, slide_in_the_air, &human);
   EXPECT_EQ(figure(lying, "contact_pct"), 100.0);
@@ -107,6 +107,44 @@ TEST_F(MeasureQuality, HoveringFootFloats) {
   EXPECT_EQ(faults[0].begin, 0);
   EXPECT_EQ(faults[0].end, 6);
   EXPECT_NEAR(faults[0].amount, 0.03, 1e-12);
+}
+
+TEST_F(MeasureQuality, HoversWhereTheSourceIsLower) {
+  HumanClip human = standing_human(30);
+  const auto raised = [](int frame, auto qpos) { qpos[kZ] = frame < 6 ? 0.53 : 0.5; };
+  const QualityReport report = measure(30, raised, &human);
+  EXPECT_DOUBLE_EQ(figure(report, "hover_pct"), 20.0);
+  const auto faults = faults_of(report, "hover_pct");
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].end, 6);
+  EXPECT_NEAR(faults[0].amount, 0.03, 1e-12);
+  // the source's feet are as high, on tiptoe or on a step
+  for (int frame = 0; frame < 6; ++frame) {
+    for (const Bone bone : kAllBones) {
+      human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() += 0.03;
+    }
+  }
+  EXPECT_EQ(figure(measure(30, raised, &human), "hover_pct"), 0.0);
+}
+
+TEST_F(MeasureQuality, HoversWithoutPlannedContacts) {
+  HumanClip human = standing_human(30);
+  for (int frame = 0; frame < 30; ++frame) {
+    for (const Bone bone : kAllBones) {
+      human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.x() += 0.1 * frame;
+    }
+  }
+  const auto glide = [](double height) {
+    return [height](int frame, auto qpos) {
+      qpos[kX] = 0.1 * frame;
+      qpos[kZ] = height;
+    };
+  };
+  const QualityReport hovering = measure(30, glide(0.8), &human);
+  EXPECT_EQ(hovering.find("contact_pct"), nullptr);
+  EXPECT_EQ(figure(hovering, "float_planted_pct"), 0.0);
+  EXPECT_EQ(figure(hovering, "hover_pct"), 100.0);
+  EXPECT_EQ(figure(measure(30, glide(0.5), &human), "hover_pct"), 0.0);
 }
 
 TEST_F(MeasureQuality, MeasuresFloorPenetration) {
@@ -264,6 +302,42 @@ TEST_F(MeasureQuality, HandlesShorterOrLongerSources) {
     EXPECT_EQ(report.source_frames, std::min(frames, 24));
     EXPECT_DOUBLE_EQ(figure(report, "contact_pct"), frames < 24 ? 50.0 : 100.0);
   }
+}
+
+TEST_F(MeasureQuality, MeasuresWhetherTheSourceRestsOnItsFeet) {
+  const auto speed_of = [&](const HumanClip& human) {
+    return measure(
+               30, [](int, auto) {}, &human)
+        .find("source_slide_mean")
+        ->value;
+  };
+  HumanClip human = standing_human(30);
+  EXPECT_EQ(speed_of(human), 0.0);
+  // both feet walk on the spot at 0.6 m/s: none rests
+  for (int frame = 0; frame < 30; ++frame) {
+    for (const Side side : kSides) {
+      const double away = (side == Side::kLeft ? 0.02 : -0.02) * frame;
+      for (const LimbBone part : {LimbBone::kFoot, LimbBone::kToe}) {
+        human.world_from_bone[static_cast<std::size_t>(frame)][side_bone(side, part)]
+            .translation.x() += away;
+      }
+    }
+  }
+  EXPECT_NEAR(speed_of(human), 0.6, 1e-9);
+  // where the hips go as fast the feet may be in the air
+  HumanClip flying = human;
+  for (int frame = 0; frame < 30; ++frame) {
+    HumanPose& pose = flying.world_from_bone[static_cast<std::size_t>(frame)];
+    for (const Bone hip : {Bone::kLeftUpLeg, Bone::kRightUpLeg}) {
+      pose[hip].translation.x() += 0.02 * frame;
+    }
+  }
+  EXPECT_NEAR(speed_of(flying), 0.0, 1e-9);
+  // one foot that rests is enough
+  for (int frame = 0; frame < 30; ++frame) {
+    human.world_from_bone[static_cast<std::size_t>(frame)][Bone::kLeftToe].translation.x() = 0.1;
+  }
+  EXPECT_NEAR(speed_of(human), 0.0, 1e-9);
 }
 
 }  // namespace

@@ -1,16 +1,18 @@
 // The lean of trunks in poses whose lean is known.
 
-#include "quality/trunk_lean.h"
+#include "judge/quality/trunk_lean.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numbers>
 
-#include "human/canonical_pose.h"
-#include "quality/measure.h"
+#include "human/skeleton/canonical_pose.h"
+#include "retarget/measure.h"
 #include "support/limbed_config.h"
 #include "support/test_robots.h"
 
@@ -221,6 +223,40 @@ TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
   EXPECT_EQ(lying_of(65.0, 0.5), 100.0);  // crawls
   EXPECT_EQ(lying_of(-90.0, 0.2), 100.0);
   EXPECT_EQ(lying_of(90.0, 0.2, 3), 30.0);
+}
+
+// figures on posture leave out who lies, and half a second before and after
+TEST_F(TrunkLeanTest, IgnoresFramesOfLying) {
+  const auto lies_until = [&](int up, int frames) {
+    HumanClip human = human_in(
+        frames, [](int) { return Quaterniond::Identity(); },
+        [up](int frame) { return about(Vector3d::UnitY(), frame < up ? 90.0 : 20.0); });
+    for (int frame = 0; frame < std::min(up, frames); ++frame) {
+      for (const Bone bone : kAllBones) {
+        human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() -= 0.8;
+      }
+    }
+    return measure(human, Quaterniond::Identity());
+  };
+  const QualityReport standing = lies_until(0, 60), half = lies_until(30, 60);
+  EXPECT_NEAR(error_of(standing).value, 20.0, 1e-9);
+  EXPECT_NEAR(error_of(half).value, 20.0, 1e-9);
+  EXPECT_EQ(half.find("lying_pct")->value, 50.0);
+  ASSERT_NE(half.find("worst_limb_angle_deg"), nullptr);
+  EXPECT_NEAR(half.find("worst_limb_angle_deg")->value,
+              standing.find("worst_limb_angle_deg")->value, 1e-9);
+  // which this leaves to all frames
+  EXPECT_GT(std::abs(half.find("limb_angle_deg")->value - standing.find("limb_angle_deg")->value),
+            1.0);
+  // 15 frames later the person still lies.
+  for (const QualityReport& report : {lies_until(45, 60), lies_until(60, 60)}) {
+    for (const char* key : {"trunk_lean_error_deg", "worst_limb_angle_deg", "joint_at_limit_pct",
+                            "joint_frames_at_limit_pct", "at_limit_pct"}) {
+      EXPECT_EQ(report.find(key), nullptr) << key;
+    }
+    EXPECT_NE(report.find("limb_angle_deg"), nullptr);
+  }
+  EXPECT_NE(lies_until(44, 60).find("trunk_lean_error_deg"), nullptr);
 }
 
 TEST_F(TrunkLeanTest, DoesNotNeedMappedHands) {

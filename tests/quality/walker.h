@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "quality/measure.h"
+#include "retarget/measure.h"
 #include "retarget/report.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
@@ -69,7 +69,7 @@ class MeasureQuality : public ::testing::Test {
                  .value();
   }
 
-  // soles on the floor, but for what the movement changes
+  // Makes a walk with soles on the floor except for the given movement.
   RobotClip make(int frames, const Movement& movement) const {
     RobotClip clip(robot_, {30, 1}, frames);
     for (int frame = 0; frame < frames; ++frame) {

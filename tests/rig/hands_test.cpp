@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "anatomy/robot_hands.h"
 #include "retarget/rig.h"
+#include "robot/anatomy/robot_hands.h"
 #include "support/hand_robots.h"
 #include "support/temporary_folder.h"
 
@@ -25,7 +25,8 @@ TEST(RigHandsTest, CouplingsOfHandsAreKept) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("made.xml", text), "made");
   ASSERT_TRUE(made.has_value()) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("each moves freely: \"left_elbow\" to \"waist\"")));
+  EXPECT_THAT(made->notes,
+              Contains(HasSubstr("both joints move freely: \"left_elbow\" to \"waist\"")));
   const auto profile = nlohmann::json::parse(made->profile);
   const auto& couplings = profile.at("coupled_joints");
   EXPECT_EQ(couplings.size(), 12U) << "six a hand";
@@ -33,7 +34,7 @@ TEST(RigHandsTest, CouplingsOfHandsAreKept) {
   EXPECT_EQ(couplings.at("right_ring_intermediate").at("ratio"), 1.1);
   EXPECT_EQ(couplings.at("right_ring_intermediate").at("offset"), -0.04);
 
-  // what is made is found again
+  // The analysis finds the hand that the generator made.
   const auto robot = load_robot_files(folder.write("model.xml", made->model),
                                       folder.write("robot.json", made->profile));
   ASSERT_TRUE(robot.has_value()) << describe(robot.error());

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "anatomy/limbs.h"
-#include "human/limb_segments.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "human/skeleton/limb_segments.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "robot/anatomy/limbs.h"
 
 namespace retarget {
 

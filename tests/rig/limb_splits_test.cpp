@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "anatomy/limbs.h"
-#include "anatomy/shapes.h"
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
-#include "human/limb_segments.h"
-#include "human/recognise.h"
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/limb_segments.h"
+#include "human/skeleton/recognise.h"
 #include "motion/resample.h"
-#include "pipeline/limb_lengths.h"
-#include "pipeline/solve_frames.h"
 #include "rig/derive_config.h"
 #include "rig/t_pose.h"
-#include "robot/kinematic_tree.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/anatomy/shapes.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/targets/limb_lengths.h"
+#include "solve/targets/solve_frames.h"
 #include "support/built_humanoids.h"
 #include "support/test_robots.h"
 
@@ -292,7 +292,7 @@ TEST_F(LimbSplits, ArmsOfAllKinds) {
   for (const LimbSplit& split : arms()) {
     BuiltHumanoid built = plain_humanoid();
     built.arm = split.limb;
-    // what nothing marks is estimated
+    // Points without a mark in the model are estimated.
     expect_found(built, split, false, split.limb.marked ? 0.03 : 0.06);
   }
 }

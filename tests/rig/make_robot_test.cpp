@@ -5,8 +5,9 @@
 
 #include <fstream>
 
+#include "retarget/motion_io.h"
 #include "rig/check_robot.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -33,6 +34,20 @@ std::string refusal_of(const TemporaryFolder& folder, const std::string& text) {
   return made.error().message;
 }
 
+// bodies of the same names are in the same places
+void expect_same_poses(const Robot& original, const Robot& robot, const std::vector<double>& qpos) {
+  std::vector<Pose> expected(original.bodies().size());
+  std::vector<Pose> found(robot.bodies().size());
+  forward_kinematics(original, qpos, expected);
+  forward_kinematics(robot, qpos, found);
+  for (std::size_t b = 0; b < expected.size(); ++b) {
+    const Pose& pose =
+        b == 0 ? found[0] : found[robot.find_body(original.bodies()[b].name).value()];
+    EXPECT_NEAR((pose.translation - expected[b].translation).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((pose.rotation.coeffs() - expected[b].rotation.coeffs()).norm(), 0.0, 1e-12);
+  }
+}
+
 TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
@@ -52,21 +67,18 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
       load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
   ASSERT_TRUE(original);
   ASSERT_TRUE(robot) << describe(robot.error());
-  ASSERT_EQ((*robot)->body_names(), (*original)->body_names());
+  // a frame holds the joint that has an anchor
+  std::vector<std::string> names = (*robot)->body_names();
+  EXPECT_THAT((*robot)->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
+  std::erase(names, "left_knee_frame");
+  ASSERT_EQ(names, (*original)->body_names());
   ASSERT_EQ((*robot)->joint_names(), (*original)->joint_names());
   EXPECT_EQ((*robot)->model_limits().lower, (*original)->model_limits().lower);
   EXPECT_EQ((*robot)->model_limits().upper, (*original)->model_limits().upper);
   std::vector<double> qpos = (*original)->zero_configuration();
   EXPECT_EQ((*robot)->zero_configuration(), qpos);
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;
-  std::vector<Pose> expected((*original)->bodies().size());
-  std::vector<Pose> found((*robot)->bodies().size());
-  forward_kinematics(**original, qpos, expected);
-  forward_kinematics(**robot, qpos, found);
-  for (std::size_t b = 0; b < expected.size(); ++b) {
-    EXPECT_NEAR((found[b].translation - expected[b].translation).norm(), 0.0, 1e-12);
-    EXPECT_NEAR((found[b].rotation.coeffs() - expected[b].rotation.coeffs()).norm(), 0.0, 1e-12);
-  }
+  expect_same_poses(**original, **robot, qpos);
 
   const auto config = load_retargeting_config((*written / "ik.json").string());
   ASSERT_TRUE(config) << describe(config.error());
@@ -75,6 +87,47 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
     EXPECT_FALSE(finding.fault) << finding.text;
   }
   EXPECT_TRUE(fs::is_regular_file(*written / "decisions.md"));
+}
+
+TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  // the ankle's two joints on the foot, the first of them anchored and without limits
+  for (const std::string side : {"left", "right"}) {
+    replace(text, "<joint name=\"" + side + "_ankle_pitch\" axis=\"0 1 0\" range=\"-1 0.8\"/>", "");
+    replace(text, "<joint name=\"" + side + "_ankle_roll\"",
+            "<joint name=\"" + side +
+                "_ankle_pitch\" axis=\"0 1 0\" pos=\"0 0 0.01\"/>"
+                "<joint name=\"" +
+                side + "_ankle_roll\"");
+  }
+  const std::string model = folder.write("any.xml", text);
+  const auto made = make_robot(model, "mine");
+  ASSERT_TRUE(made) << describe(made.error());
+  const auto written = save_robot(*made, folder.path(), false);
+  ASSERT_TRUE(written);
+  const auto original = load_robot_files(model).value();
+  const auto robot =
+      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string())
+          .value();
+  EXPECT_EQ(robot->joint_names(), original->joint_names());
+  EXPECT_EQ(robot->model_limits().lower, original->model_limits().lower);
+  std::vector<double> qpos = original->zero_configuration();
+  for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;
+  expect_same_poses(*original, *robot, qpos);
+  const int frame = robot->find_body("left_ankle_pitch_frame").value();
+  EXPECT_EQ(robot->joints()[robot->find_joint("left_ankle_pitch").value()].body, frame);
+  EXPECT_EQ(robot->moved_body(frame), robot->find_body("left_foot"));
+  EXPECT_EQ(robot->moved_body(robot->root_body()), robot->root_body());
+  // files of motions have the bodies that they have of the original
+  const auto bodies_of = [](const Robot& of) {
+    std::vector<std::string> names;
+    for (const int body : tracking_layout(of, MotionFormat::kNpzHolosoma).bodies) {
+      names.push_back(of.bodies()[body].name);
+    }
+    return names;
+  };
+  EXPECT_EQ(bodies_of(*robot), bodies_of(*original));
 }
 
 TEST(MakeRobot, FindsSolesOfABoxFoot) {
@@ -139,12 +192,12 @@ TEST(MakeRobot, ReplacesOnlyRobotFolders) {
     const auto saved = save_robot(*made, folder.path(), true);
     ASSERT_FALSE(saved) << what;
     EXPECT_EQ(saved.error().kind, ErrorKind::kUsage) << what;
-    EXPECT_NE(saved.error().message.find("not made by robots add"), std::string::npos);
+    EXPECT_NE(saved.error().message.find("robots add did not create it"), std::string::npos);
   };
   fs::create_directory(place);
   is_kept("an empty folder");
   folder.write("mine/thesis.txt", "years");
-  is_kept("somebody's folder");
+  is_kept("another folder");
   for (const char* profile : {"", "[]", "{}", R"({"name": "mine"})", R"({"name": "other"})"}) {
     folder.write("mine/robot.json", profile);
     is_kept(profile);
@@ -189,11 +242,11 @@ TEST(MakeRobot, AddsAMissingFreeJoint) {
   replace(text, "<freejoint/>", "");
   const auto made = make_robot(folder.write("fixed.xml", text), "mine");
   ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("\"pelvis\" was made to float")));
+  EXPECT_THAT(made->notes, Contains(HasSubstr("\"pelvis\" was given one")));
   EXPECT_THAT(made->model, HasSubstr("<freejoint"));
 }
 
-// the tiny humanoid as a URDF whose meshes lie in a package that is not there
+// The tiny humanoid as a URDF whose meshes belong to a missing package.
 std::string tiny_urdf() {
   std::string links = "<robot name=\"tiny\">";
   std::string joints;
@@ -236,7 +289,7 @@ TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny");
   ASSERT_TRUE(made) << describe(made.error());
-  EXPECT_THAT(made->notes, Contains(HasSubstr("\"base\" was made to float")));
+  EXPECT_THAT(made->notes, Contains(HasSubstr("\"base\" was given one")));
   const auto written = save_robot(*made, folder.path(), false);
   ASSERT_TRUE(written);
   const auto robot =

@@ -1,4 +1,4 @@
-// Faults of models, one each: what is said of them, and what is repaired.
+// One model per fault: the message, and the repair.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class ModelFaults : public ::testing::Test {
   std::string write(const std::string& text, const std::string& file = "robot.xml") {
     return folder_.write(file, text);
   }
-  // what robots add says when it refuses a model, with its hint
+  // The message with which robots add refuses a model, with its hint.
   std::string refusal(const std::string& text, const std::string& file = "robot.xml") {
     const auto made = make_robot(write(text, file), "robot");
     EXPECT_FALSE(made.has_value());
@@ -46,7 +46,7 @@ class ModelFaults : public ::testing::Test {
     EXPECT_TRUE(made) << describe(made.error());
     return made ? made->notes : std::vector<std::string>();
   }
-  // what robots check says of the model: of the same kind, errors or notes
+  // The findings of robots check of one kind: errors or notes.
   std::vector<std::string> findings(const std::string& text, bool faults) {
     RobotSources sources;
     sources.model = write(text);
@@ -101,7 +101,7 @@ TEST_F(ModelFaults, OtherUnits) {
 TEST_F(ModelFaults, RangesInTheOtherUnit) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "angle=\"radian\"", "angle=\"degree\"");
-  expect_refused(text, "write <compiler angle=\"radian\"/>");
+  expect_refused(text, "add <compiler angle=\"radian\"/>");
   const BuiltHumanoid degrees = changed([](BuiltHumanoid& built) {
     for (BuiltLimb* limb : {&built.leg, &built.arm}) {
       for (BuiltJoint& joint : limb->joints) {
@@ -117,10 +117,10 @@ TEST_F(ModelFaults, RangesThatAreMissing) {
   expect_noted(changed([](BuiltHumanoid& built) {
                  built.arm.joints[2].lower = built.arm.joints[2].upper = 0.0;
                }).mjcf(),
-               "turn without limit: \"left_shoulder_yaw\", \"right_shoulder_yaw\"");
+               "and are unlimited: \"left_shoulder_yaw\", \"right_shoulder_yaw\"");
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "range=\"-1 0.8\"", "");
-  expect_noted(text, "turn without limit: \"left_ankle_pitch\", \"right_ankle_pitch\"");
+  expect_noted(text, "and are unlimited: \"left_ankle_pitch\", \"right_ankle_pitch\"");
   text = plain_humanoid().mjcf();
   replace_all(text, "range=\"-1 0.8\"", "limited=\"true\" range=\"0.25 0.25\"");
   EXPECT_THAT(refusal(text), HasSubstr("ankle_pitch"));
@@ -183,8 +183,48 @@ TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
         .mjcf();
   };
   expect_noted(turned("0 0.52 0"), "the trunk leans by 30 degrees");
-  expect_noted(turned("0 0 0.52"), "aslant to the axes");
+  expect_noted(turned("0 0 0.52"), "oblique to the axes");
   expect_refused(turned("0 1.5 0"), "does not stand upright");
+}
+
+TEST_F(ModelFaults, SegmentsOfOddLengthsAreDoubts) {
+  // a joint that turns the forearm, a third of an upper arm beyond the elbow, and nothing else there
+  const std::string text = changed([](BuiltHumanoid& built) {
+                             built.arm.joints.push_back({"twist", kAxisZ, {0, 0, -0.06}});
+                             built.arm.end = {0, 0, 0};
+                             built.arm.marked = false;
+                             built.arm.heavy = false;
+                           }).mjcf();
+  expect_noted(
+      text,
+      "the left forearm is 0.33 as long as the left upper arm: is \"left_elbow\" the left elbow?");
+}
+
+TEST_F(ModelFaults, TrunksThatLeanFarNeedClearLimbs) {
+  const auto leaning = [](bool clear) {
+    return changed([&](BuiltHumanoid& built) {
+             built.shoulder = {0.45, 0.15, 0.4};
+             if (clear) return;
+             built.arm.joints.push_back({"twist", kAxisZ, {0, 0, -0.06}});
+             built.arm.end = {0, 0, 0};
+             built.arm.marked = false;
+             built.arm.heavy = false;
+           })
+        .mjcf();
+  };
+  expect_noted(leaning(true), "the trunk leans by 45 degrees");
+  expect_refused(leaning(false),
+                 "the trunk leans by 45 degrees in the zero configuration, and the left forearm");
+}
+
+TEST_F(ModelFaults, TPosesThatAreFarOffAreRefused) {
+  // 30 degrees are left to the arm that is out to the side
+  expect_refused(changed([](BuiltHumanoid& built) {
+                   built.arm.joints[1].upper = 1.05;
+                   built.arm.joints[0].lower = -0.3;
+                   built.arm.joints[0].upper = 0.3;
+                 }).mjcf(),
+                 "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm) stays");
 }
 
 TEST_F(ModelFaults, TPosesThatCannotBeReached) {
@@ -203,7 +243,7 @@ TEST_F(ModelFaults, TemplatesAndIncludes) {
                       "robot.urdf.xacro"),
               HasSubstr("xacro robot.urdf.xacro > robot.urdf"));
   EXPECT_THAT(refusal("<robot name=\"a\"><link name=\"${prefix}base\"/></robot>", "robot.urdf"),
-              HasSubstr("which xacro would fill in"));
+              HasSubstr("which xacro must substitute"));
   EXPECT_THAT(refusal("<mujoco><include file=\"arms.xml\"/></mujoco>"),
               HasSubstr("<include> names \"arms.xml\", which does not exist"));
 }
@@ -219,7 +259,7 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
   std::string text = changed([](BuiltHumanoid& built) {
                        built.leg.more += "<body><joint type=\"ball\"/><geom size=\"0.01\"/></body>";
                      }).mjcf();
-  expect_noted(text, "ball joints that move nothing else are held");
+  expect_noted(text, "ball joints that move nothing else are locked");
   text = plain_humanoid().mjcf();
   replace_all(text, "<body name=\"torso\">",
               "<body name=\"torso\"><body name=\"imu\"><inertial pos=\"0 0 0\" mass=\"0.1\" "
@@ -241,12 +281,12 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
   expect_refused(text, "closed chain");
 }
 
-TEST_F(ModelFaults, ToesAreNoFeet) {
+TEST_F(ModelFaults, DoesNotMistakeToesForFeet) {
   const auto said =
       notes(changed([](BuiltHumanoid& built) {
               built.leg.joints.push_back({"toe", kAxisY, {0.09, 0, -0.04}, -0.3, 0.6});
             }).mjcf());
-  EXPECT_THAT(said, Contains(HasSubstr("\"left_toe\" was taken for a toe")));
+  EXPECT_THAT(said, Contains(HasSubstr("\"left_toe\" is assumed to be a toe")));
 }
 
 }  // namespace

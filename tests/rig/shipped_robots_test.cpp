@@ -7,17 +7,17 @@
 #include <map>
 #include <numbers>
 
-#include "anatomy/shapes.h"
-#include "base/file.h"
-#include "bvh/read_bvh.h"
-#include "human/calibrate.h"
-#include "human/recognise.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/skeleton/calibrate.h"
+#include "human/skeleton/recognise.h"
 #include "limb_errors.h"
 #include "motion/resample.h"
-#include "pipeline/solve_frames.h"
+#include "retarget/file.h"
 #include "rig/derive_config.h"
-#include "robot/find_robot.h"
-#include "robot/load_robot.h"
+#include "robot/anatomy/shapes.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/load_robot.h"
+#include "solve/targets/solve_frames.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -32,12 +32,12 @@ fs::path source_folder() {
 }
 
 std::shared_ptr<const Robot> shipped(const std::string& name) {
-  const auto files = find_robot(name, source_folder() / "robots").value();
+  const auto files = find_robot(name, {source_folder() / "robots"}).value();
   return load_robot_files(files.model.string(), files.profile.string()).value();
 }
 
 fs::path mapping_of(const std::string& name) {
-  return find_robot(name, source_folder() / "robots")->model.parent_path() / "ik.json";
+  return find_robot(name, {source_folder() / "robots"})->model.parent_path() / "ik.json";
 }
 
 // three seconds of a clip, fifteen frames each
@@ -152,7 +152,7 @@ TEST(DerivedConfig, MatchesPublishedOffsets) {
 
 TEST(ShippedRobots, WalkWithTheirOwnMappings) {
   const HumanClip human = walking(source_folder() / "data" / "walk.bvh");
-  for (const std::string& name : list_robots(source_folder() / "robots")) {
+  for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const fs::path file = mapping_of(name);
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
@@ -166,7 +166,7 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
 }
 
 TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
-  for (const std::string& name : list_robots(source_folder() / "robots")) {
+  for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
@@ -178,7 +178,7 @@ TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
 }
 
 TEST(ShippedRobots, TPoseOfTheProfileIsATPose) {
-  for (const std::string& name : list_robots(source_folder() / "robots")) {
+  for (const std::string& name : list_robots({source_folder() / "robots"})) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "rig/derive_config.h"
+#include "robot/model/kinematic_tree.h"
+#include "support/built_humanoids.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -51,8 +55,8 @@ TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
   ASSERT_TRUE(limbs);
   const TPose pose = solve_t_pose(*robot, *limbs);
   for (const TPoseResidual& residual : pose.residuals) {
-    // roll alone raises the arm: what is left to a right angle stays, but for a slight turn of the
-    // waist that helps
+    // Roll alone raises the arm; the rest of the right angle remains, except for a slight turn of
+    // the waist that helps.
     if (residual.bone == "LeftArm") {
       EXPECT_NEAR(residual.direction, 0.5 * std::numbers::pi - 1.0, 0.1);
     }
@@ -62,6 +66,34 @@ TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
     if (residual.bone == "RightArm") {
       EXPECT_LT(residual.direction, 0.1);
     }
+  }
+}
+
+// a thigh that is exactly half a turn off about itself is at a saddle of the cost
+TEST(SolveTPose, LeavesThePoseHalfATurnOff) {
+  BuiltHumanoid built = plain_humanoid();
+  for (BuiltJoint& joint : built.leg.joints) {
+    if (joint.name != "hip_yaw") continue;
+    joint.lower = -3.3;
+    joint.upper = 3.3;
+  }
+  const auto robot = robot_from_text(built.mjcf());
+  auto limbs = find_limbs(*robot, "").value();
+  const Eigen::Matrix3d half_turn =
+      Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const TreeState posed(robot->tree(), robot->zero_configuration());
+  for (Limb& leg : limbs.legs) {
+    for (LimbPart* part : {&leg.upper, &leg.lower, &*leg.end}) {
+      const Eigen::Matrix3d world_from_body =
+          posed.world_from_body(part->body).rotation.toRotationMatrix();
+      part->body_from_bone =
+          world_from_body.transpose() * half_turn * world_from_body * part->body_from_bone;
+    }
+  }
+  const TPose pose = solve_t_pose(*robot, limbs);
+  for (const TPoseResidual& residual : pose.residuals) {
+    EXPECT_LT(residual.direction, 1e-3) << residual.bone;
+    EXPECT_LT(residual.twist, 1e-3) << residual.bone;
   }
 }
 
@@ -121,6 +153,16 @@ TEST(DeriveConfig, RoundTrips) {
                   1e-7);
     }
   }
+}
+
+TEST(SolveTPose, ReportsABodyThatIsNotFinite) {
+  const auto robot = robot_from_text(tiny_humanoid(true));
+  auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  limbs->forward.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const TPose pose = solve_t_pose(*robot, *limbs);
+  for (const double value : pose.qpos) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_TRUE(t_pose_fault(*robot, pose));
 }
 
 }  // namespace

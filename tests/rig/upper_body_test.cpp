@@ -1,4 +1,4 @@
-// Robots whose base stands fast: an upper body on a stand or on wheels.
+// Robots with a fixed base: an upper body on a stand or on wheels.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "anatomy/limbs.h"
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "limb_errors.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
@@ -18,6 +17,7 @@
 #include "retarget/rig.h"
 #include "retarget/solve.h"
 #include "rig/check_robot.h"
+#include "robot/anatomy/limbs.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -71,8 +71,8 @@ class UpperBodyTest : public testing::Test {
     return std::move(motion).value();
   }
 
-  // The human turned so that its hips, by the line between them, face along x, then by `yaw`: what a
-  // robot that stands fast is to look like.
+  // The human turned so that the line between its hips faces along x, then by `yaw`: the expected
+  // pose of a robot with a fixed base.
   static HumanClip facing(HumanClip human, double yaw) {
     for (HumanPose& pose : human.world_from_bone) {
       const Eigen::Vector3d left =
@@ -140,7 +140,7 @@ TEST_F(UpperBodyTest, IsRefusedAsAHumanoidAndMadeWithAFixedBase) {
   }
 }
 
-TEST_F(UpperBodyTest, ArmsPointAsThoseOfARobotThatMovesAboutAndTheBaseStands) {
+TEST_F(UpperBodyTest, ArmsFollowAsOnAFloatingBaseAndTheBaseIsFixed) {
   const std::string whole = made("whole", tiny_humanoid(true), RobotBase::kAuto);
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);
   for (const Method method : {Method::kGmr, Method::kFit}) {
@@ -156,7 +156,7 @@ TEST_F(UpperBodyTest, ArmsPointAsThoseOfARobotThatMovesAboutAndTheBaseStands) {
   }
 }
 
-TEST_F(UpperBodyTest, WhereTheBaseStandsAndFacesIsKept) {
+TEST_F(UpperBodyTest, KeepsPositionAndHeadingOfTheBase) {
   const std::string turned =
       made("turned", body_on_cart("pos=\"1 -2 0.6\" quat=\"0.70710678 0 0 0.70710678\"", true),
            RobotBase::kFixed);
@@ -186,7 +186,7 @@ TEST_F(UpperBodyTest, ABaseThatIsTheChestSeesArmsFromTheChest) {
   EXPECT_LT(arm_error(human, motion), 12.0);
 }
 
-TEST_F(UpperBodyTest, IsMeasuredBesideItsHumanWithoutFloorAndFeet) {
+TEST_F(UpperBodyTest, IsMeasuredAgainstItsHumanWithoutFloorAndFeet) {
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);
   const auto report = evaluate(solved(cart, "turn_in_place", Method::kFit));
   ASSERT_TRUE(report.has_value()) << describe(report.error());

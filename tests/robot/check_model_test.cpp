@@ -1,6 +1,6 @@
 // Models that would end the process inside MuJoCo, or never end: refused before it sees them.
 
-#include "robot/check_model.h"
+#include "robot/model/check_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "robot/load_model.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_model.h"
+#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -52,6 +52,16 @@ TEST(VetModel, RejectsImplausibleSizes) {
   EXPECT_EQ(message_of_text(model(R"(<size njmax="500" nconmax="100" nkey="1"
                                            nuser_body="4"/>)")),
             "it loads");
+}
+
+TEST(VetModel, RejectsElementsOfManyAttributes) {
+  std::string many;
+  for (int i = 0; i < 60'000; ++i) many += " a" + std::to_string(i) + "=\"1\"";
+  EXPECT_EQ(message_of_text("<mujoco" + many + "><worldbody>" + kBall + "</worldbody></mujoco>"),
+            "an element has more than 100 attributes");
+  const TemporaryFolder folder;
+  EXPECT_EQ(message_of(folder.write("robot.urdf", "<robot name=\"r\"><link" + many + "/></robot>")),
+            "an element has more than 100 attributes");
 }
 
 TEST(VetModel, RejectsHugeCounts) {

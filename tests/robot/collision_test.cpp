@@ -1,6 +1,6 @@
 // Distances of primitives, held against MuJoCo's and against what a distance is.
 
-#include "robot/collision.h"
+#include "robot/model/collision.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -10,7 +10,7 @@
 #include <random>
 #include <sstream>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,11 +1,12 @@
-// What models say of joints that others move: equalities of MJCF and a URDF's mimic, from where joints begin.
+// Coupled joints of models: equalities of MJCF and mimic of URDF, including their reference
+// positions.
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "robot/load_model.h"
-#include "robot/urdf_couplings.h"
+#include "robot/model/load_model.h"
+#include "robot/model/urdf_couplings.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 

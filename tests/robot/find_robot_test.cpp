@@ -1,4 +1,5 @@
-#include "robot/find_robot.h"
+#include "robot/model/find_robot.h"
+#include "base/json.h"
 #include "base/option_name.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// a folder with the robots maker_one, maker_two (no profile) and things that are no robots
+// A folder with the robots maker_one and maker_two (without a profile) and entries of other kinds.
 class FindRobotTest : public testing::Test {
  protected:
   FindRobotTest() {
@@ -32,7 +33,7 @@ class FindRobotTest : public testing::Test {
   }
 
   [[nodiscard]] Error error_of(const std::string& name) const {
-    const auto found = find_robot(name, folder_.path());
+    const auto found = find_robot(name, {folder_.path()});
     EXPECT_FALSE(found.has_value()) << name;
     if (found) return {};
     EXPECT_EQ(found.error().kind, ErrorKind::kConfig);
@@ -43,7 +44,7 @@ class FindRobotTest : public testing::Test {
 };
 
 TEST_F(FindRobotTest, FindsByName) {
-  const auto found = find_robot("maker_one", folder_.path());
+  const auto found = find_robot("maker_one", {folder_.path()});
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->model, folder_.path() / "maker_one" / "model.xml");
   EXPECT_EQ(found->profile, folder_.path() / "maker_one" / "robot.json");
@@ -51,7 +52,7 @@ TEST_F(FindRobotTest, FindsByName) {
 
 TEST_F(FindRobotTest, FindsFolderWithoutProfile) {
   const fs::path folder = folder_.path() / "maker_two";
-  const auto found = find_robot(folder.string(), "no/such/folder");
+  const auto found = find_robot(folder.string(), {"no/such/folder"});
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->model, folder / "model.xml");
   EXPECT_TRUE(found->profile.empty());
@@ -62,29 +63,110 @@ TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
   EXPECT_THAT(typing_mistake.message, AllOf(HasSubstr("Maker_on"), HasSubstr("\"maker_one\"?")));
   EXPECT_THAT(typing_mistake.hint, HasSubstr("maker_one, maker_two"));
   EXPECT_THAT(error_of("").message, AllOf(HasSubstr("no robot"), Not(HasSubstr("did you mean"))));
-  EXPECT_THAT(find_robot("x", "no/such/folder").error().hint, HasSubstr("no robots in"));
+  EXPECT_THAT(find_robot("x", {"no/such/folder"}).error().hint, HasSubstr("no robots in"));
 }
 
 TEST_F(FindRobotTest, ResolvesUnambiguousShortNames) {
   fs::create_directory(folder_.path() / "maker_two_with_hands");
   folder_.write("maker_two_with_hands/model.xml", "");
   const auto whole_name = [&](const std::string& name) {
-    const auto found = find_robot(name, folder_.path());
+    const auto found = find_robot(name, {folder_.path()});
     return found ? found->name : describe(found.error());
   };
   for (const char* name : {"one", "One", "maker-one", "MAKER_ONE", "maker one"}) {
     EXPECT_EQ(whole_name(name), "maker_one") << name;
   }
-  // the name that ends so goes before those that go on
+  // names that end with the words take precedence
   EXPECT_EQ(whole_name("two"), "maker_two");
   EXPECT_EQ(whole_name("hands"), "maker_two_with_hands");
-  EXPECT_EQ(find_robot("two", folder_.path())->model, folder_.path() / "maker_two" / "model.xml");
+  EXPECT_EQ(find_robot("two", {folder_.path()})->model, folder_.path() / "maker_two" / "model.xml");
   EXPECT_EQ(whole_name("maker_two"), "maker_two");
   const Error ambiguous = error_of("maker");
   EXPECT_THAT(ambiguous.message, HasSubstr("maker_one, maker_two, maker_two_with_hands"));
-  // parts of words are no names
+  // a part of a word names no robot
   EXPECT_THAT(error_of("on").message, HasSubstr("no robot \"on\""));
   EXPECT_THAT(error_of("_").message, HasSubstr("no robot"));
+}
+
+// two robots are known and not installed: maker_two_29 is, and must not be taken for maker_two
+class NotInstalledTest : public testing::Test {
+ protected:
+  NotInstalledTest() {
+    for (const char* name : {"maker_two_29", "other_four"})
+      fs::create_directory(folder_.path() / name);
+    folder_.write("maker_two_29/model.xml", "");
+    folder_.write("other_four/model.xml", "");
+    folder_.write("index.json", R"({"robots": [
+      {"name": "maker_two", "description": "d", "licence": "none", "in_packages": false},
+      {"name": "maker_two_29", "description": "d", "licence": "MIT", "in_packages": true},
+      {"name": "maker_three", "description": "d", "licence": "MIT", "in_packages": true},
+      {"name": "other_four", "description": "d", "licence": "MIT", "in_packages": true}]})");
+  }
+
+  [[nodiscard]] Error error_of(const std::string& name) const {
+    const auto found = find_robot(name, {folder_.path()});
+    EXPECT_FALSE(found.has_value()) << name << " is " << found->name;
+    if (found) return {};
+    EXPECT_EQ(found.error().kind, ErrorKind::kConfig);
+    return found.error();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(NotInstalledTest, AFullNameIsNeverCompletedToAnotherRobot) {
+  for (const char* name : {"maker_two", "Maker-Two", "MAKER_TWO"}) {
+    const Error error = error_of(name);
+    EXPECT_EQ(error.message,
+              "the robot maker_two is not installed: its maker states no licence, so packages do "
+              "not include it");
+    EXPECT_THAT(error.hint,
+                HasSubstr("retarget robots install maker_two " OPTION("source") " SOURCE"));
+    EXPECT_TRUE(names_robot(name, {folder_.path()}));
+  }
+  EXPECT_EQ(error_of("maker_three").message, "the robot maker_three is not installed");
+}
+
+TEST_F(NotInstalledTest, AShortNameMeansTheSameInEveryInstall) {
+  // where all are installed, `two` is maker_two
+  EXPECT_THAT(error_of("two").message, HasSubstr("maker_two is not installed"));
+  EXPECT_THAT(error_of("three").message, HasSubstr("maker_three is not installed"));
+  EXPECT_THAT(error_of("maker").message,
+              HasSubstr("maker_three (not installed), maker_two (not installed), maker_two_29"));
+  EXPECT_FALSE(names_robot("maker", {folder_.path()}));
+  EXPECT_EQ(find_robot("29", {folder_.path()}).has_value(), false);
+  EXPECT_EQ(find_robot("two_29", {folder_.path()})->name, "maker_two_29");
+  EXPECT_EQ(find_robot("four", {folder_.path()})->name, "other_four");
+  EXPECT_THAT(error_of("maker_tow").message, HasSubstr("did you mean \"maker_two\"?"));
+}
+
+TEST_F(NotInstalledTest, LaterFoldersAddRobots) {
+  const TemporaryFolder own;
+  fs::create_directories(own.path() / "unverified" / "maker_two");
+  fs::create_directories(own.path() / "other_four");
+  const std::string model = own.write("unverified/maker_two/model.xml", "");
+  own.write("other_four/model.xml", "");
+  const RobotFolders folders = {folder_.path(), own.path()};
+  for (const char* name : {"maker_two", "two"}) {
+    const auto found = find_robot(name, folders);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->model, model);
+    EXPECT_TRUE(is_unverified(found->model));
+  }
+  // the first folder that has a robot counts
+  EXPECT_EQ(find_robot("four", folders)->model, folder_.path() / "other_four" / "model.xml");
+  EXPECT_THAT(list_robots(folders), ElementsAre("maker_two", "maker_two_29", "other_four"));
+}
+
+TEST_F(NotInstalledTest, AFaultyIndexIsNamed) {
+  for (const char* text : {"[]", "{", R"({"robots": [3]})", R"({"robots": [{"naem": "x"}]})"}) {
+    folder_.write("index.json", text);
+    const auto found = find_robot("two", {folder_.path()});
+    ASSERT_FALSE(found) << text;
+    EXPECT_THAT(describe(found.error()), HasSubstr("index.json")) << text;
+    // a robot that is found by its full name needs no index
+    EXPECT_TRUE(find_robot("other_four", {folder_.path()}));
+  }
 }
 
 TEST(RobotsFolderTest, IncludedRobotsHaveShortNames) {
@@ -98,14 +180,14 @@ TEST(RobotsFolderTest, IncludedRobotsHaveShortNames) {
                                     {"pm01", "engineai_pm01"},
                                     {"toddy", "stanford_toddy"},
                                     {"talos", "pal_talos"}}) {
-    const auto found = find_robot(name, robots);
+    const auto found = find_robot(name, {robots});
     ASSERT_TRUE(found) << name << ": " << describe(found.error());
     EXPECT_EQ(found->name, whole);
   }
   for (const char* name : {"unitree", "lite", "booster", "2"}) {
-    EXPECT_FALSE(find_robot(name, robots)) << name;
+    EXPECT_FALSE(find_robot(name, {robots})) << name;
   }
-  EXPECT_THAT(find_robot("lite", robots).error().message,
+  EXPECT_THAT(find_robot("lite", {robots}).error().message,
               HasSubstr("berkeley_humanoid_lite, pnd_adam_lite"));
 }
 
@@ -117,21 +199,39 @@ TEST_F(FindRobotTest, RejectsFoldersAndFilesThatAreNotRobots) {
 }
 
 TEST_F(FindRobotTest, ListIsSortedAndContainsOnlyRobots) {
-  EXPECT_THAT(list_robots(folder_.path()), ElementsAre("maker_one", "maker_two"));
-  EXPECT_THAT(list_robots("no/such/folder"), IsEmpty());
+  EXPECT_THAT(list_robots({folder_.path()}), ElementsAre("maker_one", "maker_two"));
+  EXPECT_THAT(list_robots({"no/such/folder"}), IsEmpty());
 }
 
 TEST(RobotsFolderTest, IncludesTheG1) {
-  EXPECT_THAT(list_robots(fs::path(RETARGET_SOURCE_DIR) / "robots"),
+  EXPECT_THAT(list_robots({fs::path(RETARGET_SOURCE_DIR) / "robots"}),
               ::testing::Contains("unitree_g1"));
+}
+
+TEST(RobotsFolderTest, IndexNamesEveryRobot) {
+  const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
+  const auto known = known_robots({robots});
+  ASSERT_TRUE(known) << describe(known.error());
+  std::vector<std::string> names;
+  for (const KnownRobot& robot : *known) {
+    names.push_back(robot.name);
+    const auto files = find_robot(robot.name, {robots});
+    ASSERT_TRUE(files) << robot.name;
+    EXPECT_EQ(robot.in_packages, !is_unverified(files->model)) << robot.name;
+    const auto profile = load_json(files->profile.string());
+    ASSERT_TRUE(profile) << robot.name;
+    EXPECT_EQ(robot.description, (*profile)["description"]) << robot.name;
+    EXPECT_EQ(robot.licence, (*profile)["licence"]) << robot.name;
+  }
+  EXPECT_EQ(names, list_robots({robots}));
 }
 
 TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceLieApart) {
   const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
-  EXPECT_THAT(list_robots(robots), ::testing::Contains("kuavo_s45"));
-  EXPECT_EQ(find_robot("kuavo", robots)->model, robots / "unverified/kuavo_s45/model.xml");
-  EXPECT_TRUE(is_unverified(find_robot("kuavo_s45", robots)->model));
-  EXPECT_FALSE(is_unverified(find_robot("unitree_g1", robots)->model));
+  EXPECT_THAT(list_robots({robots}), ::testing::Contains("kuavo_s45"));
+  EXPECT_EQ(find_robot("kuavo", {robots})->model, robots / "unverified/kuavo_s45/model.xml");
+  EXPECT_TRUE(is_unverified(find_robot("kuavo_s45", {robots})->model));
+  EXPECT_FALSE(is_unverified(find_robot("unitree_g1", {robots})->model));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The one kinematic tree and its composite assembly, against MuJoCo and finite differences.
 
-#include "robot/kinematic_tree.h"
+#include "robot/model/kinematic_tree.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <random>
 #include <set>
 
-#include "math/se3.h"
-#include "math/so3.h"
-#include "robot/composite.h"
+#include "base/math/se3.h"
+#include "base/math/so3.h"
+#include "robot/model/composite.h"
 #include "robot_kinematics.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
@@ -102,7 +102,7 @@ std::vector<double> moved(const Robot& robot, std::vector<double> qpos, int dof,
 MatrixXd dense(const KinematicTree& tree, const std::vector<double>& rows) {
   const int dofs = tree.dof_count();
   MatrixXd matrix = MatrixXd::Constant(dofs, dofs, 1e30);
-  // by column what is written by row: the upper triangle
+  // Writes rows by column, and so fills the upper triangle.
   write_lower_triangle(tree, rows, matrix.data(), dofs);
   return matrix.selfadjointView<Eigen::Upper>();
 }
@@ -182,7 +182,7 @@ TEST(KinematicTreeTest, MotionSubspacesAreFiniteDifferencesOfThePoses) {
 
 // random forms on every link: H = sum J'AJ and g = sum J'b with MuJoCo's Jacobians of the links'
 // bodies at the base's origin
-TEST(CompositeTest, HessianAndGradientAreThoseOfMujocosJacobians) {
+TEST(CompositeTest, HessianAndGradientMatchMujocosJacobians) {
   for (const auto& robot : robots()) {
     std::mt19937 random(11);
     std::normal_distribution<double> normal;
@@ -196,7 +196,7 @@ TEST(CompositeTest, HessianAndGradientAreThoseOfMujocosJacobians) {
     VectorXd expected_gradient = VectorXd::Zero(nv);
     std::vector<Composite> composites(tree.links().size());
     for (std::size_t link = 0; link < composites.size(); ++link) {
-      // what moves with a body of several joints is carried by the last of them
+      // The last joint of a body carries everything that moves with the body.
       const int body = tree.links()[link].body;
       if (tree.attachment(body).link != static_cast<int>(link)) continue;
       const Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::NullaryExpr(noise);
@@ -283,7 +283,7 @@ TEST(CompositeTest, HessianAndGradientAreFiniteDifferencesOfACost) {
   }
 }
 
-TEST(KinematicTreeTest, FoldsWhatDoesNotMove) {
+TEST(KinematicTreeTest, MergesFixedBodies) {
   const auto robot = robot_from_text(kOddRobot);
   const KinematicTree& tree = robot->tree();
   const auto body = [&](const char* name) { return robot->find_body(name).value(); };

@@ -91,7 +91,7 @@ TEST(LimitsTest, RejectsMjcfOfAnotherRobot) {
       "other.xml",
       "<mujoco><worldbody><body><joint name='knee'/><geom size='1'/></body></worldbody></mujoco>");
   ASSERT_FALSE(limits.has_value());
-  EXPECT_THAT(limits.error().message, HasSubstr("no joint of robot"));
+  EXPECT_THAT(limits.error().message, HasSubstr("none of the joints in robot"));
   EXPECT_THAT(limits.error().hint, HasSubstr("knee"));
 }
 

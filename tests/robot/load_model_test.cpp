@@ -1,6 +1,6 @@
-// Loading MJCF: what compiles without its files, what is refused and with which words.
+// Loading MJCF: models that compile without their files, and the messages of refused ones.
 
-#include "robot/load_model.h"
+#include "robot/model/load_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "robot/load_robot.h"
-#include "robot/mujoco_messages.h"
+#include "robot/model/load_robot.h"
+#include "robot/model/mujoco_messages.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 
@@ -141,7 +141,8 @@ TEST(LoadModelTest, RejectsFilesThatAreNotModels) {
 
 TEST(LoadModelTest, SyntaxErrorsHaveALine) {
   const Error mismatch = error_of(world("<body>"));
-  EXPECT_THAT(mismatch.message, AllOf(HasSubstr("not well-formed XML"), HasSubstr("not closed")));
+  EXPECT_THAT(mismatch.message,
+              AllOf(HasSubstr("not well-formed XML"), HasSubstr("no matching closing tag")));
   EXPECT_GT(mismatch.location.line, 0U);
 
   const Error attribute = error_of(world("<body/>\n<body foo=\"1\"/>"));

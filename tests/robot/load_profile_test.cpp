@@ -1,6 +1,6 @@
-// Profiles: what they add to a robot, and how their faults are told.
+// Profiles: the properties that they add to a robot, and the messages for their faults.
 
-#include "robot/load_profile.h"
+#include "robot/model/load_profile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -153,16 +153,24 @@ TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
               AllOf(HasSubstr("variant \"a\""), HasSubstr("\"left_elbow\"?")));
   EXPECT_THAT(
       message_with(R"("variants": {"a": {"locked": {"left_elbow": 0}, "model": "../a.xml"}})"),
-      HasSubstr("must be a file beside the profile, found \"../a.xml\""));
+      HasSubstr("must be a file in the profile's folder, found \"../a.xml\""));
   EXPECT_THAT(
       message_with(R"("variants": {"a": {"locked": {"left_elbow": 0}, "bodies": ["left_uper"]}})"),
       HasSubstr("the model has no body \"left_uper\""));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {"left_elbow": 0},
+                                                 "anchors": {"right_slide": [0, 0, 0]}}})"),
+              HasSubstr("\"anchors\" requires the variant to have its own \"model\""));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {"left_elbow": 0}, "model": "a.xml",
+                                                 "anchors": {"right_slide": [0, 0]}}})"),
+              HasSubstr("the anchor of \"right_slide\" must be [x, y, z]"));
+  EXPECT_THAT(message_with(R"("joint_frames": ["left_lowr"])"), HasSubstr("\"left_lower\"?"));
+  EXPECT_THAT(message_with(R"("joint_frames": ["base"])"), HasSubstr("must contain one body"));
   EXPECT_THAT(message_with(R"("variants": {"a": {"loked": {}, "locked": {"left_elbow": 0}}})"),
               HasSubstr("did you mean \"locked\"?"));
   EXPECT_THAT(message_with(R"("variants": {"": {"locked": {"left_elbow": 0}}})"),
-              HasSubstr("without a name"));
-  EXPECT_THAT(message_with(R"("joint_order": [])"), HasSubstr("names no joint"));
-  EXPECT_THAT(message_with(R"("limit_sets": {"model": {"ranges": {}}})"), HasSubstr("taken"));
+              HasSubstr("has no name"));
+  EXPECT_THAT(message_with(R"("joint_order": [])"), HasSubstr("\"joint_order\" is empty"));
+  EXPECT_THAT(message_with(R"("limit_sets": {"model": {"ranges": {}}})"), HasSubstr("reserved"));
   EXPECT_THAT(message_with(R"("limit_sets": {"a": {"rangs": {}, "ranges": {}}})"),
               AllOf(HasSubstr("\"a\""), HasSubstr("did you mean \"ranges\"?")));
   EXPECT_THAT(message_with(R"("method_limits": {"gmr": "gmr"})"), HasSubstr("no limit set"));
@@ -184,7 +192,7 @@ TEST(LoadProfileTest, CouplingsNameJointsAndNumbers) {
     return message_with("\"coupled_joints\": {\"left_elbow\": " + coupling + "}");
   };
   EXPECT_THAT(of(R"({"joint": "left_shouder"})"), HasSubstr("did you mean \"left_shoulder\""));
-  EXPECT_THAT(of(R"({"joint": "left_elbow"})"), HasSubstr("cannot lead itself"));
+  EXPECT_THAT(of(R"({"joint": "left_elbow"})"), HasSubstr("cannot be coupled to itself"));
   EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratio": "2"})"), HasSubstr("must be a number"));
   EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratoi": 2})"), HasSubstr("ratoi"));
   EXPECT_THAT(of("2"), HasSubstr("must be {"));
@@ -208,7 +216,7 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
   for (const char* key :
        {"name", "description", "joint_order", "limit_sets", "default_limits", "method_limits",
         "speed_limits", "speed_limits_source", "coupled_joints", "t_pose", "soles", "soles_source",
-        "soles_estimated", "allowed_self_contact", "variants"}) {
+        "soles_estimated", "allowed_self_contact", "joint_frames", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {

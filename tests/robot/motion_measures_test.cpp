@@ -1,12 +1,12 @@
-// What is done with a robot clip as a whole: the distance from the limits, the normalised start.
+// Operations on a whole robot clip: the distance from the limits, the normalised start.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "robot/limit_distance.h"
-#include "robot/normalize_start.h"
+#include "robot/model/limit_distance.h"
+#include "robot/model/normalize_start.h"
 #include "support/test_robots.h"
 
 namespace retarget {

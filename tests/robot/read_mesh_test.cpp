@@ -1,4 +1,4 @@
-#include "robot/read_mesh.h"
+#include "robot/model/read_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(ReadCollada, CutsPolygonsIntoTriangles) {
   EXPECT_EQ(mesh->triangles[5], (std::array{0, 3, 4}));
 }
 
-TEST(ReadCollada, RefusesWhatIsNone) {
+TEST(ReadCollada, RejectsOtherFiles) {
   const std::string vertex = "<input semantic=\"VERTEX\" offset=\"0\"/>";
   for (const auto& [text, message] :
        {std::tuple{std::string("<a/>"), "not a COLLADA file"},

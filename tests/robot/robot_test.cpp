@@ -11,7 +11,7 @@
 #include <random>
 
 #include "retarget/motion.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

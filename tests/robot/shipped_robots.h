@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "robot/find_robot.h"
-#include "robot/load_robot.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/load_robot.h"
 
 namespace retarget {
 
@@ -17,7 +17,7 @@ inline std::filesystem::path robots_folder() {
 
 /// A robot of the repository with its profile.
 inline std::shared_ptr<const Robot> load_shipped(const std::string& name) {
-  const auto files = find_robot(name, robots_folder());
+  const auto files = find_robot(name, {robots_folder()});
   EXPECT_TRUE(files.has_value()) << (files ? "" : describe(files.error()));
   if (!files) return nullptr;
   const auto robot = load_robot_files(files->model.string(), files->profile.string());

@@ -1,4 +1,4 @@
-// What holds for every robot of the repository, whatever it was written from.
+// Properties of every robot in the repository, whatever its source format.
 
 #include "shipped_robots.h"
 
@@ -132,7 +132,7 @@ TEST_P(ShippedRobots, HaveASpeedLimitForEveryJoint) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots(robots_folder())),
+INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots({robots_folder()})),
                          [](const auto& robot) { return robot.param; });
 
 TEST(ShippedRobotsList, ContainsTheKnownRobots) {
@@ -157,7 +157,7 @@ TEST(ShippedRobotsList, ContainsTheKnownRobots) {
                                           "unitree_h1_2",
                                           "unitree_h2",
                                           "unitree_r1"};
-  EXPECT_THAT(list_robots(robots_folder()), testing::IsSupersetOf(known));
+  EXPECT_THAT(list_robots({robots_folder()}), testing::IsSupersetOf(known));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "robot/sole_ends.h"
+#include "robot/model/sole_ends.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ Sole sole_beside(double aside) {
   return sole;
 }
 
-TEST(SoleEndsTest, SidewaysLiesInTheSoleWhereverTheOriginIs) {
+TEST(SoleEndsTest, SidewaysAxisLiesInTheSoleForAnyOrigin) {
   for (const double aside : {0.0, 0.037, -0.037, 0.2}) {
     const auto shape = sole_shape(sole_beside(aside));
     ASSERT_TRUE(shape.has_value());
@@ -28,7 +28,7 @@ TEST(SoleEndsTest, SidewaysLiesInTheSoleWhereverTheOriginIs) {
   }
 }
 
-TEST(SoleEndsTest, OfALineTheOriginTellsWhatIsUp) {
+TEST(SoleEndsTest, OriginDeterminesTheUpAxisOfALine) {
   Sole sole;
   sole.points = {Vector3d(-0.05, 0, -0.04), Vector3d(0.15, 0, -0.04)};
   sole.labels = {"heel", "toe"};

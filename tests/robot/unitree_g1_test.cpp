@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "retarget/robot.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -1,14 +1,16 @@
 // Variants: joints held and left out of the columns.
 
-#include "robot/variant.h"
+#include "robot/model/variant.h"
 
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>
 
+#include <sstream>
+
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
-#include "robot/kinematic_tree.h"
-#include "robot/limit_distance.h"
+#include "robot/model/kinematic_tree.h"
+#include "robot/model/limit_distance.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
 
@@ -59,7 +61,7 @@ TEST(RobotVariantTest, HeldJointsLeaveColumnsAndLimitSets) {
     EXPECT_EQ(limits->upper[4], -0.3) << set;
     EXPECT_EQ(limits->upper[0], 1.5) << set;
   }
-  // the whole robot stays as it was
+  // The whole robot does not change.
   EXPECT_EQ(whole->output_joints().size(), 5U);
   EXPECT_EQ(whole->model_limits().lower[4], -2.0);
   EXPECT_EQ(whole->zero_configuration()[11], 0.1);
@@ -202,7 +204,7 @@ TEST(RobotVariantTest, ModelsOfTheirOwnTakeTheProfileByNames) {
               ElementsAre(0.1, 0.2, 0.1 * 3));
 }
 
-TEST(RobotVariantTest, ModelsThatAreNoVariantsAreRefused) {
+TEST(RobotVariantTest, RejectsModelsOfOtherRobots) {
   const auto text_of = [](std::string model, const std::string& from, const std::string& to) {
     const std::size_t at = model.find(from);
     EXPECT_NE(at, std::string::npos);
@@ -214,7 +216,7 @@ TEST(RobotVariantTest, ModelsThatAreNoVariantsAreRefused) {
   };
   const std::string model = kOneArm;
   EXPECT_THAT(text_of(model, "left_twist", "left_twits"),
-              AllOf(HasSubstr("\"left_twits\", which the robot has not"),
+              AllOf(HasSubstr("\"left_twits\", which the robot does not have"),
                     HasSubstr("did you mean \"left_twist\"?"),
                     HasSubstr("lacks the joint \"left_twist\"")));
   EXPECT_THAT(text_of(model, "left_twist", "right_slide"), HasSubstr("which the variant locks"));
@@ -229,6 +231,40 @@ TEST(RobotVariantTest, ModelsThatAreNoVariantsAreRefused) {
   }());
   ASSERT_FALSE(missing);
   EXPECT_THAT(describe(missing.error()), HasSubstr("no_such.xml"));
+}
+
+TEST(RobotVariantTest, AnchorsMoveAlongTheJointsAxes) {
+  const auto anchored = [](const std::string& anchors) {
+    std::string profile = kProfileWithModel;
+    const std::string before = "\"locked\": {\"right_slide\"";
+    return one_arm(kOneArm,
+                   profile.replace(profile.find(before), 0, "\"anchors\": {" + anchors + "}, "));
+  };
+  const auto plain = one_arm(kOneArm).value();
+  const int elbow = plain->find_joint("left_elbow").value();
+  const RobotJoint& joint = plain->joints()[elbow];
+  const Eigen::Vector3d point = joint.anchor + 0.25 * joint.axis;
+  std::ostringstream list;
+  list.precision(17);
+  list << "\"left_elbow\": [" << point.x() << ", " << point.y() << ", " << point.z() << "]";
+  const auto moved = anchored(list.str());
+  ASSERT_TRUE(moved) << describe(moved.error());
+  EXPECT_LT(((*moved)->joints()[elbow].anchor - point).norm(), 1e-15);
+  std::vector<double> qpos = plain->zero_configuration();
+  for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.3;
+  std::vector<Pose> expected(plain->bodies().size()), found(plain->bodies().size());
+  forward_kinematics(*plain, qpos, expected);
+  forward_kinematics(**moved, qpos, found);
+  for (std::size_t b = 0; b < found.size(); ++b) {
+    EXPECT_LT((found[b].translation - expected[b].translation).norm(), 1e-12);
+  }
+  const auto fault_of = [&](const std::string& anchors) {
+    const auto variant = anchored(anchors);
+    EXPECT_FALSE(variant) << anchors;
+    return variant ? std::string() : describe(variant.error());
+  };
+  EXPECT_THAT(fault_of("\"left_elbow\": [9, 9, 9]"), HasSubstr("does not lie on the joint's axis"));
+  EXPECT_THAT(fault_of("\"right_shoulder\": [0, 0, 0]"), HasSubstr("no such joint"));
 }
 
 // kinematics are held against the maker's by tests/io/variant_bodies_test.cpp

@@ -162,7 +162,7 @@ def check_sides(clip: Clip) -> None:
 
 
 def check_floor(clip: Clip, allowed: float) -> float:
-    """Nothing of the body is deeper below the floor than `allowed` metres."""
+    """No part of the body is deeper below the floor than `allowed` metres."""
     lowest = np.inf
     for j, name in enumerate(clip.names):
         reach = RADII[name.removeprefix("Left").removeprefix("Right")]

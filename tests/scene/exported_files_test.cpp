@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "bvh/read_bvh.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/scene/read_scene.h"
 #include "retarget/clip.h"
-#include "scene/read_scene.h"
 #include "scene_test_support.h"
 
 namespace retarget {
@@ -104,7 +104,7 @@ TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
   }
 }
 
-// whatever byte is another one: refused in a sentence, or read as numbers that are some
+// If any byte changes, the file is refused with a message, or read with finite numbers.
 TEST(ExportedFilesTest, MayBeDamaged) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const std::string good = bytes_of(kFolder + name);

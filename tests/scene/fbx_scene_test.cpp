@@ -1,4 +1,4 @@
-#include "scene/fbx_scene.h"
+#include "formats/scene/fbx_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,8 @@
 
 #include "base/option_name.h"
 #include "fbx_text.h"
-#include "scene/read_scene.h"
+#include "formats/containers/file_kind.h"
+#include "formats/scene/read_scene.h"
 
 namespace retarget {
 namespace {
@@ -99,7 +100,7 @@ TEST(FbxSceneTest, PutsPivotsAndRotationsBeforeAndAfterInTheirPlaces) {
   EXPECT_LT((found.scale - Vector3d(2, 2, 2)).norm(), 1e-12);
 }
 
-TEST(FbxSceneTest, TellsUnitAxesAndRate) {
+TEST(FbxSceneTest, ReadsUnitAxesAndRate) {
   const Scene maya = read(FbxText({1, 1, 1.0, 11}));
   EXPECT_DOUBLE_EQ(maya.metres_per_unit, 0.01);
   EXPECT_EQ(*maya.up, Vector3d::UnitY());
@@ -210,17 +211,17 @@ TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
 TEST(FbxSceneTest, IsRecognisedBehindCommentsAndAByteOrderMark) {
   const std::string text = FbxText().text();
   const std::string rest = text.substr(text.find('\n') + 1);
-  EXPECT_TRUE(looks_like_scene("\xEF\xBB\xBF" + text));
+  EXPECT_EQ(file_type("\xEF\xBB\xBF" + text).kind, FileKind::kFbx);
   EXPECT_TRUE(read_fbx("\xEF\xBB\xBF" + text, "marked.fbx", kMemory).has_value());
-  EXPECT_TRUE(looks_like_scene(";\n\n; made by hand\n" + rest));
-  EXPECT_TRUE(looks_like_scene(rest));
-  EXPECT_FALSE(looks_like_scene("; a list of names\nHips\n"));
-  EXPECT_TRUE(
-      looks_like_scene("<?xml version='1.0'?><!-- " + std::string(9000, 'x') + " --><mvnx>"));
-  EXPECT_FALSE(looks_like_scene("<?xml version='1.0'?><!-- <mvnx> --><html>"));
+  EXPECT_EQ(file_type(";\n\n; made by hand\n" + rest).kind, FileKind::kFbx);
+  EXPECT_EQ(file_type(rest).kind, FileKind::kFbx);
+  EXPECT_EQ(file_type("; a list of names\nHips\n").kind, FileKind::kOther);
+  EXPECT_EQ(file_type("<?xml version='1.0'?><!-- " + std::string(9000, 'x') + " --><mvnx>").kind,
+            FileKind::kMvnx);
+  EXPECT_EQ(file_type("<?xml version='1.0'?><!-- <mvnx> --><html>").kind, FileKind::kForeign);
 }
 
-TEST(FbxSceneTest, SaysWhereAStrayKeyIs) {
+TEST(FbxSceneTest, NamesTheLocationOfAStrayKey) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("move", 0, 3e7);
@@ -256,7 +257,7 @@ TEST(FbxSceneTest, SamplesAsOftenAsAskedFor) {
   EXPECT_NEAR(clip->translation(30, 0).x(), 2.5, 1e-9);
 }
 
-TEST(FbxSceneTest, RefusesWhatIsNoMotion) {
+TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
   FbxText still;
   still.node("Hips", 0, {0, 0, 0});
   const auto without = read_scene(still.text(), "still.fbx");

@@ -1,4 +1,4 @@
-#include "scene/gltf_scene.h"
+#include "formats/scene/gltf_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "base/base64.h"
-#include "scene/read_scene.h"
+#include "formats/containers/base64.h"
+#include "formats/scene/read_scene.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -188,7 +188,7 @@ TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
   }
 }
 
-TEST(GltfSceneTest, RefusesWhatCannotBe) {
+TEST(GltfSceneTest, RejectsImpossibleValues) {
   Animated good;
   good.times = {0, 1};
   good.values = {0, 0, 0, 1, 1, 1};
@@ -224,7 +224,7 @@ TEST(GltfSceneTest, RefusesWhatCannotBe) {
 }
 
 // thousands of buffers of one file are that file once; a pipe is none; a missing one is named with its glTF
-TEST(GltfSceneTest, ReadsAFileBesideItOnce) {
+TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   constexpr int kBuffers = 200;
   const TemporaryFolder folder;
   const std::string name = (folder.path() / "test.gltf").string();

@@ -1,4 +1,4 @@
-#include "scene/key_rate.h"
+#include "formats/scene/transforms.h"
 
 #include <gtest/gtest.h>
 

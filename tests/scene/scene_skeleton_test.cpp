@@ -1,4 +1,4 @@
-#include "scene/scene_skeleton.h"
+#include "formats/scene/scene_skeleton.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // adds a chain of nodes below a node
 int add_chain(Scene& scene, const std::string& name, int parent, int count, bool are_bones,
@@ -34,7 +35,7 @@ Scene scene_of_one_take() {
   return scene;
 }
 
-TEST(SceneSkeletonTest, TakesTheOneThatMoves) {
+TEST(SceneSkeletonTest, ChoosesTheMovingSkeleton) {
   Scene scene = scene_of_one_take();
   add_chain(scene, "statue", -1, 20, true, false);
   const int dancer = add_chain(scene, "dancer", -1, 12, true, true);
@@ -59,6 +60,55 @@ TEST(SceneSkeletonTest, AsksWhichOfTwoDancers) {
   EXPECT_THAT(both.error().message, HasSubstr("2 skeletons"));
   // by a node above the root where the roots' names are the same
   EXPECT_EQ(choose_skeleton(scene, 0, "Armature.001", "a.fbx")->joints.front(), hips);
+}
+
+// The part of the warning about a choice that names the alternatives.
+std::string told_of_others(const Scene& scene, int take, const std::string& root = {}) {
+  const auto chosen = choose_skeleton(scene, take, root, "a.fbx");
+  EXPECT_TRUE(chosen);
+  return other_actors_text(scene, *chosen, take);
+}
+
+TEST(SceneSkeletonTest, NamesASecondActorWhoMovesLess) {
+  Scene scene = scene_of_one_take();
+  add_chain(scene, "Alice", -1, 60, true, true);
+  add_chain(scene, "Bob", -1, 20, true, true);
+  const std::string text = told_of_others(scene, 0);
+  EXPECT_THAT(text, HasSubstr("another skeleton moves: \"Bob\""));
+  EXPECT_THAT(spell_options(text), HasSubstr("root NAME reads another skeleton"));
+  EXPECT_THAT(text, Not(HasSubstr("take")));
+}
+
+TEST(SceneSkeletonTest, NamesASecondActorOfAnotherTake) {
+  Scene scene = scene_of_one_take();
+  add_chain(scene, "Alice", -1, 20, true, true);
+  add_chain(scene, "Bob", -1, 20, true, false);
+  SceneTake take{"Bob|walk", 0.0, 1.0, {}, {}};
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    take.has_keys.push_back(i >= 20);
+    take.moves.push_back(i >= 20);
+  }
+  scene.takes.push_back(take);
+  const std::string text = told_of_others(scene, 0);
+  EXPECT_THAT(text, HasSubstr("another skeleton moves: \"Bob\" (take \"Bob|walk\")"));
+  EXPECT_THAT(spell_options(text), HasSubstr("root NAME with take NAME reads another skeleton"));
+}
+
+TEST(SceneSkeletonTest, NamesAnActorByANodeAboveWhereRootsHaveOneName) {
+  Scene scene = scene_of_one_take();
+  const int first = add_chain(scene, "Armature", -1, 1, false, false);
+  add_chain(scene, "hips", first, 60, true, true);
+  const int second = add_chain(scene, "Armature.001", -1, 1, false, false);
+  add_chain(scene, "hips", second, 20, true, true);
+  EXPECT_THAT(told_of_others(scene, 0), HasSubstr("another skeleton moves: \"Armature.001\""));
+}
+
+TEST(SceneSkeletonTest, SaysNothingOfStatuesAndProps) {
+  Scene scene = scene_of_one_take();
+  add_chain(scene, "Alice", -1, 60, true, true);
+  add_chain(scene, "statue", -1, 40, true, false);
+  add_chain(scene, "sword", -1, 4, true, true);
+  EXPECT_EQ(told_of_others(scene, 0), "");
 }
 
 TEST(SceneSkeletonTest, KeepsHelpersBetweenJoints) {

@@ -1,4 +1,4 @@
-#include "smpl/intermimic.h"
+#include "formats/smpl/motion_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "formats/smpl/read_smpl.h"
 #include "motion/forward_kinematics.h"
 #include "motion_parts.h"
-#include "smpl/read_smpl.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// a body with bones that are nobody's, and no limb quite along an axis
+// A body with unusual bone lengths and no limb exactly along an axis.
 SmplRestBody crooked_body() {
   SmplRestBody body = generic_smpl_rest_body(1.8);
   Numbers numbers(31);
@@ -157,7 +157,7 @@ TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
   EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bones change their place by up to"));
   EXPECT_THAT(with(0, 4.0F), HasSubstr("bones change their place by up to"));
   EXPECT_THAT(error_of(intermimic_file({})), HasSubstr("has no frames"));
-  // what follows is not read
+  // Column 320 is not read.
   EXPECT_EQ(with(320, std::nanf("")), "no error");
   std::vector<float> large = intermimic_rows(Parts(), generic_smpl_rest_body(180));
   EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("make no body in metres"));

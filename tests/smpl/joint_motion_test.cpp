@@ -1,6 +1,6 @@
-// Places of joints in NPZ files, single arrays, pickles: shapes, rates, names, several motions.
+// Joint positions in NPZ files, single arrays and pickles: shapes, rates, names, several motions.
 
-#include "smpl/joint_motion.h"
+#include "formats/smpl/joint_motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "base/npz_writer.h"
-#include "base/pickle_writer.h"
+#include "formats/containers/npz_writer.h"
+#include "formats/containers/pickle_writer.h"
+#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
-#include "smpl/joint_orders.h"
-#include "smpl/read_smpl.h"
 
 namespace retarget {
 namespace {
@@ -71,7 +71,7 @@ TEST(JointMotionTest, ShapesOfHumanMlAndMdm) {
   EXPECT_EQ(joints_of(npy_doubles({1, 5, 22, 3}, counted(330))).frame_count, 5);
 }
 
-// what numpy.save makes of a dictionary: an array of one object, pickled
+// A dictionary as numpy.save writes it: an array of one pickled object.
 std::string saved_dictionary(const std::string& members) {
   using namespace std::string_literals;
   const std::string pickle =
@@ -150,7 +150,7 @@ TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
               HasSubstr("it has 2 joints, but there is 1 name in the list of --joint-names"));
 }
 
-TEST(JointMotionTest, UsualRatesAreSaid) {
+TEST(JointMotionTest, ReportsAssumedRates) {
   const auto places = [](const char* name, std::size_t joints) {
     NpzWriter writer;
     writer.add(name, float64_array(counted(6 * joints), {2, joints, 3}));
@@ -187,7 +187,7 @@ TEST(JointMotionTest, KimodoHasRotations) {
   EXPECT_THAT(joint_error(kimodo(22, -1.0)), HasSubstr("no rotation in frame 0, joint 0"));
 }
 
-TEST(JointMotionTest, RefusesWhatIsNoMotion) {
+TEST(JointMotionTest, RejectsOtherArrays) {
   std::vector<double> values = counted(132);
   values[70] = std::nan("");
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, values)), HasSubstr("NaN in frame 1, joint 1"));

@@ -1,4 +1,4 @@
-#include "smpl/motion_file.h"
+#include "formats/smpl/motion_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "formats/containers/file_kind.h"
+#include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
-#include "smpl/read_smpl.h"
 
 namespace retarget {
 namespace {
@@ -43,7 +44,7 @@ TEST(MotionFileTest, GvhmrsResultsAreTheNpzMotionWithItsWorldsYUp) {
   EXPECT_THAT(error_of(parts.gvhmr("smpl_params_incam")), HasSubstr("in the camera's axes alone"));
 }
 
-TEST(MotionFileTest, PicklesAndTorchFilesHoldWhatAnNpzHolds) {
+TEST(MotionFileTest, PicklesAndTorchFilesEqualAnNpz) {
   const Parts parts;
   const SmplMotion expected = motion_of(parts.npz());
   expect_same_motion(motion_of(parts.pickle()), expected);
@@ -122,6 +123,22 @@ TEST(MotionFileTest, OtherNamesOfTheSameArrays) {
   }
 }
 
+TEST(MotionFileTest, KindsOfFilesDefineTheUpAxis) {
+  const Parts parts;
+  const auto up_of = [](const std::string& bytes) { return motion_of(bytes).up; };
+  // AMASS, and GVHMR after its world was turned
+  EXPECT_EQ(up_of(parts.npz()), Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(up_of(parts.gvhmr()), Eigen::Vector3d(0, 0, 1));
+  // the names that fits to video have define no axis
+  EXPECT_EQ(up_of(parts.pickle()), std::nullopt);
+  NpzBuilder dance;
+  dance.add("smpl_poses",
+            npy_doubles({kPartFrames, 72}, std::vector<double>(kPartFrames * 72, 0.1)));
+  dance.add("smpl_trans", npy_doubles({kPartFrames, 3}, parts.trans));
+  dance.add("smpl_scaling", npy_doubles({1}, {1}));
+  EXPECT_EQ(up_of(dance.build()), Eigen::Vector3d(0, 1, 0));
+}
+
 TEST(MotionFileTest, ArraysOfMotionXAndPhuma) {
   const Parts parts;
   std::vector<double> motion_x, phuma;
@@ -160,15 +177,15 @@ TEST(MotionFileTest, ArraysOfMotionXAndPhuma) {
   EXPECT_THAT(error_of(whole.substr(0, 500)), HasSubstr("hint: the file was cut off"));
   EXPECT_THAT(error_of(npy("<f8", "(1152921504606846976, 69)", "")), HasSubstr("shape"));
   EXPECT_THAT(error_of(npy_doubles({2, 22, 3}, std::vector<double>(132))),
-              HasSubstr("expected a motion of SMPL, found places of joints"));
+              HasSubstr("expected an SMPL motion, found joint positions"));
   EXPECT_THAT(error_of(npy_doubles({1, 263}, std::vector<double>(263))),
               HasSubstr("HumanML3D's features"));
   EXPECT_THAT(error_of(npy_doubles({4}, {1, 2, 3, 4})), HasSubstr("shape (4,)"));
   EXPECT_THAT(error_of(npy("|O", "()", "pickled")), HasSubstr("error: "));
-  EXPECT_THAT(error_of(npy_text("x")), HasSubstr("expected a motion of SMPL"));
+  EXPECT_THAT(error_of(npy_text("x")), HasSubstr("expected an SMPL motion"));
 }
 
-TEST(MotionFileTest, SaysWhatElseAFileHolds) {
+TEST(MotionFileTest, NamesTheContentsOfOtherFiles) {
   TorchBuilder builder;
   const std::string tensor = builder.floats({2, 3}, {1, 2, 3, 4, 5, 6});
   EXPECT_THAT(error_of(builder.build(tensor)), HasSubstr("found one tensor of shape (2, 3)"));
@@ -198,15 +215,15 @@ TEST(MotionFileTest, SaysWhatElseAFileHolds) {
               HasSubstr("array \"poses\": expected an array of numbers, found None"));
 }
 
-TEST(MotionFileTest, BytesTellWhoReadsThem) {
-  EXPECT_TRUE(looks_like_motion_file(Parts().npz()));
-  EXPECT_TRUE(looks_like_motion_file(Parts().gvhmr()));
-  EXPECT_TRUE(looks_like_motion_file(Parts().pickle()));
-  EXPECT_TRUE(looks_like_motion_file(Parts().pickle(true)));
-  EXPECT_TRUE(looks_like_motion_file(npy_doubles({1}, {1})));
-  EXPECT_FALSE(looks_like_motion_file("HIERARCHY\nROOT Hips\n"));
-  EXPECT_FALSE(looks_like_motion_file("\x1f\x8b\x08"));
-  EXPECT_FALSE(looks_like_motion_file(""));
+TEST(MotionFileTest, BytesDetermineTheReader) {
+  EXPECT_EQ(file_type(Parts().npz()).kind, FileKind::kNpz);
+  EXPECT_EQ(file_type(Parts().gvhmr()).kind, FileKind::kTorch);
+  EXPECT_EQ(file_type(Parts().pickle()).kind, FileKind::kPickle);
+  EXPECT_EQ(file_type(Parts().pickle(true)).kind, FileKind::kPickle);
+  EXPECT_EQ(file_type(npy_doubles({1}, {1})).kind, FileKind::kNpy);
+  EXPECT_EQ(file_type("HIERARCHY\nROOT Hips\n").kind, FileKind::kBvh);
+  EXPECT_EQ(file_type("\x1f\x8b\x08").kind, FileKind::kGzip);
+  EXPECT_EQ(file_type("").kind, FileKind::kForeign);
 }
 
 }  // namespace

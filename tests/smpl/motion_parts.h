@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/npz_writer.h"
-#include "base/pickle_writer.h"
-#include "smpl/read_smpl.h"
+#include "formats/containers/npz_writer.h"
+#include "formats/containers/pickle_writer.h"
+#include "formats/smpl/read_smpl.h"
 #include "smpl_test_support.h"
 #include "support/torch_builder.h"
 
@@ -29,7 +29,7 @@ inline std::vector<float> floats_of(const std::vector<double>& values) {
   return {values.begin(), values.end()};
 }
 
-// what a motion of SMPL consists of
+// The parts of an SMPL motion.
 struct Parts {
   std::vector<double> root = float_numbers(11, kPartFrames * 3, 1.5);
   std::vector<double> body = float_numbers(12, kPartFrames * 63, 0.8);

@@ -1,4 +1,4 @@
-#include "smpl/read_smpl.h"
+#include "formats/smpl/read_smpl.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -394,7 +394,7 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
 TEST(ReadSmpl, RejectsInconsistentParts) {
   Amass amass;
   amass.without("poses").with("root_orient", npy_doubles({4, 3}, std::vector<double>(12)));
-  EXPECT_THAT(error_of(amass), HasSubstr("places of joints as \"joint_positions\"; found trans"));
+  EXPECT_THAT(error_of(amass), HasSubstr("joint positions as \"joint_positions\"; found trans"));
   amass.with("pose_body", npy_doubles({3, 63}, std::vector<double>(189)));
   EXPECT_THAT(error_of(amass), HasSubstr("pose_body\": it has 3 frames, root_orient has 4"));
 }

@@ -1,4 +1,4 @@
-#include "smpl/smpl_body.h"
+#include "formats/smpl/smpl_body.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   EXPECT_NEAR(share("left_shoulder"), 0.818, 1e-12);
   EXPECT_GT(body.tips[kLeftToes].y(), floor);
 
-  // what every adult has: a span about the height, forearms shorter than upper arms
+  // Proportions of every adult: a span close to the height, forearms shorter than upper arms.
   const double span = body.tips[kLeftFingers].x() - body.tips[kRightFingers].x();
   EXPECT_NEAR(span / height, 1.03, 0.03);
   const double upper = joint_named(body, "left_elbow").x() - joint_named(body, "left_shoulder").x();

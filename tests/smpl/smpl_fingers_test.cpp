@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "math/so3.h"
+#include "base/math/so3.h"
+#include "formats/smpl/read_smpl.h"
+#include "formats/smpl/smpl_body.h"
 #include "retarget/clip.h"
-#include "smpl/read_smpl.h"
-#include "smpl/smpl_body.h"
 #include "smpl/smpl_test_support.h"
 
 namespace retarget {
@@ -104,12 +104,12 @@ TEST(SmplFingersTest, OrHaveArraysOfTheirOwn) {
   expect_fingers(motion_of(file_of(apart)), hands);
 }
 
-TEST(SmplFingersTest, OthersAreNone) {
+TEST(SmplFingersTest, IgnoresOtherColumns) {
   const auto joints = [](const std::string& bytes, bool fingers = true) {
     return motion_of(bytes, fingers).clip.skeleton().joint_count();
   };
   std::vector<double> hands = Numbers(3).list(kFrames * 90);
-  EXPECT_EQ(joints(whole(156, hands), false), 22) << "nobody asked";
+  EXPECT_EQ(joints(whole(156, hands), false), 22) << "without the option";
   EXPECT_EQ(joints(whole(156, std::vector<double>(kFrames * 90))), 22) << "zeros";
   std::vector<double> still;
   for (std::size_t frame = 0; frame < kFrames; ++frame) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "smpl/smpl_body.h"
+#include "formats/smpl/smpl_body.h"
 #include "support/npz_builder.h"
 
 namespace retarget {

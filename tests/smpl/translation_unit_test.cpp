@@ -1,4 +1,4 @@
-#include "smpl/translation_unit.h"
+#include "formats/smpl/translation_unit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
-#include "smpl/read_smpl.h"
 
 namespace retarget {
 namespace {
@@ -46,13 +46,13 @@ double metres_of(double unit, double stride, double height, bool glides = false)
   return metres;
 }
 
-TEST(TranslationUnitTest, IsFoundByHeightOfThoseWhoStand) {
+TEST(TranslationUnitTest, IsFoundByTheHeightOfStandingBodies) {
   EXPECT_DOUBLE_EQ(metres_of(1.0, 0.0, 0.9), 1.0);
   EXPECT_DOUBLE_EQ(metres_of(100.0, 0.0, 0.9), 0.01);
   EXPECT_DOUBLE_EQ(metres_of(1000.0, 0.0, 0.9), 0.001);
 }
 
-TEST(TranslationUnitTest, IsFoundBySpeedOfThoseWhoWalk) {
+TEST(TranslationUnitTest, IsFoundByTheSpeedOfWalkingBodies) {
   for (const double height : {0.9, 0.02}) {
     EXPECT_DOUBLE_EQ(metres_of(1.0, 0.04, height), 1.0);
     EXPECT_DOUBLE_EQ(metres_of(100.0, 0.04, height), 0.01);

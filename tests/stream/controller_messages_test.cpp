@@ -1,4 +1,5 @@
-// What controllers read of robot frames, against closed forms; tests/cli/live_outputs_test.py has the way to them.
+// Messages of robot frames for controllers, against closed forms; tests/cli/live_outputs_test.py
+// tests their delivery.
 
 #include <gtest/gtest.h>
 
@@ -10,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "live/stream/output_formats.h"
+#include "live/stream/sonic_message.h"
+#include "live/stream/twist2_action.h"
 #include "retarget/load.h"
-#include "stream/frame_output.h"
-#include "stream/sonic_message.h"
-#include "stream/twist2_action.h"
 #include "support/counted_allocations.h"
 
 namespace retarget {
@@ -180,7 +181,7 @@ TEST(SonicMessages, AreForTheG1Alone) {
 }
 
 // turns about a tilted axis of its own while it moves on a line: all rates are known
-TEST(Twist2Actions, AreThoseOfASteadyTurn) {
+TEST(Twist2Actions, MatchASteadyTurn) {
   const auto robot = robot_of("unitree_g1");
   auto actions = Twist2Actions::make(*robot, kFps);
   ASSERT_TRUE(actions);
@@ -210,7 +211,7 @@ TEST(Twist2Actions, AreThoseOfASteadyTurn) {
     EXPECT_NEAR(action.body[2], position.z(), 1e-15);
     EXPECT_NEAR(action.body[3], roll, 1e-12);
     EXPECT_NEAR(action.body[4], pitch, 1e-12);
-    // of the turn about the world's z, what lies along the root's z
+    // The component of the rotation about the world's z along the root's z.
     EXPECT_NEAR(action.body[5], first ? 0.0 : rate * std::cos(roll) * std::cos(pitch), 1e-11);
     EXPECT_EQ(action.body[6], position_of(*robot, qpos, "left_hip_pitch"));
     EXPECT_EQ(action.body[34], position_of(*robot, qpos, "right_wrist_yaw"));
@@ -234,7 +235,7 @@ TEST(ControllerMessages, AllocateNothing) {
   EXPECT_GT(bytes, 0U);
 }
 
-TEST(FrameOutputs, GoWhereTheirFormatGoes) {
+TEST(FrameOutputs, AcceptOnlyTransportsOfTheirFormat) {
   const FrameOutputContext context = {robot_of("unitree_g1"), kFps, [](auto, auto) {}};
   for (const char* text : {"zmq:0?format=jsonl", "udp:9?format=sonic", "x.csv?format=twist2",
                            "redis:6379?format=sonic", "udp:9?format=sonc"}) {

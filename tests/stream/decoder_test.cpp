@@ -1,6 +1,6 @@
-// What decoders make of bytes: frames, skeletons, refusals; and what players send comes back.
+// Decoders: frames, skeletons and refusals from bytes, and round trips of the player's packets.
 
-#include "stream/formats.h"
+#include "live/stream/formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ std::string refusal(Decoder& decoder, std::string_view line) {
   return taken ? "" : taken.error().message;
 }
 
-TEST(StreamFormats, WhatIsPlayedComesBack) {
+TEST(StreamFormats, PlayedFramesRoundTrip) {
   const Clip clip = walk();
   for (const StreamFormat& format : stream_formats()) {
     // others have tests of their own
@@ -96,7 +96,7 @@ TEST(StreamFormats, AreFoundByName) {
   EXPECT_THAT(describe(unknown.error()), HasSubstr("bvh"));
 }
 
-TEST(Lines, SayWhatTheyAreLike) {
+TEST(Lines, ReportTheirProperties) {
   const auto decoder = make_line_decoder({});
   Kept kept;
   ASSERT_TRUE(decoder->take(
@@ -128,7 +128,7 @@ TEST(Lines, AreRefusedWithAReason) {
   EXPECT_THAT(refusal(*decoder, "[1, 2]"), HasSubstr("object"));
   EXPECT_THAT(refusal(*decoder, R"({"skeleton": 3})"), HasSubstr("joints"));
   EXPECT_THAT(refusal(*decoder, R"({"skeleton": {"joints": [{"name": "a"}, {"name": "a"}]}})"),
-              HasSubstr("twice"));
+              HasSubstr("duplicated"));
   EXPECT_THAT(refusal(*decoder,
                       R"({"skeleton": {"joints": [{"name": "a"}, {"name": "b", "parent": "c"}]}})"),
               HasSubstr("before it"));
@@ -139,7 +139,8 @@ TEST(Lines, AreRefusedWithAReason) {
   EXPECT_FALSE(kept.rests[0]);
   EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("missing"));
   EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3]}})"), HasSubstr("seven"));
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3, 0, 0, 0, 0]}})"), HasSubstr("zeros"));
+  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3, 0, 0, 0, 0]}})"),
+              HasSubstr("the rotation is zero"));
   EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1e99, 2, 3, 1, 0, 0, 0]}})"),
               HasSubstr("seven"));
   EXPECT_THAT(refusal(*decoder, R"({"time": "now", "joints": {"a": [1, 2, 3, 1, 0, 0, 0]}})"),

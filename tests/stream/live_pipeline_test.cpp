@@ -1,7 +1,7 @@
 // Packets in, robot frames out, without sockets: the same at every run.
 
-#include "stream/live_pipeline.h"
-#include "stream/formats.h"
+#include "live/stream/live_pipeline.h"
+#include "live/stream/formats.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "human/canonical_pose.h"
+#include "human/skeleton/canonical_pose.h"
+#include "live/stream/formats.h"
+#include "live/stream/latency.h"
+#include "live/stream/stream_record.h"
 #include "retarget/load.h"
-#include "stream/formats.h"
-#include "stream/latency.h"
-#include "stream/stream_record.h"
 #include "support/lafan1_map.h"
 #include "support/temporary_folder.h"
 
@@ -73,7 +73,7 @@ void play_to(StreamRun& run, const Clip& clip, const char* format, double begin 
   }
 }
 
-TEST(LivePipeline, FollowsAStreamThatTellsItsSkeleton) {
+TEST(LivePipeline, FollowsAStreamWithItsSkeleton) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
     play_to(run, sample("walk"), format);
@@ -81,6 +81,28 @@ TEST(LivePipeline, FollowsAStreamThatTellsItsSkeleton) {
     EXPECT_GT(run.frames.size(), 400U) << format;
     EXPECT_EQ(run.pipeline.packets().skeletons, 1);
     EXPECT_EQ(run.pipeline.packets().malformed, 0);
+  }
+}
+
+bool is_told(const StreamRun& run, std::string_view text) {
+  return std::ranges::any_of(
+      run.told, [&](const std::string& line) { return line.find(text) != std::string::npos; });
+}
+
+// The zero pose of LAFAN1's skeleton is folded up.
+TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
+  for (const char* format : {"lines", "bvh"}) {
+    StreamRun run({}, format);
+    const Clip clip = sample("walk");
+    const auto encoder = (*find_stream_format(format))->encoder();
+    run.lines(encoder->begin(clip), 0.0);
+    EXPECT_TRUE(run.told.empty()) << format;
+    EXPECT_FALSE(run.pipeline.has_begun()) << format;
+    run.lines(encoder->frame(clip, 0).value(), 0.0);
+    EXPECT_TRUE(run.pipeline.has_begun()) << format;
+    EXPECT_TRUE(is_told(run, "LAFAN1")) << format;
+    EXPECT_FALSE(is_told(run, "unusual")) << format;
+    EXPECT_FALSE(is_told(run, "in no frame")) << format;
   }
 }
 
@@ -103,10 +125,11 @@ TEST(LivePipeline, LeavesMalformedPacketsOut) {
   }
   EXPECT_EQ(run.pipeline.packets().malformed, 120);
   EXPECT_GT(run.frames.size(), 80U);
-  EXPECT_EQ(
-      std::ranges::count_if(
-          run.told, [](const std::string& line) { return line.starts_with("stream: a packet"); }),
-      1);
+  EXPECT_EQ(std::ranges::count_if(run.told,
+                                  [](const std::string& line) {
+                                    return line.starts_with("stream: skipping malformed");
+                                  }),
+            1);
 }
 
 TEST(LivePipeline, TakesAnotherSkeletonOnTheWay) {
@@ -179,20 +202,52 @@ TEST(LivePipeline, CalibratesByThePoseThatThePerformerHas) {
   }
 }
 
-TEST(LivePipeline, ABodyThatCannotBeRecognisedEndsTheStream) {
+constexpr const char* kNobody =
+    R"({"skeleton": {"joints": [{"name": "a", "rest": [0, 0, 0, 1, 0, 0, 0]}, )"
+    R"({"name": "b", "parent": "a", "rest": [0, 0, 1, 1, 0, 0, 0]}]}})";
+
+TEST(LivePipeline, WaitsForAHumanBeforeItBegins) {
   StreamRun run;
-  const auto taken = run.pipeline.packet(
-      R"({"skeleton": {"joints": [{"name": "a", "rest": [0, 0, 0, 1, 0, 0, 0]},
-                                  {"name": "b", "parent": "a", "rest": [0, 0, 1, 1, 0, 0, 0]}]}})",
-      0.0);
-  ASSERT_FALSE(taken);
-  EXPECT_EQ(taken.error().kind, ErrorKind::kInput);
+  for (int i = 0; i < 3; ++i) run.lines(kNobody, 0.1 * i);
+  EXPECT_FALSE(run.pipeline.has_begun());
+  EXPECT_EQ(run.pipeline.packets().refused_skeletons, 3);
+  EXPECT_EQ(
+      std::ranges::count_if(
+          run.told, [](const std::string& line) { return line.starts_with("body: waiting"); }),
+      1);
+  play_to(run, sample("wave"), "lines", 1.0);
+  EXPECT_GT(run.frames.size(), 100U);
+}
+
+TEST(LivePipeline, KeepsItsBodyWhenAnotherSkeletonIsRefused) {
+  for (const char* format : {"lines", "bvh"}) {
+    StreamRun run({}, format);
+    const Clip clip = sample("wave");
+    const auto encoder = (*find_stream_format(format))->encoder();
+    run.lines(encoder->begin(clip), 0.0);
+    for (int frame = 0; frame < 60; ++frame) {
+      if (frame == 30) {
+        run.lines(
+            std::string_view(format) == "lines"
+                ? kNobody
+                : "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+                  "End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\n",
+            clip.rate().time_of(frame));
+      }
+      run.lines(encoder->frame(clip, frame).value(), clip.rate().time_of(frame));
+    }
+    EXPECT_EQ(run.pipeline.packets().refused_skeletons, 1) << format;
+    EXPECT_EQ(run.pipeline.packets().malformed, 0) << format;
+    EXPECT_EQ(run.pipeline.statistics().received, 60) << format;
+    EXPECT_EQ(run.pipeline.statistics().interruptions, 0) << format;
+    EXPECT_EQ(run.states.back(), LiveState::kFollowing) << format;
+  }
 }
 
 TEST(StreamRecord, ComesBack) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "input.stream";
-  auto recorder = StreamRecorder::create(file);
+  auto recorder = StreamRecorder::create(file, {});
   ASSERT_TRUE(recorder);
   recorder->add(StreamEvent::kNewSender, 5);
   recorder->add(StreamEvent::kPacket, 7, std::string("a\nb\0c", 5));

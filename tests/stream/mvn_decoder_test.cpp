@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/data_folder.h"
-#include "stream/formats.h"
-#include "stream/human_bones.h"
-#include "stream/mvn_segments.h"
+#include "live/stream/formats.h"
+#include "live/stream/human_bones.h"
+#include "live/stream/mvn_segments.h"
 #include "stream/stream_support.h"
 
 namespace retarget {
@@ -57,14 +57,14 @@ std::string pose_item(int id, const Pose& pose) {
   return bytes;
 }
 
-// A body with the segments at distinct places; all turned as one about z and moved.
+// A body in a T-pose, in the order of the segments, metres; all turned as one about z and moved.
 std::vector<Eigen::Vector3d> t_pose() {
-  std::vector<Eigen::Vector3d> places;
-  for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
-    const double n = static_cast<double>(i);
-    places.emplace_back(0.01 * n, i % 2 == 0 ? 0.05 * n : -0.04 * n, 1.0 - 0.02 * n);
-  }
-  return places;
+  return {{0, 0, 0.95},       {-0.01, 0, 1.05},     {0, 0, 1.15},        {0.01, 0, 1.25},
+          {0, 0, 1.35},       {0, 0, 1.49},         {0.02, 0, 1.58},     {0, -0.03, 1.44},
+          {0, -0.17, 1.45},   {0, -0.46, 1.44},     {0.01, -0.71, 1.43}, {0, 0.03, 1.44},
+          {0, 0.17, 1.44},    {0, 0.47, 1.44},      {0, 0.72, 1.44},     {0, -0.09, 0.92},
+          {0.01, -0.09, 0.5}, {-0.02, -0.09, 0.09}, {0.15, -0.09, 0.02}, {0, 0.09, 0.92},
+          {0, 0.1, 0.51},     {-0.02, 0.1, 0.09},   {0.16, 0.1, 0.02}};
 }
 
 std::vector<Pose> turned(double angle) {
@@ -140,7 +140,7 @@ TEST(Mvn, ScaleDataAreTheTPose) {
   EXPECT_DOUBLE_EQ(kept.frames[0].time, 1.5);
 }
 
-TEST(Mvn, WithoutScaleDataAFrameTellsTheLengths) {
+TEST(Mvn, WithoutScaleDataAFrameDeterminesTheLengths) {
   const auto decoder = decoder_of();
   KeptStream kept;
   Header header;
@@ -182,14 +182,14 @@ TEST(Mvn, PartsOfAFrameMayComeInAnyOrder) {
   ASSERT_TRUE(decoder->take(part(1, 1, 9, 20), kept));
   expect_frames(kept, {poses});
   ASSERT_TRUE(decoder->take(part(1, 1, 9, 20), kept));
-  // one that never comes is a frame less, and says so
+  // A part that never arrives costs one frame, which is reported.
   ASSERT_TRUE(decoder->take(part(2, 0, 0, 9), kept));
-  EXPECT_THAT(refusal(*decoder, part(3, 0, 0, 9)), HasSubstr("never came"));
+  EXPECT_THAT(refusal(*decoder, part(3, 0, 0, 9)), HasSubstr("is missing"));
   ASSERT_TRUE(decoder->take(part(3, 0x81, 9, 23), kept));
   expect_frames(kept, {poses, poses});
 }
 
-TEST(Mvn, FollowsTheFirstActorOrTheOneThatIsNamed) {
+TEST(Mvn, FollowsTheFirstOrTheNamedActor) {
   const auto first = decoder_of();
   const auto named = decoder_of("udp:9763?format=mvn&actor=2");
   KeptStream of_first, of_named;
@@ -220,19 +220,19 @@ TEST(Mvn, MessagesOfAConnectionAreCut) {
   expect_frames(kept, {turned(0.1), turned(0.2), turned(0.3), turned(0.4), turned(0.5)});
 }
 
-TEST(Mvn, WhatIsWrongIsRefused) {
+TEST(Mvn, RejectsMalformedPackets) {
   const auto decoder = decoder_of();
   KeptStream kept;
   ASSERT_TRUE(decoder->take(scale_message({}, t_pose()), kept));
   const std::string good = frame_message({}, turned(0.1));
-  EXPECT_THAT(refusal(*decoder, "x"), HasSubstr("no message"));
-  EXPECT_THAT(refusal(*decoder, "MXTP0" + good.substr(5, 3)), HasSubstr("no message"));
-  EXPECT_THAT(refusal(*decoder, good.substr(0, 700)), HasSubstr("cut off"));
+  EXPECT_THAT(refusal(*decoder, "x"), HasSubstr("not a message"));
+  EXPECT_THAT(refusal(*decoder, "MXTP0" + good.substr(5, 3)), HasSubstr("not a message"));
+  EXPECT_THAT(refusal(*decoder, good.substr(0, 700)), HasSubstr("truncated"));
   EXPECT_THAT(refusal(*decoder, message({"01"}, 1, std::string(28, '\0'))),
               HasSubstr("Quaternion"));
   EXPECT_THAT(refusal(*decoder, message({"05"}, 1, std::string(32, '\0'))),
               HasSubstr("Quaternion"));
-  EXPECT_THAT(refusal(*decoder, message({}, 1, std::string(31, '\0'))), HasSubstr("cut off"));
+  EXPECT_THAT(refusal(*decoder, message({}, 1, std::string(31, '\0'))), HasSubstr("truncated"));
   EXPECT_THAT(refusal(*decoder, message({}, 1, pose_item(1, Pose{}))), HasSubstr("L5"));
   auto poses = turned(0.1);
   poses[3].translation.x() = std::numeric_limits<double>::quiet_NaN();
@@ -243,12 +243,40 @@ TEST(Mvn, WhatIsWrongIsRefused) {
   Header scale;
   scale.type = "13";
   EXPECT_THAT(refusal(*decoder, message(scale, 1, big_endian(0xFFFFFFFF, 4))),
-              HasSubstr("cut off"));
+              HasSubstr("truncated"));
   // meta data and the time are none of its business
   EXPECT_TRUE(decoder->take(message({"12"}, 1, "name:Anna\n"), kept));
   EXPECT_TRUE(decoder->take(message({"25"}, 1, "10:00:00.000"), kept));
   ASSERT_TRUE(decoder->take(good, kept));
   expect_frames(kept, {turned(0.1)});
+}
+
+// a network or a program may damage any of them
+TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
+  const auto decoder = decoder_of();
+  KeptStream kept;
+  ASSERT_TRUE(decoder->take(scale_message({}, t_pose()), kept));
+  for (std::size_t segment = 0; segment < kMvnSegmentCount; ++segment) {
+    for (const double wrong : {9.0, -3.0, 1e30, std::numeric_limits<double>::quiet_NaN()}) {
+      auto places = t_pose();
+      places[segment].y() = wrong;
+      ASSERT_FALSE(decoder->take(scale_message({}, places), kept)) << segment << ": " << wrong;
+    }
+  }
+  EXPECT_EQ(kept.skeletons.size(), 1U);
+  // nor may a frame tell such sizes
+  const auto without_scale = decoder_of();
+  KeptStream learnt;
+  auto poses = turned(0.1);
+  poses[9].translation.y() = 9.0;
+  Header header;
+  ASSERT_TRUE(without_scale->take(frame_message(header, turned(0.1)), learnt));
+  header.milliseconds += 3000;
+  EXPECT_THAT(refusal(*without_scale, frame_message(header, poses)), HasSubstr("person"));
+  ASSERT_TRUE(without_scale->take(frame_message(header, turned(0.1)), learnt));
+  EXPECT_EQ(learnt.skeletons.size(), 1U);
+  ASSERT_TRUE(decoder->take(frame_message({}, turned(0.4)), kept));
+  expect_frames(kept, {turned(0.4)});
 }
 
 TEST(Mvn, AFileOfTheSameBodyMayHaveItsUnit) {
@@ -277,7 +305,7 @@ TEST(Mvn, AFileOfTheSameBodyMayHaveItsUnit) {
   }
 }
 
-// What the player sends, message by message.
+// Plays the sender's output message by message.
 void play_to(Decoder& decoder, const Encoder& encoder, std::string_view bytes, KeptStream& kept) {
   while (!bytes.empty()) {
     const std::size_t size = encoder.packet_size(bytes);

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/data_folder.h"
-#include "stream/clip_axes.h"
-#include "stream/formats.h"
+#include "live/stream/clip_axes.h"
+#include "live/stream/formats.h"
 #include "stream/stream_support.h"
 
 namespace retarget {
@@ -239,7 +239,7 @@ TEST(NatNet, FollowsTheSkeletonThatIsNamed) {
               HasSubstr("skeleton 8"));
 }
 
-TEST(NatNet, CoordinatesMayBeSaid) {
+TEST(NatNet, AcceptsGivenCoordinates) {
   const auto decoder = decoder_of("&version=3.1&coordinates=local");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({3, 1}), kept));
@@ -256,7 +256,7 @@ TEST(NatNet, AsksUntilItIsAnswered) {
   const auto decoder = decoder_of("&server=127.0.0.1");
   KeptStream kept;
   EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
-  // frames that cannot be understood yet are no fault of theirs
+  // Frames that arrive before their description are not an error.
   EXPECT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.0), kept));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
   EXPECT_EQ(decoder->request(), std::string("\4\0\0\0", 4));
@@ -271,7 +271,7 @@ TEST(NatNet, AsksUntilItIsAnswered) {
   EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
 }
 
-TEST(NatNet, AServerThatNeverAnswersIsTold) {
+TEST(NatNet, ReportsASilentServer) {
   const auto decoder = decoder_of("&server=127.0.0.1");
   KeptStream kept;
   int refused = 0;
@@ -281,7 +281,7 @@ TEST(NatNet, AServerThatNeverAnswersIsTold) {
   EXPECT_EQ(refused, 150);
 }
 
-TEST(NatNet, WithoutDescriptionsBonesAreThoseOfAFile) {
+TEST(NatNet, TakesBonesFromAFileWithoutDescriptions) {
   std::vector<Joint> joints;
   using enum Channel;
   // Motive's order, a parent first: the frame's bones come so
@@ -325,23 +325,23 @@ TEST(NatNet, WithoutDescriptionsBonesAreThoseOfAFile) {
   decoder->know_skeleton(skeleton);
   auto stretched = local_poses();
   for (auto& pose : stretched) pose.translation = pose.translation * 1.9 + Eigen::Vector3d(1, 0, 1);
-  EXPECT_THAT(refusal(*decoder, in_order(stretched)), HasSubstr("not where"));
+  EXPECT_THAT(refusal(*decoder, in_order(stretched)), HasSubstr("do not match the skeleton file"));
   joints.pop_back();
   decoder->know_skeleton(std::make_shared<const Skeleton>(joints));
   EXPECT_THAT(refusal(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
 }
 
-TEST(NatNet, WhatIsWrongIsRefused) {
+TEST(NatNet, RejectsMalformedPackets) {
   const auto decoder = decoder_of();
   KeptStream kept;
-  EXPECT_THAT(refusal(*decoder, "abc"), HasSubstr("no message"));
-  EXPECT_THAT(refusal(*decoder, message(55, "")), HasSubstr("no message"));
+  EXPECT_THAT(refusal(*decoder, "abc"), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(refusal(*decoder, message(55, "")), HasSubstr("not a NatNet message"));
   EXPECT_THAT(refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
   EXPECT_THAT(refusal(*decoder, models({4, 1})), HasSubstr("version"));
   EXPECT_THAT(refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
-  EXPECT_THAT(refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("cut off"));
+  EXPECT_THAT(refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
-  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton: its"));
+  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton: enable"));
   const auto with = [](int bone, int id, int parent) {
     auto bones = kBones;
     bones[static_cast<std::size_t>(bone)].id = id;
@@ -350,7 +350,7 @@ TEST(NatNet, WhatIsWrongIsRefused) {
   };
   EXPECT_THAT(refusal(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
   EXPECT_THAT(refusal(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
-  EXPECT_THAT(refusal(*decoder, with(0, 1, 4)), HasSubstr("hang"));
+  EXPECT_THAT(refusal(*decoder, with(0, 1, 4)), HasSubstr("without a valid parent"));
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
   auto poses = world_poses();
   poses[2].translation.y() = std::numeric_limits<double>::infinity();
@@ -369,7 +369,7 @@ TEST(NatNet, WhatIsWrongIsRefused) {
       EXPECT_FALSE(other->take(bytes, kept)) << size;
     }
   }
-  // nobody is seen
+  // The frame contains no tracked body.
   const std::size_t frames = kept.frames.size();
   EXPECT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1, false, false), kept));
   EXPECT_EQ(kept.frames.size(), frames);
@@ -407,7 +407,7 @@ TEST(NatNetPlayer, AllJointsComeBack) {
   }
 }
 
-TEST(NatNetPlayer, AnswersWhatItsReceiversAsk) {
+TEST(NatNetPlayer, RepliesToItsReceivers) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("wave"), {}, folder).value();
   const auto encoder = make_natnet_encoder();

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "live/stream/formats.h"
+#include "live/stream/json_cutter.h"
+#include "live/stream/live_pipeline.h"
 #include "retarget/load.h"
 #include "retarget/pose.h"
-#include "stream/formats.h"
-#include "stream/json_cutter.h"
-#include "stream/live_pipeline.h"
 #include "stream/stream_support.h"
 
 namespace retarget {
@@ -133,7 +133,7 @@ TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
   expect_left_arm_down(robot, qpos);
 }
 
-TEST(Rokoko, SaysWhatItIs) {
+TEST(Rokoko, ReportsItsProperties) {
   const auto decoder = decoder_at("udp:1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(packet_of({actor_of("Ann", t_pose())}, 12.5).dump(), kept));
@@ -183,7 +183,7 @@ TEST(Rokoko, OneActorOfSeveral) {
   EXPECT_TRUE(arm_turns("udp:1?actor=Bob", {gloves, ann, bob}));
   EXPECT_THAT(refusal(packet_of({ann}, 1.0).dump(), "udp:1?actor=Bob"), HasSubstr("Ann"));
   EXPECT_THAT(refusal(packet_of({gloves}, 1.0).dump()), HasSubstr("body"));
-  // the order may change: who was followed is followed
+  // The order of actors may change: the decoder still follows the same actor.
   const auto decoder = decoder_at("udp:1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(packet_of({ann, bob}, 1.0).dump(), kept));
@@ -208,9 +208,9 @@ TEST(Rokoko, VersionTwoHasActorsOutsideAScene) {
   }
 }
 
-TEST(Rokoko, WhatIsNoPacketIsRefused) {
+TEST(Rokoko, RejectsMalformedPackets) {
   EXPECT_THAT(refusal("noise"), HasSubstr("JSON"));
-  EXPECT_THAT(refusal("{\"scene\": "), HasSubstr("early"));
+  EXPECT_THAT(refusal("{\"scene\": "), HasSubstr("truncated"));
   EXPECT_THAT(refusal("{\"scene\": 3}"), HasSubstr("actors"));
   EXPECT_THAT(refusal("{\"scene\": nonsense}"), testing::Not(testing::IsEmpty()));
   const Json whole = packet_of({actor_of("Ann", t_pose())}, 1.0);
@@ -226,7 +226,7 @@ TEST(Rokoko, WhatIsNoPacketIsRefused) {
   EXPECT_THAT(without([](Json& body) {
                 body["head"]["rotation"] = {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 0}};
               }),
-              HasSubstr("zeros"));
+              HasSubstr("the rotation is zero"));
   // a bone that is missing later costs its frame alone
   const auto decoder = decoder_at("udp:1");
   KeptStream kept;
@@ -253,7 +253,7 @@ TEST(Rokoko, AConnectionMayCutAnywhere) {
     }
     EXPECT_EQ(kept.frames.size(), 5U) << piece;
   }
-  // what has begun ends with its connection
+  // A partial message ends with its connection.
   const auto decoder = decoder_at("tcp:1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(bytes.substr(0, 900), kept));
@@ -262,8 +262,8 @@ TEST(Rokoko, AConnectionMayCutAnywhere) {
   EXPECT_EQ(kept.frames.size(), 5U);
 }
 
-// a frame of LZ4 with a block that is stored as it is, by its specification (lz4_Frame_format.md): mark,
-// independent blocks of 64 KB, checksum of that, size with the highest bit set, end
+// An LZ4 frame with one stored block, by its specification (lz4_Frame_format.md): mark, independent
+// blocks of 64 KB, checksum of that, size with the highest bit set, end.
 std::string stored_in_lz4(const std::string& text) {
   const auto little_endian = [](std::uint32_t value) {
     std::string bytes;
@@ -296,7 +296,7 @@ TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
     ASSERT_TRUE(connection->take(std::string(1, byte), kept));
   }
   EXPECT_EQ(kept.frames.size(), 3U);
-  EXPECT_THAT(refusal(frame.substr(0, frame.size() - 9)), HasSubstr("early"));
+  EXPECT_THAT(refusal(frame.substr(0, frame.size() - 9)), HasSubstr("truncated"));
   std::string broken = frame;
   broken[6] = '\0';
   EXPECT_THAT(refusal(broken), HasSubstr("LZ4"));
@@ -325,7 +325,7 @@ TEST(JsonCutter, HoldsNoMoreThanAMegabyte) {
   std::string_view bytes = frame;
   const auto taken = cutter.next(bytes);
   ASSERT_FALSE(taken);
-  EXPECT_THAT(taken.error().message, HasSubstr("too much"));
+  EXPECT_THAT(taken.error().message, HasSubstr("exceeds the packet size limit"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// SMPL's rotation vectors as lines: the frames of a file's motion, bodies that are told, refusals.
+// SMPL's rotation vectors as lines: the frames of a file's motion, body descriptions, refusals.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "smpl/read_smpl.h"
-#include "smpl/smpl_body.h"
-#include "stream/formats.h"
+#include "formats/smpl/read_smpl.h"
+#include "formats/smpl/smpl_body.h"
+#include "live/stream/formats.h"
 #include "stream/stream_support.h"
 #include "support/npz_builder.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of binary formats share: a sink that keeps, and what comes back as poses in the world.
+// Support for tests of binary formats: a sink that keeps frames, and their poses in the world.
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "live/stream/decoder.h"
 #include "motion/forward_kinematics.h"
 #include "retarget/load.h"
 #include "retarget/robot.h"
-#include "stream/decoder.h"
 
 namespace retarget {
 
@@ -26,7 +26,7 @@ class KeptStream final : public StreamSink {
   }
   void take_frame(const StreamFrame& frame) override { frames.push_back(frame); }
 
-  // of a frame of the skeleton that was told last, or of another one
+  // World poses of a frame, with the latest skeleton or another one.
   [[nodiscard]] std::vector<Pose> world(std::size_t frame) const {
     return world(frame, skeletons.back().shared_skeleton());
   }
@@ -49,8 +49,8 @@ inline Clip sample_clip(const std::string& name) {
   return load_clip(RETARGET_SOURCE_DIR "/data/" + name + ".bvh").value();
 }
 
-// Of a G1 that follows somebody who faces a z that is -y here, whose left arm hangs down and whose right one is
-// held out.
+// Expects the pose of a G1 that follows a person who faces a z that is -y here, with the left arm
+// down and the right arm held out.
 inline void expect_left_arm_down(const Robot& robot, std::span<const double> qpos) {
   std::vector<Pose> world_from_body(robot.bodies().size());
   forward_kinematics(robot, qpos, world_from_body);

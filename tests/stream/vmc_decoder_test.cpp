@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "live/stream/formats.h"
+#include "live/stream/live_pipeline.h"
+#include "live/stream/osc.h"
 #include "retarget/load.h"
 #include "retarget/pose.h"
-#include "stream/formats.h"
-#include "stream/live_pipeline.h"
-#include "stream/osc.h"
 #include "stream/stream_support.h"
 
 namespace retarget {
@@ -136,7 +136,7 @@ TEST(Vmc, TheLeftArmOfTheAvatarIsThatOfTheRobot) {
   }
 }
 
-TEST(Vmc, WhatIsNoPacketIsRefused) {
+TEST(Vmc, RejectsMalformedPackets) {
   const auto decoder = make_vmc_decoder({});
   class Nothing final : public StreamSink {
     void take_skeleton(Clip, bool) override { ADD_FAILURE(); }
@@ -162,7 +162,7 @@ TEST(Osc, HasTextsAndNumbersInTheirOrder) {
                             std::string(8, '\1') + osc_text("word") +
                             big_endian(std::bit_cast<std::uint32_t>(0.5F)) +
                             std::string("\x40\x00\0\0\0\0\0\0", 8);
-  // what is read points into it
+  // The messages point into the bundle.
   const std::string bundle = bundle_of({bytes, osc_text("/b")});
   const auto messages = read_osc(bundle);
   ASSERT_TRUE(messages);

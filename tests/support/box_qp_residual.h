@@ -7,7 +7,8 @@
 namespace retarget {
 
 /// Largest violation of the optimality conditions of a box QP at x: distance outside the box,
-/// gradient of variables inside it, gradient that points inward at a bound. Zero at the solution.
+/// gradient of variables inside it, descent directions that point inward at a bound. Zero at the
+/// solution.
 inline double box_qp_residual(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
                               const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                               const Eigen::VectorXd& x) {
@@ -15,7 +16,7 @@ inline double box_qp_residual(const Eigen::MatrixXd& H, const Eigen::VectorXd& g
   double residual = 0.0;
   for (int i = 0; i < x.size(); ++i) {
     const double gradient = gradients[i];
-    // at a bound only a gradient that points inward is a fault
+    // At a bound, the gradient only violates optimality if descent leads into the box.
     double fault = std::abs(gradient);
     if (x[i] <= lower[i]) fault = std::max(0.0, -gradient);
     if (x[i] >= upper[i]) fault = std::min(fault, std::max(0.0, gradient));

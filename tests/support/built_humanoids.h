@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,39 +10,43 @@
 
 namespace retarget {
 
-/// A hinge of a limb on the left side, in the zero configuration: world axes, metres, radians.
+/// A hinge of a left limb in the zero configuration: world axes, metres, radians.
 struct BuiltJoint {
   std::string name;
   Eigen::Vector3d axis;
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< From the joint before it.
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< Position relative to the previous joint.
   double lower = -2.0, upper = 2.0;
   std::string type = "hinge";
+  std::optional<Eigen::Vector3d> centre =
+      std::nullopt;        ///< Centre of mass; default: halfway to the next joint.
+  double mass = 1.0;       ///< Kilograms.
+  bool same_axis = false;  ///< The right axis equals the left one instead of its mirror image.
 };
 
-/// One limb; the other side is its mirror image.
+/// A left limb; the right limb is its mirror image.
 struct BuiltLimb {
   std::vector<BuiltJoint> joints;
-  Eigen::Vector3d end = Eigen::Vector3d::Zero();  ///< From the last joint to wrist or ankle.
-  bool marked = true;                             ///< A body is fixed at the end.
-  bool heavy = true;  ///< The last segment's mass lies in its middle; else it has next to none.
-  std::string more;   ///< MJCF inside the last body.
+  /// Position of wrist or ankle relative to the last joint.
+  Eigen::Vector3d end = Eigen::Vector3d::Zero();
+  bool marked = true;  ///< Whether a body is fixed at the end.
+  /// Whether the last segment has its mass in its middle; otherwise it has almost no mass.
+  bool heavy = true;
+  std::string more;  ///< MJCF inside the last body.
 };
 
 inline const Eigen::Vector3d kAxisX{1, 0, 0}, kAxisY{0, 1, 0}, kAxisZ{0, 0, 1};
 
-/// Shoulder, elbow and wrist, or hip, knee and ankle, where BuiltHumanoid has them at zero.
-struct BuiltPoints {
-  Eigen::Vector3d root, middle, end;
-};
-
-/// A humanoid whose pelvis is at 1 m, with hips 0.1 m aside and 0.05 m below it, shoulders 0.15 m
-/// aside and 0.4 m above it.
+/// A humanoid whose root, the pelvis or the torso, is at a height of 1 m.
 struct BuiltHumanoid {
   BuiltLimb leg, arm;
-  std::string before;  ///< MJCF before the world.
-  std::string after;   ///< And behind it.
+  std::string before;  ///< MJCF in front of the world.
+  std::string after;   ///< MJCF after the world.
   std::string root = "<freejoint/>";
   std::string pelvis = "pos=\"0 0 1\"";
+  Eigen::Vector3d hip{0.0, 0.1, -0.05};      ///< Position of the first left joint in the pelvis.
+  Eigen::Vector3d shoulder{0.0, 0.15, 0.4};  ///< Position of the first left joint in the torso.
+  std::vector<BuiltJoint> waist;             ///< Joints from the root outwards.
+  bool torso_is_root = false;
 
   [[nodiscard]] std::string mjcf() const;
 };
@@ -65,15 +70,17 @@ inline std::string limb_text(const BuiltLimb& limb, const std::string& side,
     const BuiltJoint& joint = limb.joints[i];
     const bool last = i + 1 == limb.joints.size();
     const Eigen::Vector3d next = last ? limb.end : limb.joints[i + 1].at;
-    // axes of turns are mirrored with the other sign
-    const Eigen::Vector3d axis(sign * joint.axis.x(), joint.axis.y(), sign * joint.axis.z());
+    // Mirroring reverses the sign of rotation axes.
+    const double turn = joint.same_axis ? 1.0 : sign;
+    const Eigen::Vector3d axis(turn * joint.axis.x(), joint.axis.y(), turn * joint.axis.z());
+    const Eigen::Vector3d centre = joint.centre.value_or(0.5 * next);
     text += fmt::format(
         "<body name=\"{0}_{1}\" pos=\"{2}\"><joint name=\"{0}_{1}\" type=\"{3}\" axis=\"{4}\" "
         "range=\"{5} {6}\"/>",
         side, joint.name, text_of(i == 0 ? mirrored(place + joint.at) : mirrored(joint.at)),
         joint.type, text_of(axis), joint.lower, joint.upper);
-    text +=
-        last && !limb.heavy ? mass(Eigen::Vector3d::Zero(), 1e-6) : mass(0.5 * mirrored(next), 1);
+    text += last && !limb.heavy ? mass(Eigen::Vector3d::Zero(), 1e-6)
+                                : mass(mirrored(centre), joint.mass);
   }
   text += limb.more;
   if (limb.marked) {
@@ -87,16 +94,27 @@ inline std::string limb_text(const BuiltLimb& limb, const std::string& side,
 
 inline std::string BuiltHumanoid::mjcf() const {
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
-  std::string text = "<mujoco>" + before +
-                     "<compiler angle=\"radian\"/><worldbody><body name=\"pelvis\" " + pelvis +
-                     ">" + root + mass;
-  for (const std::string side : {"left", "right"}) text += limb_text(leg, side, {0, 0.1, -0.05});
-  text += "<body name=\"torso\">" + mass;
-  for (const std::string side : {"left", "right"}) text += limb_text(arm, side, {0, 0.15, 0.4});
-  return text + "</body></body></worldbody>" + after + "</mujoco>";
+  const auto limbs = [&](const BuiltLimb& limb, const Eigen::Vector3d& place) {
+    return limb_text(limb, "left", place) + limb_text(limb, "right", place);
+  };
+  std::string text = "<mujoco>" + before + "<compiler angle=\"radian\"/><worldbody><body name=\"" +
+                     (torso_is_root ? "torso" : "pelvis") + "\" " + pelvis + ">" + root + mass;
+  text += torso_is_root ? limbs(arm, shoulder) : limbs(leg, hip);
+  for (std::size_t i = 0; i < waist.size(); ++i) {
+    const BuiltJoint& joint = waist[i];
+    const bool last = torso_is_root && i + 1 == waist.size();
+    text += fmt::format(
+        "<body name=\"{}\" pos=\"{}\"><joint name=\"{}\" axis=\"{}\" range=\"{} {}\"/>{}",
+        last ? "pelvis" : joint.name, text_of(joint.at), joint.name, text_of(joint.axis),
+        joint.lower, joint.upper, mass);
+  }
+  text += torso_is_root ? limbs(leg, hip)
+                        : "<body name=\"torso\">" + mass + limbs(arm, shoulder) + "</body>";
+  for (std::size_t i = 0; i < waist.size(); ++i) text += "</body>";
+  return text + "</body></worldbody>" + after + "</mujoco>";
 }
 
-/// Hip of three joints, knee, ankle of two: thigh 0.2 m, shin 0.25 m.
+/// A leg with three hip joints, knee, and two ankle joints: thigh 0.2 m, shin 0.25 m.
 inline BuiltLimb plain_leg() {
   BuiltLimb leg;
   leg.joints = {{"hip_pitch", kAxisY},
@@ -110,7 +128,7 @@ inline BuiltLimb plain_leg() {
   return leg;
 }
 
-/// Shoulder of three joints, elbow, hand: upper arm 0.18 m, forearm 0.15 m, hanging.
+/// A hanging arm with three shoulder joints, elbow and hand: upper arm 0.18 m, forearm 0.15 m.
 inline BuiltLimb plain_arm() {
   BuiltLimb arm;
   arm.joints = {{"shoulder_pitch", kAxisY, {0, 0, 0}, -3, 3},
@@ -122,7 +140,10 @@ inline BuiltLimb plain_arm() {
 }
 
 inline BuiltHumanoid plain_humanoid() {
-  return {plain_leg(), plain_arm(), {}, {}};
+  BuiltHumanoid built;
+  built.leg = plain_leg();
+  built.arm = plain_arm();
+  return built;
 }
 
 }  // namespace retarget

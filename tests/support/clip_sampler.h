@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// A clip as a function of time, for what is resampled to be held against: its tracks' samplers.
+/// A clip as a function of time, as a reference for resampling: it interpolates each track.
 class ClipSampler {
  public:
   explicit ClipSampler(const Clip& clip, Interpolation interpolation = Interpolation::kCubic)
@@ -24,7 +24,7 @@ class ClipSampler {
 
   [[nodiscard]] int frame_count() const { return frame_count_; }
 
-  /// The pose at `fraction` in [0, 1) of the way from `frame` to the next one.
+  /// Samples the pose at `fraction` in [0, 1) between `frame` and the next frame.
   void sample(int frame, double fraction, std::span<Eigen::Quaterniond> rotations,
               std::span<Eigen::Vector3d> translations) const {
     for (std::size_t i = 0; i < rotations_.size(); ++i) {
@@ -35,11 +35,11 @@ class ClipSampler {
     }
   }
 
-  /// The pose at a time in seconds; before the first and after the last frame these stand still.
-  /// A time within a billionth of a frame of a frame's own gives the frame itself.
+  /// Samples the pose at a time in seconds. The first and last poses extend beyond the clip. A time
+  /// within 1e-9 frames of a frame gives that frame exactly.
   void sample(double time, std::span<Eigen::Quaterniond> rotations,
               std::span<Eigen::Vector3d> translations) const {
-    constexpr double kWholeFrameTolerance = 1e-9;  // in frames
+    constexpr double kWholeFrameTolerance = 1e-9;  // Frames.
     const int last = frame_count_ - 1;
     const double place = time * rate_.fps();
     if (!(place > 0.0)) return sample(0, 0.0, rotations, translations);
@@ -55,8 +55,8 @@ class ClipSampler {
  private:
   FrameRate rate_;
   int frame_count_;
-  std::vector<TrackSampler<Eigen::Quaterniond>> rotations_;  // by joint
-  std::vector<TrackSampler<Eigen::Vector3d>> translations_;  // by translated joint
+  std::vector<TrackSampler<Eigen::Quaterniond>> rotations_;  // By joint.
+  std::vector<TrackSampler<Eigen::Vector3d>> translations_;  // By translated joint.
 };
 
 }  // namespace retarget

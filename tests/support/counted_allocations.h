@@ -1,13 +1,13 @@
 #pragma once
 
-// Replaces the global operator new to count allocations. Include in one file of a program alone.
+// Replaces the global operator new to count allocations. Include it in a single file of a program.
 
 #include <cstdlib>
 #include <new>
 
 namespace retarget {
 
-/// Of this thread so far.
+/// Number of allocations of this thread.
 inline thread_local long allocations = 0;
 
 inline void* counted_allocation(std::size_t size) {
@@ -25,7 +25,7 @@ inline void* counted_allocation(std::size_t size) {
 [[gnu::noinline]] void* operator new[](std::size_t size) {
   return retarget::counted_allocation(size);
 }
-// the algorithms of the standard library that take scratch memory where there is some
+// Standard algorithms allocate optional scratch memory with the nothrow forms.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++retarget::allocations;
   return std::malloc(size == 0 ? 1 : size);

@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// Rows of a comma-separated file of numbers.
+/// Parses the rows of comma-separated numbers.
 inline std::vector<std::vector<double>> parse_csv(const std::string& text) {
   std::vector<std::vector<double>> rows;
   std::istringstream lines(text);
@@ -22,7 +22,7 @@ inline std::vector<std::vector<double>> parse_csv(const std::string& text) {
       double value = std::nan("");
       at = std::from_chars(at, end, value).ptr;
       row.push_back(value);
-      if (at < end && *at != ',') break;  // the row stays short: the test fails on its width
+      if (at < end && *at != ',') break;  // Leave the row short: the test fails on its width.
       ++at;
     }
     rows.push_back(std::move(row));
@@ -37,11 +37,11 @@ inline std::vector<std::vector<double>> read_csv(const std::filesystem::path& pa
   return parse_csv(text.str());
 }
 
-/// Where two tables of numbers differ most; `agree` when nowhere by more than the tolerance.
+/// Largest difference between two tables; `agree` if it is within the tolerance.
 struct TableDifference {
   bool agree = true;
   double largest = 0.0;
-  std::string where;  ///< For people: frame, column, both values, difference.
+  std::string where;  ///< Human-readable: frame, column, both values, difference.
 };
 
 /// Compares the first `expected.size()` rows.
@@ -64,7 +64,7 @@ inline TableDifference compare_tables(const std::vector<std::vector<double>>& fo
     }
     for (std::size_t column = 0; column < expected[frame].size(); ++column) {
       const double difference = std::abs(found[frame][column] - expected[frame][column]);
-      // written so that a value that is no number counts as a difference
+      // The negated comparison counts NaN as a difference.
       if (!(difference <= result.largest)) {
         std::ostringstream where;
         where.precision(12);

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "math/se3.h"
-#include "math/so3.h"
-#include "math/trigonometry.h"
+#include "base/math/se3.h"
+#include "base/math/so3.h"
+#include "base/math/trigonometry.h"
 
 namespace retarget {
 

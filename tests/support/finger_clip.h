@@ -10,24 +10,24 @@
 #include <utility>
 #include <vector>
 
-#include "human/source_hands.h"
+#include "human/skeleton/source_hands.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 
 namespace retarget {
 
-/// What joints of fingers are called: side (0 left), finger, bone from 1.
+/// Returns the name of a finger joint from side (0: left), finger and bone (from 1).
 using FingerNaming = std::function<std::string(int side, Finger finger, int bone)>;
 
-/// `LeftHandIndex1`, as Mixamo and its kin.
+/// `LeftHandIndex1`, as in Mixamo and similar skeletons.
 inline std::string mixamo_name(int side, Finger finger, int bone) {
   constexpr std::array kNames = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
   return std::string(side == 0 ? "Left" : "Right") + "Hand" +
          kNames[static_cast<std::size_t>(finger)] + std::to_string(bone);
 }
 
-/// Hands on a body that is hips and wrists alone: y up, palms down, thumbs ahead (z), the left hand to +x.
-/// Centimetres; fingers with three bones each, whose last one has an end site where asked for.
+/// Hands on a body that has only hips and wrists: y up, palms down, thumbs forwards (z), left hand
+/// at +x. Centimetres. A finger has three bones; the last one has an end site on request.
 class FingerClip {
  public:
   explicit FingerClip(int frames, const FingerNaming& name = mixamo_name, bool ends = true)
@@ -49,7 +49,7 @@ class FingerClip {
            sign * by[static_cast<std::size_t>(bone)] * Eigen::Vector3d::UnitZ());
     }
   }
-  /// A rotation vector of a joint, bones from 0; of the right hand its mirror image.
+  /// Sets the rotation vector of a joint, bones from 0; mirrored for the right hand.
   void turn(int frame, std::size_t side, Finger finger, int bone, const Eigen::Vector3d& by) {
     const auto joint =
         static_cast<std::size_t>(wrist(side) + 1 + 3 * static_cast<int>(finger) + bone);
@@ -58,7 +58,7 @@ class FingerClip {
                                         ? Eigen::Quaterniond::Identity()
                                         : Eigen::Quaterniond(Eigen::AngleAxisd(angle, by / angle));
   }
-  /// A fist: 80, 95 and 50 degrees, the thumb across.
+  /// Makes a fist: 80, 95 and 50 degrees, with the thumb across.
   void make_fist(int frame, std::size_t side) {
     for (const Finger finger : kFingers) {
       if (finger != Finger::kThumb) bend(frame, side, finger, {1.40, 1.66, 0.87});
@@ -69,13 +69,14 @@ class FingerClip {
            mirror * Eigen::Vector3d(0.0, bone == 0 ? 0.3 : 0.6, -0.3));
     }
   }
-  /// Brings thumb and finger together, tips `apart` of the finger's length from each other.
+  /// Pinches thumb and finger; the tips are `apart` finger lengths from each other.
   void pinch(int frame, std::size_t side, Finger finger, double apart = 0.17) {
     bend(frame, side, finger, {0.75, 0.75, 0.35});
     const SourceHands found = hands();
     HandPoser poser(clip_, *found[side]);
     HandShape shape;
-    std::array<double, 5> x{};  // two angles of the base, one of each other joint, about y and z
+    // Angles about y and z: two for each of the first two joints, one for the last.
+    std::array<double, 5> x{};
     const auto put = [&] {
       const double mirror = side == 0 ? 1.0 : -1.0;
       turn(frame, side, Finger::kThumb, 0, mirror * Eigen::Vector3d(0.0, x[0], x[1]));
@@ -106,7 +107,8 @@ class FingerClip {
   static int wrist(std::size_t side) { return side == 0 ? 1 : 17; }
 
   static std::shared_ptr<const Skeleton> make_skeleton(const FingerNaming& name, bool ends) {
-    // by Finger: knuckle ahead, to the thumb's side, out of the palm, then bones, in centimetres
+    // By Finger: knuckle position (forwards, to the thumb's side, out of the palm), then bone
+    // lengths; centimetres.
     constexpr std::array<std::array<double, 6>, 5> kSizes = {{{2.5, 2.2, 1.2, 4.6, 3.2, 2.6},
                                                               {9.0, 2.5, 0.0, 4.0, 2.3, 2.0},
                                                               {9.2, 0.5, 0.0, 4.5, 2.7, 2.1},

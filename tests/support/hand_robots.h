@@ -4,21 +4,22 @@
 #include <memory>
 #include <string>
 
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 
-/// The tiny humanoid in a T-pose, palms down, with something at the ends of its arms.
-/// @param hand  bodies of a hand by its side ("left"), its y sign (1 of the left) and that as text.
-/// @param after  what follows the world body: equalities.
+/// The tiny humanoid in a T-pose, palms down, with hands at the ends of its arms.
+/// @param hand  returns the MJCF bodies of a hand for its side ("left") and its y sign as text (""
+///   for the left side)
+/// @param after  MJCF after the world body, such as equalities
 template <typename Hand>
 std::string humanoid_with_hands(const Hand& hand, const std::string& after = "") {
   std::string text = tiny_humanoid(false);
   for (const std::string side : {"left", "right"}) {
     const std::string open = "<body name=\"" + side + "_hand\"";
-    const std::size_t at = text.find("/>", text.find(open)) + 2;  // behind its mass
+    const std::size_t at = text.find("/>", text.find(open)) + 2;  // After its inertial element.
     text.insert(at, hand(side, side == "left" ? "" : "-"));
   }
   const std::size_t end = text.find("</mujoco>");
@@ -26,7 +27,8 @@ std::string humanoid_with_hands(const Hand& hand, const std::string& after = "")
   return text;
 }
 
-/// Five fingers of six motors: the thumb turns and bends, each other finger bends; outer joints follow.
+/// Hands with five fingers and six motors: the thumb turns and bends, each other finger bends, and
+/// the outer joints are coupled.
 inline std::string six_motor_hands() {
   const auto body = [](const std::string& name, const std::string& pos, const std::string& joint,
                        const std::string& inner) {
@@ -43,7 +45,7 @@ inline std::string six_motor_hands() {
     ties += "<joint joint1=\"" + name + "\" joint2=\"" + leader + "\" polycoef=\"" + by + "\"/>";
   };
   const auto hand = [&](const std::string& side, const std::string& s) {
-    // fingers point along +-y; a positive turn about `bend` takes them down
+    // Fingers point along +-y; a positive rotation about `bend` moves them down.
     const std::string bend = s.empty() ? "-1 0 0" : "1 0 0";
     const auto tip = [&](const std::string& along) {
       return "<geom type=\"sphere\" size=\"0.007\" pos=\"" + along + "\"/>";
@@ -78,7 +80,7 @@ inline std::string six_motor_hands() {
   return with_ties;
 }
 
-/// Two jaws that slide towards each other, one after the other.
+/// Grippers with two coupled jaws, front and back, that slide towards each other.
 inline std::string grippers() {
   std::string ties;
   const auto hand = [&](const std::string& side, const std::string& s) {
@@ -99,7 +101,7 @@ inline std::string grippers() {
   return text.insert(text.find("</mujoco>"), "<equality>" + ties + "</equality>");
 }
 
-/// Of the repository, by name.
+/// Loads a robot of the repository by name.
 inline std::shared_ptr<const Robot> load_shipped_robot(const std::string& name) {
   const auto folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / name;
   const auto robot =

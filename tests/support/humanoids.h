@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "anatomy/limbs.h"
+#include "robot/anatomy/limbs.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 
-/// A plain humanoid, one metre tall: arms and legs are symmetric, every body has an identity
+/// A simple humanoid, one metre tall. Arms and legs are symmetric, and all bodies have identity
 /// orientation at zero.
-/// @param arms_down  the zero pose has hanging arms; else it is the T-pose.
+/// @param arms_down  whether the arms hang in the zero pose; otherwise it is a T-pose
 inline std::string tiny_humanoid(bool arms_down) {
   const auto joint = [](const std::string& name, const std::string& axis,
                         const std::string& range) {
@@ -49,7 +49,8 @@ inline std::string tiny_humanoid(bool arms_down) {
     };
     const std::string roll =
         arms_down ? (is_left ? "-0.3 2.5" : "-2.5 0.3") : (is_left ? "-1.8 1.2" : "-1.2 1.8");
-    // the elbow bends the forearm forwards: about -y of a hanging arm, about -+z of a raised one
+    // The elbow bends the forearm forwards: about -y for a hanging arm, about -z (left) or +z
+    // (right) for a raised one.
     const std::string bend = arms_down ? "0 -1 0" : "0 0 " + std::string(is_left ? "-1" : "1");
     text += "<body name=\"" + side + "_shoulder_pitch\" pos=\"0 " + sign + "0.15 0.3\">" + mass +
             joint(side + "_shoulder_pitch", "0 1 0", "-3 3");
@@ -65,7 +66,7 @@ inline std::string tiny_humanoid(bool arms_down) {
   return text + "</body></body></worldbody></mujoco>";
 }
 
-/// The text with every `name="..."` of a body or joint replaced by a number that tells nothing.
+/// Replaces every `name="..."` of a body or joint by a meaningless number.
 inline std::string scramble_names(const std::string& text) {
   std::string scrambled;
   const std::string key = "name=\"";

@@ -2,13 +2,13 @@
 
 #include <string>
 
-#include "human/bone_map.h"
-#include "human/human_clip.h"
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 
 namespace retarget {
 
-/// The bones of a skeleton with LAFAN1's joint names; the toes may be called ToeBase.
+/// Maps a skeleton with LAFAN1's joint names; toes may have the name ToeBase.
 inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& profile) {
   BoneMap map;
   map.profile = profile;
@@ -21,7 +21,7 @@ inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& profile) 
   return map;
 }
 
-/// The published method's calibration of such a skeleton, whatever its axes and lengths.
+/// Calibration of the published method for such a skeleton, independent of its axes and lengths.
 inline Calibration lafan1_calibration(const Skeleton& skeleton) {
   const BoneMap map = lafan1_map(skeleton, "lafan1");
   return lafan1_calibration(map.joint_of_bone, map.joint_of_bone);

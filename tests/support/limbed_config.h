@@ -7,13 +7,13 @@
 
 namespace retarget {
 
-/// A retargeting configuration for a robot that it fits.
+/// Resolves a retargeting configuration for a robot that it fits.
 inline ResolvedConfig resolved(const RetargetingConfig& config, const Robot& robot) {
   return resolve_config(config, robot).value();
 }
 
-/// A retargeting configuration of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot,
-/// l_arm, l_elbow, l_hand and r_ likewise.
+/// A retargeting configuration for bodies with the names pelvis, torso, l_thigh, l_shin, l_foot,
+/// l_arm, l_elbow, l_hand, and the same with r_.
 inline RetargetingConfig limbed_config() {
   RetargetingConfig config;
   config.file = "ik.json";

@@ -2,13 +2,13 @@
 
 #include <string>
 
-#include "base/file.h"
 #include "base/try.h"
-#include "smpl/read_smpl.h"
+#include "formats/smpl/read_smpl.h"
+#include "retarget/file.h"
 
 namespace retarget {
 
-/// read_smpl of a file.
+/// Reads a file with read_smpl.
 inline Result<SmplMotion> load_smpl(const std::string& path) {
   TRY_ASSIGN(const auto bytes, read_file(path));
   return read_smpl(bytes.view(), path);

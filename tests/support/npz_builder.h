@@ -13,14 +13,14 @@
 
 namespace retarget {
 
-/// The number's lowest `size` bytes, the least significant one first.
+/// Returns the lowest `size` bytes of a number, least significant byte first.
 inline std::string little_endian_bytes(std::uint64_t value, int size) {
   std::string bytes;
   for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i));
   return bytes;
 }
 
-/// Elements as NumPy stores them: T's own bytes, least significant first.
+/// Returns array elements as NumPy stores them: the bytes of T, little-endian.
 template <typename T>
 std::string element_bytes(const std::vector<T>& values) {
   static_assert(std::endian::native == std::endian::little && std::is_trivially_copyable_v<T>);
@@ -29,7 +29,8 @@ std::string element_bytes(const std::vector<T>& values) {
   return bytes;
 }
 
-/// An NPY file with this dictionary as its header; version 1 as NumPy writes it, 2 and 3 alike.
+/// Returns an NPY file with this dictionary as header. NumPy writes version 1; versions 2 and 3
+/// have the same layout with a longer length field.
 inline std::string npy_with_header(const std::string& dictionary, const std::string& data,
                                    int version = 1) {
   std::string header = dictionary;
@@ -40,7 +41,7 @@ inline std::string npy_with_header(const std::string& dictionary, const std::str
          little_endian_bytes(header.size(), length_bytes) + header + data;
 }
 
-/// An NPY file of a type such as `<f4` and a shape as Python writes it, `(2, 3)`.
+/// Returns an NPY file with a type such as `<f4` and a shape in Python syntax, `(2, 3)`.
 inline std::string npy(const std::string& type, const std::string& shape, const std::string& data,
                        bool fortran_order = false, int version = 1) {
   return npy_with_header("{'descr': '" + type + "', 'fortran_order': " +
@@ -64,14 +65,14 @@ inline std::string npy_floats(const std::vector<std::size_t>& shape,
   return npy("<f4", shape_of(shape), element_bytes(values));
 }
 
-/// A 0-d array of type U.
+/// Returns a 0-d array of type U.
 inline std::string npy_text(std::string_view text) {
   std::string data;
   for (const char c : text) data += little_endian_bytes(static_cast<unsigned char>(c), 4);
   return npy("<U" + std::to_string(text.size()), "()", data);
 }
 
-/// Raw deflate data, as ZIP archives hold them.
+/// Returns raw deflate data, as in ZIP archives.
 inline std::string deflated(const std::string& bytes) {
   z_stream stream{};
   deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
@@ -86,19 +87,19 @@ inline std::string deflated(const std::string& bytes) {
   return packed;
 }
 
-/// Builds NPZ files the way numpy.savez does, and such as it never would.
+/// Builds NPZ files as numpy.savez does, and malformed ones.
 class NpzBuilder {
  public:
-  /// How an entry is stored, and what its headers say against better knowledge.
+  /// How an entry is stored, and false statements in its headers.
   struct Style {
     bool compress = false;
-    bool zip64_local = true;         ///< As numpy: a ZIP64 extra in every local header.
-    bool zip64_central = false;      ///< Sizes and offset in the directory's ZIP64 extra.
-    bool data_descriptor = false;    ///< Sizes and checksum after the data, zeros before.
-    unsigned flags = 0;              ///< Further ones.
-    int method = -1;                 ///< Claimed; -1: the true one.
-    std::int64_t claimed_size = -1;  ///< Unpacked; -1: the true one.
-    std::uint32_t crc_error = 0;     ///< Changes the checksum.
+    bool zip64_local = true;       ///< As numpy: a ZIP64 extra field in every local header.
+    bool zip64_central = false;    ///< Sizes and offset in the ZIP64 extra field of the directory.
+    bool data_descriptor = false;  ///< Sizes and checksum after the data, zeros before it.
+    unsigned flags = 0;            ///< Additional flags.
+    int method = -1;               ///< Stated method; -1: the true one.
+    std::int64_t claimed_size = -1;  ///< Stated unpacked size; -1: the true one.
+    std::uint32_t crc_error = 0;     ///< XORed into the checksum.
   };
 
   NpzBuilder& add(const std::string& name, const std::string& npy_bytes) {
@@ -138,7 +139,7 @@ class NpzBuilder {
              little_endian_bytes(size, 8) + little_endian_bytes(packed.size(), 8) +
              (known ? "" : little_endian_bytes(offset, 8));
     };
-    // local header, data, data descriptor
+    // Append local header, data, data descriptor.
     const std::string local_extra = style.zip64_local ? extra(true) : "";
     bytes_ += "PK\x03\x04" + little_endian_bytes(45, 2) +
               common(!style.data_descriptor, style.zip64_local) +
@@ -147,7 +148,7 @@ class NpzBuilder {
       bytes_ += "PK\x07\x08" + little_endian_bytes(crc, 4) + little_endian_bytes(packed.size(), 4) +
                 little_endian_bytes(bytes.size(), 4);
     }
-    // its entry in the directory
+    // Append the entry to the directory.
     const std::string central_extra = style.zip64_central ? extra(false) : "";
     directory_ += "PK\x01\x02" + little_endian_bytes(45, 2) + little_endian_bytes(45, 2) +
                   common(true, style.zip64_central) + little_endian_bytes(central_extra.size(), 2) +
@@ -158,7 +159,7 @@ class NpzBuilder {
     return *this;
   }
 
-  /// The whole file.
+  /// Returns the whole file.
   [[nodiscard]] std::string build(bool zip64_end = false, const std::string& comment = {}) const {
     std::string bytes = bytes_ + directory_;
     if (zip64_end) {

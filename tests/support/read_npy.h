@@ -4,15 +4,15 @@
 #include <string_view>
 #include <utility>
 
-#include "base/npy.h"
-#include "base/npy_stream.h"
-#include "base/number_text.h"
+#include "formats/containers/npy.h"
+#include "formats/containers/npy_stream.h"
+#include "retarget/text.h"
 
 namespace retarget {
 
-/// Reads the bytes of one NPY file with the functions that read the members of an archive; refuses
-/// a shape that disagrees with the bytes that are there.
-/// @param file_name  for messages.
+/// Reads an NPY file with the functions that read archive members. Rejects a shape that contradicts
+/// the number of bytes.
+/// @param file_name  file name for error messages
 inline Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name) {
   const auto fault = [&](Error error) {
     error.kind = ErrorKind::kInput;

@@ -7,8 +7,9 @@
 
 namespace retarget {
 
-/// The folder of real clips and reference figures that is not part of the repository: where
-/// RETARGET_SHARED points, else `shared` beside the source tree. Tests that need it skip without.
+/// Folder of real clips and reference figures, which is not part of the repository:
+/// RETARGET_SHARED, else `shared` next to the source tree. Tests that need it skip if it does not
+/// exist.
 inline std::optional<std::filesystem::path> shared_folder() {
   const char* chosen = std::getenv("RETARGET_SHARED");
   std::filesystem::path folder = chosen != nullptr

@@ -8,7 +8,7 @@
 
 namespace retarget {
 
-/// An empty folder that vanishes with the object.
+/// An empty folder that exists as long as the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -24,7 +24,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Writes a file into the folder and gives its path.
+  /// Writes a file into the folder and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name) << text;
     return (path_ / name).string();

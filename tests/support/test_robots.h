@@ -7,12 +7,12 @@
 #include <string>
 
 #include "retarget/retargeting_config.h"
-#include "robot/load_robot.h"
+#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
 
-/// A robot from MJCF text.
+/// Loads a robot from MJCF text.
 inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
   const TemporaryFolder folder;
   const auto robot = load_robot_files(folder.write("robot.xml", mjcf));
@@ -20,7 +20,7 @@ inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
   return robot ? *robot : nullptr;
 }
 
-/// The Unitree G1 of the repository with its profile.
+/// Loads the repository's Unitree G1 with its profile.
 inline std::shared_ptr<const Robot> load_g1() {
   const std::filesystem::path folder =
       std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
@@ -30,15 +30,15 @@ inline std::shared_ptr<const Robot> load_g1() {
   return robot ? *robot : nullptr;
 }
 
-/// The published retargeting configuration of the G1 for LAFAN1.
+/// Loads the G1's published retargeting configuration for LAFAN1.
 inline ResolvedConfig published_config(const Robot& g1) {
   const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", g1);
   EXPECT_TRUE(config.has_value()) << (config ? "" : describe(config.error()));
   return config.value_or(ResolvedConfig());
 }
 
-/// Two arms on a floating base: hinges about different axes, an anchor off the origin, a slide, an
-/// unlimited joint.
+/// Two arms on a floating base, with hinges about different axes, an anchor off the origin, a slide
+/// and an unlimited joint.
 inline constexpr const char* kTwoArms = R"(
 <mujoco>
   <compiler angle="radian"/>
@@ -64,8 +64,8 @@ inline constexpr const char* kTwoArms = R"(
   </worldbody>
 </mujoco>)";
 
-/// Slides, reference positions, several joints on a body, bodies fixed to others and to the world,
-/// rotors.
+/// A robot with slides, reference positions, several joints on a body, bodies fixed to other bodies
+/// and to the world, and rotor inertias.
 inline constexpr const char* kOddRobot = R"(
 <mujoco>
   <compiler angle="degree" eulerseq="zyx"/>

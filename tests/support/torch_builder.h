@@ -9,14 +9,14 @@
 
 namespace retarget {
 
-/// Builds files the way torch.save does, and such as it never would. Values are pieces of a pickle of
-/// protocol 2 that make one value each.
+/// Builds files as torch.save does, and malformed ones. A value is a piece of a pickle of protocol
+/// 2 that creates one value.
 class TorchBuilder {
  public:
   struct View {
     std::vector<std::int64_t> shape;
     std::int64_t offset = 0;
-    std::vector<std::int64_t> strides;  ///< Empty: those of C order.
+    std::vector<std::int64_t> strides;  ///< Empty: strides of C order.
   };
 
   static std::string text(const std::string& value) {
@@ -42,7 +42,7 @@ class TorchBuilder {
     return callee + tuple(arguments) + "R";
   }
 
-  /// A storage of a class such as `FloatStorage`. @param claimed  elements; -1: the true number
+  /// Adds a storage of a class such as `FloatStorage`. @param count  stated number of elements
   std::string storage(const std::string& type, const std::string& bytes, std::int64_t count) {
     const std::string key = std::to_string(storages_.size());
     storages_.push_back(bytes);
@@ -67,7 +67,7 @@ class TorchBuilder {
                  global("collections", "OrderedDict") + ")R"});
   }
 
-  /// A tensor of floats in C order.
+  /// Returns a float tensor in C order.
   std::string floats(const std::vector<std::int64_t>& shape, const std::vector<float>& values) {
     return rebuilt(
         storage("FloatStorage", element_bytes(values), static_cast<std::int64_t>(values.size())),
@@ -79,13 +79,13 @@ class TorchBuilder {
         {shape, 0, {}});
   }
 
-  /// Leaves a storage out of the file.
+  /// Omits a storage from the file.
   void forget(std::size_t storage) { forgotten_ = storage; }
-  /// How the storages are stored.
+  /// Style of the storage entries.
   NpzBuilder::Style style;
   std::string byte_order = "little";
 
-  /// The whole file.
+  /// Returns the whole file.
   [[nodiscard]] std::string build(const std::string& root) const {
     NpzBuilder archive;
     archive.add_entry("walk/data.pkl", "\x80\x02" + root + ".", {});

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "provenance/hash.h"
+#include "app/provenance/hash.h"
 #include "retarget/view.h"
 #include "support/test_robots.h"
 #include "view/page_assets.h"
@@ -51,7 +51,7 @@ TEST(Page, PolicyNamesTheHashesOfScriptAndStyle) {
   const std::string policy = between(page, "Content-Security-Policy\" content=\"", "\"");
   EXPECT_THAT(policy, HasSubstr("default-src 'none'"));
   EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
-  // of what stands in the elements, not of the files
+  // The elements' text, not the files.
   for (const auto& [asset, begin, end] :
        {std::tuple{&kPageScript, "<script>", "</script>"}, {&kPageStyle, "<style>", "</style>"}}) {
     const std::string content = between(page, begin, end);
@@ -120,7 +120,7 @@ TEST(PlaceHuman, PutsItsPathOnTheRobots) {
   EXPECT_NEAR(walks.scale * 1.0 + walks.shift.x(), 5.0, 1e-9);
   EXPECT_NEAR(walks.scale * 2.0 + walks.shift.y(), -1.0, 1e-9);
   EXPECT_NEAR(walks.yaw, 0.0, 1e-9);
-  // who stays where it is tells its size by its height
+  // Without a path, the height determines the scale.
   EXPECT_NEAR(place_human(clip, walking_human(kFrames, 0.0)).scale, 0.7, 1e-9);
 }
 
@@ -146,7 +146,7 @@ TEST(PlaceHuman, IsTurnedAsTheMotionWas) {
   EXPECT_NEAR(walks.yaw, 1.5707963267948966, 1e-9);
   EXPECT_NEAR(-walks.scale * 2.0 + walks.shift.x(), 5.0, 1e-9);
   EXPECT_NEAR(walks.scale * 1.0 + walks.shift.y(), -1.0, 1e-9);
-  // who stays where it is turns as it faces
+  // Without a path, the facing determines the heading.
   for (int i = 0; i < kFrames; ++i) clip.qpos(i)[1] = -1.0;
   const HumanPlacement stands = place_human(clip, walking_human(kFrames, 0.0));
   EXPECT_NEAR(stands.scale, 0.7, 1e-9);

@@ -106,7 +106,7 @@ TEST(Png, KeepsEveryPixel) {
   EXPECT_TRUE(std::ranges::equal(png.bytes, image.bytes()));
 }
 
-TEST(Render, AShapeIsWhereItIsAndAsLargeAsItIs) {
+TEST(Render, DrawsShapesWithTheirPositionAndSize) {
   // half a metre to the right and above the middle: 30 pixels around (150, 50)
   const DecodedPng png = drawn({sphere({0.5, 0.0, 0.5}, 0.304, 0xFF0000)});
   EXPECT_GT(png.at(150, 50, 0), 100);
@@ -171,7 +171,7 @@ TEST(Render, CapsulesAndBoxesHaveTheirOutline) {
   EXPECT_TRUE(is_paper(boxed, 100, 38));
 }
 
-TEST(Render, LightComesFromAboveAndWhatStandsCastsAShadow) {
+TEST(Render, LightComesFromAboveAndCastsShadows) {
   const DecodedPng png = drawn({sphere({0.0, 0.0, 0.6}, 0.3, 0x808080)});
   EXPECT_GT(png.at(100, 18), png.at(100, 62) + 20);
   // from a little above, as strips are seen: the ground below a foot is darker than beside it
@@ -224,7 +224,7 @@ TEST(StripPicture, IsNoLargerForAMotionHighAboveTheFloorOrBelowIt) {
     const DecodedPng high = decode(draw_strip_picture(clip, nullptr, small));
     EXPECT_LE(high.width, 601) << height;
     EXPECT_LE(high.height, 2 * standing.height) << height;
-    // the figures are there
+    // The picture contains the figures.
     if (std::abs(height) > 1e3) continue;
     EXPECT_NEAR(high.height, standing.height, 3) << height;
     EXPECT_TRUE(std::ranges::any_of(high.bytes, [](int value) { return value < 128; })) << height;

@@ -117,7 +117,7 @@ TEST(Strip, DrawsTheHumanAboveTheRobotUntilItEnds) {
   EXPECT_EQ(poses_in(with_half), 4);
 }
 
-TEST(Strip, TheFloorIsLeftOutWhereItIsFarAway) {
+TEST(Strip, OmitsADistantFloor) {
   RobotClip clip = clip_of(kPillar, 10);
   const std::string standing = draw_strip(clip, nullptr, {2, {}});
   for (int i = 0; i < 10; ++i) clip.qpos(i)[2] = 50.0;

@@ -13,12 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "base/base64.h"
+#include "formats/containers/base64.h"
 
 namespace retarget {
 namespace {
 
-// what a page's script does (viewer/src/decode.js), written from the description in the header
+// Unpacks as the page's script does (viewer/src/decode.js), written from the description in the
+// header.
 std::vector<double> unpacked(const std::string& bytes, std::size_t& at,
                              const TrackPacker::Track& track) {
   const auto channels = static_cast<std::size_t>(track.channels);
@@ -118,7 +119,7 @@ TEST(TrackPacker, SmoothMotionTakesFewBytes) {
   EXPECT_LT(packer.finish().value().size(), 2 * values.size());
 }
 
-TEST(TrackPacker, RefusesWhatIsNoMotion) {
+TEST(TrackPacker, RejectsInvalidMotions) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity(), -2e5, 1e300}) {
     TrackPacker packer;
@@ -129,7 +130,7 @@ TEST(TrackPacker, RefusesWhatIsNoMotion) {
   }
 }
 
-TEST(TrackPacker, NothingIsNothing) {
+TEST(TrackPacker, PacksAnEmptyMotion) {
   TrackPacker packer;
   ASSERT_TRUE(packer.add(0, 1e-4, {}));
   ASSERT_TRUE(packer.add(3, 1e-4, {}));

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "robot/read_mesh.h"
+#include "robot/model/read_mesh.h"
 
 namespace retarget {
 namespace {
@@ -80,12 +80,12 @@ TEST(ReadMesh, TakesBothKindsOfStlAndObj) {
   EXPECT_EQ(square.triangles[1], (std::array{0, 2, 3}));
 }
 
-TEST(ReadMesh, TakesWhatIsHugeForMillimetres) {
+TEST(ReadMesh, AssumesMillimetresForHugeMeshes) {
   EXPECT_EQ(read_mesh("v 0 0 0\nv 200 0 0\nv 0 100 0\nf 1 2 3", "c.obj").value().vertices[1].x(),
             0.2);
 }
 
-TEST(ReadMesh, RefusesWhatIsNone) {
+TEST(ReadMesh, RejectsOtherFiles) {
   const std::string cut = binary_stl(tube(8, 2)).substr(0, 200);
   for (const auto& [bytes, file, message] :
        {std::tuple{std::string(), "a.stl", "no triangles"},
@@ -94,9 +94,9 @@ TEST(ReadMesh, RefusesWhatIsNone) {
         {std::string("vertex 1 2 nan vertex 1 2 3 vertex 1 2 3"), "a.stl", "not a finite number"},
         {std::string("v 1 2 3\nv 1 2 1e30\nv 0 0 0\nf 1 2 3"), "a.obj", "even in millimetres"},
         {std::string("v 1 2"), "a.obj", "three numbers"},
-        {std::string("v 1 2 3\nf 1 2 3"), "a.obj", "that stand above"},
-        {std::string("v 1 2 3\nf 1 1 -2"), "a.obj", "that stand above"},
-        {std::string("v 1 2 3\nf 1 1 99999999999999999999"), "a.obj", "that stand above"}}) {
+        {std::string("v 1 2 3\nf 1 2 3"), "a.obj", "preceding vertices"},
+        {std::string("v 1 2 3\nf 1 1 -2"), "a.obj", "preceding vertices"},
+        {std::string("v 1 2 3\nf 1 1 99999999999999999999"), "a.obj", "preceding vertices"}}) {
     const auto mesh = read_mesh(bytes, file);
     ASSERT_FALSE(mesh) << bytes;
     EXPECT_EQ(mesh.error().kind, ErrorKind::kInput);
@@ -118,7 +118,7 @@ int open_edges(const TriangleMesh& mesh) {
 }
 
 TEST(Simplified, ClosesSeamsThatRoundingLeft) {
-  // a tube whose last vertices are the first ones again, but for the last bits and the sign of 0
+  // A tube whose last vertices equal the first ones up to the last bits and the sign of 0.
   TriangleMesh seam;
   constexpr int kAround = 64, kAlong = 30;
   for (int j = 0; j <= kAlong; ++j) {
@@ -151,7 +151,7 @@ TEST(Simplified, KeepsTheShapeInFewTriangles) {
     EXPECT_GT(vertex.z(), -1e-9);
     EXPECT_LT(vertex.z(), 0.3 + 1e-9);
   }
-  // what is coarse enough stays as it is
+  // A coarse mesh does not change.
   const TriangleMesh same = simplified(coarse, 1500);
   EXPECT_EQ(same.triangles, coarse.triangles);
   EXPECT_EQ(same.vertices, coarse.vertices);

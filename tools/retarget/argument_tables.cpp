@@ -5,11 +5,10 @@
 #include "batch/batch_table.h"
 
 #include "declare_table.h"
-#include "options/run_tables.h"
-#include "plan/gates.h"
-#include "plan/measure_motion.h"
+#include "retarget/measure.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
-#include "run/run_to_files.h"
+#include "retarget/run.h"
 
 namespace retarget::cli {
 namespace {
@@ -25,35 +24,33 @@ Option row(const char* name, auto& member, const char* group, const char* type, 
 OptionTable common_table(CommonArguments& arguments) {
   return {row("quiet", arguments.quiet, kGeneralGroup, "", "Print errors only", {.letter = "q"}),
           row("data-dir", arguments.data_dir, kGeneralGroup, "DIR",
-              "Folder that holds robots/ and configs/ (default: $RETARGET_DATA_DIR, else found "
-              "beside the program)")};
+              "Folder that contains robots/ and configs/ (default: $RETARGET_DATA_DIR, or found "
+              "relative to the program)")};
 }
 
 Option write_map_row(std::string& file) {
-  return row("write-map", file, kHumanGroup, "FILE",
-             "Write the bone map that was used, for editing");
+  return row("write-map", file, kHumanGroup, "FILE", "Write the bone map of this run, for editing");
 }
 
 OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
   return {write_map_row(request.write_map),
-          row("mirror", request.mirror, kInputGroup, "",
-              "Take the mirror image of the motion, left for right"),
+          row("mirror", request.mirror, kInputGroup, "", "Mirror the motion, left for right"),
           row("sidecar", request.sidecar, kOutputGroup, "",
-              "Write FILE.json beside each output: hashes, options, what was found, quality; "
-              "retarget verify checks it"),
+              "Write FILE.json next to every output: hashes, options, detected properties, "
+              "quality; retarget verify checks it"),
           row("report", request.report, kOutputGroup, "FILE",
-              "Write a quality report, JSON as from retarget evaluate"),
+              "Write a quality report, JSON as in retarget evaluate"),
           dynamics_row(request.dynamics),
           row("html", request.html, kOutputGroup, "FILE",
-              "Write a page that plays the motion beside its source (docs/viewing.md)"),
+              "Write a page that plays the motion next to its source (docs/viewing.md)"),
           row("png", request.png, kOutputGroup, "FILE",
               "Also write a picture, a strip of poses, as PNG"),
           row("strip", request.strip, kOutputGroup, "N",
-              "Picture: how many poses, from the first frame to the last (default: 6)",
+              "Picture: number of poses from the first frame to the last (default: 6)",
               {.min = 1.0, .max = 100.0}),
           row("verbose", request.verbose, kGeneralGroup, "",
-              "Also print what each term of the fit costs, before and after, and its worst frames",
+              "Also print the cost of every fit term, before and after, and its worst frames",
               {.letter = "v"})};
 }
 
@@ -64,16 +61,15 @@ OptionTable run_command_table(RunArguments& arguments) {
                            "SMPL or SMPL-X motion to retarget (docs/smpl.md)", {.basic = true})};
   append(table, without(run_table(arguments.run), {"motion", "smpl"}));
   append(table, request_table(arguments));
-  table.push_back(gate_row(arguments.gates,
-                           "Exit code 1 if the motion misses a gate: default, 'FIGURE<=N', a file "
-                           "(docs/quality.md)"));
+  table.push_back(gate_row(
+      arguments.gates,
+      "Exit code 1 if the motion misses a gate: default, 'FIGURE<=N', a file (docs/quality.md)"));
   append(table, common_table(arguments.common));
   return table;
 }
 
 OptionTable batch_table(BatchArguments& arguments) {
-  OptionTable table =
-      retarget::batch_table(arguments.request, arguments.run.run.options.source.memory_gb);
+  OptionTable table = retarget::batch_table(arguments.request, arguments.run.run);
   table.push_back(row("merge", arguments.merge, kBatchGroup, "",
                       "Join the manifests of all parts in the output folder, and write the "
                       "summary"));
@@ -84,18 +80,20 @@ OptionTable batch_table(BatchArguments& arguments) {
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Rate of motions whose files give none, in frames per second, or `source`; the "
+              "Frame rate of motions whose files have none, in frames per second, or `source`; the "
               "source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
-              "Write the report as JSON; - writes standard output, in place of the table",
+              "Write the report as JSON; - writes standard output instead of the table",
               {.basic = true}),
+          row("all", arguments.all, kOutputGroup, "",
+              "Print all metrics (default: gates and the most important metrics)", {.basic = true}),
           dynamics_row(arguments.dynamics), gate_row(arguments.gates)};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {
   OptionTable table = {memory_row(arguments.memory_gb)};
   append(table, reading_table(arguments.reading));
-  append(table, robot_table(arguments.robot));
+  append(table, without(robot_table(arguments.robot), {"follow"}));
   append(table, time_table(arguments.time));
   table.push_back(output_row(arguments.output));
   append(table, save_table(arguments.save));
@@ -108,7 +106,7 @@ OptionTable compare_table(CompareArguments& arguments) {
                            "Largest difference to accept, in the files' units",
                            {.min = 0.0, .max = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
-  append(table, robot_table(arguments.robot));
+  append(table, without(robot_table(arguments.robot), {"follow"}));
   append(table, reading_table(arguments.reading));
   append(table, common_table(arguments.common));
   return table;
@@ -119,13 +117,13 @@ OptionTable inspect_table(InspectArguments& arguments) {
   OptionTable table = without(source_table(options.source), {"smpl-model"});
   table.push_back(row("skeleton", arguments.skeleton_only, kInputGroup, "",
                       "Accept a file with a skeleton but no MOTION"));
-  append(table, human_table(options.human));
+  append(table, without(human_table(options.human), {"clean"}));
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",
                       {.basic = true}));
   table.push_back(row("html", arguments.html, kOutputGroup, "FILE",
-                      "Write a page that plays the motion beside its rest pose, with what was "
-                      "found; opens from disk",
+                      "Write a page that plays the motion next to its rest pose, with the detected "
+                      "properties; opens from disk",
                       {.basic = true}));
   table.push_back(row("positions", arguments.positions, kOutputGroup, "FILE",
                       "Write world positions and quaternions (xyzw) of all joints and end sites, "
@@ -137,25 +135,24 @@ OptionTable inspect_table(InspectArguments& arguments) {
 OptionTable view_table(ViewArguments& arguments) {
   OptionTable table = {
       row("label", arguments.labels, kOutputGroup, "TEXT",
-          "Page: what a motion is called, one for each; repeatable (default: the "
-          "names of the files)",
+          "Page: label of a motion, one per motion; repeatable (default: the file names)",
           {.basic = true}),
       row("meshes", arguments.meshes, kOutputGroup, "DIR|MODEL",
-          "Page: draw these meshes in place of the collision primitives: STL and OBJ files named "
-          "as "
-          "the robot's model or its bodies are, or those of another model, MJCF or URDF (default: "
-          "those that the robot's model names and that are there)"),
+          "Page: draw these meshes instead of the collision primitives: STL and OBJ files named "
+          "like the meshes or bodies of the robot's model, or the meshes of another model, MJCF or "
+          "URDF (default: available meshes of the robot's model)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
-          "Page: rate of motions whose files give none, in frames per second, or "
-          "`source`; the source is resampled to it (default: 30; SOMA 120)"),
+          "Page: frame rate of motions whose files have none, in frames per second, or `source`; "
+          "the source is resampled to it (default: 30; SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
-  append(table, only(run_command_table(arguments.run),
-                     {"output",        "strip",       "png",        "bvh",       "smpl",
-                      "smpl-model",    "start",       "lead-in",    "map",       "partial",
-                      "rest",          "tpose-frame", "tpose-file", "unit",      "up",
-                      "forward",       "height",      "write-map",  "robot",     "robot-xml",
-                      "robot-profile", "base",        "dof",        "ik-config", "limits",
-                      "scale",         "quiet",       "data-dir",   "mirror",    "from-robot"}));
+  append(table,
+         only(run_command_table(arguments.run),
+              {"output",     "strip",   "png",       "bvh",           "smpl",     "smpl-model",
+               "start",      "lead-in", "map",       "partial",       "rest",     "tpose-frame",
+               "tpose-file", "unit",    "up",        "forward",       "height",   "clean",
+               "write-map",  "robot",   "robot-xml", "robot-profile", "base",     "dof",
+               "ik-config",  "limits",  "scale",     "quiet",         "data-dir", "mirror",
+               "from-robot"}));
   append(table, reading_table(arguments.reading));
   return table;
 }

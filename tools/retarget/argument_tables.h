@@ -4,11 +4,12 @@
 #include <string>
 
 #include "arguments.h"
-#include "options/option_table.h"
+#include "retarget/option_table.h"
 
 namespace retarget::cli {
 
-/// The rows of arguments that only the command line has; those of a run are in options/run_tables.h.
+/// Returns the option tables of arguments that only the command line has; options/run_tables.h has
+/// those of a run.
 [[nodiscard]] OptionTable common_table(CommonArguments& arguments);
 [[nodiscard]] OptionTable request_table(RunArguments& arguments);
 [[nodiscard]] OptionTable batch_table(BatchArguments& arguments);
@@ -19,16 +20,16 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
-/// All of a live run that a recording keeps; and what else there is.
+/// Returns the live options that a recording keeps; live_command_table has the others.
 [[nodiscard]] OptionTable live_run_table(LiveArguments& arguments);
 [[nodiscard]] OptionTable live_command_table(LiveArguments& arguments);
 
-/// Names of the options that a command's short help leaves out; of a command's parts (`edit trim`)
-/// those that are the same for all.
+/// Returns the names of the options that a command's short help leaves out. For subcommands (`edit
+/// trim`), shared_option_names are the options that all of them share.
 [[nodiscard]] std::set<std::string> advanced_option_names();
 [[nodiscard]] std::set<std::string> shared_option_names();
 
-/// All of the default command.
+/// Returns all options of the default command.
 [[nodiscard]] OptionTable run_command_table(RunArguments& arguments);
 
 }  // namespace retarget::cli

@@ -6,60 +6,63 @@
 #include <vector>
 
 #include "batch/run_batch.h"
-#include "io/reading_table.h"
+#include "live/stream/serve.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
-#include "run/run_to_files.h"
-#include "stream/serve.h"
+#include "retarget/run.h"
 
 namespace retarget::cli {
 
 /// Arguments that all commands share.
 struct CommonArguments {
   bool quiet = false;
-  std::string data_dir;  ///< Folder that holds robots/ and configs/; empty: found.
+  std::string data_dir;  ///< Folder that holds robots/ and configs/; empty: found automatically.
 };
 
-/// The default command: one clip to the files of a robot's motion.
+/// Arguments of the default command: converts one clip to robot motion files.
 struct RunArguments {
   CommonArguments common;
   Run run;
-  RunRequest request;                ///< But for its gates.
-  std::vector<std::string> gates;    ///< As changed_gates() takes them; none: they do not decide.
-  std::string smpl_file;             ///< In place of the run's motion.
-  std::array<std::string, 2> words;  ///< Motion and robot that are named without an option.
+  RunRequest request;              ///< Except its gates.
+  std::vector<std::string> gates;  ///< As for changed_gates(); empty: gates do not affect the exit
+                                   ///< code.
+  std::string smpl_file;           ///< Replaces the run's motion.
+  std::array<std::string, 2> words;  ///< Motion and robot given without option names.
 };
 
-/// `retarget batch`: many clips, to one robot or several.
+/// Arguments of `retarget batch`: many clips, to one or several robots.
 struct BatchArguments {
-  /// Of every clip but for its file, robot and output; its memory is that of all together.
+  /// Options of every clip, except its file, robot and output; the memory limit applies to the
+  /// batch as a whole.
   RunArguments run;
-  BatchRequest request;  ///< All but what `run` says, the data folder and `quality`.
+  BatchRequest request;  ///< Except what `run` contains, the data folder and `quality`.
   bool merge = false;
   bool no_quality = false;
 };
 
-/// Robot motions that are measured.
+/// Arguments of commands that measure robot motions.
 struct MeasureArguments {
-  RunArguments run;                  ///< Robot, limits, source and its start; the rate.
-  std::string fps;                   ///< As given; empty: not.
-  ReadingOptions reading;            ///< But for the rate, where `run` has it.
-  std::vector<std::string> motions;  ///< Files of robot motions.
-  std::vector<std::string> gates;    ///< As changed_gates() takes them.
-  bool dynamics = false;             ///< Figures of inverse dynamics, too.
+  RunArguments run;                  ///< Robot, limits, source and its start time, frame rate.
+  std::string fps;                   ///< As given; empty: not given.
+  ReadingOptions reading;            ///< Except the rate, if `run` has it.
+  std::vector<std::string> motions;  ///< Robot motion files.
+  std::vector<std::string> gates;    ///< As for changed_gates().
+  bool dynamics = false;             ///< Also compute inverse dynamics metrics.
 };
 
-/// `retarget evaluate`: how good robot motions are.
+/// Arguments of `retarget evaluate`, which measures the quality of robot motions.
 struct EvaluateArguments : MeasureArguments {
   std::string json;  ///< Report to write; empty: none, `-`: standard output.
+  bool all = false;  ///< Print every figure.
 };
 
-/// `retarget verify`: whether a run still gives the same bytes.
+/// Arguments of `retarget verify`, which checks that a run still gives the same bytes.
 struct VerifyArguments {
   CommonArguments common;
   std::string file;  ///< The sidecar.
 };
 
-/// `retarget convert`: robot motions from one format to another.
+/// Arguments of `retarget convert`, which converts robot motions between formats.
 struct ConvertArguments {
   CommonArguments common;
   RobotChoice robot;
@@ -70,7 +73,7 @@ struct ConvertArguments {
   std::string input, output;
 };
 
-/// `retarget compare`: whether two motions agree.
+/// Arguments of `retarget compare`, which checks that two motions agree.
 struct CompareArguments {
   CommonArguments common;
   RobotChoice robot;
@@ -80,43 +83,46 @@ struct CompareArguments {
   double tolerance = 1e-6;
 };
 
-/// `retarget inspect`: what a motion file holds.
+/// Arguments of `retarget inspect`, which shows the contents of a motion file.
 struct InspectArguments {
-  RunArguments run;  ///< The file, how it is read, the human in it.
+  RunArguments run;  ///< The file, how to read it, and how to recognise the human in it.
   bool skeleton_only = false;
   bool json = false;
   std::string positions;  ///< CSV to write; empty: none.
-  std::string html;       ///< Page to write in place of the text; empty: none.
+  std::string html;       ///< Page to write instead of the text; empty: none.
 };
 
-/// `retarget view`: a picture of a robot's motion, or a page that plays several.
+/// Arguments of `retarget view`: a picture of a robot motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
-  std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
-  std::string meshes;               ///< Of a page: a folder or another model; empty: none.
+  std::vector<std::string> labels;  ///< One per motion of a page; empty: file names.
+  std::string meshes;               ///< For a page: a folder or another model; empty: none.
 };
 
-/// What `retarget robots` does.
-enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd };
+/// Subcommands of `retarget robots`.
+enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd, kInstall };
 
-/// `retarget robots`: what robots there are, what is odd about them, new ones.
+/// Arguments of `retarget robots`, which lists, shows, checks, adds and installs robots.
 struct RobotsArguments {
   CommonArguments common;
   RobotsAction action = RobotsAction::kList;
-  std::string robot;         ///< Name, folder, or (check) a model file; of a new robot its name.
-  std::string model;         ///< Of a new robot: MJCF or URDF.
-  std::string output = ".";  ///< Folder that a new robot's folder goes into.
-  bool force = false;        ///< Replace an existing folder.
+  std::string robot;         ///< Name, folder, or model file (check only); the name of a new robot.
+  std::string model;         ///< MJCF or URDF of a new robot.
+  std::string output = ".";  ///< Parent folder for a new robot's folder.
+  std::vector<std::string> names;  ///< Robots to install; empty: all that are not installed.
+  std::string source;              ///< Source to install from.
+  std::string install_folder;      ///< Destination folder; empty: the user's own.
+  bool force = false;              ///< Replace an existing folder.
   RobotBase base = RobotBase::kAuto;
   bool json = false;
 };
 
-/// `retarget live`: a stream in, a robot's frames out; or a clip that is played as a stream.
+/// Arguments of `retarget live`: converts a stream, or a clip played as a stream, to robot frames.
 struct LiveArguments {
-  RunArguments run;    ///< Robot, method, how the human is recognised.
-  ServeOptions serve;  ///< But for its pipeline's options of a run, and the skeleton.
-  bool plain = false;  ///< The published method alone.
+  RunArguments run;    ///< Robot, method, and how to recognise the human.
+  ServeOptions serve;  ///< Except its pipeline's run options and the skeleton.
+  bool plain = false;  ///< Use only the published method.
   std::string skeleton;
-  std::string play;  ///< A clip's file; empty: nothing is played.
+  std::string play;  ///< Clip to play as a stream; empty: none.
   PlayOptions player;
   bool list = false;
 };

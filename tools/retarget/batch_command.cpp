@@ -1,26 +1,26 @@
-// `retarget batch`: folders of clips to folders of motions.
+// `retarget batch`: converts folders of clips to folders of motions.
 
 #include <cstddef>
 
 #include "arguments.h"
-#include "base/try.h"
 #include "batch/run_batch.h"
 #include "commands.h"
 #include "console.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
 
 Result<ExitCode> batch(const BatchArguments& arguments, Console& console) {
   BatchRequest request = arguments.request;
-  TRY_ASSIGN(request.data_folder, data_folder_of(arguments.run.common));
+  RETARGET_TRY_ASSIGN(request.data_folder, data_folder_of(arguments.run.common));
   request.run = arguments.run.run;
   request.of_clip = arguments.run.request;
   request.quality = !arguments.no_quality;
   request.exit_code = [](ErrorKind kind) { return int{exit_code(kind)}; };
   request.begin_worker = leave_interrupts_to_parent;
-  TRY_ASSIGN(const std::size_t failed,
-             arguments.merge ? merge_batch(request, console) : run_batch(request, console));
+  RETARGET_TRY_ASSIGN(const std::size_t failed, arguments.merge ? merge_batch(request, console)
+                                                                : run_batch(request, console));
   return failed > 0 ? kRunFailed : kDone;
 }
 

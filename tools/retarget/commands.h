@@ -7,8 +7,8 @@
 
 namespace retarget::cli {
 
-/// Each command does its work. Some have results that the exit code of the process tells; else it is
-/// that of the error, or kDone.
+/// Runs a command. Commands that return an ExitCode report their result through it; otherwise the
+/// process exits with the error's code, or kDone.
 [[nodiscard]] Result<ExitCode> run(const RunArguments& arguments, Console& console);
 [[nodiscard]] Result<ExitCode> batch(const BatchArguments& arguments, Console& console);
 [[nodiscard]] Result<void> inspect(const InspectArguments& arguments, Console& console);

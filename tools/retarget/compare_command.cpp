@@ -1,64 +1,65 @@
-// `retarget compare`: whether two motions agree.
+// `retarget compare`: checks whether two motions agree.
 
 #include <array>
 #include <string>
 
 #include "arguments.h"
-#include "base/file.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
-#include "io/compare_motions.h"
+#include "formats/robot_motion/compare_motions.h"
 #include "motion/clip_size.h"
-#include "plan/check_options.h"
-#include "plan/memory.h"
 #include "read_motion.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
 #include "retarget/load.h"
-#include "run/recorded_motion.h"
+#include "retarget/run.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
-// without a robot the files are compared as they are, and nothing is read into them
+// Without a robot the files are compared as raw tables, so reading options have no meaning.
 Result<void> check_no_reading(const ReadingOptions& reading) {
   const bool given = reading.from || reading.source_fps > 0.0 || reading.quaternion ||
                      !reading.angles.empty() || !reading.unit.empty() || !reading.dof.empty() ||
                      !reading.motion.empty() || reading.ignore_header;
   if (!given) return {};
   return usage_failure(
-      "options for reading the files need a robot: without one, files are compared as they are",
+      "options for reading the files need a robot; without a robot, files are compared "
+      "unchanged",
       "add --robot NAME");
 }
 
 using MotionTables = std::array<MotionTable, 2>;
 
 Result<MotionTables> load_as_they_are(const CompareArguments& arguments) {
-  TRY(check_no_reading(arguments.reading));
+  RETARGET_TRY(check_no_reading(arguments.reading));
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string& file = i == 0 ? arguments.a : arguments.b;
-    TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput,
-                                             memory_share(arguments.memory_gb), kLargeFileHint));
-    TRY_ASSIGN(tables[i], parse_motion_table(content.view(), file));
+    RETARGET_TRY_ASSIGN(
+        const auto content,
+        read_file(file, ErrorKind::kInput, memory_share(arguments.memory_gb), kLargeFileHint));
+    RETARGET_TRY_ASSIGN(tables[i], parse_motion_table(content.view(), file));
   }
   return tables;
 }
 
 Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& console) {
-  TRY(check_robot_choice(arguments.robot));
-  TRY_ASSIGN(const LoadedRobot chosen,
-             load_robot(arguments.robot, arguments.common, console, Soles::kAsTheyAre));
+  RETARGET_TRY(check_robot_choice(arguments.robot));
+  RETARGET_TRY_ASSIGN(const LoadedRobot chosen,
+                      load_robot(arguments.robot, arguments.common, console, Soles::kAsTheyAre));
   const auto read_options = read_motion_options(arguments.reading, arguments.memory_gb);
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string& file = i == 0 ? arguments.a : arguments.b;
-    TRY_ASSIGN(const auto motion, load_recorded_motion(file, chosen.robot, read_options));
+    RETARGET_TRY_ASSIGN(const auto motion, load_recorded_motion(file, chosen.robot, read_options));
     print_motion(file, motion, console);
     tables[i] = motion_table(motion.clip);
     if (motion.rate_known) tables[i].others = {{"fps", {motion.clip.rate().fps()}}};
   }
-  // a rate is held against a rate
+  // Compare rates only if both files state one.
   if (tables[0].others.empty() || tables[1].others.empty()) {
     tables[0].others = tables[1].others = {};
   }
@@ -72,9 +73,9 @@ Result<void> compare(const CompareArguments& arguments, Console& console) {
     return usage_failure("standard input can be read only once");
   }
   const bool has_robot = !arguments.robot.name.empty() || !arguments.robot.model.empty();
-  TRY_ASSIGN(const auto tables,
-             has_robot ? load_of_robot(arguments, console) : load_as_they_are(arguments));
-  TRY_ASSIGN(const auto found, compare_motions(tables[0], tables[1], arguments.tolerance));
+  RETARGET_TRY_ASSIGN(const auto tables,
+                      has_robot ? load_of_robot(arguments, console) : load_as_they_are(arguments));
+  RETARGET_TRY_ASSIGN(const auto found, compare_motions(tables[0], tables[1], arguments.tolerance));
   const char* label = "compared";
   for (const std::string& line : difference_lines(found)) {
     console.line(label, line);

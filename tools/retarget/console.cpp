@@ -8,8 +8,7 @@
 #include <cstdlib>
 
 #include "base/exit_code.h"
-#include "base/printable.h"
-#include "base/wrapped_text.h"
+#include "retarget/text.h"
 
 namespace retarget::cli {
 namespace {
@@ -18,13 +17,13 @@ constexpr std::string_view kRed = "31";
 constexpr std::string_view kYellow = "33";
 constexpr std::string_view kFaint = "2";
 
-// of a line of the summary: its label, and how much deeper a line that was broken goes on
+// Label width of a summary line, and extra indentation of its continuation lines.
 constexpr std::size_t kLabelWidth = 9;
 constexpr std::size_t kFurther = 2;
-// of a warning or an error that was broken
+// Indentation of continuation lines of warnings and errors.
 constexpr std::size_t kMessageIndent = 4;
 
-// seconds between two progress lines
+// Seconds between two progress lines.
 constexpr double kTerminalPause = 0.1;
 constexpr double kLinePause = 15.0;
 
@@ -55,7 +54,7 @@ Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(::isatty(STDERR_FILENO) != 0),
       colour_(terminal_ && colours_wanted()),
-      // a line now and then has time
+      // Without a terminal, the first status line can wait.
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
@@ -85,7 +84,7 @@ void Console::line(std::string_view label, std::string_view with_marks) {
       "\n");
 }
 
-// programs that read messages take them a line each; a terminal would break them anywhere
+// Programs that read messages expect one per line; a terminal would break long lines mid-word.
 std::string Console::message(const std::string& text) const {
   return terminal_ ? wrapped_text(printable(text), 0, kMessageIndent) : printable(text);
 }
@@ -133,6 +132,10 @@ void Console::status(std::string_view text) {
 void Console::end_progress() {
   if (progress_shown_) put("\r\033[K");
   progress_shown_ = false;
+}
+
+bool output_takes_colours() {
+  return ::isatty(STDOUT_FILENO) != 0 && colours_wanted();
 }
 
 }  // namespace retarget::cli

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
 #include "interrupt.h"
 #include "retarget/error.h"
+#include "retarget/run.h"
 #include "retarget/solve.h"
-#include "run/observer.h"
+#include "retarget/text.h"
 
 namespace retarget::cli {
 
@@ -26,46 +26,46 @@ enum ExitCode : int {
 
 [[nodiscard]] ExitCode exit_code(ErrorKind kind);
 
-/// What a run of one of many clips says, kept instead of printed.
+/// Messages from one of many runs, stored instead of printed.
 struct ConsoleNotes {
   std::vector<std::string> warnings;  ///< One line each, with file, line and column.
-  std::vector<std::pair<std::string, std::string>> lines;  ///< Of the summary: label and text.
+  std::vector<std::pair<std::string, std::string>> lines;  ///< Summary lines: label and text.
 };
 
-/// What people read, on standard error. Results never come this way.
+/// Human-readable output on standard error. Results are never written here.
 class Console : public Observer {
  public:
   explicit Console(bool quiet);
-  /// Prints nothing and takes notes; they must live as long.
+  /// Prints nothing and collects notes, which must outlive the console.
   explicit Console(ConsoleNotes& notes);
 
-  /// Whether anybody reads the summary.
+  /// Returns true if summary lines are printed.
   [[nodiscard]] bool is_read() const override { return !quiet_ && notes_ == nullptr; }
-  /// A line of the summary: a short label, then what there is to say. Silent when quiet.
+  /// Prints a summary line: a short label and its text. Silent when quiet.
   void line(std::string_view label, std::string_view text) override;
   void warn(const std::vector<Warning>& warnings, std::string_view file) override;
-  /// Ctrl-C was pressed within an InterruptGuard.
+  /// Returns true after Ctrl-C within an InterruptGuard.
   [[nodiscard]] bool is_stopped() const override { return InterruptGuard::interrupted(); }
   [[nodiscard]] std::shared_ptr<void> hold_interrupts() override {
     return std::make_shared<InterruptGuard>();
   }
   void progress(const Progress& progress) override;
   void fault(const Error& error) override { static_cast<void>(fail(error)); }
-  /// Prints the error and gives its exit code.
+  /// Prints the error and returns its exit code.
   [[nodiscard]] ExitCode fail(const Error& error);
 
-  /// A progress line that overwrites itself; only on a terminal, at most ten times a second.
+  /// Prints a progress line that overwrites itself; only on a terminal, at most ten times a second.
   void progress(std::string_view what, int done, int total);
-  /// The same with any text. Where there is no terminal, a line now and then.
+  /// The same with any text. Without a terminal, prints a line at longer intervals.
   void status(std::string_view text) override;
   /// Removes the progress line.
   void end_progress() override;
 
  private:
   [[nodiscard]] std::string paint(std::string_view text, std::string_view code) const;
-  /// A warning or an error as it is printed, but for colours.
+  /// Returns the text of a warning or an error as printed, without colours.
   [[nodiscard]] std::string message(const std::string& text) const;
-  /// Colours the word that says how bad a line is.
+  /// Colours the severity word of a line.
   [[nodiscard]] std::string paint_severity(std::string text) const;
 
   bool quiet_ = false;
@@ -75,5 +75,8 @@ class Console : public Observer {
   bool progress_shown_ = false;
   double last_progress_s_ = 0.0;
 };
+
+/// Whether standard output is a terminal that takes colours (NO_COLOR is not set).
+[[nodiscard]] bool output_takes_colours();
 
 }  // namespace retarget::cli

@@ -10,10 +10,10 @@ namespace retarget::cli {
 /// Declares the options of the default command.
 void add_run_options(CLI::App& app, RunArguments& arguments);
 
-/// Declares the words of the default command that are no options: a motion file and a robot.
+/// Declares the positional arguments of the default command: a motion file and a robot.
 void add_run_words(CLI::App& app, RunArguments& arguments);
 
-/// Declare the other commands with their options.
+/// Declares each of the other commands with its options.
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments);
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments);
 CLI::App* add_edit_command(CLI::App& app, EditArguments& arguments);

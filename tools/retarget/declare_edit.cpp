@@ -7,15 +7,14 @@
 #include "declare.h"
 #include "declare_table.h"
 #include "edit_arguments.h"
-#include "options/enum_names.h"
-#include "options/option_table.h"
-#include "options/run_tables.h"
 #include "retarget/edit.h"
+#include "retarget/enum_names.h"
+#include "retarget/option_table.h"
 
 namespace retarget::cli {
 namespace {
 
-// one kind of edit: `retarget edit NAME IN ... -o OUT`
+// One kind of edit: `retarget edit NAME IN ... -o OUT`.
 struct EditKind {
   Edit edit;
   const char* name;
@@ -24,18 +23,18 @@ struct EditKind {
 
 constexpr std::array<EditKind, 12> kEdits = {{
     {Edit::kRest, "rest",
-     "The same movement on a skeleton of the same joints with another rest pose"},
-    {Edit::kTransfer, "transfer", "Another skeleton, moved through the T-pose"},
-    {Edit::kLafan1, "lafan", "A clip in the shape of LAFAN1"},
+     "Transfer the motion to a skeleton with the same joints and another rest pose"},
+    {Edit::kTransfer, "transfer", "Transfer the motion to another skeleton through the T-pose"},
+    {Edit::kLafan1, "lafan", "Convert the clip to the LAFAN1 skeleton"},
     {Edit::kResample, "resample", "Change the frame rate or the speed"},
-    {Edit::kTrim, "trim", "A part of the clip"},
-    {Edit::kMirror, "mirror", "The mirror image: left does what right did"},
+    {Edit::kTrim, "trim", "Cut out a part of the clip"},
+    {Edit::kMirror, "mirror", "Mirror the motion: swap left and right"},
     {Edit::kGround, "ground", "Raise or lower the motion so that the floor is at height 0"},
-    {Edit::kTurn, "turn", "Turn the motion about the vertical, where it begins"},
-    {Edit::kMove, "move", "Move the motion over the ground (docs/editing.md: its axes)"},
-    {Edit::kLoop, "loop", "A cycle from the first frame to the one most like it"},
-    {Edit::kConcat, "concat", "Join clips where they fit best; the first one's skeleton"},
-    {Edit::kPath, "path", "The path over the ground: fit it, draw it, follow another"},
+    {Edit::kTurn, "turn", "Turn the motion about the vertical axis at its start"},
+    {Edit::kMove, "move", "Move the motion over the ground (axes: docs/editing.md)"},
+    {Edit::kLoop, "loop", "Make a cycle from the first frame to the most similar one"},
+    {Edit::kConcat, "concat", "Join clips where they fit best, on the first clip's skeleton"},
+    {Edit::kPath, "path", "Fit or draw the path over the ground, or follow another path"},
 }};
 
 Option file(const char* name, std::string& member, const char* help) {
@@ -47,7 +46,7 @@ Option like_row(const char* name, std::string& member) {
                 {.required = true});
 }
 
-// what one edit takes and others do not
+// Returns the options specific to one edit.
 OptionTable own_table(Edit edit, EditArguments& arguments) {
   switch (edit) {
     case Edit::kRest:
@@ -60,7 +59,7 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
       return ground_table(arguments);
     case Edit::kTurn: {
       OptionTable table = {
-          word("degrees", arguments.degrees, "DEG", "Angle; positive to the left")};
+          word("degrees", arguments.degrees, "DEG", "Angle, positive to the left")};
       table.front().info.min = -1e6;
       table.front().info.max = 1e6;
       return table;
@@ -72,13 +71,12 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
     case Edit::kConcat: {
       OptionTable table = concatenate_table(arguments);
       table.push_back(file("matrix", arguments.matrix,
-                           "Write the searched distances as an image, PGM (of several seams: the "
-                           "first)"));
+                           "Write the pose distances of the (first) seam search as an image, PGM"));
       return table;
     }
     case Edit::kPath: {
       OptionTable table = {
-          file("fit", arguments.fit, "Write the motion's own path, JSON, for editing"),
+          file("fit", arguments.fit, "Write the motion's own path for editing, JSON"),
           file("svg", arguments.svg, "Draw the paths and the feet, seen from above")};
       append(table, path_table(arguments));
       return table;
@@ -91,7 +89,7 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
 OptionTable edit_table(Edit edit, EditArguments& arguments) {
   OptionTable table = {
       edit == Edit::kConcat
-          ? word("files", arguments.files, "FILE...", "Motions in their order, BVH")
+          ? word("files", arguments.files, "FILE...", "Motions to join, in order, BVH")
           : word("file", arguments.file, "FILE", "Motion to edit, BVH; - reads standard input")};
   append(table, own_table(edit, arguments));
   if (edit >= Edit::kResample && edit != Edit::kConcat) {
@@ -101,11 +99,11 @@ OptionTable edit_table(Edit edit, EditArguments& arguments) {
                         {"smpl-model", "from", "source-quat", "source-angles", "source-unit",
                          "source-dof", "ignore-header"}));
   if (edit != Edit::kRest && edit != Edit::kResample && edit != Edit::kTrim) {
-    append(table, human_table(arguments.human));
+    append(table, without(human_table(arguments.human), {"clean"}));
     table.push_back(write_map_row(arguments.write_map));
   }
   Option output = output_row(arguments.output);
-  output.info.help = "BVH to write, or a GLB to look at; - writes standard output";
+  output.info.help = "BVH to write, or a GLB for viewing; - writes standard output";
   output.info.required = edit != Edit::kPath;
   table.push_back(std::move(output));
   append(table, common_table(arguments.common));

@@ -6,7 +6,7 @@
 namespace retarget::cli {
 
 CLI::App* add_live_command(CLI::App& app, LiveArguments& arguments) {
-  CLI::App* command = app.add_subcommand("live", "Retarget a stream as it comes (docs/live.md)");
+  CLI::App* command = app.add_subcommand("live", "Retarget a stream in real time (docs/live.md)");
   declare(*command, live_command_table(arguments));
   return command;
 }

@@ -1,18 +1,17 @@
-// The commands that are not about runs.
+// Declares the commands that do not concern runs.
 
 #include "argument_tables.h"
 #include "arguments.h"
 #include "declare.h"
 #include "declare_table.h"
-#include "options/option_table.h"
-#include "options/run_tables.h"
+#include "retarget/option_table.h"
 
 namespace retarget::cli {
 
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a motion file contains");
   declare(*command, {word("file", arguments.run.run.motion, "FILE",
-                          "BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as NPZ, .npy, .pt, "
+                          "BVH, FBX, glTF, VRM, MVNX; SMPL or joint positions as NPZ, .npy, .pt, "
                           ".pkl; - reads standard input")});
   declare(*command, inspect_table(arguments));
   return command;
@@ -22,10 +21,11 @@ CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command = app.add_subcommand("convert", "Convert a robot motion to other file formats");
   declare(*command,
           {word("input", arguments.input, "IN", "CSV, NPZ or pickle; - reads standard input"),
-           word("out", arguments.output, "OUT", "File to write, as -o", false)});
+           word("out", arguments.output, "OUT", "File to write, same as -o", false)});
   declare(*command, convert_table(arguments));
-  command->get_option("--interpolation")->description("Between frames");
-  command->get_option("--no-antialias")->description("Do not low-pass when lowering the rate");
+  command->get_option("--interpolation")->description("Interpolation between frames");
+  command->get_option("--no-antialias")
+      ->description("Do not low-pass filter when lowering the rate");
   return command;
 }
 
@@ -39,9 +39,9 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "view",
-      "Write a page that plays robot motions, HTML, or draw one as a strip of poses, PNG or SVG");
+  CLI::App* command = app.add_subcommand("view",
+                                         "Write an HTML page that plays robot motions, or draw a "
+                                         "motion as a strip of poses, PNG or SVG");
   declare(*command,
           {word("motions", arguments.motions, "MOTION...",
                 "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "
@@ -51,23 +51,23 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
     command->get_option(name)->description(help);
   };
   describe_as("--output",
-              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output; of a "
-              "folder: the gallery's folder");
+              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output; for a "
+              "batch: the gallery folder");
   command->get_option("--output")->required();
-  describe_as("--bvh", "The source of the motions, drawn beside them");
-  describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");
-  describe_as("--start", "Where in the source the motions begin, seconds");
+  describe_as("--bvh", "Source of the motions, drawn next to them");
+  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
+  describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--ik-config",
-              "Page: retargeting configuration whose targets are tracked (default: as in a run)");
+              "Page: retargeting configuration for tracking errors (default: as in a run)");
   describe_as(
       "--limits",
       "Page: joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
-  describe_as("--scale", "Page: how the body's size scales the targets that are tracked");
+  describe_as("--scale", "Page: scaling of the targets for tracking errors");
   return command;
 }
 
 CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
-  CLI::App* command = app.add_subcommand("robots", "List, show, check and add robots");
+  CLI::App* command = app.add_subcommand("robots", "List, show, check, add and install robots");
   command->require_subcommand(1);
   const auto add = [&](RobotsAction action, const char* name, const char* help, OptionTable rows) {
     CLI::App* each = command->add_subcommand(name, help);
@@ -79,22 +79,34 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
     return word("robot", arguments.robot, type, help);
   };
   const Option base = option("base", arguments.base, kRobotGroup, "",
-                             "fixed: an upper body, whose base stands fast, on a stand, on wheels "
-                             "or held; it needs no legs (default: as robot.json says)");
+                             "fixed: an upper body with a fixed base (on a stand or a wheeled "
+                             "platform); it needs no legs (default: from robot.json)");
   const Option json = option("json", arguments.json, kOutputGroup, "", "Print JSON");
   add(RobotsAction::kList, "list", "List the robots", {json});
-  add(RobotsAction::kShow, "show", "A robot's joints, limits, retargeting configuration and size",
+  add(RobotsAction::kShow, "show",
+      "Show a robot's joints, limits, retargeting configuration and size",
       {robot("ROBOT", "Name or folder"), json});
-  add(RobotsAction::kCheck, "check", "List errors and oddities of a robot; exit code 4 on errors",
+  add(RobotsAction::kCheck, "check", "List errors and anomalies of a robot; exit code 4 on errors",
       {robot("ROBOT", "Name, folder or model file"), base});
-  add(RobotsAction::kAdd, "add", "Make a robot's folder from a model",
-      {word("name", arguments.robot, "NAME", "The new robot's name"),
-       option("model", arguments.model, kInputGroup, "FILE", "MJCF, or URDF; meshes are not needed",
+  add(RobotsAction::kAdd, "add", "Create a robot folder from a model",
+      {word("name", arguments.robot, "NAME", "Name of the new robot"),
+       option("model", arguments.model, kInputGroup, "FILE", "MJCF or URDF; meshes are not needed",
               {.required = true}),
        base,
        option("output", arguments.output, kOutputGroup, "DIR",
-              "Folder to put the robot's folder into", {.letter = "o"}),
+              "Parent folder of the new robot folder", {.letter = "o"}),
        option("force", arguments.force, kOutputGroup, "", "Replace an existing folder")});
+  add(RobotsAction::kInstall, "install",
+      "Install robots that packages omit because their makers state no licence",
+      {word("names", arguments.names, "NAME...",
+            "Full names of robots (default: all robots in SOURCE that are not installed)", false),
+       option("source", arguments.source, kInputGroup, "SOURCE",
+              "Source tree of retarget, or retarget-robots-unverified.zip", {.required = true}),
+       option("output", arguments.install_folder, kOutputGroup, "DIR",
+              "Parent folder of the robot folders (default: the user's own robots, "
+              "$XDG_DATA_HOME/retarget/robots)",
+              {.letter = "o"}),
+       option("force", arguments.force, kOutputGroup, "", "Replace existing robots")});
   return command;
 }
 

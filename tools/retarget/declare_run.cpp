@@ -1,37 +1,37 @@
-// The default command and those that are about its results.
+// Declares the default command and the commands that process its results.
 
 #include "argument_tables.h"
 #include "arguments.h"
 #include "declare.h"
 #include "declare_table.h"
-#include "options/run_tables.h"
+#include "retarget/option_table.h"
 
 namespace retarget::cli {
 
 void add_run_options(CLI::App& app, RunArguments& arguments) {
   declare(app, run_command_table(arguments));
-  // a robot's motion is no BVH
-  declare(app, {option("motion", arguments.run.motion, kInputGroup, "FILE", "The same as --bvh",
+  // --bvh is an odd name for a robot motion, so --motion is an alias.
+  declare(app, {option("motion", arguments.run.motion, kInputGroup, "FILE", "Same as --bvh",
                        {.decides = false})});
   app.get_option("--motion")->group("");
   for (const char* terms : {"--with", "--without"}) app.get_option(terms)->allow_extra_args();
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
-  declare(app, {word("motion", arguments.words[0], "[MOTION]",
-                     "Motion to retarget: BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as "
-                     "NPZ, .npy, .pt, .pkl",
-                     false),
-                word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
+  declare(app,
+          {word("motion", arguments.words[0], "[MOTION]",
+                "Motion to retarget: BVH, FBX, glTF, VRM, MVNX; SMPL or joint positions as NPZ, "
+                ".npy, .pt, .pkl",
+                false),
+           word("robot-name", arguments.words[1], "[ROBOT]", "The robot, same as --robot", false)});
 }
 
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
   CLI::App* command = app.add_subcommand("batch", "Retarget folders of clips (docs/batch.md)");
   declare(*command, {word("inputs", arguments.request.inputs, "IN...",
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
-                          "of names; with --merge, further manifests",
+                          "with names; with --merge, further manifests",
                           false)});
-  // base: here the folder that paths start below; robots say themselves whether theirs stands fast
   declare(*command,
           without(run_command_table(arguments.run),
                   {"bvh", "smpl", "write-map", "robot", "base", "output", "report", "html", "png",
@@ -43,43 +43,43 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
 
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   CLI::App* command = app.add_subcommand(
-      "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");
+      "evaluate", "Measure robot motions; exit code 1 if a gate is missed (docs/quality.md)");
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
-  declare(*command,
-          only(run_command_table(arguments.run),
-               {"bvh",         "smpl",       "smpl-model", "lenient",   "root",          "take",
-                "joint-names", "source-fps", "memory",     "map",       "partial",       "rest",
-                "tpose-frame", "tpose-file", "unit",       "up",        "forward",       "height",
-                "start",       "lead-in",    "robot",      "robot-xml", "robot-profile", "base",
-                "ik-config",   "limits",     "scale",      "write-map", "quiet",         "data-dir",
-                "mirror",      "dof",        "from-robot"}));
+  declare(*command, only(run_command_table(arguments.run),
+                         {"bvh",       "smpl",        "smpl-model",  "lenient",       "root",
+                          "take",      "joint-names", "source-fps",  "memory",        "map",
+                          "partial",   "rest",        "tpose-frame", "tpose-file",    "unit",
+                          "up",        "forward",     "height",      "start",         "clean",
+                          "lead-in",   "robot",       "robot-xml",   "robot-profile", "base",
+                          "ik-config", "limits",      "scale",       "write-map",     "quiet",
+                          "data-dir",  "mirror",      "dof",         "from-robot"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
-  // what convert calls --source-quat had this name here
+  // Here, the option that convert calls --source-quat keeps its old name.
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));
   command->get_option("--csv-quat")->group("");
   declare(*command, evaluate_table(arguments));
   const auto describe_as = [command](const char* name, const char* help) {
     command->get_option(name)->description(help);
   };
-  describe_as("--bvh", "The source of the motions");
-  describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");
-  describe_as("--start", "Where in the source the motions begin, seconds");
+  describe_as("--bvh", "Source of the motions");
+  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
+  describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--source-fps",
-              "Frames per second of the source, whatever its header says; without a source: of the "
-              "motions");
+              "Frames per second of the source, whatever its header says; without a source: frame "
+              "rate of the motions");
   describe_as("--ik-config",
-              "Retargeting configuration whose targets are tracked (default: as in a run)");
+              "Retargeting configuration for tracking errors (default: as in a run)");
   describe_as(
       "--limits",
       "Joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
-  describe_as("--scale", "How the body's size scales the targets that are tracked");
+  describe_as("--scale", "Scaling of the targets for tracking errors");
   return command;
 }
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
   CLI::App* command =
-      app.add_subcommand("verify", "Check that a recorded run still gives the same bytes");
+      app.add_subcommand("verify", "Check that a recorded run still gives identical output");
   declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
   declare(*command, common_table(arguments.common));
   return command;

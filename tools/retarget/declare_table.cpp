@@ -17,7 +17,7 @@ bool is_word(const Option& row) {
   return row.info.group.empty();
 }
 
-// throws what the parser shows as the option's fault
+// Throws errors that the parser attributes to the option.
 void set_value(const Option& row, const std::vector<std::string>& words) {
   const std::string flag = is_word(row) ? row.name : option_as_flag(row.name);
   OptionValue value = words;
@@ -31,8 +31,8 @@ void set_value(const Option& row, const std::vector<std::string>& words) {
   if (auto set = row.set(value); !set) throw CLI::ValidationError(flag, set.error().message);
 }
 
-// what the member has without the option, where that is a value that the option may have and the help
-// does not say it in words
+// Returns the member's initial value, if it is a valid option value and the help text does not
+// state a default.
 std::string default_text(const Option& row) {
   const OptionValue value = row.get();
   const bool is_unset = row.is_list() || is_word(row) || !check_option(row, value) ||
@@ -69,7 +69,7 @@ void declare(CLI::App& command, const Option& row) {
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->take_all()
       ->allow_extra_args(is_word(row));
-  // texts of people have commas
+  // Only lists use commas as delimiters; free text may contain them.
   if (row.info.type.ends_with(",...")) declared->delimiter(',');
 }
 
@@ -104,7 +104,7 @@ OptionTable renamed(OptionTable rows, const char* name) {
 
 void refuse_empty_values(CLI::App& app) {
   const auto check = [](const std::string& text) -> std::string {
-    return text.empty() ? "expected a value, found an empty word" : "";
+    return text.empty() ? "expected a value, found an empty string" : "";
   };
   for (CLI::Option* option : app.get_options()) {
     if (option->get_expected_max() > 0) option->check(CLI::Validator(check, ""));

@@ -5,29 +5,29 @@
 #include <vector>
 
 #include "arguments.h"
-#include "edit/edit_tables.h"
 #include "retarget/edit.h"
+#include "retarget/edit_tables.h"
 #include "retarget/options.h"
 
 namespace retarget::cli {
 
-/// What `retarget edit` does.
+/// Subcommands of `retarget edit`.
 enum class Edit : unsigned char {
   kRest,      ///< Another rest pose, the same movement.
   kTransfer,  ///< Another skeleton, through the T-pose.
-  kLafan1,    ///< LAFAN1's shape.
+  kLafan1,    ///< LAFAN1's skeleton.
   kResample,  ///< Another frame rate or speed.
   kTrim,      ///< A part of the clip.
-  kMirror,    ///< Left does what right did.
+  kMirror,    ///< Left and right exchanged.
   kGround,    ///< The floor at height 0.
-  kTurn,      ///< About the vertical.
-  kMove,      ///< Over the ground.
-  kLoop,      ///< A cycle without a seam.
-  kConcat,    ///< Several clips as one.
-  kPath,      ///< The way over the ground.
+  kTurn,      ///< Rotation about the vertical.
+  kMove,      ///< Translation over the ground.
+  kLoop,      ///< A seamless cycle.
+  kConcat,    ///< Several clips joined.
+  kPath,      ///< Another path over the ground.
 };
 
-/// `retarget edit`: BVH in, BVH out.
+/// Arguments of `retarget edit`, which reads and writes BVH.
 struct EditArguments : EditSettings {
   CommonArguments common;
   std::string file;
@@ -37,9 +37,9 @@ struct EditArguments : EditSettings {
   Edit edit = Edit::kRest;
   PartOptions part{};
   std::string like;                ///< BVH with the target skeleton.
-  double degrees = 0.0;            ///< Of a turn.
-  std::string shift;               ///< Of a move, `X,Y` in metres.
-  std::vector<std::string> files;  ///< That are joined.
+  double degrees = 0.0;            ///< Rotation angle of a turn.
+  std::string shift;               ///< Translation of a move, `X,Y` in metres.
+  std::vector<std::string> files;  ///< Clips to join.
   std::string matrix;              ///< PGM to write; empty: none.
   std::string fit;                 ///< JSON to write; empty: none.
   std::string svg;                 ///< Picture to write; empty: none.

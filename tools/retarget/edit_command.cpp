@@ -1,4 +1,4 @@
-// `retarget edit`: BVH in, BVH out, or a GLB that shows it.
+// `retarget edit`: reads BVH, writes BVH or a GLB for viewing.
 
 #include <algorithm>
 #include <numbers>
@@ -7,29 +7,29 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
-#include "base/try.h"
-#include "bvh/read_bvh.h"
-#include "bvh/write_bvh.h"
 #include "commands.h"
 #include "console.h"
 #include "edit_arguments.h"
-#include "human/bone_map_file.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/write_bvh.h"
+#include "human/skeleton/bone_map_file.h"
 #include "human_glb.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/file.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
-#include "run/written_files.h"
+#include "retarget/run.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
-// a clip that is edited, and the human in it
+// A clip to edit and the human in it.
 struct EditSource {
   Clip clip;
   HumanInClip human;
@@ -38,7 +38,7 @@ struct EditSource {
   [[nodiscard]] Subject subject() const { return {clip, human.map, calibration()}; }
 };
 
-// an error of the motion itself, at its file
+// Adds the file to an error of the motion itself.
 Error placed(Error error, const std::string& file) {
   const bool of_motion = error.kind == ErrorKind::kInput || error.kind == ErrorKind::kRun;
   if (of_motion && error.location.file.empty()) error.location.file = file;
@@ -49,7 +49,7 @@ std::string shown_name(const std::string& file) {
   return file == "-" ? "standard input" : file;
 }
 
-// every file that an edit reads
+// Returns all files that an edit reads.
 std::vector<std::string> files_of(const EditArguments& options) {
   Run run;
   run.motion = options.file;
@@ -66,7 +66,7 @@ class EditRun {
   EditRun(const EditArguments& options, Console& console)
       : options_(options), console_(console), file_(shown_name(options.file)) {}
 
-  // nothing: what was asked for is written already
+  // Returns nothing if the output is already written.
   Result<std::optional<Clip>> run() {
     switch (options_.edit) {
       case Edit::kRest:
@@ -84,7 +84,7 @@ class EditRun {
   }
 
  private:
-  // says what an edit tells; a seam that is not good is an error unless it is forced
+  // Prints an edit's notes and warnings; a poor seam is an error unless it is forced.
   template <typename SomeEdited>
   Result<Clip> told(Result<SomeEdited> edited, const std::string& file) {
     if (!edited) return failure(placed(edited.error(), file));
@@ -94,59 +94,59 @@ class EditRun {
     return std::move(edited->clip);
   }
 
-  // says what was odd about the file
+  // Prints warnings about the file.
   Result<Clip> read_clip(const std::string& file, bool skeleton_only = false) {
-    TRY_ASSIGN(Clip clip, skeleton_only
-                              ? load_skeleton(file, options_.source)
-                              : load_clip(file, options_.source, {options_.common.data_dir, {}}));
+    RETARGET_TRY_ASSIGN(Clip clip, skeleton_only ? load_skeleton(file, options_.source)
+                                                 : load_clip(file, options_.source,
+                                                             {options_.common.data_dir, {}}));
     console_.warn(clip.origin().warnings, clip.name());
     return clip;
   }
 
   Result<EditSource> read_human(Clip clip, const HumanOptions& how, const std::string& write_map) {
-    TRY_ASSIGN(const std::string data_folder, data_folder_of(options_.common));
-    TRY_ASSIGN(auto human, find_human(clip, how, data_folder));
-    TRY(save_bone_map(write_map, human.map, clip.skeleton()));
+    RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(options_.common));
+    RETARGET_TRY_ASSIGN(auto human, find_human(clip, how, data_folder));
+    RETARGET_TRY(save_bone_map(write_map, human.map, clip.skeleton()));
     console_.lines(human.lines());
     console_.warn(human.doubts(), clip.name());
     return EditSource{std::move(clip), std::move(human)};
   }
 
-  // cut to the part that was asked for, after the human was recognised in the whole
+  // Recognises the human in the whole clip, then cuts it to the requested part.
   Result<EditSource> read(const std::string& file, HumanOptions how, const std::string& write_map) {
     const Edit edit = options_.edit;
-    // what is told or shown in metres needs a unit; all else is done in the file's own
+    // Edits with lengths in metres need a unit; all others work in the file's own.
     how.unit_optional =
         edit != Edit::kMove && edit != Edit::kPath && !(edit == Edit::kGround && options_.floor);
-    TRY_ASSIGN(Clip clip, read_clip(file));
-    TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
+    RETARGET_TRY_ASSIGN(Clip clip, read_clip(file));
+    RETARGET_TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
     const PartOptions& part = options_.part;
-    TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
-    // what looks at the motion as a whole must not take a T-pose in front for a part of it
+    RETARGET_TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
+    // Edits that analyse the whole motion must not treat a leading T-pose as part of it.
     const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
                                  edit == Edit::kConcat || edit == Edit::kGround;
     if (part.start_s >= 0.0 || !part.frames.empty() || !looks_at_motion) return source;
-    // clips that are joined have no --start
+    // Joined clips have no --start option.
     const bool can_start = edit != Edit::kConcat;
-    TRY_ASSIGN(source.clip,
-               told(Result<Edited>(cut_lead_in(std::move(source.clip), can_start)), file_));
+    RETARGET_TRY_ASSIGN(
+        source.clip, told(Result<Edited>(cut_lead_in(std::move(source.clip), can_start)), file_));
     return source;
   }
 
   Result<Clip> to_rest() {
-    TRY_ASSIGN(const Clip motion, read_clip(options_.file));
+    RETARGET_TRY_ASSIGN(const Clip motion, read_clip(options_.file));
     BvhReadOptions read_options;
     read_options.motion_optional = true;
-    TRY_ASSIGN(const auto like, load_bvh(options_.like, read_options));
+    RETARGET_TRY_ASSIGN(const auto like, load_bvh(options_.like, read_options));
     return told(change_rest(motion, like.clip.shared_skeleton(), file_, options_.like), file_);
   }
 
   Result<Clip> to_other(const EditSource& source) {
     HumanOptions how;
     how.unit_optional = true;
-    TRY_ASSIGN(Clip like, load_skeleton(options_.like));
+    RETARGET_TRY_ASSIGN(Clip like, load_skeleton(options_.like));
     console_.warn(like.origin().warnings, like.name());
-    TRY_ASSIGN(const auto target, read_human(std::move(like), how, {}));
+    RETARGET_TRY_ASSIGN(const auto target, read_human(std::move(like), how, {}));
     return told(Result<Transferred>(transfer(source.subject(), target.subject())), options_.like);
   }
 
@@ -159,16 +159,16 @@ class EditRun {
     if (!resample && part.start_s < 0.0 && part.end_s < 0.0 && part.frames.empty()) {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
-    TRY_ASSIGN(const TimingOptions timing, options_.timing_options());
-    TRY_ASSIGN(Clip motion, read_clip(options_.file));
-    TRY_ASSIGN(auto clip, trim(std::move(motion), part));
+    RETARGET_TRY_ASSIGN(const TimingOptions timing, options_.timing_options());
+    RETARGET_TRY_ASSIGN(Clip motion, read_clip(options_.file));
+    RETARGET_TRY_ASSIGN(auto clip, trim(std::move(motion), part));
     if (!resample) return clip;
     console_.line("source", summary(clip));
     return change_timing(std::move(clip), timing);
   }
 
   Result<Clip> edit_body() {
-    TRY_ASSIGN(auto source, read(options_.file, options_.human, options_.write_map));
+    RETARGET_TRY_ASSIGN(auto source, read(options_.file, options_.human, options_.write_map));
     const Calibration& calibration = source.calibration();
     switch (options_.edit) {
       case Edit::kTransfer:
@@ -183,12 +183,13 @@ class EditRun {
       case Edit::kLoop:
         return told(make_loop(source.clip, calibration, options_.loop_options()), file_);
       case Edit::kMove: {
-        TRY_ASSIGN(const auto way, way_from_text(options_.shift));
+        RETARGET_TRY_ASSIGN(const auto way, way_from_text(options_.shift));
         return move_clip(std::move(source.clip), calibration, way);
       }
       default: {
-        TRY_ASSIGN(const double floor, options_.floor ? Result<double>(*options_.floor)
-                                                      : floor_height(source.clip, calibration));
+        RETARGET_TRY_ASSIGN(const double floor, options_.floor
+                                                    ? Result<double>(*options_.floor)
+                                                    : floor_height(source.clip, calibration));
         console_.line("floor", "was at " + number_text(floor, 4) + " m");
         return put_on_floor(std::move(source.clip), calibration, floor);
       }
@@ -197,29 +198,30 @@ class EditRun {
 
   Result<EditSource> read_one(std::size_t index) {
     HumanOptions human = options_.human;
-    // a bone map is of the first clip's joints
+    // A bone map refers to the first clip's joints.
     if (index > 0) human.map.clear();
     console_.line("motion", options_.files[index]);
     return read(options_.files[index], human, index > 0 ? std::string() : options_.write_map);
   }
 
   Result<Clip> concat() {
-    TRY_ASSIGN(const ConcatenateOptions how, options_.concatenate_options());
+    RETARGET_TRY_ASSIGN(const ConcatenateOptions how, options_.concatenate_options());
     const std::vector<std::string>& files = options_.files;
-    if (files.size() < 2) return usage_failure("edit concat joins two files or more");
+    if (files.size() < 2) return usage_failure("edit concat requires at least two files");
     if (std::ranges::count(files, "-") > 1) {
-      return usage_failure("standard input is one clip, `-` stands for two");
+      return usage_failure("standard input provides only one clip, but `-` is given twice");
     }
-    TRY_ASSIGN(auto first, read_one(0));
+    RETARGET_TRY_ASSIGN(auto first, read_one(0));
     for (std::size_t i = 1; i < files.size(); ++i) {
-      TRY_ASSIGN(const auto source, read_one(i));
-      TRY_ASSIGN(const auto next, told(like_first(source.subject(), first.subject()), files[i]));
-      const std::string before = i == 1 ? files[0] : "what goes before";
+      RETARGET_TRY_ASSIGN(const auto source, read_one(i));
+      RETARGET_TRY_ASSIGN(const auto next,
+                          told(like_first(source.subject(), first.subject()), files[i]));
+      const std::string before = i == 1 ? files[0] : "the preceding clips";
       auto joined = concatenate(first.clip, next, first.calibration(), how, before, files[i]);
       if (joined && i == 1 && !options_.matrix.empty()) {
-        TRY(write_file(options_.matrix, format_pgm(joined->map)));
+        RETARGET_TRY(write_file(options_.matrix, format_pgm(joined->map)));
       }
-      TRY_ASSIGN(first.clip, told(std::move(joined), files[i]));
+      RETARGET_TRY_ASSIGN(first.clip, told(std::move(joined), files[i]));
     }
     console_.line("result", count_text(first.clip.frame_count(), "frame"));
     return first.clip;
@@ -229,10 +231,10 @@ class EditRun {
     const bool follows = options_.path.any(), writes = !options_.output.empty();
     if (!writes && options_.fit.empty() && options_.svg.empty()) {
       return usage_failure("edit path needs --fit, --svg or -o",
-                           "--fit and --svg show the motion's own path; -o follows another");
+                           "--fit and --svg write the motion's own path; -o follows another path");
     }
     if (writes && !follows) {
-      return usage_failure("edit path -o needs a path to follow", "--to, --scale or --rotate");
+      return usage_failure("edit path -o needs a path to follow", "give --to, --scale or --rotate");
     }
     if (!writes && follows && options_.svg.empty()) {
       return usage_failure("edit path needs -o for the motion on its new path");
@@ -241,24 +243,24 @@ class EditRun {
   }
 
   Result<std::optional<Clip>> path() {
-    TRY(check_path());
-    TRY_ASSIGN(const auto source, read(options_.file, options_.human, options_.write_map));
-    TRY_ASSIGN(const auto own,
-               fit_path(source.clip, source.calibration(), options_.follow_path.fit));
+    RETARGET_TRY(check_path());
+    RETARGET_TRY_ASSIGN(const auto source, read(options_.file, options_.human, options_.write_map));
+    RETARGET_TRY_ASSIGN(const auto own,
+                        fit_path(source.clip, source.calibration(), options_.follow_path.fit));
     console_.line("path", own.summary());
-    if (!options_.fit.empty()) TRY(write_file(options_.fit, format_path(own.path)));
+    if (!options_.fit.empty()) RETARGET_TRY(write_file(options_.fit, format_path(own.path)));
     std::vector<PathDrawing> drawings = {{&source.clip, &own.path}};
     std::optional<GroundPath> path;
     std::optional<Clip> clip;
     if (options_.path.any()) {
-      TRY_ASSIGN(path, change_path(own.path, options_.path));
-      TRY_ASSIGN(
+      RETARGET_TRY_ASSIGN(path, change_path(own.path, options_.path));
+      RETARGET_TRY_ASSIGN(
           clip,
           told(follow_path(source.clip, source.calibration(), *path, options_.follow_path), file_));
       drawings.push_back({&*clip, &*path});
     }
     if (!options_.svg.empty())
-      TRY(write_file(options_.svg, draw_paths(source.calibration(), drawings)));
+      RETARGET_TRY(write_file(options_.svg, draw_paths(source.calibration(), drawings)));
     if (options_.output.empty()) return std::nullopt;
     return clip;
   }
@@ -268,7 +270,8 @@ class EditRun {
   const std::string file_;
 };
 
-// how the human in an edited clip is understood: as it was told, unless the skeleton is another one
+// Returns the options to recognise the human in an edited clip: those given, unless the skeleton
+// has changed.
 HumanOptions human_options(const EditArguments& options) {
   const bool same = options.edit != Edit::kTransfer && options.edit != Edit::kLafan1;
   return same ? options.human : HumanOptions();
@@ -277,7 +280,8 @@ HumanOptions human_options(const EditArguments& options) {
 }  // namespace
 
 Result<void> edit(const EditArguments& options, Console& console) {
-  TRY(check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
+  RETARGET_TRY(
+      check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
                     files_of(options)));
   const auto clip = EditRun(options, console).run();
   if (!clip) return failure(placed(clip.error(), shown_name(options.file)));
@@ -285,7 +289,8 @@ Result<void> edit(const EditArguments& options, Console& console) {
   if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
     console.line("result", summary(**clip));
   }
-  TRY(is_glb_name(options.output)
+  RETARGET_TRY(
+      is_glb_name(options.output)
           ? save_human_glb(options.output, **clip, human_options(options), options.common, console)
           : save_bvh(options.output, **clip));
   console.line("wrote", options.output == "-" ? "standard output" : options.output);

@@ -1,4 +1,4 @@
-// `retarget view FOLDER`: pages of a batch, and one that lists them.
+// `retarget view FOLDER`: makes pages for a batch, and an index page.
 
 #include "gallery.h"
 
@@ -11,11 +11,7 @@
 #include <set>
 #include <system_error>
 
-#include "base/file.h"
 #include "base/machine.h"
-#include "base/number_text.h"
-#include "base/suggest.h"
-#include "base/try.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
@@ -23,7 +19,10 @@
 #include "gallery_files.h"
 #include "interrupt.h"
 #include "measure_files.h"
-#include "plan/memory.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 #include "view/gallery.h"
 #include "view/strip.h"
@@ -33,10 +32,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// how answers of workers begin
+// First character of a worker's answer if there is no motion.
 constexpr char kNoMotion = '-';
 
-// a clip of the gallery and what it is made from
+// A clip of the gallery with its sources.
 struct GalleryTask {
   const ManifestEntry* entry = nullptr;
   std::size_t clip = 0;
@@ -45,7 +44,7 @@ struct GalleryTask {
 
 class GalleryMaker {
  public:
-  /// @param robot  name of the one that the arguments name; empty: none is named.
+  /// @param robot  the robot named in the arguments; empty: none.
   GalleryMaker(const ViewArguments& arguments, BatchFolder batch, std::string robot,
                Console& console)
       : arguments_(arguments),
@@ -55,10 +54,10 @@ class GalleryMaker {
         console_(console) {}
 
   Result<void> make() {
-    TRY(plan());
-    TRY(make_folders());
+    RETARGET_TRY(plan());
+    RETARGET_TRY(make_folders());
     const auto interrupts = console_.hold_interrupts();
-    TRY(make_pages());
+    RETARGET_TRY(make_pages());
     if (console_.is_stopped()) {
       Failure stopped = interrupted_failure();
       stopped.value().message = "interrupted; the index was not written";
@@ -66,9 +65,9 @@ class GalleryMaker {
     }
     fs::path folder = fs::path(batch_.folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
-    TRY(write_file((folder_ / "index.html").string(),
-                   gallery_page(folder.filename().string(), clips_)));
-    // only now does nothing lead to them any more
+    RETARGET_TRY(write_file((folder_ / "index.html").string(),
+                            gallery_page(folder.filename().string(), clips_)));
+    // Remove old pages last, when nothing links to them any more.
     std::set<std::string> kept;
     for (const GalleryClip& clip : clips_) {
       for (const std::string& file : {clip.page, clip.picture}) {
@@ -79,7 +78,7 @@ class GalleryMaker {
     return {};
   }
 
-  // what became of it, and what is missing, in one sentence each
+  // Reports the result and what is missing, one sentence each.
   void tell() const {
     if (!missing_.empty()) {
       console_.warn({{0, 0,
@@ -93,19 +92,20 @@ class GalleryMaker {
       console_.warn(
           {{0, 0,
             count_text(sources_.size(), "clip") + (sources_.size() == 1 ? " is" : " are") +
-                " shown without the source, which is no longer there: " + list_names(sources_, 3)}},
+                " shown without the source, which no longer exists: " + list_names(sources_, 3)}},
           batch_.folder);
     }
     if (unshown_ > 0) {
       console_.warn(
-          {{0, 0, count_text(unshown_, "motion") + " cannot be shown: the index says why"}},
+          {{0, 0,
+            count_text(unshown_, "motion") + " cannot be shown; the index gives the reasons"}},
           batch_.folder);
     }
     if (batch_.unreadable > 0) {
       console_.warn(
           {{0, 0,
             count_text(batch_.unreadable, "line") + " of the manifest cannot be read and " +
-                (batch_.unreadable == 1 ? "is" : "are") + " left out"}},
+                (batch_.unreadable == 1 ? "is" : "are") + " skipped"}},
           batch_.folder);
     }
     console_.line("wrote", (folder_ / "index.html").string() + ": " +
@@ -116,7 +116,7 @@ class GalleryMaker {
  private:
   Result<void> plan() {
     for (const ManifestEntry* entry : worst_first(batch_.entries)) {
-      // there is another page of the same
+      // The clip repeats another one, which has its own page.
       if (entry->is_left_out()) continue;
       GalleryClip clip;
       clip.name = entry->relative;
@@ -134,10 +134,10 @@ class GalleryMaker {
         clip.figures = entry->quality->figures;
         clip.missed = entry->quality->missed;
       }
-      if (entry->done) TRY(add_page(*entry, clip));
+      if (entry->done) RETARGET_TRY(add_page(*entry, clip));
       clips_.push_back(std::move(clip));
     }
-    // the order of the index is that of the pages
+    // Pages have the same order as the index.
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       PageLinks& links = tasks_[i].links;
       links.index = "../index.html";
@@ -151,20 +151,20 @@ class GalleryMaker {
     const std::string motion = motion_of(batch_, entry);
     if (motion.empty() || !is_file(motion)) {
       const std::string file = entry.outputs.empty() ? entry.relative : entry.outputs.front().file;
-      clip.message = motion.empty() ? "no format that can be read back was written"
-                                    : "the motion is missing: " + file;
+      clip.message =
+          motion.empty() ? "no readable format was written" : "the motion is missing: " + file;
       if (!motion.empty()) missing_.push_back(file);
       return {};
     }
     if (!source_is_there(batch_, entry)) sources_.push_back(entry.input.file);
-    TRY_ASSIGN(const std::string name, gallery_name(entry));
+    RETARGET_TRY_ASSIGN(const std::string name, gallery_name(entry));
     clip.page = fmt::format("{}/{}.html", kGalleryPages, name);
     clip.picture = fmt::format("{}/{}.png", kGalleryPages, name);
     tasks_.push_back({&entry, clips_.size(), {}});
     return {};
   }
 
-  // of a page beside another one
+  // Returns the file name of a page, relative to its neighbours.
   [[nodiscard]] std::string page_name(const GalleryTask& task) const {
     return fs::path(clips_[task.clip].page).filename().string();
   }
@@ -174,11 +174,11 @@ class GalleryMaker {
     fs::create_directories(folder_ / kGalleryPages, error);
     if (error)
       return run_failure((folder_ / kGalleryPages).string(),
-                         "cannot make the folder: " + error.message());
+                         "cannot create the folder: " + error.message());
     return {};
   }
 
-  // page and picture of a clip; what is missing on the page, or nothing
+  // Makes page and picture of a clip; returns what is missing on the page, if anything.
   Result<std::string> make_page(std::size_t i) const {
     const GalleryTask& task = tasks_[i];
     Console silent(true);
@@ -194,23 +194,24 @@ class GalleryMaker {
     std::string lacks = shown_entry.lacks;
     auto measures = load_measures(arguments, silent);
     if (!measures && !run.motion.empty()) {
-      // a source that cannot be read must not keep its motion from being seen
+      // Show the motion even if its source cannot be read.
       lacks = describe(measures.error(), option_as_flag);
       forget_source(run);
       measures = load_measures(arguments, silent);
     }
     if (!measures) return failure(measures.error());
     if (!lacks.empty()) lacks = "without its source: " + lacks;
-    TRY_ASSIGN(const MeasuredMotion motion,
-               measure_file(arguments.motions.front(), *measures, silent));
+    RETARGET_TRY_ASSIGN(const MeasuredMotion motion,
+                        measure_file(arguments.motions.front(), *measures, silent));
     RobotMeshes meshes;
-    // where nobody asks for them pages stay small: there are many
+    // Without the option, pages have no meshes: there are many pages, so each must be small.
     if (!arguments_.meshes.empty()) {
-      TRY_ASSIGN(meshes, load_robot_meshes(*measures->robot, measures->model, arguments_.meshes));
+      RETARGET_TRY_ASSIGN(meshes,
+                          load_robot_meshes(*measures->robot, measures->model, arguments_.meshes));
     }
     const PageMotion shown{arguments.labels.front(), &motion.clip, motion.human, &motion.report,
                            &measures->limits,        {},           &meshes};
-    TRY_ASSIGN(
+    RETARGET_TRY_ASSIGN(
         const std::string page,
         view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks, task.links}));
     StripPictureOptions picture;
@@ -218,9 +219,9 @@ class GalleryMaker {
     picture.width = kThumbnailWidth;
     picture.max_row_height = kThumbnailHeight;
     picture.times = false;
-    TRY(write_file((folder_ / clip.picture).string(),
-                   draw_strip_picture(motion.clip, nullptr, picture)));
-    TRY(write_file((folder_ / clip.page).string(), page));
+    RETARGET_TRY(write_file((folder_ / clip.picture).string(),
+                            draw_strip_picture(motion.clip, nullptr, picture)));
+    RETARGET_TRY(write_file((folder_ / clip.page).string(), page));
     return lacks;
   }
 
@@ -230,33 +231,33 @@ class GalleryMaker {
                       gallery_note_page(clip.name, message, task.links));
   }
 
-  // what the index says of it; where there is no motion to be played, kNoMotion comes first
+  // Text for the index; it begins with kNoMotion if there is no playable motion.
   std::string done_page(std::size_t i) const {
     try {
       const auto made = make_page(i);
       return made ? *made : kNoMotion + describe(made.error(), option_as_flag);
     } catch (const std::bad_alloc&) {
-      return kNoMotion + std::string("there is not enough memory for its page");
+      return kNoMotion + std::string("not enough memory for its page");
     }
   }
 
-  // every clip has its page, so that the ways from one to the next lead on
+  // Every clip gets a page, so that the links between pages are unbroken.
   Result<void> take_answer(const GalleryTask& task, const TaskEnd& end) {
     GalleryClip& clip = clips_[task.clip];
     std::string answer =
-        end.answered ? end.answer : kNoMotion + std::string("its page could not be made");
+        end.answered ? end.answer : kNoMotion + std::string("its page could not be created");
     if (end.answered) ++answered_;
     if (answer.starts_with(kNoMotion)) {
       answer.erase(0, 1);
       clip.picture.clear();
       ++unshown_;
-      TRY(write_note(task, answer));
+      RETARGET_TRY(write_note(task, answer));
     }
     clip.message = std::move(answer);
     return {};
   }
 
-  // as the batch does, with the motion in the place of what is written
+  // Plans memory as the batch does, with the motion in place of the output.
   void plan_memory(ProcessPoolOptions& pool, std::vector<std::uint64_t>& memory) {
     pool.memory = memory_bound(0.0);
     const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
@@ -267,7 +268,7 @@ class GalleryMaker {
       const std::uint64_t needed = memory_of_clip(task.entry->relative, task.entry->input.bytes) +
                                    (ignored ? 0 : memory_of_clip(motion, bytes));
       memory.push_back(std::max(needed, even));
-      // one that needs more than there is runs alone
+      // A page that needs more than the available memory runs alone.
       memory_gb_.push_back(static_cast<double>(std::min(memory.back(), pool.memory)) / 1e9);
     }
     if (pool.memory == 0) return;
@@ -293,12 +294,12 @@ class GalleryMaker {
           console_.status(fmt::format("page {} of {}", ++done, tasks_.size()));
         });
     console_.end_progress();
-    TRY(std::move(ran));
-    TRY(std::move(taken));
+    RETARGET_TRY(std::move(ran));
+    RETARGET_TRY(std::move(taken));
     if (answered_ == 0 && !console_.is_stopped()) {
       return run_failure(folder_.string(),
-                         "no page could be made: every process that began one was ended",
-                         "perhaps memory ran out");
+                         "no page could be created: all worker processes ended early",
+                         "memory may have run out");
     }
     return {};
   }
@@ -308,63 +309,62 @@ class GalleryMaker {
   const std::string robot_;
   const fs::path folder_;
   Console& console_;
-  std::vector<GalleryClip> clips_;              // the worst first
-  std::vector<GalleryTask> tasks_;              // in the same order
-  std::vector<std::string> missing_, sources_;  // files that are no longer there
-  std::vector<double> memory_gb_;               // that each page may take
-  std::size_t answered_ = 0;                    // pages whose processes came to their end
+  std::vector<GalleryClip> clips_;              // Worst first.
+  std::vector<GalleryTask> tasks_;              // In the same order.
+  std::vector<std::string> missing_, sources_;  // Files that no longer exist.
+  std::vector<double> memory_gb_;               // Memory limit of each page.
+  std::size_t answered_ = 0;                    // Pages whose processes finished.
   int unshown_ = 0;
 };
 
 Result<void> check_gallery(const ViewArguments& arguments) {
   const std::string& output = arguments.run.run.output;
   if (arguments.motions.size() > 1) {
-    return usage_failure("a gallery is of one folder",
-                         "motions are played side by side by their files");
+    return usage_failure("a gallery shows one folder",
+                         "give motion files to play them side by side");
   }
   std::error_code ignored;
   if (output == "-" || (fs::exists(output, ignored) && !fs::is_directory(output, ignored)) ||
       (!fs::exists(output, ignored) && !fs::path(output).extension().empty() &&
        output.back() != '/')) {
-    return usage_failure("a gallery is a folder, and the output is \"" + output + "\"",
-                         "name a folder, such as gallery/");
+    return usage_failure("a gallery must be a folder, found the output \"" + output + "\"",
+                         "give a folder, such as gallery/");
   }
   if (!arguments.run.run.motion.empty() || !arguments.run.request.png.empty() ||
       !arguments.labels.empty()) {
-    return usage_failure(
-        "--bvh, --smpl, --png and --label are for motions, not for a folder of them");
+    return usage_failure("--bvh, --smpl, --png and --label apply to motions, not to a folder");
   }
   fs::path folder = fs::path(output).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   return check_output_folder(folder.string());
 }
 
-// the name of the robot that the call names, which the batch must have motions of; empty: none is named
+// Returns the robot that the arguments name, which must occur in the batch; empty if none is named.
 Result<std::string> given_robot(const ViewArguments& arguments, const BatchFolder& batch,
                                 Console& console) {
   const RobotChoice& choice = arguments.run.run.robot;
   if (choice.name.empty() && choice.model.empty()) return std::string();
-  TRY_ASSIGN(const LoadedRobot loaded,
-             load_robot(choice, arguments.run.common, console, Soles::kAsTheyAre));
-  // as a batch names its robots
+  RETARGET_TRY_ASSIGN(const LoadedRobot loaded,
+                      load_robot(choice, arguments.run.common, console, Soles::kAsTheyAre));
+  // Batches name robots this way.
   std::string name = fs::path(loaded.robot->name()).filename().string();
   std::set<std::string> robots;
   for (const ManifestEntry& entry : batch.entries) robots.insert(entry.robot);
   if (robots.contains(name)) return name;
-  return usage_failure(
-      "the batch has no motions of the robot \"" + name + "\"",
-      "it has those of " + list_names(std::vector<std::string>(robots.begin(), robots.end()), 5));
+  return usage_failure("the batch has no motions for the robot \"" + name + "\"",
+                       "it has motions for " +
+                           list_names(std::vector<std::string>(robots.begin(), robots.end()), 5));
 }
 
 }  // namespace
 
 Result<void> write_gallery(const ViewArguments& arguments, Console& console) {
-  TRY(check_gallery(arguments));
-  TRY_ASSIGN(BatchFolder batch, read_batch_folder(arguments.motions.front()));
-  TRY(check_gallery_folder(arguments.run.run.output, batch));
-  TRY_ASSIGN(std::string robot, given_robot(arguments, batch, console));
+  RETARGET_TRY(check_gallery(arguments));
+  RETARGET_TRY_ASSIGN(BatchFolder batch, read_batch_folder(arguments.motions.front()));
+  RETARGET_TRY(check_gallery_folder(arguments.run.run.output, batch));
+  RETARGET_TRY_ASSIGN(std::string robot, given_robot(arguments, batch, console));
   GalleryMaker maker(arguments, std::move(batch), std::move(robot), console);
-  TRY(maker.make());
+  RETARGET_TRY(maker.make());
   maker.tell();
   return {};
 }

@@ -5,8 +5,8 @@
 
 namespace retarget::cli {
 
-/// Makes a folder of pages of a batch's output folder: one for each clip, and one that lists them. The
-/// index comes last, so that a gallery that was stopped has none, or the one that it had.
+/// Makes a folder of pages from a batch's output folder: one page per clip and an index. The index
+/// is written last, so that an interrupted gallery has no new index.
 [[nodiscard]] Result<void> write_gallery(const ViewArguments& arguments, Console& console);
 
 }  // namespace retarget::cli

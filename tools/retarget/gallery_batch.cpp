@@ -5,21 +5,20 @@
 #include <filesystem>
 #include <system_error>
 
-#include "base/file.h"
+#include "app/provenance/hash.h"
 #include "base/json.h"
-#include "base/plain_name.h"
-#include "base/try.h"
 #include "batch/resume.h"
-#include "options/run_tables.h"
-#include "provenance/hash.h"
+#include "retarget/file.h"
+#include "retarget/option_table.h"
+#include "retarget/try.h"
 
 namespace retarget::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-// what the options of a batch say about its sources, and about how its motions are measured
-constexpr std::array<std::string_view, 28> kOfSources = {"lenient",
+// Options of a batch that describe its sources and how its motions are measured.
+constexpr std::array<std::string_view, 30> kOfSources = {"lenient",
                                                          "root",
                                                          "take",
                                                          "source-fps",
@@ -34,6 +33,7 @@ constexpr std::array<std::string_view, 28> kOfSources = {"lenient",
                                                          "end",
                                                          "frames",
                                                          "lead-in",
+                                                         "base",
                                                          "scale",
                                                          "limits",
                                                          "method",
@@ -46,9 +46,10 @@ constexpr std::array<std::string_view, 28> kOfSources = {"lenient",
                                                          "source-angles",
                                                          "source-unit",
                                                          "source-dof",
-                                                         "ignore-header"};
+                                                         "ignore-header",
+                                                         "clean"};
 
-// options that are files, and what the batch calls them
+// Options that name files, and their roles in the batch's records.
 struct FileRole {
   std::string_view option, role;
 };
@@ -76,7 +77,8 @@ nlohmann::ordered_json member(const nlohmann::ordered_json& json, const char* na
   return found != json.end() && found->is_object() ? *found : nlohmann::ordered_json::object();
 }
 
-// where a file that a batch was given may be: paths are relative to where the batch was called
+// Returns the candidate locations of a file given to a batch: paths are relative to its working
+// directory.
 std::vector<std::string> places_of(const BatchFolder& batch, const std::string& file) {
   const fs::path beside = fs::path(batch.folder) / file;
   if (file.empty()) return {};
@@ -84,7 +86,7 @@ std::vector<std::string> places_of(const BatchFolder& batch, const std::string& 
   return {file, beside.string()};
 }
 
-// how a CSV was written; what other formats hold they say themselves
+// Restores how a CSV was written; other formats are self-describing.
 void take_dialect(const nlohmann::ordered_json& options, ViewArguments& arguments) {
   const std::string formats = text_of(options, "format");
   if (!arguments.motions.front().ends_with(".csv") ||
@@ -103,7 +105,7 @@ void take_dialect(const nlohmann::ordered_json& options, ViewArguments& argument
   }
 }
 
-// files are taken where they are still what the batch was given; the first that is not
+// Uses files whose content still matches the batch's record; returns the first that does not.
 std::string take_files(const BatchFolder& batch, const nlohmann::ordered_json& description,
                        const OptionTable& table) {
   const auto options = member(description, "options");
@@ -128,7 +130,7 @@ std::string take_files(const BatchFolder& batch, const nlohmann::ordered_json& d
   return changed;
 }
 
-// @return a file of them that has changed or is gone; empty: none
+// @return the first option file that has changed or is missing; empty: none.
 std::string take_options(const BatchFolder& batch, const nlohmann::ordered_json& description,
                          ViewArguments& arguments) {
   const OptionTable table = run_table(arguments.run.run);
@@ -136,7 +138,7 @@ std::string take_options(const BatchFolder& batch, const nlohmann::ordered_json&
   for (const std::string_view name : kOfSources) {
     const std::string text = text_of(options, name);
     if (paths.contains(std::string(name))) continue;
-    // a batch names files elsewhere, with their hashes
+    // A batch records files separately, with their hashes.
     std::error_code ignored;
     const Option* row = find_option(table, name);
     const bool may_be_file = row != nullptr && row->info.file != OptionFile::kNone;
@@ -157,20 +159,20 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
   for (const fs::path& file : files_in_folder(folder)) {
     const std::string name = file.filename().string();
     if (!name.starts_with("manifest.") || !name.ends_with(".jsonl") || !is_file(file)) continue;
-    TRY_ASSIGN(ManifestContent content, read_manifest(file.string()));
+    RETARGET_TRY_ASSIGN(ManifestContent content, read_manifest(file.string()));
     ++manifests;
     batch.unreadable += content.unreadable + content.outside;
     std::ranges::move(content.entries, std::back_inserter(batch.entries));
   }
   if (manifests == 0) {
     return input_failure(folder, "the folder has no manifest.jsonl",
-                         "name the output folder of retarget batch, or motions");
+                         "give the output folder of retarget batch, or motion files");
   }
   batch.entries = latest_entries(std::move(batch.entries));
   for (const fs::path& file : files_in_folder(folder)) {
     const std::string name = file.filename().string();
     if (!name.starts_with("options.") || !name.ends_with(".json")) continue;
-    // what cannot be read is as if it had not been given
+    // Unreadable options are treated as absent.
     const auto json = load_json(file.string());
     if (!json || !json->is_array()) continue;
     for (const auto& each : *json) {
@@ -221,7 +223,7 @@ RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry) {
 void forget_source(Run& run) {
   run.motion.clear();
   run.options.part = {};
-  // it would be taken for the motion's
+  // Otherwise it would be applied to the motion.
   run.options.source.source_fps = 0.0;
 }
 
@@ -238,7 +240,7 @@ ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
   if (options != batch.options.end()) {
     const std::string changed = take_options(batch, options->second, arguments);
     if (!changed.empty())
-      shown.lacks = "a file of the batch's options has changed since: " + changed;
+      shown.lacks = "a file named by the batch's options has changed since: " + changed;
   }
   Run& run = arguments.run.run;
   if (!given_robot.empty() && entry.robot == given_robot) {

@@ -10,50 +10,52 @@
 
 namespace retarget::cli {
 
-/// What the output folder of a batch says of itself.
+/// Contents of a batch's output folder.
 struct BatchFolder {
   std::string folder;
-  std::vector<ManifestEntry> entries;  ///< The last of each clip and robot.
-  int unreadable = 0;                  ///< Lines of manifests that are torn or no entries.
-  std::map<std::string, nlohmann::ordered_json> options;  ///< By their hash.
+  std::vector<ManifestEntry> entries;  ///< The last entry of each clip and robot.
+  int unreadable = 0;                  ///< Number of truncated or invalid manifest lines.
+  std::map<std::string, nlohmann::ordered_json> options;  ///< By hash.
 };
 
-/// Reads all manifests of a folder, those of parts included, and its options. A batch may still run, or
-/// have been stopped. Errors (kInput): there is no manifest.
+/// Reads all manifests of a folder, including those of parts, and its options. The batch may still
+/// be running or have been interrupted. Errors (kInput): no manifest exists.
 [[nodiscard]] Result<BatchFolder> read_batch_folder(const std::string& folder);
 
-/// The motion's file of an entry, one that can be read back; empty: it has none.
+/// Returns the motion file of an entry in a format that can be read back; empty: none.
 [[nodiscard]] std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// A file that a manifest has a record of.
+/// A file that a manifest has recorded.
 struct RecordedFile {
-  std::string path;       ///< Where it is with the recorded size and hash; empty: nowhere.
-  bool is_there = false;  ///< Whether there is a file of its name, perhaps with another content.
+  std::string path;       ///< Location with the recorded size and hash; empty: not found.
+  bool is_there = false;  ///< True if a file of that name exists, whatever its content.
 };
 
-/// The source of an entry: below the working directory, else below the batch's folder.
+/// Finds the source of an entry: relative to the working directory, otherwise to the batch's
+/// folder.
 [[nodiscard]] RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// Whether there is a file of the source's name; it is not read.
+/// Returns true if a file of the source's name exists; does not read it.
 [[nodiscard]] bool source_is_there(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// The motion of an entry.
+/// Finds the motion of an entry.
 [[nodiscard]] RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// How an entry's motion is measured and shown.
+/// How to measure and show an entry's motion.
 struct ShownEntry {
   ViewArguments arguments;
-  std::string lacks;  ///< Why there is no source beside it, where one is there; empty: all is well.
+  std::string lacks;  ///< Why an existing source is not shown; empty: no problem.
 };
 
-/// Measures a motion without its source, and without what options say about that.
+/// Removes the source from a run, and the options that concern it.
 void forget_source(Run& run);
 
-/// Its robot, its source, and of the batch's options those that say what was made of the source, how
-/// the motion is measured and how its file was written. Sources and files of options are taken only
-/// where they are what the batch read.
-/// @param given        data folder and gates of the call take precedence,
-/// @param given_robot  and its robot where the entry is of this name; empty: none was given.
+/// Builds the arguments that show an entry: its robot, its source, and the batch options that
+/// describe how the source was processed, how the motion is measured and how its file was written.
+/// Sources and option files are used only if they match the batch's record.
+/// @param given        arguments of this call; its data folder and gates take precedence.
+/// @param given_robot  robot of this call, which takes precedence for entries of that name; empty:
+///   none.
 [[nodiscard]] ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
                                       const ViewArguments& given, const std::string& given_robot);
 

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <system_error>
 
-#include "base/file.h"
-#include "base/plain_name.h"
-#include "base/try.h"
-#include "provenance/hash.h"
+#include "app/provenance/hash.h"
+#include "retarget/file.h"
+#include "retarget/try.h"
 
 namespace retarget::cli {
 namespace {
@@ -28,15 +27,15 @@ bool is_gallery_name(std::string_view name) {
 }
 
 Failure among_the_batch(const std::string& output) {
-  return usage_failure("the gallery would be put among the batch's own files",
-                       "name another folder, such as " + (fs::path(output) / "gallery").string());
+  return usage_failure("the gallery would be written among the batch's own files",
+                       "give another folder, such as " + (fs::path(output) / "gallery").string());
 }
 
 }  // namespace
 
 Result<std::string> gallery_name(const ManifestEntry& entry) {
   std::string name = entry.relative + "-" + entry.robot;
-  TRY_ASSIGN(const std::string hash, hash_bytes(entry.relative + '\0' + entry.robot));
+  RETARGET_TRY_ASSIGN(const std::string hash, hash_bytes(entry.relative + '\0' + entry.robot));
   for (char& letter : name) {
     if (!is_name_letter(letter)) letter = '_';
   }
@@ -76,7 +75,7 @@ void remove_stale_pages(const fs::path& pages, const std::set<std::string>& kept
     if (ending != ".html" && ending != ".png") continue;
     if (kept.contains(file.filename().string()) || !is_file(file)) continue;
     if (!is_gallery_name(file.stem().string())) continue;
-    // one that stays is only left over: no page leads to it
+    // Failure is harmless: no page links to the file.
     std::error_code ignored;
     fs::remove(file, ignored);
   }

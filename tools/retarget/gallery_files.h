@@ -8,20 +8,20 @@
 
 namespace retarget::cli {
 
-/// Where the pages lie below a gallery's folder.
+/// Subfolder of a gallery that holds the pages.
 inline constexpr const char* kGalleryPages = "clips";
 
-/// The name of a clip's page and picture without their endings: fit for an address, and the same
-/// whenever the clip's and the robot's are.
+/// Returns the name of a clip's page and picture without extension: safe in URLs, and determined by
+/// the clip and the robot alone.
 [[nodiscard]] Result<std::string> gallery_name(const ManifestEntry& entry);
 
-/// Whether a gallery may be put there: kUsage, it is no folder, or one that holds a manifest, or what
-/// a batch made or was made from.
+/// Checks that a gallery may be written to a folder. Errors (kUsage): it is not a folder, holds a
+/// manifest, or contains outputs or inputs of a batch.
 [[nodiscard]] Result<void> check_gallery_folder(const std::string& output,
                                                 const BatchFolder& batch);
 
-/// Removes pages and pictures that a former gallery made: files that gallery_name() could have named.
-/// @param kept  names of those that stay.
+/// Removes pages and pictures of an earlier gallery: files that gallery_name() could have named.
+/// @param kept  names of files to keep.
 void remove_stale_pages(const std::filesystem::path& pages, const std::set<std::string>& kept);
 
 }  // namespace retarget::cli

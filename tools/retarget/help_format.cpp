@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "argument_tables.h"
-#include "base/wrapped_text.h"
+#include "retarget/text.h"
 
 namespace retarget::cli {
 namespace {
 
-// where descriptions begin
+// Column at which descriptions begin.
 constexpr std::size_t kColumn = 30;
 
 std::string description_lines(std::string text) {

@@ -6,7 +6,7 @@
 
 namespace retarget::cli {
 
-/// CLI11's help, broken to fit a terminal. `--help` shows what most calls need; `--help-all` all
+/// CLI11's help, wrapped to the terminal width. `--help` shows the common options, `--help-all` all
 /// options of the command.
 class HelpFormat : public CLI::Formatter {
  public:

@@ -2,11 +2,11 @@
 
 #include <filesystem>
 
-#include "base/file.h"
-#include "base/lower_case.h"
-#include "base/try.h"
-#include "plan/human_in_world.h"
+#include "app/plan/human_in_world.h"
+#include "retarget/file.h"
 #include "retarget/plan.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -17,12 +17,13 @@ bool is_glb_name(const std::string& path) {
 
 Result<void> save_human_glb(const std::string& output, Clip clip, const HumanOptions& human,
                             const CommonArguments& common, Console& console) {
-  TRY_ASSIGN(const std::string data_folder, data_folder_of(common));
-  TRY_ASSIGN(const auto found, find_human(clip, human, data_folder));
+  RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(common));
+  RETARGET_TRY_ASSIGN(const auto found, find_human(clip, human, data_folder));
   console.lines(found.lines());
   console.warn(found.doubts(), clip.name());
-  TRY_ASSIGN(const auto bytes, format_human_glb(human_in_world(clip, found.calibration),
-                                                std::filesystem::path(output).stem().string()));
+  RETARGET_TRY_ASSIGN(const auto bytes,
+                      format_human_glb(human_in_world(clip, found.calibration),
+                                       std::filesystem::path(output).stem().string()));
   return write_file(output, bytes);
 }
 

@@ -8,11 +8,11 @@
 
 namespace retarget::cli {
 
-/// Whether a file's name says that it is a GLB, in any letter case.
+/// Returns true if a file name ends in .glb, ignoring case.
 [[nodiscard]] bool is_glb_name(const std::string& path);
 
-/// Writes a human's motion as a GLB that shows it, in metres and upright as the human in it is
-/// understood; says how.
+/// Writes a human's motion as a GLB for viewing, in metres and upright, and prints how the human
+/// was recognised.
 [[nodiscard]] Result<void> save_human_glb(const std::string& output, Clip clip,
                                           const HumanOptions& human, const CommonArguments& common,
                                           Console& console);

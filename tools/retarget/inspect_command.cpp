@@ -1,35 +1,35 @@
-// `retarget inspect`: joints, rate, duration and extents of a motion file.
+// `retarget inspect`: shows joints, rate, duration and extents of a motion file.
 
 #include <filesystem>
 #include <string>
 
 #include "arguments.h"
-#include "base/file.h"
-#include "base/printable.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
-#include "human/bone_map_file.h"
-#include "inspect/inspect_clip.h"
+#include "human/skeleton/bone_map_file.h"
+#include "judge/inspect/inspect_clip.h"
 #include "retarget/clip.h"
+#include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "retarget/view.h"
-#include "run/written_files.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
 Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
-  TRY_ASSIGN(const std::string data_folder, data_folder_of(arguments.run.common));
-  TRY_ASSIGN(auto human, find_human(clip, arguments.run.run.options.human, data_folder));
-  TRY(save_bone_map(arguments.run.request.write_map, human.map, clip.skeleton()));
+  RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(arguments.run.common));
+  RETARGET_TRY_ASSIGN(auto human, find_human(clip, arguments.run.run.options.human, data_folder));
+  RETARGET_TRY(save_bone_map(arguments.run.request.write_map, human.map, clip.skeleton()));
   return human;
 }
 
-// what would be printed stands on the page
+// Writes a page that includes the text that would otherwise be printed.
 Result<void> write_page(const Inspection& found, const std::string& file) {
   SkeletonPage page;
   page.title = std::filesystem::path(found.file).filename().string();
@@ -44,7 +44,7 @@ Result<void> write_page(const Inspection& found, const std::string& file) {
     }
   }
   if (found.reason != nullptr) page.doubts.push_back(describe(*found.reason, option_as_flag));
-  TRY_ASSIGN(const std::string bytes, skeleton_page(page));
+  RETARGET_TRY_ASSIGN(const std::string bytes, skeleton_page(page));
   return write_file(file, bytes);
 }
 
@@ -53,23 +53,24 @@ Result<void> write_page(const Inspection& found, const std::string& file) {
 Result<void> inspect(const InspectArguments& arguments, Console& console) {
   if (arguments.html == "-") return usage_failure("--html needs a file");
   if (arguments.json && arguments.positions == "-") {
-    return usage_failure("--json and --positions - both want standard output",
+    return usage_failure("--json and --positions - cannot both use standard output",
                          "give --positions a file name");
   }
   const Run& run = arguments.run.run;
-  TRY(check_written({arguments.positions, arguments.html, arguments.run.request.write_map},
-                    files_read(run, arguments.run.common)));
+  RETARGET_TRY(check_written({arguments.positions, arguments.html, arguments.run.request.write_map},
+                             files_read(run, arguments.run.common)));
   const DataFolder data_folder{arguments.run.common.data_dir, {}};
-  TRY_ASSIGN(const Clip clip, arguments.skeleton_only
-                                  ? load_skeleton(run.motion, run.options.source)
-                                  : load_clip(run.motion, run.options.source, data_folder));
+  RETARGET_TRY_ASSIGN(const Clip clip,
+                      arguments.skeleton_only
+                          ? load_skeleton(run.motion, run.options.source)
+                          : load_clip(run.motion, run.options.source, data_folder));
   console.warn(clip.origin().warnings, clip.name());
   const auto human = understand(clip, arguments);
-  // what the user asked for must be possible; what was only looked at need not be a human
+  // Recognition failures are acceptable; invalid user options are not.
   if (!human && human.error().kind != ErrorKind::kInput) return failure(human.error());
 
   if (!arguments.positions.empty()) {
-    TRY(write_file(arguments.positions, positions_csv(clip)));
+    RETARGET_TRY(write_file(arguments.positions, positions_csv(clip)));
     if (arguments.positions == "-") return {};
   }
   Inspection found{clip.name(), clip, clip.origin().warnings};
@@ -81,7 +82,7 @@ Result<void> inspect(const InspectArguments& arguments, Console& console) {
     found.reason = &human.error();
   }
   if (!arguments.html.empty()) {
-    TRY(write_page(found, arguments.html));
+    RETARGET_TRY(write_page(found, arguments.html));
     console.line("wrote", arguments.html + ": opens in a browser");
     return {};
   }

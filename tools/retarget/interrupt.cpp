@@ -6,18 +6,18 @@
 namespace retarget::cli {
 namespace {
 
-// signal handlers can reach nothing but a global
+// Signal handlers can only access globals.
 volatile std::sig_atomic_t interrupt_seen = 0;
-// guards that are alive; the first of them takes over the signals
+// Number of live guards; the first one installs the handlers.
 std::atomic<int> guards = 0;
 
-// the second signal ends the process
+// A second signal ends the process.
 void note_interrupt(int signal_number) {
   interrupt_seen = 1;
   std::signal(signal_number, SIG_DFL);
 }
 
-// a signal that the parent had ignored, as nohup does, stays ignored
+// Signals that the parent process ignores, as nohup does, stay ignored.
 void take_over(int signal_number, struct sigaction& old) {
   ::sigaction(signal_number, nullptr, &old);
   if (old.sa_handler == SIG_IGN) return;
@@ -48,7 +48,7 @@ bool InterruptGuard::interrupted() {
 }
 
 void leave_interrupts_to_parent() {
-  // the terminal sends Ctrl-C to the parent as well, which passes it on
+  // The terminal sends Ctrl-C to the parent as well, which forwards it.
   std::signal(SIGINT, SIG_IGN);
   struct sigaction action {};
   action.sa_handler = [](int) { interrupt_seen = 1; };

@@ -4,9 +4,9 @@
 
 namespace retarget::cli {
 
-/// While one of these lives, Ctrl-C and SIGTERM set a flag instead of ending the process, so that
-/// a run can stop between two frames and clean up. A second signal ends the process at once. Inside
-/// another one's life, on any thread, it does nothing: the outermost has the signals.
+/// While alive, makes Ctrl-C and SIGTERM set a flag instead of ending the process, so that a run
+/// can stop between two frames and clean up. A second signal ends the process at once. Nested
+/// guards, on any thread, have no effect: the outermost one handles the signals.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -22,11 +22,11 @@ class InterruptGuard {
   struct sigaction old_terminate_ {};
 };
 
-/// In a process that works for another one: Ctrl-C is the other's affair, and SIGTERM, however often,
-/// is what interrupted() tells of.
+/// For a worker process: ignores Ctrl-C, which its parent handles; SIGTERM, however often it
+/// arrives, only sets the flag that interrupted() returns.
 void leave_interrupts_to_parent();
 
-/// Writing past a file size limit or into a closed pipe becomes an error instead of a signal.
+/// Turns signals for writing past a file size limit or into a closed pipe into errors.
 void turn_write_signals_into_errors();
 
 }  // namespace retarget::cli

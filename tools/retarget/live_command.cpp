@@ -1,4 +1,4 @@
-// `retarget live`: a stream in, a robot's frames out, until Ctrl-C; or a motion played as a stream.
+// `retarget live`: converts a stream to robot frames until Ctrl-C, or plays a motion as a stream.
 
 #include <fmt/format.h>
 
@@ -9,22 +9,23 @@
 #include <system_error>
 #include <utility>
 
+#include "app/options/options_json.h"
+#include "app/plan/follow_arms.h"
 #include "argument_tables.h"
 #include "arguments.h"
-#include "base/file.h"
 #include "base/json.h"
-#include "base/number_text.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
 #include "interrupt.h"
-#include "options/options_json.h"
-#include "plan/check_options.h"
+#include "live/stream/decoder.h"
+#include "live/stream/output_formats.h"
+#include "live/stream/serve.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
-#include "stream/decoder.h"
-#include "stream/frame_output.h"
-#include "stream/serve.h"
 
 namespace retarget::cli {
 namespace {
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRecordedOptions = "live.json";
 
-// a signal handler can reach nothing but a global
+// Signal handlers can only access globals.
 volatile std::sig_atomic_t recalibration_asked = 0;
 
 class RecalibrationSignal {
@@ -77,22 +78,23 @@ Result<void> list_formats() {
 }
 
 Result<void> play_clip(const LiveArguments& arguments, Console& console) {
-  TRY_ASSIGN(const Clip clip, load_clip(arguments.play));
+  RETARGET_TRY_ASSIGN(const Clip clip, load_clip(arguments.play));
   PlayOptions options = arguments.player;
   options.human = arguments.run.run.options.human;
   options.data_folder = data_folder_of(arguments.run.common).value_or(std::string());
   const InterruptGuard guard;
-  TRY_ASSIGN(const int frames, play(clip, options, [] { return InterruptGuard::interrupted(); }));
+  RETARGET_TRY_ASSIGN(const int frames,
+                      play(clip, options, [] { return InterruptGuard::interrupted(); }));
   console.line("sent", fmt::format("{} of {}", frames, count_text(clip.frame_count(), "frame")));
   return {};
 }
 
-// the options of a recording, and the skeleton that it keeps
+// Restores the options and the skeleton of a recording.
 Result<void> take_recorded(LiveArguments& arguments) {
   const fs::path folder(arguments.serve.replay);
   const std::string file = (folder / kRecordedOptions).string();
-  TRY_ASSIGN(const auto json, load_json(file));
-  TRY(read_options(json, live_run_table(arguments), file, "the options of a live run"));
+  RETARGET_TRY_ASSIGN(const auto json, load_json(file));
+  RETARGET_TRY(read_options(json, live_run_table(arguments), file, "the options of a live run"));
   if (!arguments.skeleton.empty()) {
     arguments.skeleton = (folder / fs::path(arguments.skeleton).filename()).string();
   }
@@ -106,8 +108,8 @@ Result<void> record_options(const LiveArguments& given) {
   fs::create_directories(folder, failed);
   if (!arguments.skeleton.empty()) {
     const fs::path copy = folder / fs::path(arguments.skeleton).filename();
-    TRY_ASSIGN(const auto bytes, read_file(arguments.skeleton));
-    TRY(write_file(copy.string(), bytes.view()));
+    RETARGET_TRY_ASSIGN(const auto bytes, read_file(arguments.skeleton));
+    RETARGET_TRY(write_file(copy.string(), bytes.view()));
   }
   return write_file((folder / kRecordedOptions).string(),
                     printable_dump(options_json(live_run_table(arguments))));
@@ -117,10 +119,10 @@ Result<void> check_usage(const LiveArguments& arguments) {
   const Run& run = arguments.run.run;
   if (run.robot.name.empty() && run.robot.model.empty()) {
     return usage_failure("a live run needs a robot: --robot NAME or --robot-xml FILE",
-                         "as in retarget live --robot g1 --input udp:1118?format=bvh");
+                         "for example: retarget live --robot g1 --input udp:1118?format=bvh");
   }
   if (!arguments.serve.record.empty() && !arguments.serve.replay.empty()) {
-    return usage_failure("--record and --replay exclude each other");
+    return usage_failure("--record and --replay cannot be combined");
   }
   return check_robot_choice(run.robot);
 }
@@ -132,14 +134,24 @@ void summarise(const ServeSummary& summary, Console& console) {
       "packets",
       fmt::format("{}, {} malformed; frames {} lost, {} late, {} doubled, {} bad", packets.packets,
                   packets.malformed, live.lost, live.late, live.doubled, live.bad));
-  console.line("robot", fmt::format("{}: {} held, {} kept back by limits of speed; {}",
+  console.line("robot", fmt::format("{}: {} held, {} limited in speed or acceleration; {}",
                                     count_text(live.robot_frames, "frame"), live.held, live.limited,
                                     count_text(live.interruptions, "interruption")));
+  if (live.failed_steps > 0) {
+    console.line("failed",
+                 count_text(live.failed_steps, "step") + " of the fit with non-finite numbers");
+  }
   const Latency& latency = summary.latency;
   console.line("latency", fmt::format("packet to robot frame p50 {} ms, p99 {} ms, max {} ms",
                                       number_text(1e3 * latency.percentile(50.0), 3),
                                       number_text(1e3 * latency.percentile(99.0), 3),
                                       number_text(1e3 * latency.max(), 3)));
+  for (const OutputStatistics& output : summary.outputs) {
+    if (output.dropped == 0 && output.reconnects == 0) continue;
+    console.line("output", fmt::format("{}: {} sent, {} dropped, {}; {}", output.name, output.sent,
+                                       output.dropped, count_text(output.reconnects, "reconnect"),
+                                       output.last_error));
+  }
 }
 
 }  // namespace
@@ -148,10 +160,10 @@ Result<void> live(const LiveArguments& given, Console& console) {
   LiveArguments arguments = given;
   if (arguments.list) return list_formats();
   if (!arguments.play.empty()) return play_clip(arguments, console);
-  if (!arguments.serve.replay.empty()) TRY(take_recorded(arguments));
-  TRY(check_usage(arguments));
-  TRY_ASSIGN(const RobotSetup robot,
-             set_up_robot(arguments.run.run, arguments.run.common, console));
+  if (!arguments.serve.replay.empty()) RETARGET_TRY(take_recorded(arguments));
+  RETARGET_TRY(check_usage(arguments));
+  RETARGET_TRY_ASSIGN(const RobotSetup robot,
+                      set_up_robot(arguments.run.run, arguments.run.common, console));
   ServeOptions& serve_options = arguments.serve;
   LivePipelineOptions& pipeline = serve_options.pipeline;
   pipeline.run = arguments.run.run.options;
@@ -159,9 +171,13 @@ Result<void> live(const LiveArguments& given, Console& console) {
     pipeline.live.limit_speeds = pipeline.live.floor = pipeline.live.hold_feet = false;
   }
   if (!arguments.skeleton.empty()) {
-    TRY_ASSIGN(serve_options.skeleton, load_skeleton(arguments.skeleton));
+    RETARGET_TRY_ASSIGN(serve_options.skeleton, load_skeleton(arguments.skeleton));
   }
-  if (!serve_options.record.empty()) TRY(record_options(arguments));
+  RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
+  for (const auto& [label, text] : follow_lines(robot.loaded, robot.limits)) {
+    console.line(label, text);
+  }
+  if (!serve_options.record.empty()) RETARGET_TRY(record_options(arguments));
   ServeControl control;
   control.is_stopped = [] { return InterruptGuard::interrupted(); };
   control.is_recalibrated = &RecalibrationSignal::take;
@@ -170,9 +186,9 @@ Result<void> live(const LiveArguments& given, Console& console) {
   };
   const InterruptGuard guard;
   const RecalibrationSignal recalibration;
-  TRY_ASSIGN(const ServeSummary summary, serve(robot, serve_options, control));
+  RETARGET_TRY_ASSIGN(const ServeSummary summary, serve(robot, serve_options, control));
   summarise(summary, console);
-  return {};
+  return summary.written;
 }
 
 }  // namespace retarget::cli

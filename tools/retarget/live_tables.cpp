@@ -1,4 +1,4 @@
-// The options of `retarget live`.
+// Option tables of `retarget live`.
 
 #include "argument_tables.h"
 
@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "declare_table.h"
-#include "live/live_table.h"
-#include "options/enum_names.h"
-#include "options/run_tables.h"
-#include "stream/live_pipeline.h"
+#include "live/stream/live_pipeline.h"
+#include "retarget/enum_names.h"
+#include "retarget/live_table.h"
+#include "retarget/option_table.h"
 
 namespace retarget {
 
@@ -18,6 +18,9 @@ inline constexpr auto kEnumNames<LiveCalibration> =
     std::to_array<NamedValue<LiveCalibration>>({{LiveCalibration::kAuto, "auto"},
                                                 {LiveCalibration::kTpose, "tpose"},
                                                 {LiveCalibration::kNpose, "npose"}});
+template <>
+inline constexpr auto kEnumNames<LivePace> = std::to_array<NamedValue<LivePace>>(
+    {{LivePace::kAuto, "auto"}, {LivePace::kClock, "clock"}, {LivePace::kInput, "input"}});
 
 }  // namespace retarget
 
@@ -28,23 +31,27 @@ OptionTable pipeline_rows(LiveArguments& arguments) {
   LivePipelineOptions& pipeline = arguments.serve.pipeline;
   OptionTable table = {
       option("input", arguments.serve.input, kInputGroup, "ADDRESS",
-             "Where frames come from: udp:PORT, tcp:PORT, HOST:PORT in place of the port to be "
-             "reached from elsewhere, stdin; ?format=NAME behind it (--list)",
+             "Source of frames: udp:PORT, tcp:PORT, HOST:PORT instead of the port to accept other "
+             "computers, stdin; append ?format=NAME (--list)",
              {.basic = true}),
       option("skeleton", arguments.skeleton, kInputGroup, "FILE",
-             "A motion of the body that will move, or its skeleton: of streams that tell none, or "
-             "to calibrate by",
+             "A motion or skeleton of the performer, for streams without a skeleton or for "
+             "calibration",
              {.basic = true}),
       option("calibrate", pipeline.calibrate, kInputGroup, "",
-             "By what the file or the stream says of the body, or by the pose that the performer "
-             "has when --after seconds have passed; SIGUSR1 asks for it again",
+             "Calibrate from the file's or stream's skeleton, or from the performer's pose after "
+             "--after seconds; SIGUSR1 calibrates again",
              {.basic = true}),
       option("after", pipeline.calibrate_after_s, kInputGroup, "SECONDS",
-             "From the first frame to the pose of --calibrate", {.min = 0.0, .max = 600.0})};
+             "Time from the first frame to the calibration pose", {.min = 0.0, .max = 600.0})};
   append(table, live_table(pipeline.live));
+  table.push_back(
+      option("pace", pipeline.pace, kLiveGroup, "",
+             "clock: send a robot frame every 1/fps seconds; input: as fast as input arrives, by "
+             "its timestamps; auto: input from stdin to files and stdout, otherwise clock"));
   table.push_back(option("plain", arguments.plain, kLiveGroup, "",
-                         "With --mode frame: the inverse kinematics alone; no limits of speed, and "
-                         "neither floor nor feet are looked after"));
+                         "With --mode frame: inverse kinematics only, without speed limits and "
+                         "without handling of floor and feet"));
   return table;
 }
 
@@ -54,7 +61,7 @@ OptionTable live_run_table(LiveArguments& arguments) {
   OptionTable table = pipeline_rows(arguments);
   append(table, robot_table(arguments.run.run.robot));
   append(table, without(solve_table(arguments.run.run.options.solve), {"with", "window"}));
-  append(table, without(human_table(arguments.run.run.options.human), {"tpose-frame"}));
+  append(table, without(human_table(arguments.run.run.options.human), {"tpose-frame", "clean"}));
   return table;
 }
 
@@ -64,29 +71,29 @@ OptionTable live_command_table(LiveArguments& arguments) {
   append(
       table,
       {option("output", serve.outputs, kOutputGroup, "ADDRESS,...",
-              "Where robot frames go: udp:PORT, udp:HOST:PORT, tcp:..., a file, - for standard "
-              "output (the default); as JSON lines, files that end in .csv as CSV; zmq:PORT for "
-              "SONIC, redis:PORT for TWIST2; ?format=NAME behind it (--list)",
+              "Destination of robot frames: udp:PORT, udp:HOST:PORT, tcp:..., a file, - for "
+              "standard output (the default); as JSON lines, or as CSV for files that end in .csv; "
+              "zmq:PORT for SONIC, redis:PORT for TWIST2; append ?format=NAME (--list)",
               {.basic = true, .letter = "o"}),
        option("record", serve.record, kOutputGroup, "DIR",
-              "Folder for what came, as it came, and what left"),
+              "Folder for a recording of the raw input and the output"),
        option("replay", serve.replay, kInputGroup, "DIR",
-              "Such a folder in place of an input, with its options: gives the same bytes again"),
-       option("seconds", serve.seconds, kLiveGroup, "S", "End after so long (default: Ctrl-C ends)",
-              {.min = 0.0, .max = kMaxTime}),
+              "Replay a recorded folder instead of an input, with its options; the output is "
+              "identical byte for byte"),
+       option("seconds", serve.seconds, kLiveGroup, "S",
+              "Stop after this time (default: stop on Ctrl-C)", {.min = 0.0, .max = kMaxTime}),
        option("silent", serve.silent_s, kLiveGroup, "S",
-              "End when nothing came for so long (default: it goes on)",
-              {.min = 0.0, .max = kMaxTime}),
+              "Stop after this time without input (default: never)", {.min = 0.0, .max = kMaxTime}),
+       option("stats", serve.stats, kOutputGroup, "FILE",
+              "Write statistics as JSON, one line per second; - writes standard output"),
        option("play", arguments.play, "Player", "FILE",
-              "Send this motion to --to as its capture would have, and do nothing else",
-              {.basic = true}),
+              "Only send this motion to --to, as the capture system would", {.basic = true}),
        option("to", arguments.player.to, "Player", "ADDRESS",
-              "Where it is sent: udp:PORT, tcp:PORT, stdout; ?format=NAME behind it",
-              {.basic = true}),
+              "Destination: udp:PORT, tcp:PORT, stdout; append ?format=NAME", {.basic = true}),
        option("speed", arguments.player.speed, "Player", "N",
-              "Times its own speed; 0: as fast as it goes", {.min = 0.0, .max = 1000.0}),
-       option("list", arguments.list, kInputGroup, "",
-              "List the formats of inputs and outputs, and end", {.basic = true})});
+              "Speed factor; 0: as fast as possible", {.min = 0.0, .max = 1000.0}),
+       option("list", arguments.list, kInputGroup, "", "List the input and output formats and exit",
+              {.basic = true})});
   append(table, common_table(arguments.run.common));
   return table;
 }

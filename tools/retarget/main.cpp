@@ -1,4 +1,4 @@
-// The command line: reads the options, calls a command.
+// Command line entry point: parses the options and calls a command.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,8 +23,8 @@
 #include "generate.h"
 #include "help_format.h"
 #include "interrupt.h"
-#include "options/run_tables.h"
 #include "retarget/error.h"
+#include "retarget/option_table.h"
 #include "retarget/version.h"
 #include "usage_errors.h"
 
@@ -39,7 +39,7 @@ Examples:
   retarget walk.bvh g1 -o walk.csv
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
-// what calls of a command look like
+// Example calls by command.
 constexpr std::array<std::pair<const char*, const char*>, 8> kExamples = {{
     {"batch",
      "  retarget batch clips/ -o out/ --robot g1\n"
@@ -72,7 +72,7 @@ void add_help(CLI::App& app) {
   }
 }
 
-// reads the words into the options; nothing: go on with the command
+// Parses the command line; returns nothing if a command should run.
 std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
   Console console(false);
   const std::vector<std::string> given(argv + 1, argv + argc);
@@ -80,12 +80,12 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
   if (auto command = check_command(app, words, words != given); !command) {
     return console.fail(command.error());
   }
-  // from the last to the first, as the parser takes them off
+  // CLI11 expects the arguments in reverse order.
   std::ranges::reverse(words);
   try {
     app.parse(std::move(words));
   } catch (const CLI::Success& success) {
-    // help and version, on standard output
+    // Help and version go to standard output.
     return app.exit(success) == 0 ? kDone : kRunFailed;
   } catch (const CLI::ExtrasError&) {
     return console.fail(unknown_words(app).value());
@@ -99,7 +99,7 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
   return std::nullopt;
 }
 
-// the commands, each with what calls it once it was parsed
+// The commands, each with the function to call after parsing.
 class Commands {
  public:
   template <typename Arguments, typename Value>
@@ -116,7 +116,7 @@ class Commands {
       }
     });
   }
-  // the first one that was parsed; the default command comes last
+  // Calls the first command that was parsed; the default command is last.
   [[nodiscard]] ExitCode call() const {
     const auto parsed =
         std::ranges::find_if(calls_, [](const auto& each) { return each.first->parsed(); });
@@ -160,7 +160,7 @@ int main_with(int argc, char** argv) {
   commands.add(add_robots_command(app, robots_of), robots_of, robots_of.common, robots);
   commands.add(&app, run_of, run_of.common, run);
 
-  app.add_subcommand("help", "The help of a command: retarget help edit path");
+  app.add_subcommand("help", "Help for a command: retarget help edit path");
   std::string what;
   const CLI::App* generate = add_generate_command(app, what);
   add_help(app);
@@ -174,11 +174,11 @@ int main_with(int argc, char** argv) {
 }  // namespace retarget::cli
 
 int main(int argc, char** argv) {
-  // the library returns its errors; what is thrown nevertheless is memory that ran out
+  // The library returns its errors; exceptions remain for exhausted memory.
   try {
     return retarget::cli::main_with(argc, argv);
   } catch (const std::bad_alloc&) {
-    std::fputs("error: there is not enough memory\n", stderr);
+    std::fputs("error: not enough memory\n", stderr);
     return retarget::cli::kRunFailed;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());

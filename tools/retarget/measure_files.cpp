@@ -4,15 +4,13 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/number_text.h"
-#include "base/try.h"
-#include "plan/config_files.h"
-#include "plan/gates.h"
-#include "quality/measure.h"
 #include "read_motion.h"
-#include "robot/resample_robot.h"
-#include "run/recorded_motion.h"
-#include "run/run_to_files.h"
+#include "retarget/check_options.h"
+#include "retarget/measure.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
+#include "robot/model/resample_robot.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -23,11 +21,13 @@ namespace fs = std::filesystem;
 Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
                         Console& console) {
   const Run& run = arguments.run;
-  TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
-  TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
-  // of a body without some bones, too: what the motion lacks for them is measured
+  RETARGET_TRY_ASSIGN(const RobotSetup setup,
+                      retarget::set_up_robot(std::move(robot), run.options));
+  RETARGET_TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
+  // Restores the tasks of bones that the human lacks, which the plan leaves out: they are measured
+  // as well.
   plan.config = setup.config_for(plan.human);
-  TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
+  RETARGET_TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
   measures.rate = measures.source->rate;
   return {};
 }
@@ -38,14 +38,15 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   MotionMeasure measure = measure_motion(clip, measures.limits, source);
   if (measures.dynamics) add_dynamics(clip, measure.report);
   if (measure.has_lead_in) {
-    console.line("lead-in", file + " follows the source with its leading frames: they are kept");
+    console.line("lead-in", file + " includes the source's leading frames; they are kept");
   }
   if (source != nullptr && measure.source_frames < clip.frame_count()) {
-    console.warn({{0, 0,
-                   "the source has " + count_text(measure.source_frames, "frame") +
-                       " from its start on for the " + count_text(clip.frame_count(), "frame") +
-                       " of the motion: contacts and tracking end with it"}},
-                 file);
+    console.warn(
+        {{0, 0,
+          "the source has " + count_text(measure.source_frames, "frame") +
+              " after its start time, the motion has " + count_text(clip.frame_count(), "frame") +
+              "; contacts and tracking are measured only up to its end"}},
+        file);
   }
   const HumanClip* human = nullptr;
   if (source != nullptr) {
@@ -54,7 +55,8 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   return {std::move(clip), human, std::move(measure.report), std::nullopt};
 }
 
-// that all motions were made for, as their sidecars say; empty: of the robot as it is, or of several
+// Returns the variant that all motions were made for, according to their sidecars; empty for the
+// whole robot or several variants.
 std::string variant_of(const std::vector<std::string>& motions) {
   std::string common;
   for (const std::string& motion : motions) {
@@ -87,33 +89,33 @@ Result<std::vector<std::string>> check_inputs(const MeasureArguments& arguments)
 Result<Measures> load_measures(const MeasureArguments& arguments, Console& console,
                                const std::optional<FrameRate>& source_rate) {
   RunArguments with_file = arguments.run;
-  TRY(take_smpl_file(with_file));
+  RETARGET_TRY(take_smpl_file(with_file));
   Run& run = with_file.run;
   if (!arguments.fps.empty()) {
-    TRY_ASSIGN(run.options.time.fps, rate_of(arguments.fps));
+    RETARGET_TRY_ASSIGN(run.options.time.fps, rate_of(arguments.fps));
   } else if (source_rate) {
     run.options.time.fps = source_rate->fps();
   }
   Measures measures;
   measures.dynamics = arguments.dynamics;
-  TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
-  TRY_ASSIGN(measures.gates, changed_gates(arguments.gates, data_folder));
+  RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
+  RETARGET_TRY_ASSIGN(measures.gates, changed_gates(arguments.gates, data_folder));
   const std::string variant = run.robot.variant.empty() ? variant_of(arguments.motions) : "";
-  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
+  RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
   const auto& variants = robot.robot->profile().variants;
   if (std::ranges::find(variants, variant, &RobotVariant::name) != variants.end()) {
     run.robot.variant = variant;
-    TRY_ASSIGN(robot, load_robot(run.robot, with_file.common, console));
+    RETARGET_TRY_ASSIGN(robot, load_robot(run.robot, with_file.common, console));
   }
   measures.robot = robot.robot;
   measures.model = robot.model;
   std::string& limits = run.options.solve.limits;
   if (limits.empty()) limits = measures.robot->limits_for({});
-  TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
+  RETARGET_TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
   if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
   measures.reading = read_motion_options(arguments.reading, run.options.source.memory_gb);
   if (!run.motion.empty()) {
-    TRY(add_source(with_file, std::move(robot), measures, console));
+    RETARGET_TRY(add_source(with_file, std::move(robot), measures, console));
   } else if (run.options.source.source_fps > 0.0) {
     measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
   }
@@ -123,24 +125,25 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
 
 Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                     Console& console) {
-  TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, measures.robot, measures.reading));
-  // a rate that --fps gave is no guess
+  RETARGET_TRY_ASSIGN(RobotMotion motion,
+                      load_recorded_motion(file, measures.robot, measures.reading));
+  // A rate given by --fps is not a guess.
   const bool rate_known = motion.rate_known;
   motion.rate_known = rate_known || measures.reading.default_rate.has_value();
   print_motion(file, motion, console, "--fps");
   if (rate_known && measures.reading.default_rate && !measures.source &&
       !same_rate(*measures.reading.default_rate, motion.clip.rate())) {
-    console.warn(
-        {{0, 0,
-          "the file says " + to_text(motion.clip.rate()) +
-              " fps, which is used: --fps is for files that give none, --source-fps for all"}},
-        file);
+    console.warn({{0, 0,
+                   "the file gives " + to_text(motion.clip.rate()) +
+                       " fps, which is used; --fps applies only to files without a rate, "
+                       "--source-fps to all files"}},
+                 file);
   }
-  // frame by frame beside the source
+  // Measuring against the source needs matching frames.
   const FrameRate file_rate = motion.clip.rate();
   RobotClip clip = std::move(motion.clip);
   if (measures.source) {
-    TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
+    RETARGET_TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
   }
   const auto start = std::chrono::steady_clock::now();
   MeasuredMotion measured = measure(std::move(clip), measures, file, console);

@@ -1,7 +1,7 @@
 #include "read_motion.h"
 
-#include "base/number_text.h"
-#include "plan/memory.h"
+#include "retarget/check_options.h"
+#include "retarget/text.h"
 
 namespace retarget::cli {
 
@@ -13,12 +13,11 @@ ReadMotionOptions read_motion_options(const ReadingOptions& options, double memo
 
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
                   const std::string& rate_option) {
-  console.line("read",
-               (file == "-" ? "standard input" : file) + ": " +
-                   std::string(format_name(motion.format)) + ", " +
-                   count_text(motion.clip.frame_count(), "frame") + " at " +
-                   to_text(motion.clip.rate()) + " fps" +
-                   (motion.rate_known ? "" : ", which the file does not give: " + rate_option));
+  console.line("read", (file == "-" ? "standard input" : file) + ": " +
+                           std::string(format_name(motion.format)) + ", " +
+                           count_text(motion.clip.frame_count(), "frame") + " at " +
+                           to_text(motion.clip.rate()) + " fps" +
+                           (motion.rate_known ? "" : ", not given in the file: " + rate_option));
   for (const std::string& note : motion.notes) console.line("", note);
   for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
 }

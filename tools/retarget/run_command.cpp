@@ -1,4 +1,4 @@
-// The default command: one motion file to a robot's motion files.
+// The default command: converts one motion file to a robot's motion files.
 
 #include <filesystem>
 #include <string>
@@ -6,18 +6,16 @@
 #include <vector>
 
 #include "arguments.h"
-#include "base/file.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
-#include "plan/check_options.h"
-#include "plan/gates.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/measure.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
-#include "robot/find_robot.h"
-#include "run/run_lines.h"
-#include "run/run_to_files.h"
-#include "run/written_files.h"
+#include "retarget/run.h"
+#include "retarget/try.h"
+#include "robot/model/find_robot.h"
 #include "shared_arguments.h"
 #include "usage_errors.h"
 
@@ -35,26 +33,26 @@ bool is_model(const std::string& path) {
   return ending == ".xml" || ending == ".urdf";
 }
 
-// a robot's name or folder
-bool names_robot(const RunArguments& arguments, const std::string& word) {
+// Returns true for a robot's name or folder.
+bool is_robot(const RunArguments& arguments, const std::string& word) {
   if (is_given_file(word)) return false;
   const auto data_folder = data_folder_of(arguments.common);
-  return data_folder && find_robot(word, fs::path(*data_folder) / "robots");
+  return data_folder && names_robot(word, robot_folders(*data_folder));
 }
 
 Failure one_too_many(const std::string& what, const std::string& one, const std::string& other) {
-  return usage_failure("two " + what + " are given: " + one + " and " + other,
-                       "retarget batch takes many motions and robots");
+  return usage_failure("two " + what + " given: " + one + " and " + other,
+                       "use retarget batch for several motions or robots");
 }
 
-// what is named without an option, in either order
+// Assigns positional arguments, which may be in either order.
 Result<void> take_words(RunArguments& arguments) {
   RobotChoice& choice = arguments.run.robot;
   std::string motion = arguments.run.motion + arguments.smpl_file;
   std::string robot = choice.name + choice.model;
   for (const std::string& word : arguments.words) {
     if (word.empty()) continue;
-    if (motion.empty() && !names_robot(arguments, word)) {
+    if (motion.empty() && !is_robot(arguments, word)) {
       motion = arguments.run.motion = word;
     } else if (is_given_file(word) && !is_model(word)) {
       std::error_code ignored;
@@ -83,30 +81,31 @@ Result<void> check_all_given(const Run& run) {
   if (!needs.empty() && !run.robot.model.empty() && run.options.solve.ik_config.empty()) {
     needs.push_back({"retargeting configuration", "--ik-config FILE"});
   }
-  return check_needs(needs, "as in retarget walk.bvh g1 -o walk.csv");
+  return check_needs(needs, "for example: retarget walk.bvh g1 -o walk.csv");
 }
 
 Result<void> check_usage(const RunArguments& arguments, const std::string& data_folder) {
   const Run& run = arguments.run;
   const RunRequest& request = arguments.request;
-  // some motions of robots are folders
-  if (run.options.source.from_robot.empty()) TRY(check_no_folder(run.motion));
-  TRY(check_all_given(run));
-  TRY(check_robot_choice(run.robot));
-  TRY(check_config_choice(run.robot, run.options.solve));
-  TRY(check_solving_options(run.options));
+  // Some robot motion formats are folders.
+  if (run.options.source.from_robot.empty()) RETARGET_TRY(check_no_folder(run.motion));
+  RETARGET_TRY(check_all_given(run));
+  RETARGET_TRY(check_robot_choice(run.robot));
+  RETARGET_TRY(check_config_choice(run.robot, run.options.solve));
+  RETARGET_TRY(check_solving_options(run.options));
   if (request.report == "-") {
-    return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
+    return usage_failure("--report needs a file",
+                         "use retarget evaluate --json - to print a report");
   }
   if (request.html == "-") {
-    return usage_failure("--html needs a file", "name one that ends in .html");
+    return usage_failure("--html needs a file", "give a file name that ends in .html");
   }
   if (request.png == "-") return usage_failure("--png needs a file");
   if (request.strip > 0 && request.png.empty()) {
-    return usage_failure("--strip is for a picture, and none is written", "add --png FILE");
+    return usage_failure("--strip needs a picture", "add --png FILE");
   }
   for (const std::string& file : {request.report, request.html, request.png}) {
-    if (!file.empty()) TRY(check_output_folder(file));
+    if (!file.empty()) RETARGET_TRY(check_output_folder(file));
   }
   std::vector<std::string> read = files_of(run, data_folder);
   read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
@@ -118,24 +117,26 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
 
 Result<ExitCode> run(const RunArguments& given, Console& console) {
   RunArguments arguments = given;
-  TRY(take_words(arguments));
-  TRY(take_smpl_file(arguments));
+  RETARGET_TRY(take_words(arguments));
+  RETARGET_TRY(take_smpl_file(arguments));
   const auto data_folder = data_folder_of(arguments.common);
-  TRY(check_usage(arguments, data_folder.value_or(std::string())));
+  RETARGET_TRY(check_usage(arguments, data_folder.value_or(std::string())));
   if (!data_folder) return failure(data_folder.error());
-  TRY_ASSIGN(const RobotSetup setup, set_up_robot(arguments.run, arguments.common, console));
-  // sidecars have the whole name
+  RETARGET_TRY_ASSIGN(const RobotSetup setup,
+                      set_up_robot(arguments.run, arguments.common, console));
+  // Sidecars record the full name.
   if (!arguments.run.robot.name.empty()) arguments.run.robot.name = setup.loaded.name;
   RunRequest request = arguments.request;
-  // quality decides only where gates were asked for
+  // Quality affects the exit code only if gates were requested.
   if (!arguments.gates.empty()) {
-    TRY_ASSIGN(request.gates, changed_gates(arguments.gates, *data_folder));
+    RETARGET_TRY_ASSIGN(request.gates, changed_gates(arguments.gates, *data_folder));
   }
-  TRY_ASSIGN(const RunOutcome outcome, run_to_files(arguments.run, request, setup, console));
+  RETARGET_TRY_ASSIGN(const RunOutcome outcome,
+                      run_to_files(arguments.run, request, setup, console));
   if (!request.gates || outcome.quality->passed()) return kDone;
   return run_failure(arguments.run.output == "-" ? "standard output" : arguments.run.output,
                      "the motion misses a gate: " + missed_gates_text(*outcome.quality),
-                     "it is written all the same");
+                     "the motion was written nevertheless");
 }
 
 }  // namespace retarget::cli

@@ -4,17 +4,16 @@
 #include <utility>
 
 #include "base/data_folder.h"
-#include "base/try.h"
-#include "options/run_tables.h"
-#include "run/run_to_files.h"
-#include "run/written_files.h"
+#include "retarget/option_table.h"
+#include "retarget/run.h"
+#include "retarget/try.h"
 
 namespace retarget::cli {
 
 Result<std::string> data_folder_of(const CommonArguments& common) {
   const auto& chosen = common.data_dir;
-  TRY_ASSIGN(const auto folder,
-             find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen)));
+  RETARGET_TRY_ASSIGN(const auto folder,
+                      find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen)));
   return folder.string();
 }
 
@@ -44,7 +43,7 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const CommonArguments&
 }
 
 Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common, Console& console) {
-  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, common, console));
+  RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, common, console));
   return retarget::set_up_robot(std::move(robot), run.options);
 }
 

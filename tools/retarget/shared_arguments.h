@@ -13,26 +13,26 @@
 
 namespace retarget::cli {
 
-/// What several commands do with their arguments.
+/// Functions that several commands apply to their arguments.
 
-/// The folder that holds robots/ and configs/.
+/// Returns the folder that holds robots/ and configs/.
 [[nodiscard]] Result<std::string> data_folder_of(const CommonArguments& common);
 
-/// Makes the file of --smpl the motion; --bvh beside it is refused (kUsage).
+/// Moves --smpl into the run's motion. Errors (kUsage): --bvh is given as well.
 [[nodiscard]] Result<void> take_smpl_file(RunArguments& arguments);
 
-/// Every file that a run reads, as far as it is known before: what must not be written.
+/// Returns all files that a run is known to read in advance, which must not be overwritten.
 [[nodiscard]] std::vector<std::string> files_read(const Run& run, const CommonArguments& common);
 
-/// What --fps says where it may be left out; nothing: the source's own. kUsage error: no rate.
+/// Parses an optional --fps; nothing: the source's rate. Errors (kUsage): an invalid rate.
 [[nodiscard]] Result<std::optional<double>> rate_of(const std::string& fps);
 
-/// Loads the robot of a run and says what was found for it.
+/// Loads the robot of a run and prints what was found for it.
 [[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
                                              const CommonArguments& common, Console& console,
                                              Soles soles = Soles::kFound);
 
-/// The same with limits, configurations and the fit's options.
+/// The same, with limits, configurations and the fit's options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common,
                                               Console& console);
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/data_folder.h"
-#include "base/suggest.h"
 #include "human_glb.h"
-#include "robot/find_robot.h"
+#include "retarget/text.h"
+#include "robot/model/find_robot.h"
 
 namespace retarget::cli {
 namespace {
@@ -20,14 +20,14 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-// the command that was given: `retarget edit path` has its own options alone
+// The innermost command given: `retarget edit path` has its own options.
 const CLI::App& given_command(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   return *command;
 }
 
-// `retarget edit path`
+// Returns the full name of a command, such as `retarget edit path`.
 std::string call_of(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   return parent == nullptr ? command.get_name() : call_of(*parent) + " " + command.get_name();
@@ -61,10 +61,11 @@ Need need_of(const CLI::Option& option) {
   return {name, name + " " + option.get_type_name()};
 }
 
-// commands that do nothing without a robot; others ask for it where they need one
+// Commands that always need a robot; others request one if necessary.
 constexpr std::array<std::string_view, 3> kOfARobot = {"batch", "convert", "evaluate"};
 
-// a word that is no file but names a robot, where the command takes one and has none: `g1`
+// Finds a word that names a robot but is not a file, such as `g1`, if the command still lacks
+// --robot.
 std::string robot_among(const CLI::App& command, const std::vector<std::string>& words) {
   const CLI::Option* option = command.get_option_no_throw("--robot");
   if (option == nullptr || option->count() > 0 || is_given(command, "--robot-xml")) return {};
@@ -73,20 +74,20 @@ std::string robot_among(const CLI::App& command, const std::vector<std::string>&
       has_folder ? std::optional(command.get_option("--data-dir")->results().front())
                  : std::nullopt);
   if (!folder) return {};
-  const auto names_robot = [&](const std::string& word) {
-    return !is_there(word) && find_robot(word, *folder / "robots").has_value();
+  const auto is_robot = [&](const std::string& word) {
+    return !is_there(word) && names_robot(word, robot_folders(*folder));
   };
-  const auto found = std::ranges::find_if(words, names_robot);
+  const auto found = std::ranges::find_if(words, is_robot);
   return found == words.end() ? std::string() : *found;
 }
 
-// the command's help, after the option that was meant by a word that was given without
+// Returns the help hint, preceded by the option that a stray robot name was probably meant for.
 std::string robot_or_options_hint(const CLI::App& command, const std::vector<std::string>& words) {
   const std::string robot = robot_among(command, words);
   return (robot.empty() ? "" : "did you mean --robot " + robot + "? ") + options_hint(command);
 }
 
-// those that are no option and belong to none
+// Returns the positional arguments that were given.
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> words;
   for (const CLI::Option* option : command.get_options()) {
@@ -96,7 +97,7 @@ std::vector<std::string> words_of(const CLI::App& command) {
   return words;
 }
 
-// a GLB is made of human motions as well
+// GLB files can show human motions, which need no robot.
 bool may_be_of_human(const CLI::App& command) {
   return std::ranges::any_of(std::array{"out", "--output"}, [&](const char* name) {
     const auto& given = command.get_option(name)->results();
@@ -108,9 +109,9 @@ std::vector<Need> needs_of(const CLI::App& command) {
   const std::string& name = command.get_name();
   const bool merges = is_given(command, "--merge");
   std::vector<Need> needs;
-  // what it compares has no better name than first and second
+  // The positional names of `compare`, A and B, need an explanation.
   if (name == "compare" && !is_given(command, "b")) {
-    if (is_given(command, "a")) return {{"second motion file", "B, the other of the two"}};
+    if (is_given(command, "a")) return {{"second motion file", "B"}};
     return {{"motion files", "A and B, the two motion files to compare"}};
   }
   if (name == "batch" && !merges && !is_given(command, "inputs") && !is_given(command, "--list") &&
@@ -166,7 +167,7 @@ Result<void> check_command(const CLI::App& app, const std::vector<std::string>& 
     const std::string near = did_you_mean(word, names_of(known));
     const bool may_be_motion = command == &app && !for_help;
     if (may_be_motion && (near.empty() || is_there(word))) return {};
-    std::string message = "there is no command \"";
+    std::string message = "unknown command \"";
     message.append(word).append("\"").append(near);
     return usage_failure(std::move(message), call_of(*command) + " --help lists the commands");
   }
@@ -180,7 +181,7 @@ Result<void> check_given(const CLI::App& app) {
     const std::vector<std::string> names = names_of(parts);
     return usage_failure(
         call_of(command) + " needs one of the commands " + list_names(names, names.size()),
-        call_of(command) + " --help describes them");
+        call_of(command) + " --help lists them");
   }
   const std::vector<Need> needs = needs_of(command);
   if (needs.empty()) return {};
@@ -197,10 +198,11 @@ Failure unknown_words(const CLI::App& app) {
     return usage_failure("unknown option " + word + did_you_mean(word, known),
                          options_hint(command));
   }
-  return usage_failure("unexpected " + list_names(words),
-                       &command == &app ? "a run takes one motion file and one robot; "
-                                          "retarget batch takes many files"
-                                        : robot_or_options_hint(command, words));
+  return usage_failure(
+      "unexpected " + list_names(words),
+      &command == &app
+          ? "a run takes one motion file and one robot; use retarget batch for several files"
+          : robot_or_options_hint(command, words));
 }
 
 Failure wrong_words(const CLI::App& app, const CLI::ParseError& error) {

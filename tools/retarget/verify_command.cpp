@@ -1,28 +1,26 @@
-// `retarget verify`: whether a run still gives the bytes that its sidecar tells of.
+// `retarget verify`: checks that a run still gives the bytes recorded in its sidecar.
 
 #include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "app/provenance/hash.h"
+#include "app/run/folder_hash.h"
+#include "app/run/sidecar.h"
 #include "arguments.h"
-#include "base/file.h"
-#include "base/suggest.h"
-#include "base/text_size.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
-#include "options/enum_names.h"
-#include "options/option_table.h"
-#include "options/run_tables.h"
-#include "plan/check_options.h"
-#include "provenance/hash.h"
+#include "retarget/check_options.h"
+#include "retarget/enum_names.h"
+#include "retarget/file.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "retarget/version.h"
-#include "run/folder_hash.h"
-#include "run/run_to_files.h"
-#include "run/sidecar.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -30,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// a file that lies no longer where the run found it may lie beside the sidecar
+// Looks for a file next to the sidecar if it no longer exists at its recorded path.
 void find_moved(std::string& file, const fs::path& beside) {
   std::error_code ignored;
   if (file.empty() || file == "-" || fs::exists(file, ignored)) return;
@@ -47,18 +45,19 @@ Result<Sidecar> load_sidecar(const std::string& file) {
   std::error_code ignored;
   if (fs::is_directory(file, ignored)) {
     return input_failure(
-        file, "expected the sidecar of a run, found a directory",
-        "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
+        file, "expected a run's sidecar, found a directory",
+        "give a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
   }
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
+  RETARGET_TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
   return read_sidecar(content.view(), file);
 }
 
-// the inputs whose content is another one, one line each
+// Returns the inputs whose content has changed, one line each.
 std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadFile>& now) {
   std::vector<std::string> changed;
   if (sidecar.version != version_number()) {
-    changed.push_back("the tool is version " + version_number() + ", it was " + sidecar.version);
+    changed.push_back("the tool is version " + version_number() + ", the sidecar's was " +
+                      sidecar.version);
   }
   for (const ReadFile& then : sidecar.files) {
     const auto found = std::ranges::find(now, then.role, &ReadFile::role);
@@ -71,7 +70,7 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
   return changed;
 }
 
-// the sidecar's run as it can be done here, for the one output that the sidecar is of
+// Reconstructs the sidecar's run with only the output that the sidecar describes.
 Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file) {
   Run run = sidecar.run;
   if (run.motion == "-") {
@@ -92,11 +91,11 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
     if (row.info.file == OptionFile::kNone) continue;
     std::string named = to_text(row.get());
     find_moved(named, beside);
-    TRY(row.set(named));
+    RETARGET_TRY(row.set(named));
   }
   const auto format = enum_from_name<MotionFormat>(sidecar.format);
   if (!format) {
-    return input_failure(file, "the sidecar has the unknown format \"" + sidecar.format + "\"",
+    return input_failure(file, "unknown format in the sidecar: \"" + sidecar.format + "\"",
                          "it may come from a newer version of this tool");
   }
   run.options.save.formats = {*format};
@@ -107,15 +106,15 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
 }  // namespace
 
 Result<void> verify(const VerifyArguments& arguments, Console& console) {
-  TRY_ASSIGN(const Sidecar sidecar, load_sidecar(arguments.file));
+  RETARGET_TRY_ASSIGN(const Sidecar sidecar, load_sidecar(arguments.file));
   const fs::path beside = fs::path(arguments.file).parent_path();
-  TRY_ASSIGN(const Run run, run_of(sidecar, beside, arguments.file));
-  TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.common, console));
+  RETARGET_TRY_ASSIGN(const Run run, run_of(sidecar, beside, arguments.file));
+  RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.common, console));
   RunRequest request;
   request.hashes_only = true;
   request.mirror = sidecar.mirror;
   const auto outcome = run_to_files(run, request, setup, console);
-  // which configuration is read is known from the source only
+  // The configuration depends on the source, so it is known only after the run.
   const auto files = files_read(run, setup.loaded, outcome ? outcome->config : setup.config.file);
   if (!files) return failure(outcome ? files.error() : outcome.error());
   const std::vector<std::string> changed = changes(sidecar, *files);
@@ -125,20 +124,20 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
   const std::string output = (beside / sidecar.output).string();
   std::error_code ignored;
   if (fs::exists(output, ignored)) {
-    TRY_ASSIGN(const std::string there,
-               fs::is_directory(output, ignored) ? folder_hash(output, "") : hash_file(output));
+    RETARGET_TRY_ASSIGN(const std::string there, fs::is_directory(output, ignored)
+                                                     ? folder_hash(output, "")
+                                                     : hash_file(output));
     if (there != sidecar.hash) {
       return run_failure(output, "the file has changed since the sidecar was written");
     }
   }
   if (outcome->motions.front().hash == sidecar.hash) {
-    console.line("verified", sidecar.output + ": the output is the same");
+    console.line("verified", sidecar.output + ": the output is identical");
     return {};
   }
   return run_failure(arguments.file, "the output differs from " + sidecar.output,
-                     changed.empty()
-                         ? "nothing that is recorded has changed: another machine or build?"
-                         : list_names(changed));
+                     changed.empty() ? "all recorded inputs match; a different machine or build?"
+                                     : list_names(changed));
 }
 
 }  // namespace retarget::cli

@@ -1,4 +1,4 @@
-// `retarget view`: a page that plays robot motions, or a picture of one.
+// `retarget view`: makes a page that plays robot motions, or a picture of one.
 
 #include <algorithm>
 #include <filesystem>
@@ -6,29 +6,25 @@
 #include <string>
 
 #include "arguments.h"
-#include "base/file.h"
-#include "base/lower_case.h"
-#include "base/number_text.h"
-#include "base/try.h"
 #include "commands.h"
 #include "console.h"
 #include "gallery.h"
-#include "human/human_clip.h"
+#include "human/skeleton/human_clip.h"
 #include "measure_files.h"
-#include "plan/check_options.h"
 #include "read_motion.h"
+#include "retarget/check_options.h"
 #include "retarget/clip.h"
+#include "retarget/file.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/run.h"
 #include "retarget/solve.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "retarget/view.h"
-#include "run/recorded_motion.h"
-#include "run/run_lines.h"
-#include "run/run_to_files.h"
-#include "run/written_files.h"
 #include "shared_arguments.h"
 #include "view/strip.h"
 
@@ -42,21 +38,21 @@ bool is_page(const std::string& output) {
   return ending == ".html" || ending == ".htm";
 }
 
-// what is only for pages or only for pictures is not passed over in silence
+// Rejects options that do not apply to the chosen output, page or picture.
 Result<void> check_use(const ViewArguments& arguments) {
   const bool page = is_page(arguments.run.run.output);
   const RunRequest& request = arguments.run.request;
   if (page && request.png.empty() && request.strip > 0) {
-    return usage_failure("--strip is for a picture, and only a page is written",
-                         "add --png FILE, or name an output that ends in .png or .svg");
+    return usage_failure("--strip needs a picture, but only a page is written",
+                         "add --png FILE, or give an output that ends in .png or .svg");
   }
   if (!page &&
       (!arguments.labels.empty() || !arguments.meshes.empty() || !arguments.gates.empty())) {
     return usage_failure(std::string(!arguments.labels.empty()   ? "--label"
                                      : !arguments.meshes.empty() ? "--meshes"
                                                                  : "--gate") +
-                             " is for a page, and only a picture is written",
-                         "name an output that ends in .html");
+                             " needs a page, but only a picture is written",
+                         "give an output that ends in .html");
   }
   return {};
 }
@@ -64,23 +60,23 @@ Result<void> check_use(const ViewArguments& arguments) {
 Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
   const RunRequest& request = arguments.run.request;
-  TRY(check_robot_choice(run.robot));
-  TRY(check_use(arguments));
-  TRY_ASSIGN(const auto read, check_inputs(arguments));
+  RETARGET_TRY(check_robot_choice(run.robot));
+  RETARGET_TRY(check_use(arguments));
+  RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
   if ((!is_page(run.output) || !request.png.empty()) && arguments.motions.size() > 1) {
-    return usage_failure("a picture is of one motion, and " +
-                             count_text(arguments.motions.size(), "motion") + " are given",
-                         "an output that ends in .html plays them side by side");
+    return usage_failure(
+        "a picture shows one motion, found " + count_text(arguments.motions.size(), "motion"),
+        "give an output that ends in .html to play them side by side");
   }
   if (!arguments.labels.empty() && arguments.labels.size() != arguments.motions.size()) {
     return usage_failure(count_text(arguments.labels.size(), "label") + " and " +
                              count_text(arguments.motions.size(), "motion") + " are given",
-                         "give one --label for each motion, in their order");
+                         "give one --label per motion, in the same order");
   }
   return check_written({run.output, request.png, request.write_map}, read);
 }
 
-// a strip in the form that the file's name says
+// Draws a strip in the format that the file name implies.
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
   const RunRequest& request = arguments.run.request;
@@ -93,15 +89,15 @@ std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
   return draw_strip(motion.clip, human, {request.strip, name + ", " + motion.clip.robot().name()});
 }
 
-// the human that the motion came from, frame by frame beside it
+// Returns the human source of a motion, resampled to the motion's frames.
 Result<std::optional<HumanClip>> source_human(RunArguments arguments, const LoadedRobot& robot,
                                               const FrameRate& rate, Console& console) {
   Run& run = arguments.run;
   if (run.motion.empty()) return std::optional<HumanClip>();
   run.options.time.fps = rate.fps();
-  TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(robot, run.options));
-  TRY_ASSIGN(const Plan plan, read_and_plan(run, arguments.request, setup, console));
-  TRY_ASSIGN(const auto clip, prepare_clip(plan));
+  RETARGET_TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(robot, run.options));
+  RETARGET_TRY_ASSIGN(const Plan plan, read_and_plan(run, arguments.request, setup, console));
+  RETARGET_TRY_ASSIGN(const auto clip, prepare_clip(plan));
   return std::optional(to_human(*clip, plan.human.calibration));
 }
 
@@ -109,17 +105,19 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
   const RunRequest& request = arguments.run.request;
   const std::string& file = arguments.motions.front();
-  TRY_ASSIGN(const LoadedRobot robot,
-             load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
-  TRY_ASSIGN(
+  RETARGET_TRY_ASSIGN(const LoadedRobot robot,
+                      load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
+  RETARGET_TRY_ASSIGN(
       const RobotMotion motion,
       load_recorded_motion(file, robot.robot,
                            read_motion_options(arguments.reading, run.options.source.memory_gb)));
   print_motion(file, motion, console);
-  TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
+  RETARGET_TRY_ASSIGN(const auto human,
+                      source_human(arguments.run, robot, motion.clip.rate(), console));
   for (const std::string& output : {run.output, request.png}) {
     if (output.empty() || is_page(output)) continue;
-    TRY(write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
+    RETARGET_TRY(
+        write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
     console.line(
         "wrote",
         output + ": " + count_text(std::min(request.strip, motion.clip.frame_count()), "pose"));
@@ -127,7 +125,7 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   return {};
 }
 
-// of the motion, where that is known: its source is looked at with it
+// Returns the motion's rate, if known, to which the source is resampled.
 Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
                                                 const LoadedRobot& robot) {
   const Run& run = arguments.run.run;
@@ -135,14 +133,14 @@ Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
   if (!arguments.fps.empty() || run.motion.empty() || file == "-") {
     return std::optional<FrameRate>();
   }
-  TRY_ASSIGN(
+  RETARGET_TRY_ASSIGN(
       const RobotMotion motion,
       load_recorded_motion(file, robot.robot,
                            read_motion_options(arguments.reading, run.options.source.memory_gb)));
   return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
 }
 
-// as files are told apart: by name, else by the folder as well
+// Labels that distinguish the files: by name, or by folder and name if names coincide.
 std::vector<std::string> labels_of(const ViewArguments& arguments) {
   if (!arguments.labels.empty()) return arguments.labels;
   std::vector<std::string> labels;
@@ -162,28 +160,28 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   const std::string& output = arguments.run.run.output;
   std::optional<FrameRate> source_rate;
   {
-    TRY_ASSIGN(const LoadedRobot robot,
-               retarget::load_robot(arguments.run.run.robot,
-                                    DataFolder{arguments.run.common.data_dir, {}}));
-    TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
+    RETARGET_TRY_ASSIGN(const LoadedRobot robot,
+                        retarget::load_robot(arguments.run.run.robot,
+                                             DataFolder{arguments.run.common.data_dir, {}}));
+    RETARGET_TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
   }
-  TRY_ASSIGN(const Measures measures, load_measures(arguments, console, source_rate));
+  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(arguments, console, source_rate));
   std::vector<MeasuredMotion> motions;
   for (const std::string& file : arguments.motions) {
-    TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
+    RETARGET_TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
     motions.push_back(std::move(motion));
   }
   const std::vector<std::string> labels = labels_of(arguments);
-  TRY_ASSIGN(const RobotMeshes meshes,
-             load_robot_meshes(*measures.robot, measures.model, arguments.meshes));
+  RETARGET_TRY_ASSIGN(const RobotMeshes meshes,
+                      load_robot_meshes(*measures.robot, measures.model, arguments.meshes));
   console.lines(mesh_lines(meshes));
   std::vector<PageMotion> shown;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     shown.push_back({labels[i], &motions[i].clip, motions[i].human, &motions[i].report,
                      &measures.limits, motions[i].file_rate, &meshes});
   }
-  TRY_ASSIGN(const std::string page, view_page(shown));
-  TRY(write_file(output, page));
+  RETARGET_TRY_ASSIGN(const std::string page, view_page(shown));
+  RETARGET_TRY(write_file(output, page));
   console.line("wrote", output + ": " + count_text(motions.size(), "motion") + ", " +
                             number_text(static_cast<double>(page.size()) / 1e6, 2) +
                             " MB, opens in a browser");
@@ -197,12 +195,12 @@ Result<void> view(const ViewArguments& given, Console& console) {
   std::error_code ignored;
   const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
   if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
-  TRY(take_smpl_file(arguments.run));
-  TRY(check_usage(arguments));
+  RETARGET_TRY(take_smpl_file(arguments.run));
+  RETARGET_TRY(check_usage(arguments));
   RunRequest& request = arguments.run.request;
   if (request.strip == 0) request.strip = StripPictureOptions().poses;
   const bool page = is_page(arguments.run.run.output);
-  if (!page || !request.png.empty()) TRY(draw_picture(arguments, console));
+  if (!page || !request.png.empty()) RETARGET_TRY(draw_picture(arguments, console));
   return page ? write_page(arguments, console) : Result<void>();
 }
 

@@ -3,9 +3,9 @@ import { ERRORS, errorText } from './tracking_plots.js';
 
 const boundText = (value, none) => (value === null ? none : numberText(value));
 
-/** What is known of a picked body: where it is, its joints, how it follows its bone. */
+/** Details of a picked body: its pose, its joints, and how it follows its bone. */
 export class BodyPanel {
-  /** @param {(joint: string|null) => void} onPlot  shows curves: of a joint, or of the picked body's error */
+  /** @param {(joint: string|null) => void} onPlot  plots a joint, or the picked body's error */
   constructor(player, motions, onPick, onPlot) {
     this.player = player;
     this.motions = motions;
@@ -51,7 +51,7 @@ export class BodyPanel {
       );
       return;
     }
-    // the same body of every motion of this robot
+    // Show the same body of every motion of this robot.
     this.shown = this.motions.filter((each) => each.robot === this.motion.robot);
     this.content.replaceChildren(
       ...[...this.placeTable(), ...this.jointTable(), ...this.trackingTable()].filter(Boolean),
@@ -74,7 +74,7 @@ export class BodyPanel {
     );
   }
 
-  // a row of values that change with time
+  // A row of values that change with time.
   liveRow(name, read) {
     const cells = this.shown.map((motion) => {
       const cell = el('td', { class: 'number' });
@@ -140,7 +140,7 @@ export class BodyPanel {
       (motion.report?.tracking ?? []).filter((row) => row.body === name),
     );
     if (rows.length === 0) return [];
-    // the table that is judged by
+    // The second table is used for evaluation if there is one.
     const table = Math.max(...rows.map((row) => row.table));
     const find = (motion) => motion.report?.tracking.find((row) => row.body === name && row.table === table);
     const cell = (row, mean, high) =>

@@ -1,10 +1,10 @@
-/** Reads what is packed into the page: the header, and numbers over time (src/view/track_packer.h). */
+/** Reads the data packed into the page: the header and the tracks (src/view/track_packer.h). */
 
 /**
- * Undoes folding, differences and rounding of one track.
- * @param {Uint8Array} bytes  the track's own
+ * Reverses folding, differencing and rounding of one track.
+ * @param {Uint8Array} bytes  of this track
  * @param {{channels: number, frames: number, step: number}} track
- * @returns {Float64Array} frame by frame, `channels` values each
+ * @returns {Float64Array} frame-major, `channels` values per frame
  */
 export function unpackTrack(bytes, { channels, frames, step }) {
   const plane = channels * frames;
@@ -25,11 +25,11 @@ export function unpackTrack(bytes, { channels, frames, step }) {
   return values;
 }
 
-// deflated, in base64
+// Reads deflated base64 data from an element.
 async function readElement(id) {
   const element = document.getElementById(id);
   const text = atob(element.textContent);
-  // nobody reads it again
+  // The data are read only once, so free the memory.
   element.remove();
   const packed = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
@@ -37,13 +37,13 @@ async function readElement(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** @returns {Promise<object>} the header: robots, humans, motions, tracks. */
+/** @returns {Promise<object>} the header: robots, humans, motions, tracks */
 export async function readHeader() {
   return JSON.parse(new TextDecoder().decode(await readElement('page-header')));
 }
 
 /**
- * @param {object[]} tracks  of the header
+ * @param {object[]} tracks  from the header
  * @returns {Promise<Float64Array[]>}
  */
 export async function readTracks(tracks) {

@@ -1,7 +1,7 @@
 /**
- * Elements without markup: text from files is only ever text.
+ * Creates an element without parsing markup, so that text from files stays text.
  * @param {string} tag
- * @param {object} [properties]  attributes; `class`, `text`, `on` (listeners) and booleans as well
+ * @param {object} [properties]  attributes; also `class`, `text`, `on` (listeners) and booleans
  * @param {...(Node|string)} children
  */
 export function el(tag, properties = {}, ...children) {
@@ -19,7 +19,7 @@ export function el(tag, properties = {}, ...children) {
 
 export const byId = (id) => document.getElementById(id);
 
-/** An icon by its path in a box of 16 x 16. */
+/** Creates an icon from its path in a 16 x 16 box. */
 export function icon(path) {
   const space = 'http://www.w3.org/2000/svg';
   const svg = document.createElementNS(space, 'svg');
@@ -31,12 +31,12 @@ export function icon(path) {
   return svg;
 }
 
-/** A name that may be broken after its underscores. */
+/** A name with line break opportunities after its underscores. */
 export function breakable(name) {
   return name.split(/(?<=_)/).flatMap((part) => [part, el('wbr')]);
 }
 
-/** A number as people read it: three digits that count, no exponent where it can be avoided. */
+/** Formats a number with three significant digits, without an exponent if possible. */
 export function numberText(value, digits = 3) {
   if (!Number.isFinite(value)) return '\u2013';
   const size = Math.abs(value);
@@ -53,7 +53,7 @@ export function seconds(time, digits = 2) {
   return `${time.toFixed(digits)}\u202fs`;
 }
 
-/** One choice of several that exclude each other, as a row of buttons. */
+/** A choice between exclusive options, as a row of buttons. */
 export class Choice {
   /** @param {string} name  @param {[value: string, text: string, title?: string][]} options */
   constructor(name, options, value, onChange) {
@@ -76,7 +76,7 @@ export class Choice {
     this.show(value);
   }
 
-  // arrows within a group of radio buttons, as everywhere
+  // Arrow keys move within a group of radio buttons.
   move(event) {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!by) return;
@@ -102,7 +102,7 @@ export class Choice {
   }
 }
 
-/** A button that is on or off. */
+/** A button with an on and an off state. */
 export function toggle(text, pressed, onChange, title) {
   const button = el('button', { type: 'button', text, title, 'aria-pressed': String(pressed) });
   button.addEventListener('click', () => {

@@ -1,7 +1,7 @@
 import { el, numberText, seconds } from './dom.js';
 import { KINDS, countText, totalsByKind } from './timeline.js';
 
-/** The worst faults, by kind; each leads to its worst frame. */
+/** Lists the worst faults by kind; each links to its worst frame. */
 export class FaultsPanel {
   constructor(motions, onFault) {
     this.items = motions.flatMap((motion) =>

@@ -8,18 +8,18 @@ import {
   SRGBColorSpace,
 } from 'three';
 
-/** Side of the part of the floor that is drawn, metres; beyond it there is fog. */
+/** Side of the drawn part of the floor, metres; fog hides its border. */
 const SIDE = 60;
 const PIXELS = 512;
 
-/** A checked floor: squares of a metre, fine lines every quarter of one. */
+/** A checked floor: squares of one metre, fine lines every quarter metre. */
 export class Floor {
   constructor() {
     this.canvas = document.createElement('canvas');
     this.canvas.width = this.canvas.height = PIXELS;
     this.texture = new CanvasTexture(this.canvas);
     this.texture.wrapS = this.texture.wrapT = RepeatWrapping;
-    // the pattern is two metres wide
+    // The pattern is two metres wide.
     this.texture.repeat.set(SIDE / 2, SIDE / 2);
     this.texture.anisotropy = 8;
     this.texture.colorSpace = SRGBColorSpace;
@@ -52,7 +52,7 @@ export class Floor {
     this.texture.needsUpdate = true;
   }
 
-  /** The floor goes along in whole patterns, so that it stands still. */
+  /** Moves the floor by whole patterns, so that it appears to stand still. */
   follow(x, y) {
     this.object.position.set(2 * Math.round(x / 2), 2 * Math.round(y / 2), 0);
   }

@@ -1,4 +1,4 @@
-/** The page of a gallery: lists the clips of a batch. Text from files is only ever text. */
+/** The page of a gallery: lists the clips of a batch. Text from files is never parsed as markup. */
 import { byId, el } from './dom.js';
 
 const gallery = JSON.parse(byId('gallery').textContent);
@@ -14,7 +14,7 @@ function verdict(clip) {
     : ['bad', `${count(clip.missed.length, 'gate')} missed`];
 }
 
-/** A clip's card; made once. */
+/** Creates the card of a clip. */
 function card(clip) {
   const [kind, text] = verdict(clip);
   const [width, height] = gallery.thumbnail;
@@ -100,7 +100,7 @@ function isShown(clip, words, filter, robot) {
   return filter.startsWith('gate ') ? Boolean(clip.missed?.includes(filter.slice(5))) : FILTERS[filter](clip);
 }
 
-/** By what the choice says; clips without that are last either way. */
+/** Sorts clips by the selected key; clips without a value come last in both directions. */
 function sorted(clips, sort, turned) {
   const sign = turned ? -1 : 1;
   if (sort === 'worst') return [...clips].sort((a, b) => sign * (a.order - b.order));
@@ -112,7 +112,7 @@ function sorted(clips, sort, turned) {
   return [...clips].sort((a, b) => {
     const [x, y] = [value(a) ?? null, value(b) ?? null];
     if (x === null || y === null) return Number(x === null) - Number(y === null) || a.order - b.order;
-    // the largest first
+    // The largest value comes first.
     return sign * (y - x) || a.order - b.order;
   });
 }

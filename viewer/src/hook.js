@@ -1,8 +1,8 @@
 import { Vector3 } from 'three';
 
 /**
- * `window.retarget`: what tests and consoles may ask. Positions are read from the scene as it is
- * drawn, in the motion's world.
+ * `window.retarget`: interface for tests and consoles. Positions are read from the drawn scene, in
+ * the motion's world.
  */
 export function addTestHook(viewer) {
   const { player, world, motions } = viewer;
@@ -17,7 +17,7 @@ export function addTestHook(viewer) {
       player.seekFrame(frame);
       viewer.frame(performance.now());
     },
-    /** Names and places of a motion's bodies, metres. */
+    /** Names and positions of a motion's bodies, metres. */
     bodies(motion) {
       const { group, bodies } = world.robots[motion];
       group.updateMatrixWorld(true);
@@ -26,14 +26,14 @@ export function addTestHook(viewer) {
         return { name: body.name, position: place.toArray() };
       });
     },
-    /** Joint positions of a frame by name. */
+    /** Joint positions in a frame by name. */
     joints(motion, frame) {
       const { robot } = motions[motion];
       return Object.fromEntries(
         robot.outputs.map((joint) => [robot.joints[joint].name, motions[motion].jointValue(joint, frame)]),
       );
     },
-    /** Where the bones of a motion's human are, metres. */
+    /** Positions of the bones of a motion's human, metres. */
     bones(motion, frame) {
       const { human } = motions[motion];
       const count = human.bones.length;
@@ -42,20 +42,20 @@ export function addTestHook(viewer) {
         position: [...human.positions.subarray(3 * (frame * count + i), 3 * (frame * count + i) + 3)],
       }));
     },
-    /** How far a motion's body is from its bone in a frame; null: not known. */
+    /** Error between a motion's body and its bone in a frame; null if unknown. */
     errors(motion, body, frame) {
       const errors = motions[motion].errors.get(body);
       const at = motions[motion].errorAt(frame);
       return errors && { position: errors.position?.[at], rotation: errors.rotation?.[at] };
     },
-    /** The humans that are seen: of which motion, and where each stands. */
+    /** The visible humans: index of the motion and position per human. */
     humans: () =>
       world.humans
         .filter((human) => human.group.visible)
         .map((human) => ({ motion: human.motion.index, place: human.group.position.toArray() })),
-    /** Where a robot stands in the row. */
+    /** Position of a robot in the row. */
     placeOf: (motion) => world.robots[motion].group.position.toArray(),
-    /** Where a body is in the picture, pixels of the window. */
+    /** Position of a body in the picture, window pixels. */
     onScreen(motion, body) {
       const canvas = viewer.stage.canvas.getBoundingClientRect();
       const mesh = world.robots[motion].meshes.get(body);
@@ -68,7 +68,9 @@ export function addTestHook(viewer) {
         canvas.top + (0.5 - place.y * 0.5) * canvas.height,
       ];
     },
-    /** Bodies that are drawn as meshes, with the corners of their boxes in the bodies' frames, metres. */
+    /**
+     * Bodies drawn as meshes, with the corners of their bounding boxes in body coordinates, metres.
+     */
     meshes: (motion) =>
       [...world.robots[motion].covers]
         .filter(([, mesh]) => mesh.visible)
@@ -77,7 +79,7 @@ export function addTestHook(viewer) {
           const { min, max } = mesh.geometry.boundingBox;
           return { body, min: min.toArray(), max: max.toArray() };
         }),
-    /** The picture as it is drawn now: width, height and RGBA in base64. */
+    /** The current picture: width, height and RGBA in base64. */
     picture() {
       viewer.frame(performance.now());
       const { canvas } = viewer.stage;

@@ -12,7 +12,7 @@ import {
 import { SOURCE_CONTACT } from './theme.js';
 import { inPhase } from './motions.js';
 
-/** Radii of the bones that begin there, metres of a body 1.75 m tall. */
+/** Radii by the bone that starts there, metres for a body 1.75 m tall. */
 const RADII = {
   Hips: 0.075,
   Spine: 0.082,
@@ -27,17 +27,17 @@ const RADII = {
   ForeArm: 0.034,
 };
 const AXIS = new Vector3(0, 1, 0);
-/** Place in the order of drawing of what goes in front of the robot. */
+/** Render order of objects drawn in front of the robot. */
 const FRONT = 10;
 
 const plain = (bone) => bone.replace(/^(Left|Right)/, '');
 
-/** The human a motion came from, in capsules. */
+/** The human that a motion was made from, drawn as capsules. */
 export class HumanFigure {
   /**
    * @param {import('./motions.js').Motion} motion  with a human
-   * @param {object} figure  of the header: colours by side, chains of bones from joint to joint, of which
-   *     those that a human lacks are skipped
+   * @param {object} figure  from the header: colours by side, chains of bones from joint to joint;
+   *     bones that a human lacks are skipped
    */
   constructor(motion, figure) {
     this.human = motion.human;
@@ -63,7 +63,7 @@ export class HumanFigure {
     this.addVeil();
   }
 
-  // draws nothing and forgets how near all is that was drawn before it
+  // Clears the depth buffer without drawing, so that objects drawn later are in front.
   addVeil() {
     const material = new MeshBasicMaterial({
       colorWrite: false,
@@ -118,7 +118,7 @@ export class HumanFigure {
     this.head = this.addMesh(new SphereGeometry(0.105 * this.size, 22, 16), this.materials.middle, 'head');
   }
 
-  /** Marks at heels and toes: left heel, left toe, right heel, right toe. */
+  /** Contact marks: left heel, left toe, right heel, right toe. */
   addFeet() {
     this.feet = ['LeftFoot', 'LeftToe', 'RightFoot', 'RightToe'].map((bone, i) => {
       if (!this.index.has(bone)) return null;
@@ -132,7 +132,7 @@ export class HumanFigure {
     });
   }
 
-  /** Over the robot the human is seen through, and in front of all that was drawn before it. */
+  /** Draws the human semi-transparent in front of the robot. */
   setOver(over) {
     this.veil.visible = over;
     for (const mesh of this.group.children) if (mesh !== this.veil) mesh.renderOrder = over ? FRONT : 0;

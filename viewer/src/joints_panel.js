@@ -17,7 +17,7 @@ function spreadOf(motion, joint) {
   return high - low;
 }
 
-/** The range that all motions may have: who leaves it leaves the limits of one of them. */
+/** The intersection of the limits of all motions: a value outside it violates one of them. */
 export function commonLimits(limits) {
   const known = (end) => limits.map((each) => each[end]).filter((value) => value !== null);
   const lower = known('lower'),
@@ -28,7 +28,7 @@ export function commonLimits(limits) {
   };
 }
 
-/** Curves of chosen joints, and of the picked body's error, in step with the picture. */
+/** Curves of selected joints and of the picked body's error, synchronous with the picture. */
 export class JointsPanel {
   constructor(player, motions) {
     this.player = player;
@@ -77,12 +77,12 @@ export class JointsPanel {
     return motion.robot.joints.findIndex((joint) => joint.name === name);
   }
 
-  /** Those with faults, worst first, then those that move most. */
+  /** Joints with faults, worst first, then those that move most. */
   firstJoints() {
     const faulty = this.motions.flatMap((motion) =>
       (motion.report?.faults ?? []).map((fault) => fault.where),
     );
-    // of the motion that moves it most
+    // Use the motion in which the joint moves most.
     const spread = (name) =>
       Math.max(...this.motions.map((motion) => spreadOf(motion, this.jointOf(motion, name))));
     const spreads = new Map(this.names.map((name) => [name, spread(name)]));
@@ -146,7 +146,7 @@ export class JointsPanel {
     return { lower: speed === null ? null : -speed, upper: speed };
   }
 
-  /** @param {string|null} body  that is picked, by its name */
+  /** @param {string|null} body  name of the picked body */
   showBody(body) {
     this.tracking.show(body);
   }

@@ -1,6 +1,6 @@
 import { byId, el } from './dom.js';
 
-/** Keys, as players have them, and what each does. */
+/** Keys as in media players, and their actions. */
 const KEYS = [
   [['Space'], 'Play, pause'],
   [['\u2190', '\u2192'], 'A second back, on (with Shift: a tenth)'],
@@ -17,7 +17,7 @@ const KEYS = [
   [['?'], 'These keys'],
 ];
 
-/** @param {Record<string, (event: KeyboardEvent) => void>} actions  by what the key is called here */
+/** @param {Record<string, (event: KeyboardEvent) => void>} actions  by key name */
 export function addKeyboard(actions) {
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || byId('help').open) return;
@@ -26,7 +26,7 @@ export function addKeyboard(actions) {
     const types =
       target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== 'range');
     if (types) return;
-    // what a focused control does with a key stays its own
+    // Keys with a meaning for the focused control keep it.
     if (name === ' ' && (target instanceof HTMLButtonElement || target.getAttribute?.('role') === 'tab'))
       return;
     if (target instanceof HTMLInputElement && /^(Arrow|Home|End|Page)/.test(name)) return;
@@ -37,7 +37,7 @@ export function addKeyboard(actions) {
   });
 }
 
-/** The dialog that lists the keys. @param {string[]} notes  below them */
+/** The dialog that lists the keys. @param {string[]} notes  shown below the keys */
 export function addHelp(notes) {
   const dialog = byId('help');
   dialog.append(

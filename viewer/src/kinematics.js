@@ -1,11 +1,11 @@
 /**
- * Forward kinematics of a robot in double precision. Poses are seven numbers: x y z, then the
+ * Forward kinematics of a robot in double precision. A pose has seven numbers: x y z, then the
  * quaternion w x y z.
  */
 
 const POSE = 7;
 
-/** out = a * b, of poses in arrays at offsets; out may be a. */
+/** out = a * b for poses stored in arrays at offsets; out may alias a. */
 function compose(a, i, b, j, out, k) {
   const w = a[i + 3],
     x = a[i + 4],
@@ -31,9 +31,9 @@ function compose(a, i, b, j, out, k) {
   out[k + 6] = w * bz + x * by - y * bx + z * bw;
 }
 
-/** The robot's tree, ready to be placed in configurations. */
+/** The kinematic tree of a robot. */
 export class Kinematics {
-  /** @param {object} robot  of the header */
+  /** @param {object} robot  from the header */
   constructor(robot) {
     this.links = robot.links;
     this.bodies = robot.bodies;
@@ -43,10 +43,10 @@ export class Kinematics {
   }
 
   /**
-   * Fills bodyPoses, world from body, by body.
-   * @param {Float64Array} position  with the root's x y z from `p` on
-   * @param {Float64Array} rotation  with its quaternion w x y z from `r` on; need not have length 1
-   * @param {Float64Array} joints    by joint from `q` on
+   * Computes bodyPoses (world_from_body, by body).
+   * @param {Float64Array} position  root x y z at offset `p`
+   * @param {Float64Array} rotation  root quaternion w x y z at offset `r`; need not be normalised
+   * @param {Float64Array} joints    joint positions at offset `q`
    */
   place(position, p, rotation, r, joints, q) {
     const { links, bodies, linkPoses, bodyPoses, joint } = this;

@@ -50,7 +50,7 @@ function showHeader(page, motions) {
   }
 }
 
-/** The way back to a gallery and to the clips beside this one. */
+/** Links back to a gallery and to the adjacent clips. */
 function addLinks({ index, previous, next }) {
   const link = (href, text, label) =>
     href && el('a', { href, text, 'aria-label': label, title: label, class: 'clip-link' });
@@ -63,7 +63,7 @@ function addLinks({ index, previous, next }) {
   );
 }
 
-/** Puts the parts together: what plays, what is shown, and who tells whom. */
+/** The viewer: creates the parts and connects them. */
 class Viewer extends PlayedPage {
   constructor(page, tracks) {
     const motions = page.motions.map((data, index) => new Motion(data, index, page, tracks));
@@ -141,7 +141,7 @@ class Viewer extends PlayedPage {
     });
   }
 
-  // in a gallery of clips, else of faults
+  // Goes to the adjacent clip of a gallery, or to the adjacent fault without a gallery.
   previousOrNext(by) {
     if (!this.links) return this.nextFault(by);
     const address = by < 0 ? this.links.previous : this.links.next;
@@ -158,7 +158,7 @@ class Viewer extends PlayedPage {
     this.pick(motion.index, fault.bodies[0] ?? null, fault.bodies, false);
   }
 
-  // by their worst frames, from where the time is
+  // Goes to the next fault after the current time, ordered by worst frame.
   nextFault(by) {
     const items = [...this.faults.items].sort(
       (a, b) => a.fault.worst * a.motion.frameTime - b.fault.worst * b.motion.frameTime,
@@ -179,7 +179,7 @@ class Viewer extends PlayedPage {
     this.goToFault(next.fault, next.motion);
   }
 
-  /** Picks a body, or none. */
+  /** Picks a body; null deselects. */
   pick(motion, body, bodies = body === null ? [] : [body], show = true) {
     this.picked = body === null ? null : { motion, body };
     this.world.highlight(motion, bodies);
@@ -196,7 +196,7 @@ class Viewer extends PlayedPage {
       down = [event.clientX, event.clientY];
     });
     canvas.addEventListener('pointerup', (event) => {
-      // a drag turns the camera
+      // A drag rotates the camera and picks nothing.
       if (!down || event.button !== 0 || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5)
         return;
       const hit = this.world.pick(event.clientX, event.clientY);
@@ -224,7 +224,7 @@ async function main() {
     }
     addTestHook(new Viewer(page, tracks));
   } catch (error) {
-    // no WebGL, or a browser without DecompressionStream
+    // There is no WebGL, or the browser lacks DecompressionStream.
     message.textContent = `This motion cannot be shown here: ${error.message}`;
     console.error(error);
   }

@@ -1,6 +1,7 @@
 import { Kinematics } from './kinematics.js';
 
-// bones are packed from the one before them in their chain, which comes first
+// Decodes bone positions. Bones are stored relative to the previous bone of their chain, which
+// precedes them.
 function bonePlaces(human, track) {
   if (!human.placed) {
     const count = human.bones.length;
@@ -11,13 +12,13 @@ function bonePlaces(human, track) {
           track[3 * (frame * count + i) + axis] += track[3 * (frame * count + parent) + axis];
       });
     }
-    // motions of one source share it
+    // Motions with the same source share the result.
     human.placed = track;
   }
   return human.placed;
 }
 
-/** A motion with its numbers unpacked; frames are its own, times in seconds. */
+/** A motion with unpacked tracks; frames are its own, times are in seconds. */
 export class Motion {
   constructor(data, index, page, tracks) {
     this.data = data;
@@ -38,7 +39,10 @@ export class Motion {
       vertices: tracks[vertices],
       triangles: tracks[triangles],
     }));
-    /** How bodies follow their bones: cm and degrees in every so many frames, as far as the source goes. */
+    /**
+     * Tracking errors of bodies in cm and degrees, every errorStride-th frame, up to the end of the
+     * source.
+     */
     this.errorStride = data.error_stride ?? 1;
     this.errors = new Map(
       (data.errors ?? []).map(({ body, bone, position, rotation }) => [
@@ -58,22 +62,22 @@ export class Motion {
     }
   }
 
-  /** Of the last frame, seconds. */
+  /** Time of the last frame, seconds. */
   get duration() {
     return (this.frames - 1) * this.frameTime;
   }
 
-  /** The frame of a time, though the motion may have ended before: its human may go on. */
+  /** The frame at a time; not clamped to the end of the motion, because its human may be longer. */
   step(time) {
     return Math.max(0, Math.floor(time * this.fps + 1e-6));
   }
 
-  /** The frame shown at a time: the last that has begun, as players do. */
+  /** The frame shown at a time: the last one that has started. */
   frameAt(time) {
     return Math.min(this.frames - 1, this.step(time));
   }
 
-  /** Whether the last frame was shown for as long as every other. */
+  /** Whether the last frame has been shown for its full duration. */
   hasEnded(time) {
     return this.step(time) >= this.frames;
   }
@@ -91,7 +95,7 @@ export class Motion {
     return this.kinematics.bodyPoses;
   }
 
-  /** The place of a frame among a body's errors: of the last that has some. */
+  /** Index of a frame in a body's errors. */
   errorAt(frame) {
     return Math.floor(frame / this.errorStride);
   }
@@ -100,14 +104,14 @@ export class Motion {
     return this.joints[this.jointCount * frame + joint];
   }
 
-  /** Of the step to the next frame, as figures have it; rad/s or m/s. */
+  /** Speed from this frame to the next, as in reports; rad/s or m/s. */
   jointSpeed(joint, frame) {
     const at = Math.min(frame, this.frames - 2);
     if (at < 0) return 0;
     return (this.jointValue(joint, at + 1) - this.jointValue(joint, at)) * this.fps;
   }
 
-  /** Where the robot faces on the whole: the sum of its root's x axis on the ground. */
+  /** Mean heading of the robot: the sum of its root's x axis on the ground. */
   heading() {
     let x = 0,
       y = 0;
@@ -120,7 +124,7 @@ export class Motion {
   }
 }
 
-/** Whether a frame is in one of the phases [begin, end), which are in order of time. */
+/** Whether a frame is in one of the phases [begin, end), which are sorted by time. */
 export function inPhase(phases, frame) {
   for (const [begin, end] of phases) {
     if (frame < begin) return false;

@@ -1,9 +1,9 @@
 import { BufferGeometry, Float32BufferAttribute, Group, Line, LineBasicMaterial } from 'three';
 
-/** Just above the floor, metres. */
+/** Height above the floor, metres. */
 const LIFT = 0.004;
 
-/** The ways of root and feet over a whole motion, as lines: the root's on the floor below it. */
+/** Paths of root and feet over a whole motion; the root's path is drawn on the floor. */
 export class Paths {
   /** @param {import('./motions.js').Motion} motion */
   constructor(motion, colour) {

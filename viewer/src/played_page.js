@@ -3,15 +3,15 @@ import { Player } from './player.js';
 import { Stage } from './stage.js';
 import { calm } from './theme.js';
 
-/** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
+/** The time in a link: `#t=12.3`. @returns {number|null} seconds */
 function linkedTime() {
   const found = /(?:^#|[#&])t=(\d+(?:\.\d+)?)/.exec(window.location.hash);
   return found ? Number(found[1]) : null;
 }
 
-/** What pages that play something have in common: the player, the stage, and when it is drawn. */
+/** Base class of pages with a player: the player, the stage, and redrawing. */
 export class PlayedPage {
-  /** @param {number} duration seconds  @param {number} frameTime of a step, seconds */
+  /** @param {number} duration  seconds  @param {number} frameTime  duration of a step, seconds */
   constructor(duration, frameTime) {
     this.player = new Player(duration, frameTime);
     this.scheduled = false;
@@ -22,13 +22,13 @@ export class PlayedPage {
     this.player.addEventListener('state', this.redraw);
   }
 
-  /** Brings figures to the player's time. */
+  /** Updates the figures to the player's time. */
   update() {}
 
-  /** Brings names to where the figures are in the picture. */
+  /** Moves the name tags to the figures' positions in the picture. */
   updateTags() {}
 
-  /** Keys that all of them have. @param {import('./transport.js').Transport} transport */
+  /** Keys common to all pages. @param {import('./transport.js').Transport} transport */
   playerKeys(transport) {
     const { player } = this;
     const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
@@ -60,7 +60,7 @@ export class PlayedPage {
       this.player.pause();
       this.player.seek(time);
     });
-    // a link is to a moment; and who wants calm starts it himself
+    // Do not start if a link selects a time or the user prefers reduced motion.
     if (linked === null && !calm.matches && this.player.duration > 0) this.player.play();
     this.redraw();
   }

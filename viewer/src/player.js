@@ -1,6 +1,6 @@
-/** What is played: the time, speed and loop. Tells who listens; knows nothing of what is shown. */
+/** Playback state: time, speed and loop. Notifies listeners; is independent of what is shown. */
 export class Player extends EventTarget {
-  /** @param {number} duration seconds  @param {number} frameTime of a step, seconds */
+  /** @param {number} duration  seconds  @param {number} frameTime  duration of a step, seconds */
   constructor(duration, frameTime) {
     super();
     this.duration = duration;
@@ -11,7 +11,7 @@ export class Player extends EventTarget {
     this.looping = true;
     this.begin = 0;
     this.end = duration;
-    // what has passed of the frame that is shown, so that frames are shown for as long as they last
+    // Timestamp of the previous advance(); null before the first one.
     this.last = null;
   }
 
@@ -24,7 +24,7 @@ export class Player extends EventTarget {
     this.changed('time');
   }
 
-  /** To the beginning of a frame. */
+  /** Seeks to the start of a frame. */
   seekFrame(frame) {
     this.seek(Math.round(frame) * this.frameTime);
   }
@@ -33,14 +33,14 @@ export class Player extends EventTarget {
     return Math.floor(this.time / this.frameTime + 1e-6);
   }
 
-  /** So many frames on; stops. */
+  /** Moves by a number of frames and pauses. */
   step(frames) {
     this.pause();
     this.seekFrame(this.frame + frames);
   }
 
   play() {
-    // at the end, or outside of the part that is looped: from its beginning
+    // At the end or outside the looped range, restart from its beginning.
     if (this.time >= this.end - 1e-9 || this.time < this.begin) this.seek(this.begin);
     this.playing = true;
     this.last = null;
@@ -68,19 +68,19 @@ export class Player extends EventTarget {
     this.changed('state');
   }
 
-  /** The part that is played; all of it where that is empty. */
+  /** Sets the played range; an empty range selects everything. */
   setRange(begin, end) {
     [this.begin, this.end] = begin < end ? [begin, end] : [0, this.duration];
     this.changed('state');
   }
 
-  /** @param {number} now  of requestAnimationFrame, milliseconds */
+  /** @param {number} now  timestamp of requestAnimationFrame, milliseconds */
   advance(now) {
     if (!this.playing) return;
     const passed = this.last === null ? 0 : Math.min(250, now - this.last);
     this.last = now;
     let time = this.time + (passed / 1000) * this.speed;
-    // the last frame is shown as long as every other
+    // The last frame is shown for as long as the others.
     const end = this.end + this.frameTime;
     if (time >= end) {
       if (!this.looping) {

@@ -2,19 +2,20 @@ import { el } from './dom.js';
 
 const PAD = 5;
 
-/** What is around a curve: its name, its values now, perhaps a button. @returns {{element, value}} */
+/** The frame of a plot: name, current values, optional button. @returns {{element, value}} */
 export function plotBox(name, button = null) {
   const value = el('span', { class: 'number quiet' });
   const element = el('div', { class: 'plot' }, el('header', {}, el('b', { text: name }), value, button));
   return { element, value };
 }
 
-/** A curve over time for each motion, with limits shaded; a click goes to that time. */
+/** Plots a curve over time for each motion, with shaded limits; a click seeks to that time. */
 export class Plot {
   /**
    * @param {import('./player.js').Player} player
    * @param {{values: Float64Array|number[], frameTime: number, colour: string}[]} series
-   * @param {{lower: number|null, upper: number|null, base?: number}} limits  base: what curves begin at
+   * @param {{lower: number|null, upper: number|null, base?: number}} limits  base: lower end of the
+   *     axis
    */
   constructor(player, series, limits, name) {
     this.player = player;
@@ -39,7 +40,7 @@ export class Plot {
     this.observer.observe(this.element);
   }
 
-  /** Lowest and highest of curves, and of the limits where they are near. */
+  /** Range of the curves, including limits that are near. */
   range() {
     let low = Infinity,
       high = -Infinity;

@@ -10,7 +10,10 @@ const boundText = ({ min, max }) =>
     .filter(Boolean)
     .join('\n');
 
-/** How many gates a motion misses, in words. @returns {{state: 'good'|'bad'|'unjudged', text: string}} */
+/**
+ * Describes how many gates a motion misses.
+ * @returns {{state: 'good'|'bad'|'unjudged', text: string}}
+ */
 export function verdict(motion) {
   const { gates } = motion.report;
   const measured = gates.filter((gate) => gate.value !== undefined).length;
@@ -21,7 +24,7 @@ export function verdict(motion) {
   return { state: 'bad', text: `${missed} of ${measured} gates missed${rest}` };
 }
 
-/** What became of a gate, as a table's cell has it. */
+/** The result of a gate, as a table cell. */
 function gateState(gate) {
   if (gate?.value === undefined) return el('span', { class: 'quiet', title: 'not measured', text: '\u2013' });
   const [mark, word] = gate.passed ? ['\u2713', 'good'] : ['\u2717', 'bad'];
@@ -62,7 +65,7 @@ function gateTable(motions) {
       ),
     };
   });
-  // what was missed first
+  // Missed gates come first.
   rows.sort((a, b) => Number(b.missed) - Number(a.missed));
   return el('table', {}, head(['Gate', 'Bound'], motions), el('tbody', {}, ...rows.map(({ row }) => row)));
 }
@@ -88,11 +91,11 @@ function figureTable(motions) {
   return el('table', {}, head(['Figure', 'Unit'], motions), el('tbody', {}, ...rows));
 }
 
-/** Gates and figures of every motion, side by side; all from the tool, none computed here. */
+/** Gates and metrics of all motions side by side. All values come from the tool. */
 export function qualityPanel(motions) {
   const measured = motions.filter((motion) => motion.report);
   if (measured.length === 0) return el('p', { class: 'quiet', text: 'These motions were not measured.' });
-  // of each motion, where they differ
+  // Show the values of all motions if they differ.
   const fact = (name, key) => {
     const values = measured.map((motion) => motion.report[key]);
     if (new Set(values).size <= 1) return values[0] ? `${name}: ${values[0]}.` : '';

@@ -22,7 +22,7 @@ function shapeGeometry(shape) {
     geometry = new BoxGeometry(...shape.box.map((half) => 2 * half));
   } else if (shape.capsule) {
     const [radius, half] = shape.capsule;
-    // three's capsules stand along y, ours along z
+    // Capsules of three.js extend along y, ours along z.
     geometry = new CapsuleGeometry(radius, 2 * half, 6, 18).rotateX(Math.PI / 2);
   } else {
     geometry = new SphereGeometry(shape.sphere, 20, 14);
@@ -33,7 +33,7 @@ function shapeGeometry(shape) {
   );
 }
 
-/** How sharp an edge is that is seen as one, rad. */
+/** Minimum angle of an edge that is drawn sharp, rad. */
 const CREASE = 0.6;
 
 function meshGeometry(vertices, triangles) {
@@ -43,7 +43,7 @@ function meshGeometry(vertices, triangles) {
   return toCreasedNormals(geometry, CREASE);
 }
 
-/** A thin plate along a sole's outline, in the body's frame. */
+/** A thin plate along a sole's outline, in body coordinates. */
 function soleGeometry(points) {
   const plate = solePlate(points);
   if (!plate) return new SphereGeometry(0.02, 12, 8).translate(...points[0]);
@@ -55,7 +55,7 @@ function soleGeometry(points) {
   return flat;
 }
 
-/** A robot in the scene: an object for each body, placed in the motion's world. */
+/** A robot in the scene: one object per body, placed in the motion's world. */
 export class RobotFigure {
   /** @param {import('./motions.js').Motion} motion  @param {number} colour */
   constructor(motion, colour) {
@@ -89,7 +89,7 @@ export class RobotFigure {
   }
 
   addMesh(body, geometry) {
-    // neighbours in a chain are told apart by their shade
+    // Adjacent bodies of a chain have different shades.
     const material = this.depth(body) % 2 === 0 ? this.material : this.darker;
     const mesh = new Mesh(geometry, material);
     mesh.castShadow = mesh.receiveShadow = true;
@@ -98,7 +98,10 @@ export class RobotFigure {
     this.meshes.set(body, mesh);
   }
 
-  /** What the maker's bodies look like; they hide the shapes of these bodies. @returns {Map<number, Mesh>} */
+  /**
+   * Adds the manufacturer's meshes, which cover the bodies' collision shapes.
+   * @returns {Map<number, Mesh>}
+   */
   addMeshes() {
     const covers = new Map();
     for (const { body, vertices, triangles } of this.motion.meshes) {
@@ -113,7 +116,7 @@ export class RobotFigure {
     return covers;
   }
 
-  /** Meshes or, in their place, the shapes that collide. */
+  /** Shows meshes or, in their place, collision shapes. */
   setMeshesVisible(visible) {
     for (const [body, mesh] of this.covers) {
       mesh.visible = visible;
@@ -160,7 +163,7 @@ export class RobotFigure {
     for (const { mesh, phases } of this.soles) mesh.visible = showContacts && inPhase(phases, frame);
   }
 
-  /** A motion that is over is pale. @param {boolean} ended */
+  /** A motion that has ended is pale. @param {boolean} ended */
   setEnded(ended) {
     if (this.ended === ended) return;
     this.ended = ended;
@@ -171,7 +174,7 @@ export class RobotFigure {
     }
   }
 
-  /** Lights these bodies up and no others. @param {number[]} bodies */
+  /** Highlights only these bodies. @param {number[]} bodies */
   highlight(bodies) {
     for (const [body, mesh] of [...this.meshes, ...this.covers]) {
       mesh.material = bodies.includes(body) ? this.pickedMaterial : mesh.userData.material;

@@ -19,7 +19,7 @@ import { Transport } from './transport.js';
 import { cameraChoice, resetButton } from './view_tools.js';
 
 const UP = new Vector3(0, 1, 0);
-/** Of joints that stand for no bone. */
+/** Colour of joints that are not mapped to a bone. */
 const OTHER = 0xb9bec8;
 const AXES = [
   ['x', 0xd64545],
@@ -27,12 +27,12 @@ const AXES = [
   ['z', 0x3d6fd1],
 ];
 
-/** A skeleton as sticks and balls. */
+/** A skeleton drawn as sticks and balls. */
 class SkeletonFigure {
   /**
-   * @param {object} skeleton  of the header
-   * @param {object} colours  of joints that stand for a bone, by side
-   * @param {number} thickness metres
+   * @param {object} skeleton  from the header
+   * @param {object} colours  of joints that are mapped to a bone, by side
+   * @param {number} thickness  metres
    * @param {number} opacity
    */
   constructor(skeleton, colours, thickness, opacity) {
@@ -63,7 +63,7 @@ class SkeletonFigure {
     this.places = this.points.map(() => new Vector3());
   }
 
-  /** @param {Float64Array} positions  x y z of each point  @param {number} at  where they begin */
+  /** @param {Float64Array} positions  x y z of each point  @param {number} at  start offset */
   update(positions, at) {
     const way = new Vector3(),
       turn = new Quaternion();
@@ -84,7 +84,10 @@ class SkeletonFigure {
   }
 }
 
-/** A page about a source alone: its skeleton in motion, at rest, its axes, and what was found in it. */
+/**
+ * The page of a source alone: its skeleton in motion and at rest, its axes, and recognition
+ * results.
+ */
 export class SkeletonViewer extends PlayedPage {
   constructor(page, tracks) {
     const { frames, rate } = page.skeleton;
@@ -110,7 +113,7 @@ export class SkeletonViewer extends PlayedPage {
     return Math.min(Math.max(0, this.frames - 1), Math.max(0, Math.floor(time * this.fps + 1e-6)));
   }
 
-  // how high it is, where it faces, where its root goes
+  // Measures height, heading and root path.
   measure() {
     let low = Infinity,
       high = -Infinity;
@@ -278,7 +281,7 @@ export class SkeletonViewer extends PlayedPage {
     this.stage.shadowsChanged();
     this.moving.update(this.positions, this.stride * frame);
     const { x, y } = this.root(frame);
-    // both go along: the rest pose on its lowest point
+    // The rest pose and the axes follow the root; the rest pose stands on its lowest point.
     this.still.group.position
       .set(x - this.rest[0], y - this.rest[1], -this.restLow)
       .addScaledVector(this.aside, -this.spacing);
@@ -290,7 +293,7 @@ export class SkeletonViewer extends PlayedPage {
     );
   }
 
-  /** Names of the figures and axes, in pixels of the canvas. */
+  /** Name tags of the figures and axes, in canvas pixels. */
   tags() {
     const tags = [];
     const add = (place, text, colour) => tags.push(this.stage.tagAt(place, text, colour));
@@ -321,7 +324,7 @@ export class SkeletonViewer extends PlayedPage {
   }
 }
 
-/** What tests may ask of such a page. */
+/** Interface of such a page for tests. */
 export function addSkeletonHook(viewer) {
   window.retarget = {
     player: viewer.player,
@@ -331,7 +334,7 @@ export function addSkeletonHook(viewer) {
       viewer.player.seekFrame(frame);
       viewer.frame(performance.now());
     },
-    /** Names and places of joints and ends as they are drawn, metres. */
+    /** Names and positions of joints and end sites as drawn, metres. */
     joints: () =>
       viewer.skeleton.points.map((point, i) => ({
         ...point,

@@ -1,6 +1,6 @@
-/** The shape of a sole, in numbers alone: what is drawn under a foot that stands. */
+/** Geometry of the plate drawn under a stance foot, without three.js. */
 
-/** A little under the sole, so that it is seen beside the foot's own shape, metres. */
+/** Margin around the sole, so that the plate is visible next to the foot's shape, metres. */
 const RIM = 0.006;
 
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -11,7 +11,7 @@ const unit = (a) => {
   return a.map((each) => each / length);
 };
 
-/** The convex outline of points on a plane, counter-clockwise; only x and y of points are looked at. */
+/** Convex hull of points in a plane, counter-clockwise; uses only x and y. */
 export function outline(points) {
   const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const turn = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
@@ -27,14 +27,14 @@ export function outline(points) {
 }
 
 /**
- * The plane that a sole's points are on, whichever of the foot's axes is up: a point of it and three
- * axes of unit length, of which the third points from the ground to the foot's own origin, the ankle.
- * @param {number[][]} points  in the body's frame
- * @returns {{middle: number[], axes: number[][]}|null}  null: the points are on a line
+ * The plane of a sole's points, for any orientation of the foot's axes: a point on it and three
+ * unit axes. The third axis points from the ground to the foot's origin (the ankle).
+ * @param {number[][]} points  in body coordinates
+ * @returns {{middle: number[], axes: number[][]}|null}  null: the points are collinear
  */
 export function solePlane(points) {
   const middle = [0, 1, 2].map((i) => points.reduce((sum, p) => sum + p[i] / points.length, 0));
-  // the widest triangle with the first point that the points make
+  // Find the largest triangle that contains the first point.
   let normal = [0, 0, 0];
   for (let i = 1; i < points.length; ++i) {
     for (let j = i + 1; j < points.length; ++j) {
@@ -45,18 +45,18 @@ export function solePlane(points) {
   if (!(Math.hypot(...normal) > 1e-8)) return null;
   normal = unit(normal);
   const towards = -dot(normal, middle);
-  // an ankle in the sole's plane: its z axis is up, as in most feet
+  // If the ankle is in the sole's plane, the foot's z axis is assumed to point up, as in most feet.
   if (towards < -1e-6 || (Math.abs(towards) <= 1e-6 && normal[2] < 0)) normal = normal.map((each) => -each);
-  // the first axis along the foot's x, or z where that is up
+  // The first axis follows the foot's x axis, or z if x is vertical.
   const ahead = Math.abs(normal[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1];
   const first = unit(minus(ahead, normal.map((each) => each * dot(ahead, normal))));
   return { middle, axes: [first, cross(normal, first), normal] };
 }
 
 /**
- * A thin plate along a sole's outline, a little wider than it.
- * @param {number[][]} points  in the body's frame
- * @returns {{vertices: number[], indices: number[]}|null}  null: the points are on a line
+ * A thin plate along a sole's outline, slightly larger than it.
+ * @param {number[][]} points  in body coordinates
+ * @returns {{vertices: number[], indices: number[]}|null}  null: the points are collinear
  */
 export function solePlate(points) {
   const plane = solePlane(points);

@@ -14,23 +14,23 @@ import { Floor } from './floor.js';
 import { calm, onThemeChange, theme } from './theme.js';
 
 const UP = new Vector3(0, 0, 1);
-/** Of the camera from the heading, when it begins: from the front and a side. */
+/** Initial angle of the camera from the heading: to the front and one side. */
 const SIDE = MathUtils.degToRad(38);
-/** Turns of the camera in `orbit`, rad/s. */
+/** Angular speed of the camera in `orbit`, rad/s. */
 const ORBIT_SPEED = 0.35;
-/** Of a key's press: turn in rad, times as far away. */
+/** Effect of a key press: rotation in rad, distance factor. */
 const KEY_TURN = 0.1,
   KEY_ZOOM = 1.1;
 
-/** Renderer, light, floor and camera. World axes: metres, z up, as in the data. */
+/** Renderer, light, floor and camera. World axes: metres, Z up, as in the data. */
 export class Stage {
-  /** @param {HTMLCanvasElement} canvas  @param {() => void} redraw  asks for a picture */
+  /** @param {HTMLCanvasElement} canvas  @param {() => void} redraw  requests a picture */
   constructor(canvas, redraw) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
-    // shadows are made anew when something has moved, not when the camera has
+    // Update shadows only when an object has moved, not the camera.
     this.renderer.shadowMap.autoUpdate = false;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(38, 1, 0.05, 200);
@@ -59,8 +59,8 @@ export class Stage {
     this.resize();
   }
 
-  // arrows turn the picture while it has the focus, which a press of the pointer does not give it:
-  // after that, arrows go on to move through time
+  // Arrow keys rotate the view while the canvas has the keyboard focus. A mouse press does not
+  // focus it, so that arrow keys still move through time afterwards.
   addKeys(redraw) {
     this.canvas.addEventListener('mousedown', (event) => {
       event.preventDefault();
@@ -78,7 +78,7 @@ export class Stage {
     });
   }
 
-  // so many steps around and down, and so many times as far away
+  // Orbits by a number of steps around and down, and scales the distance.
   orbit(around, down, farther) {
     const { minDistance, maxDistance, maxPolarAngle, target } = this.controls;
     const arm = this.camera.position.clone().sub(target);
@@ -105,7 +105,7 @@ export class Stage {
     this.sun.shadow.bias = -0.0004;
     this.sun.shadow.normalBias = 0.016;
     Object.assign(this.sun.shadow.camera, { near: 0.5, far: 14 });
-    // from the other side, so that no side is flat
+    // Light from the opposite side, so that no side looks flat.
     this.fill = new DirectionalLight(0xdfe8ff, 0.35);
     this.scene.add(this.ambient, this.sun, this.sun.target, this.fill, this.fill.target);
   }
@@ -129,9 +129,9 @@ export class Stage {
   }
 
   /**
-   * What has to be in the picture, metres: `height` from the floor, `width` from the first to the last
-   * of a row across `heading`. The light's shadows are as wide, so that they are sharp, and it comes
-   * from where the camera begins.
+   * Sets the extent of the scene, metres: `height` above the floor, `width` of the row across
+   * `heading`. Shadows cover the same width, so that they are sharp, and the light comes from the
+   * camera's initial side.
    */
   setExtent(height, width, heading) {
     Object.assign(this, { height, width, heading });
@@ -141,7 +141,7 @@ export class Stage {
     camera.updateProjectionMatrix();
   }
 
-  /** A name in pixels of the canvas. @param {Vector3} place  of the world, metres */
+  /** A name tag in canvas pixels. @param {Vector3} place  world position, metres */
   tagAt(place, text, colour) {
     const there = place.clone().project(this.camera);
     return {
@@ -157,7 +157,9 @@ export class Stage {
     this.renderer.shadowMap.needsUpdate = true;
   }
 
-  /** What the camera follows, in the world; `lift` above where it is who stands on the floor. */
+  /**
+   * Sets the camera target in the world; `lift` is its height relative to a figure on the floor.
+   */
   aim(x, y, z, lift = 0) {
     const move = new Vector3(x, y, z + lift).sub(this.target);
     this.target.set(x, y, z + lift);
@@ -170,14 +172,14 @@ export class Stage {
     this.floor.follow(x, y);
   }
 
-  // a light from so far around the heading, so far away and so high
+  // Places a light by its angle from the heading, its distance and its height.
   shine(light, turn, distance, rise, x, y, lift) {
     const angle = (this.heading ?? 0) + turn;
     light.target.position.set(x, y, 0.3 + lift);
     light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise + lift);
   }
 
-  /** From the front and a side, so near that the row of figures fills the picture. */
+  /** Views the row from the front and one side, near enough that it fills the picture. */
   frame() {
     const angle = this.heading - SIDE;
     const tangent = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
@@ -197,7 +199,7 @@ export class Stage {
 
   setMode(mode) {
     this.mode = mode;
-    // what was left behind comes back into the picture
+    // Bring the figures back into the picture.
     if (mode !== 'stand') {
       const move = this.target.clone().sub(this.controls.target);
       this.camera.position.add(move);
@@ -206,12 +208,12 @@ export class Stage {
     }
   }
 
-  /** Whether the camera turns by itself. */
+  /** Whether the camera rotates automatically. */
   get turns() {
     return this.mode === 'orbit' && !calm.matches;
   }
 
-  /** Turns the camera in `orbit`. @param {number} seconds  that have passed */
+  /** Rotates the camera in `orbit`. @param {number} seconds  elapsed time */
   turn(seconds) {
     if (!this.turns) return;
     const arm = this.camera.position.clone().sub(this.controls.target);
@@ -221,7 +223,7 @@ export class Stage {
   }
 
   render() {
-    // the camera may not be below the floor
+    // Keep the camera above the floor.
     this.camera.position.z = Math.max(0.03, this.camera.position.z);
     this.camera.lookAt(this.controls.target);
     this.renderer.render(this.scene, this.camera);

@@ -1,6 +1,6 @@
 import { el } from './dom.js';
 
-/** Panels of which one is seen, after the pattern of the ARIA practices: arrows move between tabs. */
+/** Panels of which one is visible, following the ARIA practices: arrow keys move between tabs. */
 export class Tabs {
   /** @param {HTMLElement} parent  @param {[id: string, name: string, content: HTMLElement][]} tabs */
   constructor(parent, tabs, onShow) {

@@ -1,7 +1,9 @@
 import { byId, el } from './dom.js';
 import { cssColour } from './theme.js';
 
-/** Names below the figures. Text for eyes alone: the names are in the panels as well. */
+/**
+ * Name tags below the figures. They are hidden from screen readers, because the panels repeat them.
+ */
 export class Tags {
   /** @param {import('./world.js').World} world */
   constructor(world) {

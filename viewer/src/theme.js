@@ -1,4 +1,4 @@
-/** Colours of the scene, light and dark; those of the rest of the page are in page.css. */
+/** Colours of the scene, light and dark; page.css has those of the rest of the page. */
 
 const LIGHT = {
   sky: 0xf5f6f8,
@@ -19,21 +19,23 @@ const DARK = {
   sun: 2.2,
 };
 
-/** Robots by motion: quiet colours that are told apart in light and dark, and by the colour-blind. */
+/**
+ * Robot colours by motion: muted, and distinguishable in both themes and by colour-blind readers.
+ */
 export const MOTION_COLOURS = [0x7d9fcb, 0xdd9a63, 0x71b59b, 0xa78dcb, 0xcb7d8d, 0x9ca467];
 export const PICKED = 0xe8364f;
 export const ROBOT_CONTACT = 0xf09a1a;
 export const SOURCE_CONTACT = 0x17a398;
 
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
-/** Whether the reader wants nothing to move by itself. */
+/** Whether the reader prefers reduced motion. */
 export const calm = window.matchMedia('(prefers-reduced-motion: reduce)');
 
 export function theme() {
   return dark.matches ? DARK : LIGHT;
 }
 
-/** Calls back whenever the reader's preference changes. */
+/** Calls back when the colour scheme changes. */
 export function onThemeChange(callback) {
   dark.addEventListener('change', callback);
 }

@@ -1,7 +1,7 @@
 import { byId, el, numberText, seconds } from './dom.js';
 import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
 
-/** Kinds of faults in the order of their lanes, and what each is called. */
+/** Kinds of faults in the order of their lanes, with labels. */
 export const KINDS = new Map([
   ['jump', 'Jumps'],
   ['penetration', 'In the floor'],
@@ -14,7 +14,7 @@ export const KINDS = new Map([
   ['other', 'Other'],
 ]);
 
-/** How many faults there are by kind; reports, and so lists, have the worst of each metric alone. */
+/** Total faults by kind. Reports, and so the lists, contain only the worst ones per metric. */
 export function totalsByKind(motions) {
   const totals = new Map();
   for (const { report } of motions) {
@@ -31,7 +31,7 @@ export function totalsByKind(motions) {
   return totals;
 }
 
-/** `3`, or of more than are listed `10 worst of 37`. */
+/** Text such as `3`, or `10 worst of 37` if not all faults are listed. */
 export function countText(listed, total) {
   return total > listed ? `${listed} worst of ${total}` : String(listed);
 }
@@ -42,7 +42,7 @@ export function faultText(fault, motion) {
   return `${KINDS.get(fault.kind)}: ${where}, ${amount} at ${seconds(fault.worst * motion.frameTime)}`;
 }
 
-/** The scrubber, the lanes of faults by kind, and when feet stand. */
+/** The scrubber, the lanes of faults by kind, and the stance phases. */
 export class Timeline {
   constructor(player, motions, onFault) {
     this.player = player;
@@ -110,7 +110,7 @@ export class Timeline {
 
   mark(fault, motion, index, count) {
     const text = (count > 1 ? `${motion.label}: ` : '') + faultText(fault, motion);
-    // the list of faults is for the keyboard; a hundred stops here would be in its way
+    // Marks are not in the tab order, because keyboard users have the list of faults.
     const mark = el('button', {
       type: 'button',
       class: `mark ${fault.kind}`,
@@ -212,7 +212,7 @@ export class Timeline {
     this.loop.style.width = `${(this.share(end) - this.share(begin)) * 100}%`;
   }
 
-  /** @param {object|null} chosen  the fault that is looked at */
+  /** @param {object|null} chosen  the selected fault */
   showFault(chosen) {
     for (const { mark, fault } of this.marks) {
       if (fault === chosen) mark.setAttribute('aria-current', 'true');

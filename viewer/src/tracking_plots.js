@@ -2,20 +2,25 @@ import { el } from './dom.js';
 import { Plot, plotBox } from './plot.js';
 import { cssColour, motionColour } from './theme.js';
 
-/** Errors of tracking: where a body is against where its bone wants it, and how it is turned. */
+/** Tracking errors: position and rotation of a body relative to its target. */
 export const ERRORS = [
   ['position', 'position', 'cm', 1],
   ['rotation', 'rotation', '\u00b0', 1],
 ];
 
-/** An error of a motion as text; it may go on after its source. @param {number} time seconds */
+/**
+ * A motion's error as text; the motion may be longer than its source.
+ * @param {number} time  seconds
+ */
 export function errorText(motion, values, time, unit, digits) {
   const at = motion.errorAt(motion.step(time));
   if (!values || at >= values.length) return '\u2013';
   return `${values[at].toFixed(digits)}\u202f${unit}`;
 }
 
-/** How the picked body follows its bone over time, a curve for each motion, in step with the picture. */
+/**
+ * Plots how the picked body follows its bone, one curve per motion, synchronous with the picture.
+ */
 export class TrackingPlots {
   constructor(player, motions) {
     this.player = player;
@@ -24,13 +29,13 @@ export class TrackingPlots {
     this.element = el('section', { 'aria-label': 'Tracking error of the picked body', hidden: true });
   }
 
-  /** @param {string|null} body  by its name */
+  /** @param {string|null} body  name */
   show(body) {
     this.body = body;
     for (const { plot } of this.plots) plot.close();
     this.plots = [];
     this.element.replaceChildren();
-    // the same body of every motion that has errors of it
+    // Show the same body of every motion that has errors for it.
     const shown = this.motions
       .map((motion, i) => ({ motion, colour: cssColour(motionColour(i)), errors: motion.errors.get(body) }))
       .filter(({ errors }) => errors);

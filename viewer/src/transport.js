@@ -10,7 +10,7 @@ const ICONS = {
 };
 const SPEEDS = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];
 
-/** The buttons below the picture: play, step, speed, the part that is looped, the time. */
+/** The controls below the picture: play, step, speed, looped range, time. */
 export class Transport {
   /** @param {import('./player.js').Player} player */
   constructor(player) {
@@ -87,7 +87,7 @@ export class Transport {
     player.setRange(player.begin < player.time ? player.begin : 0, player.time);
   }
 
-  /** The next slower (-1) or faster (1) speed. */
+  /** Selects the next slower (-1) or faster (1) speed. */
   changeSpeed(by) {
     const now = SPEEDS.findIndex((speed) => speed >= this.player.speed - 1e-9);
     this.player.setSpeed(SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, now + by))]);

@@ -1,6 +1,6 @@
 import { Choice, byId, el, toggle } from './dom.js';
 
-/** What the camera does. @param owner  has setCamera(mode)  @param {string} mode  of the beginning */
+/** Camera mode. @param owner  has setCamera(mode)  @param {string} mode  initial mode */
 export function cameraChoice(owner, mode) {
   return new Choice(
     'Camera',
@@ -14,7 +14,7 @@ export function cameraChoice(owner, mode) {
   );
 }
 
-/** Beside that choice, of which it is none. @param owner  has reset() */
+/** A separate button next to the camera choice. @param owner  has reset() */
 export function resetButton(owner) {
   const reset = el('button', {
     type: 'button',
@@ -25,7 +25,7 @@ export function resetButton(owner) {
   return el('div', { class: 'group' }, reset);
 }
 
-/** The row above the picture: camera, human, what else is drawn. */
+/** The toolbar above the picture: camera, human, optional objects. */
 export class ViewTools {
   /** @param {import('./world.js').World} world  @param {import('./stage.js').Stage} stage */
   constructor(world, stage, redraw) {

@@ -1,14 +1,16 @@
-/** How large robots are and where the camera goes with them: numbers alone, without three.js. */
+/** Sizes of robots and paths of the camera, without three.js. */
 
-/** Seconds either side over which the camera's way is calmed. */
+/** Half width of the smoothing window of the camera path, seconds. */
 const CALM = 0.35;
 
-/** Rises of the root that are a step's, and no reason to lift the camera: share of a robot's height. */
+/**
+ * Rise of the root within a step that does not lift the camera, as a fraction of a robot's height.
+ */
 const STEADY = 0.12;
 
 /**
- * How high a robot stands with all joints at zero, and its root above the floor then; metres. Of the
- * robot, not of what it does in a motion.
+ * Standing height of a robot with all joints at zero, and the height of its root above the floor;
+ * metres. Independent of the motion.
  * @param {import('./motions.js').Motion} motion
  * @returns {{height: number, root: number}}
  */
@@ -21,11 +23,11 @@ export function standing(motion) {
   }
   const low = Math.min(...heights),
     high = Math.max(...heights);
-  // a head above the highest body
+  // Add a margin for the head above the highest body.
   return { height: Math.max(0.1, 1.18 * (high - low)), root: -low };
 }
 
-/** Means of so many numbers to both sides; as far to both, so that the ends stay where they are. */
+/** Moving average; the window is symmetric everywhere, so that the ends are unchanged. */
 function calmed(values, half) {
   const count = values.length;
   const sums = new Float64Array(count + 1);
@@ -37,8 +39,8 @@ function calmed(values, half) {
 }
 
 /**
- * Where the roots are on the whole, without their sway: the mean of the motions that still run, by
- * steps of `frameTime`; a mean of means.
+ * The mean root path of the motions that are still running, without sway, in steps of `frameTime`;
+ * smoothed twice.
  * @param {import('./motions.js').Motion[]} motions
  * @returns {{frameTime: number, axes: Float64Array[]}}  x, y, z in metres
  */
@@ -60,16 +62,17 @@ export function calmWay(motions) {
   return { frameTime, axes };
 }
 
-/** Where on its way the camera is at a time. @returns {number[]} x y z */
+/** Camera position on its path at a time. @returns {number[]} x y z */
 export function onWay({ frameTime, axes }, time) {
   const at = Math.min(axes[0].length - 1, Math.max(0, Math.floor(time / frameTime + 1e-6)));
   return axes.map((axis) => axis[at]);
 }
 
 /**
- * How far up or down the camera goes along with a root, metres: not with every step, but with who
- * climbs, crawls or lies.
- * @param {number} root  its calmed height  @param {{height: number, root: number}} stand
+ * Vertical offset of the camera for a root height, metres: ignores steps, but follows climbing,
+ * crawling and lying.
+ * @param {number} root  smoothed height
+ * @param {{height: number, root: number}} stand
  */
 export function lift(root, stand) {
   const off = root - stand.root;

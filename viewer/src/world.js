@@ -6,12 +6,12 @@ import { RobotFigure } from './robot_figure.js';
 import { motionColour } from './theme.js';
 import { calmWay, lift, onWay, standing } from './ways.js';
 
-/** The figures of all motions, and where each stands: in a row across the way that they face. */
+/** The figures of all motions, arranged in a row perpendicular to their heading. */
 export class World {
   /**
    * @param {import('./motions.js').Motion[]} motions
    * @param {import('./stage.js').Stage} stage
-   * @param {object} figure  of the header: how humans are drawn
+   * @param {object} figure  from the header: how to draw humans
    */
   constructor(motions, stage, figure) {
     this.motions = motions;
@@ -34,7 +34,7 @@ export class World {
     this.arrange();
   }
 
-  // one for each motion; the first of a source is seen where motions of one source share it
+  // Creates a human per motion. If motions share a source, only the first one is shown by default.
   makeHumans() {
     const known = new Set();
     return this.motions
@@ -46,7 +46,7 @@ export class World {
       });
   }
 
-  /** Whether several motions have one source. */
+  /** Whether several motions have the same source. */
   get sharesSource() {
     return this.humans.some((human) => !human.first);
   }
@@ -55,7 +55,7 @@ export class World {
     return this.humans.filter((human) => human.first || this.besideEach);
   }
 
-  /** Shows the source of each motion with it, or a source of several once. */
+  /** Shows the source next to each motion, or a shared source once. */
   setBesideEach(on) {
     this.besideEach = on;
     this.arrange();
@@ -75,7 +75,7 @@ export class World {
     for (const path of this.paths) path.group.visible = visible;
   }
 
-  /** Marks feet while they stand, or not. */
+  /** Shows or hides contact marks on stance feet. */
   setContactsVisible(visible) {
     this.showContacts = visible;
     this.shown = null;
@@ -90,7 +90,7 @@ export class World {
     this.shown = null;
   }
 
-  /** Puts every figure into its place in the row. */
+  /** Places every figure in the row. */
   arrange() {
     this.shown = null;
     const beside = this.humanMode === 'beside' && this.humans.length > 0;
@@ -99,7 +99,7 @@ export class World {
     const places = [];
     this.motions.forEach((motion, i) => {
       const human = shown.find((each) => each.motion === motion);
-      // the human to the left of its robot, which is at the right in the picture
+      // Place the human to the left of its robot, which is on the right in the picture.
       if (human && beside) {
         this.placeHuman(human, place);
         places.push(place);
@@ -129,9 +129,9 @@ export class World {
       .add(new Vector3(x, y, 0));
   }
 
-  /** Poses all figures. @param {number} time seconds */
+  /** Poses all figures. @param {number} time  seconds */
   update(time) {
-    // the same frames are shown for several pictures
+    // Several pictures may show the same frames.
     const frames = this.motions.map((motion) => motion.step(time)).join();
     if (frames === this.shown) return;
     this.shown = frames;
@@ -141,7 +141,7 @@ export class World {
       this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase);
       this.robots[i].setEnded(motion.hasEnded(time));
     });
-    // a human goes on to its own end
+    // A human may be longer than its motion.
     for (const human of this.shownHumans) human.update(human.motion.step(time), this.showContacts);
     const [x, y, z] = onWay(this.way, time);
     this.stage.aim(
@@ -152,7 +152,7 @@ export class World {
     );
   }
 
-  /** The body of a robot at a point of the canvas. @returns {{motion: number, body: number}|null} */
+  /** The robot body at a point of the canvas. @returns {{motion: number, body: number}|null} */
   pick(clientX, clientY) {
     const box = this.stage.canvas.getBoundingClientRect();
     const point = new Vector2(
@@ -161,7 +161,7 @@ export class World {
     );
     const ray = new Raycaster();
     ray.setFromCamera(point, this.stage.camera);
-    // rays go through what is hidden as well
+    // Rays also hit hidden objects.
     const hit = ray
       .intersectObjects(
         this.robots.map((robot) => robot.group),
@@ -171,14 +171,14 @@ export class World {
     return hit ? { motion: hit.object.userData.motion, body: hit.object.userData.body } : null;
   }
 
-  /** Lights a body up in every motion of that robot. */
+  /** Highlights a body in every motion of its robot. */
   highlight(motion, bodies) {
     this.robots.forEach((robot, i) =>
       robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []),
     );
   }
 
-  /** Names below the figures, in pixels of the canvas. */
+  /** Name tags of the figures, in canvas pixels. */
   tags() {
     const tags = [];
     const add = (figure, root, text, colour) => {

@@ -17,7 +17,7 @@ from retarget.gmr.params import IK_CONFIG_DICT, ROBOT_XML_DICT
 
 
 class _NotOffered:
-    """An attribute of the published class that is not there, and what to use instead."""
+    """An attribute of the published class that is not supported, and its replacement."""
 
     def __init__(self, instead: str) -> None:
         self._instead = instead
@@ -33,30 +33,29 @@ _ROOT_SIZE = 7  # values of the root in qpos
 
 
 class GeneralMotionRetargeting:
-    """Retargets a human to a robot frame by frame, each frame from the one before.
+    """Retargets a human to a robot frame by frame, starting from the previous frame.
 
-    Constructor, methods and results are those of the published class; the solver is retarget's own.
+    Constructor, methods and results match the published class; the solver is retarget's own.
     Human frames are {body: (position (3,), quaternion (4,) w x y z)}, world, metres, Z up: tuples,
     lists, arrays of any kind of number. They are not changed.
 
     Attributes:
         xml_file: the robot's MJCF.
         qpos: (7 + N,) the robot's configuration: root x y z (metres), root quaternion w x y z,
-            joints (radians); where the next frame starts. May be set.
+            joints (radians); start of the next frame. Can be set.
         human_root_name, robot_root_name: root bodies.
-        human_scale_table: {body: scale}, the height taken into account; changes count from the next
-            frame.
+        human_scale_table: {body: scale}, including the height; changes apply to the next frame.
         ik_match_table1, ik_match_table2: {robot body: [human body, position weight, rotation
             weight, position offset, rotation offset]}, as read.
-        ground: (3,) what the tables' ground height takes off position offsets.
-        ground_offset: metres that targets are lowered by, see set_ground_offset.
-        max_iter: further steps of a pass after its first one, at most 30. May be set.
-        damping: of every degree of freedom in a step. May be set.
-        solver: the name that was given; the solver is retarget's own, which is exact.
+        ground: (3,) ground height of the tables, subtracted from position offsets.
+        ground_offset: metres by which targets are lowered, see set_ground_offset.
+        max_iter: further steps of a pass after the first one, at most 30. Can be set.
+        damping: damping of every degree of freedom in a step. Can be set.
+        solver: the given name; the actual solver is retarget's own, which is exact.
         robot_dof_names, robot_body_names, robot_motor_names: {name: index}; motors are the joints.
         pos_offsets1, rot_offsets1: {body: (3,) metres}, {body: (4,) w x y z} of table 1.
         scaled_human_data: the targets of the last frame, {body: [position, quaternion]}.
-        model: mujoco.MjModel of xml_file, where the package mujoco is installed.
+        model: mujoco.MjModel of xml_file, if the package mujoco is installed.
     """
 
     def __init__(self, src_human: str, tgt_robot: str, actual_human_height: float | None = None,
@@ -69,16 +68,16 @@ class GeneralMotionRetargeting:
             src_human: a key of IK_CONFIG_DICT: "bvh_lafan1", "smplx", ...
             tgt_robot: a key of ROBOT_XML_DICT: "unitree_g1", ...
             actual_human_height: metres; scales are multiplied by its ratio to the height that the
-                tables assume. None: scales stay as they are.
-            solver: any name is taken; the solver is retarget's own.
-            damping: of every degree of freedom in a step.
+                tables assume. None: scales remain unchanged.
+            solver: any name is accepted; the solver is retarget's own.
+            damping: damping of every degree of freedom in a step.
             verbose: prints the files that are used.
-            use_velocity_limit: taken and without effect, as in the published class.
-            ik_config: a file of tables in place of IK_CONFIG_DICT's.
+            use_velocity_limit: accepted without effect, as in the published class.
+            ik_config: a table file to use instead of that in IK_CONFIG_DICT.
         """
         if tgt_robot not in ROBOT_XML_DICT:
             raise unknown_name("robot", tgt_robot, ROBOT_XML_DICT,
-                               "ROBOT_XML_DICT takes the path of an MJCF for another one")
+                               "add the path of an MJCF to ROBOT_XML_DICT for another robot")
         self.xml_file = str(ROBOT_XML_DICT[tgt_robot])
         self._config_file = _config_file(src_human, tgt_robot, ik_config)
         self._config = _read_config(self._config_file)
@@ -110,7 +109,7 @@ class GeneralMotionRetargeting:
                 ground.
 
         Returns:
-            (7 + N,) float64, the caller's own: root x y z (metres), root quaternion w x y z, joints
+            (7 + N,) float64, a new array: root x y z (metres), root quaternion w x y z, joints
             in the model's order (radians).
         """
         self.update_targets(human_data, offset_to_ground)
@@ -129,14 +128,14 @@ class GeneralMotionRetargeting:
         return self._core.error(1)
 
     def error2(self) -> float:
-        """The same of table 2."""
+        """The same for table 2."""
         return self._core.error(2)
 
     @property
     def scaled_human_data(self) -> dict[str, list[np.ndarray]]:
         """The targets of the last frame: {body: [position (3,), quaternion (4,) w x y z]}."""
         if not self._has_targets:
-            raise AttributeError("scaled_human_data is there after retarget() or update_targets()")
+            raise AttributeError("scaled_human_data exists only after retarget() or update_targets()")
         targets = self._targets
         if targets is None:
             names, positions, rotations = self._core.targets()
@@ -146,20 +145,20 @@ class GeneralMotionRetargeting:
         return targets
 
     def set_ground_offset(self, ground_offset: float) -> None:
-        """Lowers the targets of all frames to come by so many metres."""
+        """Lowers the targets of all following frames by this many metres."""
         self.ground_offset = ground_offset
 
     # ------------------------------------------------- the steps of update_targets
 
     def to_numpy(self, human_data: Mapping[str, Any]) -> dict[str, list[np.ndarray]]:
-        """A frame with arrays in place of lists and tuples."""
+        """Converts lists and tuples of a frame to arrays."""
         return {name: [np.asarray(position), np.asarray(rotation)]
                 for name, (position, rotation) in human_data.items()}
 
     def scale_human_data(self, human_data: Mapping[str, Any], human_root_name: str,
                          human_scale_table: Mapping[str, float],
                          ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """A frame scaled: the root about the origin, other bodies of the table about the root."""
+        """Scales a frame: the root about the origin, other bodies of the table about the root."""
         if human_root_name not in human_data or human_root_name not in human_scale_table:
             raise unknown_name("root", human_root_name, set(human_data) & set(human_scale_table))
         names = [human_root_name] + [name for name in human_data
@@ -186,16 +185,16 @@ class GeneralMotionRetargeting:
 
     def offset_human_data_to_ground(self, human_data: Mapping[str, Any],
                                     ) -> dict[str, list[np.ndarray]]:
-        """A frame lifted or lowered until the lowest body with foot in its name is at 0.1 m."""
+        """Moves a frame vertically so that the lowest body with foot in its name is at 0.1 m."""
         feet = [np.asarray(position)[2] for name, (position, _) in human_data.items()
                 if "foot" in name or "Foot" in name]
         if not feet:
-            raise UsageError("nothing can be brought to the ground: no body has foot in its name")
+            raise UsageError("cannot move the targets to the ground: no body has foot in its name")
         return {name: [np.asarray(position) - [0.0, 0.0, min(feet)] + [0.0, 0.0, 0.1],
                        np.asarray(rotation)] for name, (position, rotation) in human_data.items()}
 
     def apply_ground_offset(self, human_data: Mapping[str, Any]) -> dict[str, list[np.ndarray]]:
-        """A frame lowered by ground_offset."""
+        """Lowers a frame by ground_offset."""
         return {name: [np.asarray(position) - [0.0, 0.0, self.ground_offset], np.asarray(rotation)]
                 for name, (position, rotation) in human_data.items()}
 
@@ -203,7 +202,7 @@ class GeneralMotionRetargeting:
 
     @property
     def qpos(self) -> np.ndarray:
-        """(7 + N,) the robot's configuration, a copy; where the next frame starts."""
+        """(7 + N,) the robot's configuration, a copy; start of the next frame."""
         return self._core.qpos
 
     @qpos.setter
@@ -211,12 +210,12 @@ class GeneralMotionRetargeting:
         self._core.set_qpos(value)
 
     def setup_retarget_configuration(self) -> None:
-        """Begins anew: the next frame starts as the first one did."""
+        """Resets the solver: the next frame starts like the first one."""
         self._core.set_qpos(self._initial_qpos())
 
     @property
     def damping(self) -> float:
-        """Of every degree of freedom in a step."""
+        """Damping of every degree of freedom in a step."""
         return self._damping
 
     @damping.setter
@@ -226,7 +225,7 @@ class GeneralMotionRetargeting:
 
     @property
     def max_iter(self) -> int:
-        """Further steps of a pass after its first one."""
+        """Further steps of a pass after the first one."""
         return self._max_iter
 
     @max_iter.setter
@@ -242,24 +241,24 @@ class GeneralMotionRetargeting:
                 import mujoco  # type: ignore
             except ImportError:
                 raise AttributeError(
-                    "model needs the package mujoco: pip install mujoco; retarget itself does "
-                    "without, retarget.Robot gives names and kinematics") from None
+                    "model needs the package mujoco: pip install mujoco; retarget itself does not "
+                    "need it, retarget.Robot provides names and kinematics") from None
             self._model = mujoco.MjModel.from_xml_path(self.xml_file)
         return self._model
 
     configuration = _NotOffered(
-        "the configuration of mink is not offered: read and set the attribute qpos")
+        "mink configurations are not supported: read and set the attribute qpos")
     ik_limits = _NotOffered(
-        "limits of mink are not offered: joints stay in the ranges of the robot's model")
+        "mink limits are not supported: joints stay in the ranges of the robot's model")
     tasks1 = human_body_to_task1 = task_errors1 = _NotOffered(
-        "tasks of mink are not offered: error1() gives their error, ik_match_table1 what they are")
+        "mink tasks are not supported: error1() gives their error, ik_match_table1 defines them")
     tasks2 = human_body_to_task2 = task_errors2 = _NotOffered(
-        "tasks of mink are not offered: error2() gives their error, ik_match_table2 what they are")
+        "mink tasks are not supported: error2() gives their error, ik_match_table2 defines them")
 
     # ------------------------------------------------------------------- inner
 
     def _load(self, before: _retarget.FrameRetargeter | None = None) -> None:
-        """Makes the solver anew with the present scales and options, to go on from another one."""
+        """Recreates the solver with the current scales and options, continuing from another one."""
         scales = dict(self.human_scale_table)
         try:
             text = json.dumps({**self._config, "human_scale_table": scales})
@@ -301,7 +300,7 @@ class GeneralMotionRetargeting:
         self.pos_offsets2, self.rot_offsets2 = _offsets(self.ik_match_table2, self.ground)
 
     def _initial_qpos(self) -> np.ndarray:
-        """Where a motion starts: the zero configuration, with what the tables say of joints."""
+        """Start of a motion: the zero configuration with the joint values of the tables."""
         if not hasattr(self, "_zero_qpos"):
             self._zero_qpos = self._core.qpos
         qpos = self._zero_qpos.copy()
@@ -313,7 +312,7 @@ class GeneralMotionRetargeting:
                     qpos[:_ROOT_SIZE] = np.ravel(value)
                 else:
                     raise ConfigError(f'{self._config_file}: "robot_initial_qpos" names {name!r}, '
-                                      "and there is no such joint")
+                                      "which is not a joint of the robot")
             except (TypeError, ValueError) as error:
                 if isinstance(error, ConfigError):
                     raise
@@ -329,11 +328,11 @@ def _config_file(src_human: str, tgt_robot: str, given: str | os.PathLike[str] |
         raise unknown_name("human", src_human, IK_CONFIG_DICT)
     configs = IK_CONFIG_DICT[src_human]
     if tgt_robot not in configs:
-        others = f", but for {', '.join(configs)}" if configs else ""
+        others = f", only for {', '.join(configs)}" if configs else ""
         raise UnknownNameError(
-            f"there are no tables of {src_human!r} for {tgt_robot!r}{others}; ik_config takes a file, "
-            "tables of the published package are found where that is installed, or in the checkout "
-            "that RETARGET_GMR_ROOT names")
+            f"no tables of {src_human!r} for {tgt_robot!r}{others}; ik_config accepts a file; "
+            "tables of the published package are used if it is installed, or if RETARGET_GMR_ROOT "
+            "names a checkout")
     return str(configs[tgt_robot])
 
 
@@ -348,8 +347,8 @@ def _read_config(path: str) -> dict[str, Any]:
             "human_height_assumption": (int, float)}
     for key, kind in keys.items():
         if not isinstance(config, dict) or not isinstance(config.get(key), kind):
-            raise ConfigError(f'{path}: not a retargeting configuration: "{key}" is missing or of '
-                              "another kind", file=path)
+            raise ConfigError(f'{path}: not a retargeting configuration: "{key}" is missing or '
+                              "has the wrong type", file=path)
     return config
 
 

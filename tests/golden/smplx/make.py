@@ -3,7 +3,7 @@
     PYTHONPATH=build/release/python PYTHON tests/golden/smplx/make.py SHARED/oracle
 
 PYTHON has mink, MuJoCo and DAQP. The tables are this project's own, in the form of those for
-SMPL-X: its names of bodies, every kind of entry in use. The frames are those of the sample walk.
+SMPL-X: its body names, every kind of entry in use. The frames are those of the sample walk.
 """
 
 from __future__ import annotations

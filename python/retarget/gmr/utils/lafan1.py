@@ -14,7 +14,7 @@ from retarget.gmr._frames import Frame, frames_of
 # the published package takes every body for 1.75 m
 _HEIGHT = 1.75
 _CENTIMETRE = 0.01
-_ANY = "retarget.to_robot(retarget.load(file), robot) takes every kind of skeleton"
+_ANY = "retarget.to_robot(retarget.load(file), robot) accepts any skeleton"
 _TOES = {"lafan1": "Toe", "nokov": "ToeBase"}
 
 
@@ -34,10 +34,10 @@ def _turned_z_up(rotations: np.ndarray) -> np.ndarray:
 
 def load_bvh_file(bvh_file: str | os.PathLike[str],
                   format: str = "lafan1") -> tuple[list[Frame], float]:
-    """Reads a BVH file with LAFAN1's names of joints, Y up, in centimetres.
+    """Reads a BVH file with LAFAN1's joint names, Y up, in centimetres.
 
-    Frames are those of the file, one by one, whatever its rate. Files of other kinds, units and
-    axes are recognised by retarget.to_robot.
+    Returns all frames of the file without resampling. retarget.to_robot recognises files of other
+    kinds, units and axes.
 
     Args:
         bvh_file: the file.
@@ -45,8 +45,8 @@ def load_bvh_file(bvh_file: str | os.PathLike[str],
 
     Returns:
         (frames, height): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres,
-        Z up, quaternions w x y z; with LeftFootMod and RightFootMod, which stand at the ankles and
-        turn with the toes. The height is always 1.75 m, as in the published package.
+        Z up, quaternions w x y z; with LeftFootMod and RightFootMod, which have the positions of
+        the ankles and the rotations of the toes. The height is always 1.75 m, as in the published package.
     """
     if format not in _TOES:
         raise UsageError(f"unknown format {format!r}: expected {' or '.join(map(repr, _TOES))}; "
@@ -58,7 +58,7 @@ def load_bvh_file(bvh_file: str | os.PathLike[str],
     wanted = [side + part for side in ("Left", "Right") for part in ("Foot", toes)]
     missing = [name for name in wanted if name not in index]
     if missing:
-        raise InputError(f"{os.fsdecode(bvh_file)}: there is no joint {', '.join(missing)}, so "
+        raise InputError(f"{os.fsdecode(bvh_file)}: no joint {', '.join(missing)}, so "
                          f"this is not a skeleton of format {format!r}; {_ANY}")
     positions = _z_up(clip.positions)
     rotations = _turned_z_up(clip.rotations_wxyz)

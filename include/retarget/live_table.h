@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+
+#include "retarget/enum_names.h"
+#include "retarget/export.h"
+#include "retarget/live.h"
+#include "retarget/option_table.h"
+
+namespace RETARGET_API retarget {
+
+inline constexpr const char* kLiveGroup = "Stream";
+
+template <>
+inline constexpr auto kEnumNames<LiveMode> =
+    std::to_array<NamedValue<LiveMode>>({{LiveMode::kFrame, "frame"}, {LiveMode::kLag, "lag"}});
+template <>
+inline constexpr auto kEnumNames<LiveClock> = std::to_array<NamedValue<LiveClock>>(
+    {{LiveClock::kSender, "sender"}, {LiveClock::kArrival, "arrival"}});
+
+/// The option rows of LiveOptions.
+[[nodiscard]] OptionTable live_table(LiveOptions& options);
+
+}  // namespace retarget

@@ -1,0 +1,227 @@
+#pragma once
+
+#include <sys/types.h>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/load.h"
+#include "retarget/measure.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
+#include "retarget/solve.h"
+#include "retarget/view.h"
+
+namespace RETARGET_API retarget {
+
+/// An output file of a motion.
+struct OutputItem {
+  MotionFormat format = MotionFormat::kCsv;
+  std::string path;  ///< `-`: standard output.
+};
+
+/// A file that was written, or would have been with `in_memory`.
+struct WrittenFile {
+  OutputItem item;
+  std::string hash;  ///< Hash of its content, `sha256:...`.
+};
+
+/// Returns the files for an output name and its formats. With one format the output is the file's
+/// name. With several, each name is the output without .csv, .npz, .pkl or .glb, plus the format's
+/// long ending: walk.csv, walk.mjlab.npz.
+///
+/// Usage errors: a repeated format, an ending that contradicts the format, .npz and .pkl without a
+/// format, several formats to standard output.
+[[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
+                                                           const SaveOptions& options);
+
+/// Returns the frame rate of a format's file; trackers' formats have their own.
+/// @param motion  rate of the other formats.
+[[nodiscard]] FrameRate rate_of_format(MotionFormat format, const SaveOptions& options,
+                                       const FrameRate& motion);
+
+/// Returns the distinct rates that the formats need; the motion's own rate comes first if a format
+/// uses it. A fit solves the motion at each rate. The published method solves it at its own rate
+/// only, and other rates are interpolated.
+[[nodiscard]] std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
+                                                  const FrameRate& motion);
+
+/// How the options want a motion to be written.
+/// @param output  whose name the motion takes where it needs one.
+[[nodiscard]] WriteMotionOptions write_options(const std::string& output,
+                                               const SaveOptions& options);
+
+/// Receives messages and progress of a run, and may stop it. Option names in texts are marked
+/// (spell_options).
+class Observer {
+ public:
+  virtual ~Observer() = default;
+
+  /// A line of the summary: a short label and a text.
+  virtual void line(std::string_view /*label*/, std::string_view /*text*/) {}
+  void lines(const std::vector<SummaryLine>& lines) {
+    for (const auto& [label, text] : lines) line(label, text);
+  }
+  virtual void warn(const std::vector<Warning>& /*warnings*/, std::string_view /*file*/) {}
+  /// An error that does not end the work.
+  virtual void fault(const Error& /*error*/) {}
+  virtual void progress(const Progress& /*progress*/) {}
+  /// Progress of a longer task as text.
+  virtual void status(std::string_view /*text*/) {}
+  virtual void end_progress() {}
+  /// While the returned object lives, an interrupt is reported only by is_stopped() and does not
+  /// end the process. Hold it while unfinished files need cleanup.
+  [[nodiscard]] virtual std::shared_ptr<void> hold_interrupts() { return {}; }
+  /// Whether the work should stop. Called often, from any thread.
+  [[nodiscard]] virtual bool is_stopped() const { return false; }
+  /// Whether the summary is shown. If not, work that only serves the summary is skipped.
+  [[nodiscard]] virtual bool is_read() const { return false; }
+};
+
+/// A set of files compared by identity instead of name: resolves hard and symbolic links, `a/../b`
+/// and redirected standard streams.
+class KnownFiles {
+ public:
+  /// Adds a file. Empty names are ignored.
+  /// @param stream  the descriptor that `-` means: STDIN_FILENO or STDOUT_FILENO.
+  void add(const std::string& path, int stream);
+  /// The name under which the same file was added; null if it was not.
+  [[nodiscard]] const std::string* find(const std::string& path, int stream) const;
+
+ private:
+  std::map<std::pair<dev_t, ino_t>, std::string> by_identity_;
+  std::map<std::string, std::string> by_path_;  // Files that do not exist yet.
+};
+
+/// Checks the outputs of a command against its inputs.
+class WrittenFiles {
+ public:
+  /// @param inputs  `-` is standard input; empty names are ignored.
+  explicit WrittenFiles(const std::vector<std::string>& inputs);
+
+  /// kUsage error if the file is an input. An empty name means no output.
+  [[nodiscard]] Result<void> check_spared(const std::string& output) const;
+  /// Adds an output. kUsage errors: the file is an input or another output; its folder is missing.
+  [[nodiscard]] Result<void> take(const std::string& output);
+
+ private:
+  KnownFiles inputs_;
+  KnownFiles outputs_;
+};
+
+/// Checks all outputs of a command with WrittenFiles::take.
+[[nodiscard]] Result<void> check_written(const std::vector<std::string>& outputs,
+                                         const std::vector<std::string>& inputs);
+
+/// All files that a run reads: those named by its options, and those of its robot and the data
+/// folder.
+[[nodiscard]] std::vector<std::string> files_of(const Run& run, const std::string& data_folder);
+
+/// Checks the output files of a motion before anything is read: folders exist, no output is also an
+/// input, no file is written twice.
+/// @param others  further output files; empty names are ignored.
+[[nodiscard]] Result<void> check_outputs(const Run& run, bool sidecar,
+                                         const std::vector<std::string>& inputs,
+                                         const std::vector<std::string>& others);
+
+/// Calls load_robot_motion with the facts that the sidecar of a CSV records (`walk.csv.json` for
+/// `walk.csv`): rate, units, quaternion order and variant, which a CSV without a header lacks.
+/// Given options take precedence. A sidecar is used only if its hash matches the file's content;
+/// otherwise it is reported and ignored. Other files under its name are ignored.
+[[nodiscard]] Result<RobotMotion> load_recorded_motion(const std::string& path,
+                                                       const std::shared_ptr<const Robot>& robot,
+                                                       const ReadMotionOptions& options);
+
+/// Options for reading a run's motion. If it is a robot motion (SourceOptions::from_robot), the
+/// sidecar of a CSV fills in options that are not given.
+[[nodiscard]] SourceOptions recorded_source(const std::string& path, SourceOptions options);
+
+/// The robot's variant recorded in the sidecar of a CSV; empty without a sidecar or if
+/// it is not used.
+[[nodiscard]] std::string recorded_variant(const std::string& path);
+
+/// Lines of the summary of a run.
+
+/// Summary of the clip as read.
+[[nodiscard]] SummaryLine clip_line(const Clip& clip);
+/// Results of a fit and its residuals. has_floor: the robot stands on a floor; verbose: include the
+/// cost of each term.
+[[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor,
+                                                 bool verbose);
+/// Minimum distance to the joint limits, and joints that stay at a limit with the reason.
+[[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
+
+/// Number of bodies of a page with meshes and names of missing ones; empty if the robot has none.
+[[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
+/// A missed gate: `jumps 3 (at most 0)`.
+/// @pre its figure was measured
+[[nodiscard]] std::string missed_text(const GateResult& gate);
+/// All missed gates of a report, separated by commas. Empty if no gate is missed.
+[[nodiscard]] std::string missed_gates_text(const QualityReport& report);
+
+/// Warnings about solver failures.
+[[nodiscard]] std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures);
+
+/// Missed gates with their values, and a verdict line with the number of kept gates and the joint
+/// that is most often at its limit: `16 of 16 gates kept; waist_pitch at its limit in 46 % of
+/// frames`.
+/// @param file  name of the motion, if there may be several.
+[[nodiscard]] std::vector<SummaryLine> verdict_lines(const QualityReport& report,
+                                                     const std::string& file = {});
+
+/// Additional outputs and settings of a run.
+struct RunRequest {
+  std::string report;        ///< JSON report of the motion's quality; empty: none.
+  std::string html;          ///< HTML page that plays the motion; empty: none.
+  std::string png;           ///< Picture with a strip of poses; empty: none.
+  int strip = 0;             ///< Number of poses in the strip; 0: the default.
+  std::string write_map;     ///< File for the map from joints to bones; empty: none.
+  bool sidecar = false;      ///< Write `<output>.json` for each file.
+  bool measure = false;      ///< Measure the motion's quality even if no report is written.
+  bool verbose = false;      ///< Report the cost of each term of the fit.
+  bool mirror = false;       ///< Retarget the mirror image of the clip (left-right).
+  bool hashes_only = false;  ///< Compute hashes only; write nothing.
+  bool partial = false;      ///< Skip formats that cannot represent so short a motion.
+  bool dynamics = false;     ///< Include inverse dynamics in the measurement.
+  int threads = 0;           ///< Threads per clip; 0: automatic. The result does not depend on it.
+  std::optional<Gates> gates;  ///< Gates for the motion, which is then measured; empty: the default
+                               ///< gates.
+};
+
+/// Result of a run.
+struct RunOutcome {
+  int frames = 0;                        ///< Frames of the written motion.
+  double fps = 0.0;                      ///< Frame rate of the written motion.
+  std::string config;                    ///< File of the retargeting configuration.
+  std::vector<WrittenFile> motions;      ///< Files of the motion with their hashes.
+  std::vector<Error> left_out;           ///< Errors of formats that were not written.
+  std::vector<std::string> others;       ///< Sidecars, report, page and picture.
+  std::optional<QualityReport> quality;  ///< Set if requested.
+};
+
+/// Loads a robot and reports what was found for it.
+[[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
+                                             const DataFolder& data_folder, Observer& observer,
+                                             Soles soles = Soles::kFound);
+
+/// Reads the clip of a run, plans the run, and reports what was found in the clip.
+[[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
+                                         const RobotSetup& robot, Observer& observer);
+
+/// Processes one clip from its file to the output files of a run: motion, sidecars, report, page,
+/// picture. All of them appear after everything was solved and written, or none.
+[[nodiscard]] Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request,
+                                              const RobotSetup& robot, Observer& observer);
+
+}  // namespace retarget

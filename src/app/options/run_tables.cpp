@@ -1,0 +1,307 @@
+#include "retarget/option_table.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// Wide enough for any motion, narrow enough to catch typing errors.
+constexpr double kMinRate = 0.001, kMaxRate = 1e6, kMaxTime = 1e9;
+
+// Name and length in metres.
+constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
+    {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"cmu", 0.056444}}};
+
+std::optional<double> number_in(std::string_view text, double min, double max) {
+  const auto number = parse_number<double>(text);
+  return number && *number >= min && *number <= max ? number : std::nullopt;
+}
+
+std::string axis_text(const std::optional<SignedAxis>& axis) {
+  if (!axis) return {};
+  return std::string(axis->negative ? "-" : "") + "xyz"[axis->axis];
+}
+
+Result<std::optional<SignedAxis>> axis_from_text(const std::string& text) {
+  if (text.empty()) return std::optional<SignedAxis>();
+  const bool is_signed = text.front() == '-' || text.front() == '+';
+  const std::string letter = is_signed ? text.substr(1) : text;
+  if (letter == "x" || letter == "y" || letter == "z") {
+    return std::optional(SignedAxis{letter.front() - 'x', text.front() == '-'});
+  }
+  return usage_failure(fmt::format("expected x, y, z, -x, -y or -z, found \"{}\"", text));
+}
+
+std::string plain_text(const std::string& text) {
+  return text;
+}
+
+Result<std::string> checked_unit(const std::string& text) {
+  TRY(unit_from_text(text));
+  return text;
+}
+
+std::string rate_text(const std::optional<double>& fps) {
+  return fps ? fmt::format("{}", *fps) : "source";
+}
+
+}  // namespace
+
+Result<std::optional<double>> rate_from_text(const std::string& text) {
+  if (text == "source") return std::optional<double>();
+  if (const auto fps = number_in(text, kMinRate, kMaxRate)) return fps;
+  return usage_failure(
+      fmt::format("expected a number from 0.001 to 1000000 or `source`, found \"{}\"", text));
+}
+
+Result<std::optional<double>> unit_from_text(const std::string& text) {
+  if (text.empty()) return std::optional<double>();
+  for (const auto& [name, metres] : kUnits) {
+    if (text == name) return std::optional(metres);
+  }
+  if (const auto metres = number_in(text, 1e-6, 1e6)) return metres;
+  return usage_failure(fmt::format(
+      "expected m, dm, cm, mm, inch, cmu, or metres from 0.000001 to 1000000, found \"{}\"", text));
+}
+
+Option memory_row(double& memory_gb) {
+  return option("memory", memory_gb, kInputGroup, "GB",
+                "Refuse motions that need more memory than this, GB (default: three quarters of "
+                "the available memory)",
+                {.min = 0.001, .max = 1e6, .decides = false});
+}
+
+Option output_row(std::string& output) {
+  return option("output", output, kOutputGroup, "FILE", "File to write; - writes standard output",
+                {.basic = true, .letter = "o"});
+}
+
+OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
+  constexpr const char* group = kMotionFileGroup;
+  const OptionInfo info{.decides = decides};
+  OptionTable table = {
+      option("from", options.from, group, "", "NPZ: joint order of the file", info),
+      option("source-quat", options.quaternion, group, "",
+             "Order of the root quaternion in the file", info),
+      option("source-angles", options.angles, group, "", "Unit of the joints in a CSV or pickle",
+             info),
+      option("source-unit", options.unit, group, "", "Unit of the root position in a CSV or pickle",
+             info),
+      option("source-dof", options.dof, group, "NAME",
+             "Robot variant whose joints the file contains", info),
+      option("ignore-header", options.ignore_header, group, "",
+             "Read the columns of a CSV by position, whatever its header says", info)};
+  table[0].choices = {"npz-mjlab", "npz-beyondmimic"};
+  table[2].choices = {"rad", "deg"};
+  table[3].choices = {"m", "cm", "mm"};
+  // An empty value leaves the unit to the file.
+  table[2].is_optional = table[3].is_optional = true;
+  return table;
+}
+
+OptionTable source_table(SourceOptions& options) {
+  OptionTable table = {
+      option("smpl-model", options.smpl_model, kInputGroup, "FILE",
+             "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
+             "of the same height)",
+             {.file = OptionFile::kContent}),
+      option("lenient", options.lenient, kInputGroup, "",
+             "Keep the complete frames of a damaged file and report what was dropped"),
+      option("root", options.root, kInputGroup, "NAME",
+             "Skeleton to read if the file contains several ROOTs or skeletons"),
+      option("take", options.take, kInputGroup, "NAME|N",
+             "Motion to read if the file contains several: its name, or its number from 1 (FBX, "
+             "glTF; default: the longest one with movement)"),
+      option("joint-names", options.joint_names, kInputGroup, "FILE",
+             "Joint names, one per line or as a JSON list, for a file of joint positions whose "
+             "joint order is unknown",
+             {.file = OptionFile::kContent}),
+      option("source-fps", options.source_fps, kInputGroup, "N",
+             "Frames per second of the source, whatever its header says",
+             {.min = kMinRate, .max = kMaxRate}),
+      option("from-robot", options.from_robot, kInputGroup, "NAME",
+             "The motion is a motion of this robot: CSV, NPZ, pickle, ... (docs/robot_to_robot.md)",
+             {.basic = true})};
+  append(table, motion_file_table(options.robot_file, true));
+  table.push_back(memory_row(options.memory_gb));
+  return table;
+}
+
+OptionTable human_table(HumanOptions& options) {
+  return {
+      option("map", options.map, kHumanGroup, "FILE",
+             "Bone map (the joint of every bone) to use instead of automatic recognition",
+             {.file = OptionFile::kContent}),
+      option("partial", options.partial, kHumanGroup, "",
+             "Accept a body without arms or without legs"),
+      option("rest", options.rest, kHumanGroup, "",
+             "Pose to use as T-pose, corrected if necessary: the zero pose, the first frame, the "
+             "best frame, or none (learned from the movement)"),
+      option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
+             "Frame of the source that is the T-pose", {.min = 0.0}),
+      option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
+             "BVH of the same skeleton whose first frame is the T-pose",
+             {.file = OptionFile::kContent}),
+      text_option("unit", options.unit, kHumanGroup, "UNIT",
+                  "Unit of length: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit),
+      text_option("up", options.up, kHumanGroup, "AXIS", "Up axis of the source: y, z, -y, ...",
+                  axis_text, axis_from_text),
+      text_option("forward", options.forward, kHumanGroup, "AXIS",
+                  "Facing direction of the source's rest pose", axis_text, axis_from_text),
+      option(
+          "height", options.height, kHumanGroup, "M",
+          "Body height, metres; determines an unknown unit (default: estimated; 1.75 for LAFAN1)",
+          {.min = 0.1, .max = 10.0}),
+      option("clean", options.clean, kHumanGroup, "",
+             "Noise of video estimates and IMU suits: auto removes measured noise and reports it, "
+             "except with " OPTION("method") " gmr; clean clips remain unchanged")};
+}
+
+OptionTable part_table(PartOptions& options) {
+  return {
+      option("start", options.start_s, kInputGroup, "S",
+             "Start at this time of the source, seconds", {.min = 0.0, .max = kMaxTime}),
+      option("end", options.end_s, kInputGroup, "S",
+             "End at this time of the source, seconds, inclusive", {.min = 0.0, .max = kMaxTime}),
+      option("frames", options.frames, kInputGroup, "A:B",
+             "Source frames A to B, excluding B; either may be omitted"),
+      option("lead-in", options.lead_in, kInputGroup, "",
+             "Leading frames before a jump (a T-pose, all zeros), unless " OPTION(
+                 "start") " or " OPTION("frames") " is given: auto drops them except "
+                                                  "with " OPTION("method") " gmr")};
+}
+
+Option base_row(RobotBase& base) {
+  return option(
+      "base", base, kRobotGroup, "",
+      "fixed: the base does not move (a stand, a wheeled platform); only the limbs attached to it "
+      "follow the human; feet and floor are ignored (default: from the robot's profile)");
+}
+
+OptionTable robot_table(RobotChoice& options) {
+  return {option("robot", options.name, kRobotGroup, "NAME", "Robot name or robot folder",
+                 {.basic = true}),
+          option("robot-xml", options.model, kRobotGroup, "FILE",
+                 "Any other robot: its MJCF model; meshes are not needed",
+                 {.file = OptionFile::kContent}),
+          option("robot-profile", options.profile, kRobotGroup, "FILE",
+                 "Output joint order, limit sets and soles of " OPTION("robot-xml") ", JSON",
+                 {.file = OptionFile::kContent}),
+          option("dof", options.variant, kRobotGroup, "NAME",
+                 "Variant of the robot with fewer joints: 29, 27, 23 or 23-pbhc for the G1 "
+                 "(default: all joints)"),
+          base_row(options.base),
+          option("follow", options.follow, kRobotGroup, "",
+                 "arms: only the arms follow the human's arms, relative to the chest; base, legs, "
+                 "trunk and head keep the standing pose, for another controller")};
+}
+
+OptionTable solve_table(SolveOptions& options) {
+  return {
+      option("limits", options.limits, kRobotGroup, "SET|FILE",
+             "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file (default: "
+             "gmr with " OPTION("method") " gmr)",
+             {.file = OptionFile::kOrName}),
+      option("ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
+             "Retargeting configuration (which robot body follows which bone): that of the "
+             "published method, the one derived from the robot's model, or a JSON file (default: "
+             "derived; with " OPTION("method") " gmr published for LAFAN1 if available)",
+             {.file = OptionFile::kOrName}),
+      option("method", options.method, kRobotGroup, "",
+             "fit: optimise the whole clip for feasibility; gmr: the published two-pass inverse "
+             "kinematics, frame by frame",
+             {.basic = true}),
+      option("fit-config", options.fit_config, kRobotGroup, "FILE",
+             "Weights and other options of the fit, JSON", {.file = OptionFile::kContent}),
+      option("window", options.fit_window_s, kRobotGroup, "SECONDS",
+             "Length of the windows that the fit solves at once, seconds; determines memory and "
+             "look-ahead (default: 20)",
+             {.min = 0.1, .max = 1e6}),
+      option("with", options.with, kRobotGroup, "TERM,...",
+             "Additional terms of the fit: dynamics moves the body so that its contacts can supply "
+             "the required forces (docs/dynamics.md)"),
+      option("without", options.without, kRobotGroup, "TERM,...",
+             "Terms to omit from the fit: floor, self-collision, contact, ..."),
+      option("engine", options.engine, kRobotGroup, "",
+             "Inverse kinematics engine; both produce the same iterates"),
+      option("hands", options.hands, kRobotGroup, "",
+             "Fingers of robots with hands: follow imitates the human's fingers, or relaxes them "
+             "if the source has none; relaxed keeps them half open; off leaves them to the body's "
+             "solver; auto is follow, or off with " OPTION("method") " gmr"),
+      option("scale", options.scale, kRobotGroup, "",
+             "How the motion is scaled: limbs gives legs, trunk and arms the robot's lengths; "
+             "table as published (default for LAFAN1 with " OPTION("method") " gmr, " OPTION(
+                 "ik-config") " published or FILE); height first scales every body to one size "
+                              "(default with " OPTION("height") ")",
+             {.none = "auto"})};
+}
+
+OptionTable time_table(TimeOptions& options) {
+  return {text_option("fps", options.fps, kTimeGroup, "N|source",
+                      "Output rate in frames per second, or `source`", rate_text, rate_from_text,
+                      {.basic = true}),
+          option("interpolation", options.interpolation, kTimeGroup, "",
+                 "Interpolation between source frames"),
+          option("no-antialias", options.no_antialias, kTimeGroup, "",
+                 "Do not low-pass filter a source whose rate is higher than the output's")};
+}
+
+OptionTable save_table(SaveOptions& options) {
+  return {
+      option(
+          "format", options.formats, kOutputGroup, "FORMAT,...",
+          "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, npz-holosoma, pkl-gmr, pkl-pbhc, "
+          "pkl-motion-lib, pkl-mimickit, protomotions, csv-sonic (a folder), glb "
+          "(default if the output ends in .glb); several formats are written to files named after "
+          "the output",
+          {.basic = true}),
+      option("precision", options.precision, kOutputGroup, "N",
+             "CSV: digits after the decimal point, 0 to 17", {.min = 0.0, .max = 17.0}),
+      option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: column separator"),
+      option("csv-header", options.header, kOutputGroup, "",
+             "CSV: header line with the column names"),
+      option("csv-quat", options.quaternion, kOutputGroup, "", "CSV: order of the root quaternion"),
+      option("csv-frame-column", options.frame_column, kOutputGroup, "",
+             "CSV: leading column with frame numbers from 0"),
+      option("csv-degrees", options.degrees, kOutputGroup, "",
+             "CSV: joints in degrees (default: radians)"),
+      option("csv-centimetres", options.centimetres, kOutputGroup, "",
+             "CSV: root position in centimetres (default: metres)"),
+      option("normalize-start", options.normalize_start, kOutputGroup, "",
+             "Move and turn the motion so that it starts at x = y = 0, facing +x"),
+      option("npz-fps", options.npz_fps, kOutputGroup, "N",
+             "NPZ and csv-sonic: frames per second, also of the fit", {.min = 1.0, .max = 1000.0}),
+      option("npz-velocity", options.npz_velocity, kOutputGroup, "",
+             "NPZ: linear velocities at link origins or centres of mass (default: link for "
+             "npz-mjlab, mass for the others, as in their simulators)"),
+      option("motion-name", options.motion_name, kOutputGroup, "NAME",
+             "pkl-pbhc and pkl-motion-lib: name of the motion (default: the file's)"),
+      option("contacts", options.contacts, kOutputGroup, "FILE",
+             "Also write heel and toe contacts: CSV with a header and one row per frame")};
+}
+
+OptionTable run_table(Run& run) {
+  Options& options = run.options;
+  OptionTable table = {
+      option("motion", run.motion, kInputGroup, "FILE", "Motion to retarget"),
+      // The reader is chosen by file content; this row only records the use of the SMPL option.
+      option("smpl", options.source.smpl, kInputGroup, "", "The motion is an SMPL motion")};
+  append(table, source_table(options.source));
+  append(table, human_table(options.human));
+  append(table, part_table(options.part));
+  append(table, robot_table(run.robot));
+  append(table, solve_table(options.solve));
+  append(table, time_table(options.time));
+  table.push_back(output_row(run.output));
+  append(table, save_table(options.save));
+  return table;
+}
+
+}  // namespace retarget

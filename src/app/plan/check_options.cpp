@@ -1,0 +1,93 @@
+#include "retarget/check_options.h"
+
+#include <limits>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "motion/clip_range.h"
+#include "retarget/file.h"
+#include "retarget/option_table.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kOneOfThem = "give only one of them";
+
+}  // namespace
+
+Result<void> check_human_options(const HumanOptions& options) {
+  TRY(unit_from_text(options.unit));
+  const bool has_frame = options.tpose_frame >= 0, has_rest = options.rest != RestPose::kAuto;
+  if (has_frame && has_rest) {
+    return usage_failure(OPTION("rest") " and " OPTION("tpose-frame") " both choose a rest pose",
+                         kOneOfThem);
+  }
+  if (!options.tpose_file.empty() && (has_frame || has_rest)) {
+    return usage_failure(OPTION("tpose-file") " cannot be combined with another rest pose",
+                         kOneOfThem);
+  }
+  return {};
+}
+
+Result<void> check_robot_choice(const RobotChoice& robot) {
+  if (robot.name.empty() && robot.model.empty()) {
+    return usage_failure("no robot is given",
+                         "add " OPTION("robot") " NAME or " OPTION("robot-xml") " FILE");
+  }
+  if (!robot.name.empty() && !robot.model.empty()) {
+    return usage_failure(OPTION("robot") " and " OPTION("robot-xml") " both name a robot",
+                         kOneOfThem);
+  }
+  if (!robot.profile.empty() && robot.model.empty()) {
+    return usage_failure(OPTION("robot-profile") " requires " OPTION("robot-xml"),
+                         "add " OPTION("robot-xml") " FILE");
+  }
+  return {};
+}
+
+Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& options) {
+  if (robot.model.empty() || !options.ik_config.empty()) return {};
+  return usage_failure(
+      OPTION("robot-xml") " has no retargeting configuration",
+      "add " OPTION("ik-config") " FILE, or create a robot from the model: retarget robots add "
+      "NAME " OPTION("model") " FILE");
+}
+
+Result<void> check_solving_options(const Options& options) {
+  const SolveOptions& solve = options.solve;
+  if (solve.method != Method::kFit && (!solve.fit_config.empty() || !solve.with.empty() ||
+                                       !solve.without.empty() || solve.fit_window_s > 0.0)) {
+    return usage_failure(
+        OPTION("fit-config") ", " OPTION("with") ", " OPTION("without") " and " OPTION(
+            "window") " require " OPTION("method") " fit",
+        "omit " OPTION("method"));
+  }
+  if (solve.method != Method::kFit && !options.save.contacts.empty()) {
+    return usage_failure(OPTION("contacts") " requires " OPTION(
+                             "method") " fit: the published method does not use contacts",
+                         "omit " OPTION("method"));
+  }
+  if (!options.part.frames.empty() && (options.part.start_s >= 0.0 || options.part.end_s >= 0.0)) {
+    return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
+                             "end") " both choose a part of the clip",
+                         kOneOfThem);
+  }
+  return {};
+}
+
+Result<void> check_options(const Options& options) {
+  TRY(check_solving_options(options));
+  TRY(check_human_options(options.human));
+  for (const std::string* file : {&options.human.map, &options.human.tpose_file}) {
+    if (!file->empty()) TRY(read_file(*file, ErrorKind::kConfig, kMaxTextBytes));
+  }
+  const std::string& body = options.source.smpl_model;
+  if (!body.empty()) TRY(check_readable(body, ErrorKind::kConfig));
+  constexpr int kAnyLength = std::numeric_limits<int>::max();
+  if (!options.part.frames.empty()) TRY(frame_range_from_text(options.part.frames, kAnyLength));
+  if (options.solve.method == Method::kFit) TRY(choose_fit(options, options.solve.fit));
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,41 @@
+#include "retarget/load.h"
+
+#ifdef RETARGET_DATA_FROM_LIBRARY
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <system_error>
+#endif
+
+namespace retarget {
+
+#ifdef RETARGET_DATA_FROM_LIBRARY
+
+// A shared library finds its own installation tree, even if the tree was moved.
+std::string installed_data_folder() {
+  static constexpr char kHere = 0;
+  Dl_info library{};
+  if (dladdr(&kHere, &library) == 0 || library.dli_fname == nullptr) return {};
+  std::error_code unknown;
+  const auto file = std::filesystem::weakly_canonical(library.dli_fname, unknown);
+  if (unknown) return {};
+  return (file.parent_path() / RETARGET_DATA_FROM_LIBRARY).lexically_normal().string();
+}
+
+#else
+
+// A static library is part of a program in an arbitrary folder. find_package(retarget) compiles a
+// definition of this function into the program (cmake/package_data_folder.cpp.in), which replaces
+// the weak one.
+extern "C" [[gnu::weak]] const char* retarget_package_data_folder();
+const char* retarget_package_data_folder() {
+  return "";
+}
+
+std::string installed_data_folder() {
+  return retarget_package_data_folder();
+}
+
+#endif
+
+}  // namespace retarget

@@ -1,0 +1,130 @@
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/data_folder.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
+#include "retarget/text.h"
+#include "robot/anatomy/bare_robot.h"
+#include "robot/model/find_robot.h"
+#include "robot/model/load_robot.h"
+#include "robot/model/variant.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<void> check_model_file(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {};
+  const fs::path model = fs::path(path) / "model.xml";
+  return config_failure(
+      path, "expected a robot model, found a directory",
+      is_file(model)
+          ? OPTION("robot") " " + path + " accepts a robot folder; its model is " + model.string()
+          : "name the MJCF or URDF file in it");
+}
+
+void warn_of_guessed_soles(LoadedRobot& loaded) {
+  loaded.warnings.push_back({0, 0,
+                             "the soles cannot be found in the model; they are estimated from the "
+                             "leg lengths, and feet may float or sink by centimetres"});
+}
+
+// Infers soles from the model, because feet with unknown soles float or sink.
+void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
+  const bool may_have_profile = !choice.model.empty() && choice.profile.empty();
+  const std::string remedy =
+      std::string("define them in a profile (docs/robots.md)") +
+      (may_have_profile ? ": " OPTION("robot-profile") " FILE" : "; this robot's profile does not");
+  auto completed = complete_bare_robot(*loaded.robot, loaded.model);
+  const bool stands = loaded.robot->fixed_base();
+  if (!completed && stands) return;
+  if (!completed) {
+    loaded.warnings.push_back({0, 0,
+                               fmt::format("the robot's soles are unknown, so its feet may float "
+                                           "or sink; {}; the search in the model failed: {}",
+                                           remedy, completed.error().message)});
+    return;
+  }
+  if (!stands) loaded.notes.push_back({"soles", completed->note + "; " + remedy});
+  if (completed->guessed) warn_of_guessed_soles(loaded);
+  if (const int parts = completed->shapeless; parts > 0) {
+    loaded.warnings.push_back(
+        {0, 0,
+         fmt::format(
+             "the model has no sphere, capsule, box or mesh for {} part{} of its body, so they may "
+             "penetrate each other and the floor; retarget robots add creates shapes for them",
+             parts, parts == 1 ? "" : "s")});
+  }
+  if (!completed->overlaps.empty()) {
+    loaded.notes.push_back(
+        {"shapes", fmt::format("{} of shapes in the model overlap in all poses; {}: {}",
+                               count_text(completed->overlaps.size(), "pair"),
+                               completed->overlaps.size() == 1 ? "this contact is ignored"
+                                                               : "these contacts are ignored",
+                               fmt::join(completed->overlaps, "; "))});
+  }
+  loaded.robot = std::move(completed->robot);
+}
+
+}  // namespace
+
+Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data_folder,
+                               Soles soles) {
+  TRY(check_robot_choice(choice));
+  const auto& chosen = data_folder.chosen;
+  TRY_ASSIGN(const fs::path folder,
+             find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
+                              data_folder.installed));
+  TRY(check_model_file(choice.model));
+  LoadedRobot loaded{nullptr,        choice,          choice.name, choice.model,
+                     choice.profile, folder.string(), {},          {}};
+  if (choice.model.empty()) {
+    TRY_ASSIGN(const RobotFiles files, find_robot(choice.name, robot_folders(folder)));
+    if (files.name != choice.name) {
+      loaded.notes.push_back({"robot", "\"" + choice.name + "\" is " + files.name});
+    }
+    loaded.name = loaded.choice.name = files.name;
+    loaded.model = files.model.string();
+    loaded.profile = files.profile.string();
+  }
+  // With Follow::kArms, the base stays fixed and the arms follow relative to it.
+  const RobotBase base = choice.follow == Follow::kArms ? RobotBase::kFixed : choice.base;
+  TRY_ASSIGN(loaded.robot, load_robot_files(loaded.model, loaded.profile, base));
+  const bool bare =
+      loaded.robot->fixed_base() ? loaded.profile.empty() : loaded.robot->profile().soles.empty();
+  if (soles == Soles::kFound && bare) find_soles(choice, loaded);
+  if (loaded.robot->profile().soles_estimated && !loaded.robot->fixed_base()) {
+    loaded.notes.push_back({"soles", loaded.robot->profile().soles_source + ": " + loaded.profile});
+    warn_of_guessed_soles(loaded);
+  }
+  if (!choice.variant.empty()) {
+    TRY_ASSIGN(loaded.robot, robot_variant(loaded.robot, choice.variant));
+  }
+  for (const std::string& warning : loaded.robot->warnings()) {
+    loaded.warnings.push_back({0, 0, warning});
+  }
+  return loaded;
+}
+
+Result<LoadedRobot> load_robot(const std::string& name_or_file) {
+  const fs::path ending = fs::path(name_or_file).extension();
+  const bool is_model = (ending == ".xml" || ending == ".urdf") && is_file(name_or_file);
+  RobotChoice choice;
+  (is_model ? choice.model : choice.name) = name_or_file;
+  return load_robot(choice);
+}
+
+}  // namespace retarget

@@ -1,0 +1,215 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/plan/clean_source.h"
+#include "app/plan/follow_arms.h"
+#include "app/plan/unknown_rotations.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "human/skeleton/robot_human.h"
+#include "motion/clip_range.h"
+#include "motion/lead_in.h"
+#include "motion/resample.h"
+#include "retarget/check_options.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
+#include "solve/hands/hand_track.h"
+#include "solve/targets/limb_lengths.h"
+
+namespace retarget {
+namespace {
+
+// Number of lead-in frames to skip, unless the user specifies the beginning.
+int frames_to_leave_out(const Clip& clip, const Options& options) {
+  const PartOptions& part = options.part;
+  // The published method uses every frame.
+  const bool keep = part.lead_in == LeadIn::kKeep ||
+                    (part.lead_in == LeadIn::kAuto && options.solve.method == Method::kGmr);
+  if (keep || !part.frames.empty() || part.start_s >= 0.0) return 0;
+  const int count = count_lead_in_frames(clip);
+  // An end within the lead-in is intentional.
+  const bool ends_there = part.end_s >= 0.0 && part.end_s * clip.rate().fps() < count;
+  return ends_there ? 0 : count;
+}
+
+// Chooses how the body size scales the motion: by the options, else by what suits the clip best.
+ScaleRule choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
+                       const Options& options) {
+  const SolveOptions& solve = options.solve;
+  if (solve.scale) return *solve.scale;
+  // With a fixed base, the robot does not follow hand positions.
+  if (robot.fixed_base()) return ScaleRule::kHeight;
+  // The published method assumes one body size for all of LAFAN1, and so do its tables.
+  const bool as_published =
+      solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");
+  if (as_published && human.is_lafan1()) return ScaleRule::kTable;
+  const bool measurable = std::ranges::all_of(
+      kMeasuredBones, [&](Bone bone) { return human.calibration.bones[bone].position_joint >= 0; });
+  if (options.human.height > 0.0 || !measurable) return ScaleRule::kHeight;
+  const auto limbs = robot_limbs(robot, config);
+  // Some robots' arms end at the elbow; a fit measures the limbs that exist.
+  const bool by_limbs = limbs && (limbs->forearms || solve.method != Method::kGmr);
+  return by_limbs ? ScaleRule::kLimbs : ScaleRule::kHeight;
+}
+
+// Removes the tasks of bones that a partial body lacks.
+Result<void> leave_out_missing(Plan& plan) {
+  const std::vector<Bone> missing = plan.human.missing_bones();
+  std::vector<std::string> names;
+  names.reserve(missing.size());
+  for (const Bone bone : missing) names.emplace_back(bone_name(bone));
+  TRY_ASSIGN(const int dropped, leave_out_bones(plan.config, missing));
+  if (dropped == 0) return {};
+  plan.config_notes.push_back(
+      {"partial", fmt::format("{} of the configuration omitted: the source has no {}",
+                              count_text(dropped, "row"), list_names(names))});
+  return {};
+}
+
+}  // namespace
+
+void leave_out_unknown_rotations(const Clip& clip, Plan& plan) {
+  const std::vector<std::string>& unknown = clip.origin().unknown_rotations;
+  if (unknown.empty()) return;
+  for (ResolvedConfig::Table& table : plan.config.match_tables) {
+    for (ConfigTask& task : table.tasks) {
+      const int joint = plan.human.calibration.bones[task.bone].position_joint;
+      if (joint < 0) continue;
+      const std::string& name = clip.skeleton().joint(joint).name;
+      if (std::ranges::find(unknown, name) != unknown.end()) task.rotation_weight = 0.0;
+    }
+  }
+}
+
+namespace {
+
+// Adds a note about the motion of the robot's fingers.
+void note_hands(const Clip& clip, Plan& plan) {
+  const SolveOptions& solve = plan.options.solve;
+  const HandsRule rule = hands_rule(solve.hands, solve.method);
+  if (rule == HandsRule::kOff) return;
+  const RobotHands hands = find_hands(*plan.robot.robot);
+  const SourceHands followed = followed_hands(clip, plan.human.map, hands, rule, plan.part);
+  std::vector<std::string> follow, relaxed;
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    if (!hands[side]) continue;
+    (followed[side] ? follow : relaxed).emplace_back(side == 0 ? "left" : "right");
+  }
+  std::string text;
+  if (!follow.empty()) text = fmt::format("{} following the human", fmt::join(follow, " and "));
+  if (!relaxed.empty()) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} relaxed", fmt::join(relaxed, " and "));
+    if (rule == HandsRule::kFollow) text += ": the source has no finger motion there";
+  }
+  if (!text.empty()) plan.config_notes.push_back({"hands", text});
+}
+
+Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
+  plan.lead_in_frames = frames_to_leave_out(clip, options);
+  TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
+  if (plan.lead_in_frames > 0) {
+    plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
+    const bool one = plan.lead_in_frames == 1;
+    plan.clip_notes.push_back(
+        {"lead-in", fmt::format("{} at the start skipped, because the motion jumps there; " OPTION(
+                                    "lead-in") " keep uses {}",
+                                count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
+  }
+  const auto& fps = options.time.fps;
+  const FrameRate rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
+  plan.rate = solved_rates(options.save, options.solve.method, rate).front();
+  return {};
+}
+
+}  // namespace
+
+std::int64_t Plan::frame_count() const {
+  const FrameRate& source = clip ? clip->rate() : rate;
+  return resampled_frame_count(part.end - part.begin, source, rate);
+}
+
+Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options) {
+  TRY(check_solving_options(options));
+  if (clip.frame_count() == 0) {
+    return input_failure(clip.name(), "the clip has no frames",
+                         "retarget inspect shows its skeleton");
+  }
+  Plan plan;
+  plan.robot = robot.loaded;
+  plan.options = options;
+  plan.limits = robot.limits;
+  plan.fit = is_of_robot(clip) ? robot.fit_of_robots : robot.fit;
+  const std::string smoothed_positions = clean_source_positions(clip, options);
+  // The whole clip serves to find the rest pose, unit and axes, even if only a part is retargeted.
+  TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
+  const ResolvedConfig& config = robot.config_for(plan.human);
+  plan.config = config;
+  plan.is_config_of_others = &config != &robot.config;
+  TRY(choose_frames(clip, options, plan));
+  clean_source(clip, smoothed_positions, plan);
+  if (plan.human.map.partial) TRY(leave_out_missing(plan));
+  leave_out_unknown_rotations(clip, plan);
+  note_hands(clip, plan);
+  for (SummaryLine& line : follow_lines(plan.robot, plan.limits)) {
+    plan.config_notes.push_back(std::move(line));
+  }
+  plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
+  const std::uint64_t bytes = clip.origin().bytes;
+  plan.clip = std::make_shared<const Clip>(std::move(clip));
+  TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},
+                 options.source.memory_gb, options.save));
+  return plan;
+}
+
+Result<Plan> make_plan(Clip clip, const LoadedRobot& robot, const Options& options) {
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(robot, options));
+  return make_plan(std::move(clip), setup, options);
+}
+
+std::vector<SummaryLine> HumanInClip::lines() const {
+  std::vector<SummaryLine> lines = {{"taken as", calibration.description}};
+  for (const std::string& note : map.notes) lines.push_back({"", note});
+  return lines;
+}
+
+std::vector<SummaryLine> Plan::robot_lines() const {
+  std::vector<SummaryLine> lines = config_notes;
+  lines.push_back({"robot", fmt::format("{}, {}, limits {}, configuration {}", robot.robot->name(),
+                                        count_text(robot.robot->output_joints().size(), "joint"),
+                                        limits.name, config.file)});
+  if (is_config_of_others) {
+    lines.push_back({"", "derived configuration, because the source is not LAFAN1; " OPTION(
+                             "ik-config") " published selects the published one"});
+  }
+  return lines;
+}
+
+std::string Plan::summary() const {
+  constexpr std::size_t kLabelWidth = 9;
+  std::string text;
+  for (const auto& lines : {human.lines(), clip_notes, robot_lines()}) {
+    for (const auto& [label, words] : lines) {
+      text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
+    }
+  }
+  for (const Warning& doubt : human.doubts()) {
+    text += describe(doubt, clip ? clip->name() : "") + "\n";
+  }
+  return text;
+}
+
+}  // namespace retarget

@@ -1,0 +1,83 @@
+#include "retarget/measure.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/try.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/source_hands.h"
+#include "retarget/check_options.h"
+#include "retarget/option_table.h"
+#include "retarget/solve.h"
+
+namespace retarget {
+namespace {
+
+Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& fingers) {
+  TRY_ASSIGN(const auto clip, prepare_clip(plan));
+  const SourceHands hands = find_source_hands(clip->skeleton(), plan.human.map);
+  if (hands[0] || hands[1]) fingers = clip;
+  return to_human(*clip, plan.human.calibration);
+}
+
+QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
+                             const MeasuredSource& measured, const HumanClip& human) {
+  const QualitySource source{&human, &measured.config, measured.scale};
+  return measure_quality(motion, limits, &source);
+}
+
+// Mean angle between the limbs of robot and human, degrees.
+double limb_angle(const QualityReport& report) {
+  const MetricValue* found = report.find("limb_angle_deg");
+  return found == nullptr ? HUGE_VAL : found->value;
+}
+
+}  // namespace
+
+Result<MeasuredSource> measured_source(Plan plan) {
+  MeasuredSource source;
+  source.name = std::filesystem::path(plan.clip->name()).filename().string();
+  source.rate = plan.rate;
+  source.config = plan.config;
+  source.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
+  source.scale = plan.scale;
+  source.map = plan.human.map;
+  TRY_ASSIGN(source.human, human_of(plan, source.fingers));
+  if (plan.lead_in_frames == 0) return source;
+  plan.part.begin = 0;
+  TRY_ASSIGN(source.human_with_lead_in, human_of(plan, source.fingers_with_lead_in));
+  return source;
+}
+
+MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
+                             const MeasuredSource* source) {
+  if (source == nullptr) return {measure_quality(motion, limits, nullptr)};
+  const HumanClip* human = &source->human;
+  MotionMeasure measure{measure_beside(motion, limits, *source, *human)};
+  if (const auto& whole = source->human_with_lead_in) {
+    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole);
+    const bool needs_it = motion.frame_count() > human->frame_count;
+    if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
+        (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {
+      measure.report = std::move(with_lead_in);
+      measure.has_lead_in = true;
+      human = &*whole;
+    }
+  }
+  const auto& fingers = measure.has_lead_in ? source->fingers_with_lead_in : source->fingers;
+  if (fingers) add_hands(motion, *fingers, source->map, measure.report);
+  measure.source_frames = human->frame_count;
+  measure.report.source = source->name;
+  measure.report.config = source->config_file;
+  return measure;
+}
+
+Option dynamics_row(bool& dynamics) {
+  return option("dynamics", dynamics, kOutputGroup, "",
+                "Also compute inverse dynamics: forces that no contact can supply, torques beyond "
+                "limits, balance, friction (docs/dynamics.md)",
+                {.decides = false});
+}
+
+}  // namespace retarget

@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "app/plan/follow_arms.h"
+#include "app/plan/robot_source.h"
+#include "base/try.h"
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/load.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
+  const SolveOptions& solve = options.solve;
+  // The limits hold for the written values; lower precision than this is not useful.
+  constexpr int kMinDecimals = 3;
+  fit.decimals = std::max(kMinDecimals, options.save.precision);
+  if (!solve.fit_config.empty()) {
+    TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMaxTextBytes));
+    TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));
+  }
+  if (solve.fit_window_s > 0.0) fit.window = solve.fit_window_s;
+  TRY(set_terms(fit, solve.with, true));
+  TRY(set_terms(fit, solve.without, false));
+  return fit;
+}
+
+const ResolvedConfig& RobotSetup::config_for(const HumanInClip& human) const {
+  return config_of_others && !human.is_lafan1() ? *config_of_others : config;
+}
+
+Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
+  TRY(check_solving_options(options));
+  const Robot& robot = *loaded.robot;
+  const SolveOptions& solve = options.solve;
+  RobotSetup setup;
+  // The published method has its own, tighter limit set for some robots.
+  const std::string method(enum_name(solve.method));
+  TRY_ASSIGN(setup.limits,
+             load_limits(robot, solve.limits.empty() ? robot.limits_for(method) : solve.limits));
+  TRY_ASSIGN(const ConfigFiles files,
+             find_configs(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
+                          loaded.data_folder, fs::path(robot.name()).filename().string()));
+  TRY_ASSIGN(setup.config, load_config(files.of_lafan1, robot));
+  if (!files.of_others.empty()) {
+    TRY_ASSIGN(setup.config_of_others, load_config(files.of_others, robot));
+  }
+  if (loaded.choice.follow == Follow::kArms) TRY(follow_arms_alone(robot, setup));
+  if (solve.method == Method::kFit) {
+    TRY_ASSIGN(setup.fit, choose_fit(options, solve.fit));
+    TRY_ASSIGN(setup.fit_of_robots, choose_fit(options, fit_of_robot_motions(solve.fit)));
+  }
+  setup.loaded = std::move(loaded);
+  return setup;
+}
+
+}  // namespace retarget

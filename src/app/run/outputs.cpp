@@ -1,0 +1,155 @@
+#include "app/run/outputs.h"
+
+#include <map>
+#include <utility>
+
+#include "app/plan/human_in_world.h"
+#include "app/plan/motion_contacts.h"
+#include "app/provenance/hash.h"
+#include "base/try.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+bool is_csv(MotionFormat format) {
+  return format == MotionFormat::kCsv || format == MotionFormat::kCsvSoma;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(
+    const std::string& output, const SaveOptions& options,
+    const std::shared_ptr<const Robot>& robot, const FrameRate& rate, bool in_memory) {
+  std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
+  outputs->options_ = options;
+  outputs->in_memory_ = in_memory;
+  TRY_ASSIGN(outputs->items_, plan_outputs(output, options));
+  outputs->write_options_ = write_options(output, options);
+  for (const OutputItem& item : outputs->items_) {
+    outputs->sinks_.push_back(nullptr);
+    if (!is_csv(item.format)) {
+      // Create the target now, so that an error occurs before the work.
+      outputs->others_.emplace_back();
+      if (in_memory) continue;
+      TRY_ASSIGN(outputs->others_.back(), MotionTarget::create(item));
+      continue;
+    }
+    const RobotCsvOptions& csv = outputs->write_options_.csv;
+    const CsvSink::Options sink_options{
+        item.format == MotionFormat::kCsvSoma ? soma_csv_options(rate, csv.precision) : csv,
+        options.normalize_start};
+    outputs->others_.emplace_back();
+    TRY_ASSIGN(outputs->sinks_.back(),
+               CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options));
+  }
+  return outputs;
+}
+
+void MotionOutputs::add(std::span<const double> qpos) {
+  for (const auto& sink : sinks_) {
+    if (sink) sink->add(qpos);
+  }
+}
+
+Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
+                                         std::vector<Error>* left_out) {
+  std::vector<RobotClip> moved;
+  std::vector<std::optional<HumanInWorld>> humans;
+  for (const OutputMotion& motion : motions) {
+    moved.push_back(*motion.clip);
+    write_options_.human = motion.human;
+    if (options_.normalize_start) normalize_start(moved.back(), write_options_);
+    humans.push_back(std::move(write_options_.human));
+  }
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (sinks_[i]) continue;
+    const std::size_t chosen = motion_of_format(items_[i].format, options_, motions);
+    write_options_.human = humans[chosen];
+    write_options_.contacts = motions[chosen].contacts;
+    auto files = format_motion_files(moved[chosen], items_[i].format, write_options_);
+    if (!files) {
+      if (files.error().location.file.empty()) files.error().location.file = items_[i].path;
+      const bool may_lack = left_out != nullptr && files.error().kind == ErrorKind::kInput;
+      if (!may_lack || left_out->size() + 1 == items_.size()) return failure(files.error());
+      left_out->push_back(std::move(files.error()));
+      others_[i].reset();
+      continue;
+    }
+    TRY_ASSIGN(auto hash, hash_files(*files));
+    written_[i] = {items_[i], std::move(hash)};
+    if (in_memory_) continue;
+    TRY(others_[i]->write(*files));
+  }
+  return {};
+}
+
+Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMotion> motions,
+                                                       const SidecarText& sidecar,
+                                                       std::vector<Error>* left_out) {
+  written_.resize(items_.size());
+  TRY(write_others(motions, left_out));
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (!sinks_[i]) continue;
+    TRY_ASSIGN(auto hash, sinks_[i]->flush());
+    written_[i] = {items_[i], std::move(hash)};
+  }
+  std::erase_if(written_, [](const WrittenFile& file) { return file.hash.empty(); });
+  if (in_memory_) return written_;
+  if (sidecar) {
+    for (const WrittenFile& written : written_) {
+      TRY_ASSIGN(const auto text, sidecar(written));
+      TRY_ASSIGN(auto file, OutputFile::create(written.item.path + ".json"));
+      TRY(file.write(text));
+      sidecars_.push_back(std::move(file));
+    }
+  }
+  if (!options_.contacts.empty()) {
+    TRY_ASSIGN(auto file, write_contacts(options_.contacts, motions.front().contacts,
+                                         motions.front().clip->rate()));
+    sidecars_.push_back(std::move(file));
+  }
+  TRY(commit());
+  return written_;
+}
+
+Result<void> MotionOutputs::commit() {
+  for (const auto& sink : sinks_) {
+    if (sink) TRY(sink->commit());
+  }
+  for (auto& target : others_) {
+    if (target) TRY(target->commit());
+  }
+  for (OutputFile& file : sidecars_) TRY(file.commit());
+  return {};
+}
+
+Result<std::string> hash_files(const std::vector<FormattedFile>& files) {
+  if (files.size() == 1 && files.front().name.empty()) return hash_bytes(files.front().bytes);
+  std::map<std::string, std::string> hashes;  // Sorted by name, as when a folder is read.
+  for (const FormattedFile& file : files) {
+    TRY_ASSIGN(hashes[file.name], hash_bytes(file.bytes));
+  }
+  std::string listed;
+  for (const auto& [name, hash] : hashes) listed += name + " " + hash + "\n";
+  return hash_bytes(listed);
+}
+
+std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
+                             std::span<const OutputMotion> motions) {
+  const FrameRate rate = rate_of_format(format, options, motions.front().clip->rate());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (same_rate(motions[i].clip->rate(), rate)) return i;
+  }
+  return 0;
+}
+
+std::string outputs_text(std::span<const WrittenFile> files) {
+  std::vector<std::string> names;
+  for (const WrittenFile& file : files) {
+    names.push_back(file.item.path == "-" ? "standard output" : file.item.path);
+  }
+  return list_names(names);
+}
+
+}  // namespace retarget

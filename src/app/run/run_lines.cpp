@@ -1,0 +1,219 @@
+#include "retarget/run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "retarget/text.h"
+#include "robot/model/limit_distance.h"
+#include "solve/targets/limit_diagnosis.h"
+
+namespace retarget {
+namespace {
+
+// Joints at a limit in a smaller share of the frames are not named.
+constexpr double kNamedAtLimit = 0.05;
+constexpr std::size_t kMaxLines = 5;
+
+std::string push_text(const LimitPush& push) {
+  const double degrees = push.shortfall * 180.0 / std::numbers::pi;
+  return "task " + std::string(bone_name(push.bone)) +
+         (push.rotation ? " rotation, " + number_text(degrees, 1) + " degrees short"
+                        : " position, " + number_text(100.0 * push.shortfall, 1) + " cm short");
+}
+
+std::string wider_text(const JointAtLimit& found, const RobotJoint& joint, const LimitSet& limits) {
+  if (std::isinf(found.wider_by)) return "limit set " + found.wider_set + " has no limit there";
+  const std::string unit = joint.type == RobotJoint::Type::kHinge ? " rad" : " m";
+  return "limit set " + limits.name + " is " + number_text(found.wider_by, 2) + unit +
+         " tighter than " + found.wider_set;
+}
+
+// Minimum distance of the motion to its limits.
+std::vector<SummaryLine> distance_lines(const RobotClip& clip, const LimitSet& limits) {
+  const auto nearest = nearest_limit(clip, limits);
+  if (!nearest) return {};
+  // A distance that rounds to zero in the file counts as being at the limit.
+  constexpr double kEpsilon = 5e-7;
+  const std::string side = nearest->at_upper ? "upper limit" : "lower limit";
+  const std::string distance = number_text(std::abs(nearest->distance), 6);
+  const std::string where = std::abs(nearest->distance) < kEpsilon ? " is at its " + side
+                            : nearest->distance > 0.0
+                                ? " comes nearest, " + distance + " from its " + side
+                                : " goes " + distance + " beyond its " + side;
+  return {{"limits", limits.name + ": " + nearest->joint + where + " in frame " +
+                         std::to_string(nearest->frame) + "; joints at a limit in " +
+                         number_text(100.0 * nearest->frames_at_limit, 1) + " % of frames"}};
+}
+
+// Example: `targets lowered by 4 cm`
+std::string floor_text(const FitReport& report) {
+  const std::string size = number_text(100.0 * std::abs(report.floor_height), 1);
+  if (size == "0") return "targets stay at their height";
+  return std::string("targets ") + (report.floor_height > 0.0 ? "lowered" : "raised") + " by " +
+         size + " cm";
+}
+
+constexpr int kDecimals = 3, kMaxDecimals = 9;
+
+// At least two significant digits.
+std::string bound_text(double bound) {
+  int decimals = kDecimals;
+  for (double size = std::abs(bound) * 1000.0; size > 0.0 && size < 10.0 && decimals < kMaxDecimals;
+       size *= 10.0) {
+    ++decimals;
+  }
+  return number_text(bound, decimals);
+}
+
+// Strips the suffix that many models give their joints.
+std::string short_name(const std::string& joint) {
+  constexpr std::string_view kEnding = "_joint";
+  const bool has_it = joint.size() > kEnding.size() && joint.ends_with(kEnding);
+  return has_it ? joint.substr(0, joint.size() - kEnding.size()) : joint;
+}
+
+}  // namespace
+
+std::string missed_text(const GateResult& gate) {
+  // Negated comparison: NaN counts as below the bound.
+  const bool too_little = gate.min && !(*gate.value >= *gate.min);
+  const double bound = too_little ? *gate.min : *gate.max;
+  // Enough digits to show that the gate was missed.
+  int decimals = kDecimals;
+  while (decimals < kMaxDecimals &&
+         number_text(*gate.value, decimals) == number_text(bound, decimals)) {
+    ++decimals;
+  }
+  return gate.metric + " " + number_text(*gate.value, decimals) +
+         (too_little ? " (at least " : " (at most ") + bound_text(bound) + ")";
+}
+
+std::string missed_gates_text(const QualityReport& report) {
+  std::string text;
+  for (const GateResult& gate : report.gates) {
+    if (gate.value && !gate.passed) text += (text.empty() ? "" : ", ") + missed_text(gate);
+  }
+  return text;
+}
+
+SummaryLine clip_line(const Clip& clip) {
+  return {"read", clip.name() + ": " + count_text(clip.skeleton().joint_count(), "joint") + ", " +
+                      count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
+                      " fps, " + number_text(clip.duration(), 2) + " s" +
+                      (clip.origin().choices.empty() ? "" : "; " + clip.origin().choices)};
+}
+
+std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor, bool verbose) {
+  std::vector<SummaryLine> lines;
+  for (const std::string& note : report.notes) lines.push_back({"fit", note});
+  if (has_floor) {
+    lines.push_back({"floor", floor_text(report) + (report.floor_found ? "" : " (a guess)") + ", " +
+                                  count_text(report.contact_phases, "contact phase")});
+  }
+  for (const FitTermReport& term : report.terms) {
+    if (!verbose) break;
+    std::string worst;
+    for (const int frame : term.worst) worst += (worst.empty() ? "" : ", ") + std::to_string(frame);
+    lines.push_back({&term == &report.terms.front() ? "costs" : "",
+                     term.name + " " + number_text(term.before, 3) + " -> " +
+                         number_text(term.after, 3) +
+                         (worst.empty() ? "" : ", worst in " + worst)});
+  }
+  for (const FitBoundReport& bound : report.bounded) {
+    lines.push_back({"bounded", bound.joint + " in " + count_text(bound.frames, "frame") +
+                                    ", most in " + std::to_string(bound.worst_frame) + " by " +
+                                    number_text(bound.largest, 3)});
+  }
+  return lines;
+}
+
+std::vector<SummaryLine> limit_lines(const Motion& motion) {
+  const Plan& plan = motion.plan;
+  const Robot& robot = *plan.robot.robot;
+  const LimitSet& limits = plan.limits;
+  std::vector<SummaryLine> lines = distance_lines(motion.clip, limits);
+  const auto joints = joints_at_limits(
+      motion.clip, *motion.source, plan.human.calibration, plan.config, plan.scale,
+      plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines, limits,
+      kNamedAtLimit);
+  std::size_t named = 0;
+  for (const JointAtLimit& found : joints) {
+    // Skip joints that only rest at a limit, as fingers do; no task is affected.
+    if (!found.push || named++ == kMaxLines) continue;
+    const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
+    std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
+                       " limit in " + number_text(100.0 * found.share, 0) + " % of frames";
+    text += "; " + push_text(*found.push);
+    if (!found.wider_set.empty()) text += "; " + wider_text(found, joint, limits);
+    lines.push_back({"", text});
+  }
+  return lines;
+}
+
+std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes) {
+  std::vector<SummaryLine> lines;
+  if (!meshes.bodies.empty()) {
+    lines.push_back(
+        {"meshes", (meshes.bodies.size() == 1 ? std::string("1 body")
+                                              : std::to_string(meshes.bodies.size()) + " bodies") +
+                       " of the robot"});
+  }
+  for (const std::string& note : meshes.notes) {
+    lines.push_back({lines.empty() ? "meshes" : "", note});
+  }
+  return lines;
+}
+
+std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures) {
+  std::vector<Warning> warnings;
+  for (const SolverFailure& failure : failures) {
+    const int last = failure.end - 1;
+    const std::string frames = failure.begin == last ? "frame " + std::to_string(last)
+                                                     : "frames " + std::to_string(failure.begin) +
+                                                           " to " + std::to_string(last);
+    warnings.push_back(
+        {0, 0,
+         failure.solver + ": numbers were not finite in " + frames +
+             "; these steps were rejected, and the motion may deviate from its targets"});
+  }
+  return warnings;
+}
+
+std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::string& file) {
+  std::vector<SummaryLine> lines;
+  const std::string name = file.empty() ? file : file + ": ";
+  const std::string missed = missed_gates_text(report);
+  long kept = 0, unmeasured = 0;
+  for (const GateResult& gate : report.gates) {
+    if (!gate.value) {
+      ++unmeasured;
+    } else if (gate.passed) {
+      ++kept;
+    }
+  }
+  if (!missed.empty()) lines.push_back({"missed", name + missed});
+  const auto all = static_cast<long>(report.gates.size());
+  std::string text =
+      name +
+      (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept");
+  if (unmeasured > 0) text += ", " + std::to_string(unmeasured) + " not measured";
+  // A joint without a task that pushes it only rests at its limit, as fingers do.
+  const auto limited = std::ranges::find_if(
+      report.limited_joints, [](const LimitedJoint& joint) { return !joint.task.empty(); });
+  if (limited != report.limited_joints.end()) {
+    text += "; " + short_name(limited->joint) + " at its limit in " +
+            number_text(limited->frames_pct, 0) + " % of frames";
+  }
+  lines.push_back({"verdict", text});
+  return lines;
+}
+
+}  // namespace retarget

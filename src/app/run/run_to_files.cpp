@@ -1,0 +1,279 @@
+#include "retarget/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "app/plan/human_in_world.h"
+#include "app/plan/motion_contacts.h"
+#include "app/run/sidecar.h"
+#include "base/located.h"
+#include "base/try.h"
+#include "human/skeleton/bone_map_file.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/file.h"
+#include "retarget/load.h"
+#include "retarget/measure.h"
+#include "retarget/text.h"
+#include "retarget/view.h"
+#include "view/strip.h"
+
+namespace retarget {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// A motion at one of the rates of its formats, with its report.
+struct SolvedMotion {
+  Motion motion;
+  std::optional<QualityReport> quality;
+};
+
+// Solves a motion. The first motion is written while it is solved.
+Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs* outputs,
+                              Observer& observer) {
+  SolveControl control;
+  control.threads = request.threads;
+  control.keep_going = [&](const Progress& progress) {
+    observer.progress(progress);
+    return !observer.is_stopped();
+  };
+  if (outputs != nullptr) {
+    control.frame_solved = [=](int, std::span<const double> qpos) { outputs->add(qpos); };
+  }
+  auto motion = solve(std::move(plan), control);
+  observer.end_progress();
+  if (!motion) return motion;
+  if (motion->fit && outputs != nullptr) {
+    observer.lines(fit_lines(*motion->fit, !motion->clip.robot().fixed_base(), request.verbose));
+  }
+  const int frames = motion->clip.frame_count();
+  observer.line("solved", count_text(frames, "frame") + " at " + to_text(motion->clip.rate()) +
+                              " fps, " +
+                              number_text(static_cast<double>(motion->ik_steps) / frames, 2) +
+                              " IK steps per frame");
+  if (observer.is_read() && outputs != nullptr) observer.lines(limit_lines(*motion));
+  return motion;
+}
+
+// Adds the failures of a motion at another rate to the first motion, whose verdict is the run's.
+void add_failures_of(const Motion& other, Motion& first) {
+  for (const SolverFailure& failure : other.solver_failures) {
+    first.solver_failures.push_back(failure);
+    first.solver_failures.back().solver += " at " + to_text(other.clip.rate()) + " fps";
+  }
+}
+
+// Solves the motion at the plan's own rate, then at the rates of other formats.
+Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const RunRequest& request,
+                                            MotionOutputs& outputs, Observer& observer) {
+  const Options& options = run.options;
+  const auto rates = solved_rates(options.save, options.solve.method, plan.rate);
+  std::vector<SolvedMotion> solved;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const bool is_last = i + 1 == rates.size();
+    Plan one = is_last ? std::move(plan) : plan;
+    one.rate = rates[i];
+    TRY_ASSIGN(Motion motion,
+               solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));
+    if (observer.is_stopped()) return interrupted_failure();
+    solved.push_back({std::move(motion), std::nullopt});
+    if (i > 0) add_failures_of(solved.back().motion, solved.front().motion);
+  }
+  return solved;
+}
+
+// Writes the report to a temporary file; it is committed with the motion's files.
+Result<OutputFile> write_report(const std::string& path, const QualityReport& report,
+                                Observer& observer) {
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(report_json({&report, 1})));
+  const auto missed =
+      std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
+  observer.line("report", path + ": " + count_text(missed, "gate") + " of " +
+                              std::to_string(report.gates.size()) + " missed");
+  return file;
+}
+
+// Writes the page to a temporary file, likewise.
+Result<OutputFile> write_page(const std::string& path, const Motion& motion,
+                              const QualityReport& report, Observer& observer) {
+  TRY_ASSIGN(const RobotMeshes meshes,
+             load_robot_meshes(*motion.plan.robot.robot, motion.plan.robot.model));
+  observer.lines(mesh_lines(meshes));
+  TRY_ASSIGN(
+      const std::string page,
+      view_page(motion, std::filesystem::path(report.file).stem().string(), &report, &meshes));
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(page));
+  observer.line("page", path + ": " + number_text(static_cast<double>(page.size()) / 1e6, 2) +
+                            " MB, opens in a browser");
+  return file;
+}
+
+// Writes the picture to a temporary file, likewise.
+Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion,
+                                 Observer& observer) {
+  StripPictureOptions options;
+  if (request.strip > 0) options.poses = request.strip;
+  TRY_ASSIGN(OutputFile file, OutputFile::create(request.png));
+  TRY(file.write(draw_strip_picture(motion, options)));
+  observer.line(
+      "picture",
+      request.png + ": " + count_text(std::min(options.poses, motion.clip.frame_count()), "pose"));
+  return file;
+}
+
+Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
+                                             const RunRequest& request, const Observer& observer) {
+  // A verdict for the summary alone must not make the run fail. After a solver failure the motion
+  // is always measured, so that nobody takes it for good.
+  const bool asked = request.measure || request.dynamics || request.sidecar ||
+                     !request.report.empty() || !request.html.empty() ||
+                     request.gates.has_value() || !motion.solver_failures.empty();
+  if (!asked && !observer.is_read()) return std::optional<QualityReport>();
+  auto report = evaluate(motion, request.dynamics);
+  if (!report && !asked) return std::optional<QualityReport>();
+  if (!report) {
+    if (report.error().location.file.empty()) report.error().location.file = run.output;
+    return failure(std::move(report).error());
+  }
+  if (request.gates) request.gates->judge(*report);
+  report->file = run.output == "-" ? "-" : std::filesystem::path(run.output).filename().string();
+  return std::optional<QualityReport>(std::move(*report));
+}
+
+std::vector<OutputMotion> output_motions(const std::vector<SolvedMotion>& solved) {
+  std::vector<OutputMotion> motions;
+  for (const auto& [motion, quality] : solved) {
+    motions.push_back({&motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                       contacts_of(motion)});
+  }
+  return motions;
+}
+
+// Formats the sidecar of each file from the motion of which it was made.
+Result<SidecarText> sidecars_of(const Run& run, const RunRequest& request,
+                                const std::vector<SolvedMotion>& solved,
+                                std::span<const OutputMotion> motions) {
+  const Plan& plan = solved.front().motion.plan;
+  TRY_ASSIGN(auto read, files_read(run, plan.robot, plan.config.file));
+  return [&run, &solved, motions, mirrored = request.mirror,
+          read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
+    const auto& [motion, quality] =
+        solved[motion_of_format(file.item.format, run.options.save, motions)];
+    return sidecar_text(run, motion, file, *quality, read, mirrored);
+  };
+}
+
+Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
+                                 std::vector<SolvedMotion>& solved, MotionOutputs& outputs,
+                                 Observer& observer) {
+  const Motion& motion = solved.front().motion;
+  RunOutcome outcome{motion.clip.frame_count(),
+                     motion.clip.rate().fps(),
+                     motion.plan.config.file,
+                     {},
+                     {},
+                     {},
+                     std::nullopt};
+  TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
+  solved.front().quality = outcome.quality;
+  const std::vector<OutputMotion> motions = output_motions(solved);
+  SidecarText sidecar;
+  if (request.sidecar) {
+    for (std::size_t i = 1; i < solved.size(); ++i) {
+      TRY_ASSIGN(solved[i].quality, measure(solved[i].motion, run, request, observer));
+    }
+    TRY_ASSIGN(sidecar, sidecars_of(run, request, solved, motions));
+  }
+  std::optional<OutputFile> report, page, picture;
+  if (!request.report.empty()) {
+    TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
+    outcome.others.push_back(request.report);
+  }
+  if (!request.html.empty()) {
+    TRY_ASSIGN(page, write_page(request.html, motion, *outcome.quality, observer));
+    outcome.others.push_back(request.html);
+  }
+  if (!request.png.empty()) {
+    TRY_ASSIGN(picture, write_picture(request, motion, observer));
+    outcome.others.push_back(request.png);
+  }
+  TRY_ASSIGN(outcome.motions,
+             outputs.finish(motions, sidecar, request.partial ? &outcome.left_out : nullptr));
+  for (const WrittenFile& file : outcome.motions) {
+    if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
+  }
+  const std::string& contacts = run.options.save.contacts;
+  if (!contacts.empty()) outcome.others.push_back(contacts);
+  if (report) TRY(report->commit());
+  if (page) TRY(page->commit());
+  if (picture) TRY(picture->commit());
+  return outcome;
+}
+
+}  // namespace
+
+Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data_folder,
+                               Observer& observer, Soles soles) {
+  TRY_ASSIGN(LoadedRobot robot, load_robot(choice, data_folder, soles));
+  observer.lines(robot.notes);
+  observer.warn(robot.warnings, robot.model);
+  return robot;
+}
+
+Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
+                           Observer& observer) {
+  const DataFolder data_folder{robot.loaded.data_folder, {}};
+  TRY_ASSIGN(Clip clip,
+             load_clip(run.motion, recorded_source(run.motion, run.options.source), data_folder));
+  observer.warn(clip.origin().warnings, clip.name());
+  const SummaryLine read = clip_line(clip);
+  observer.line(read.label, read.text);
+  TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
+  observer.lines(plan.human.lines());
+  observer.warn(plan.human.doubts(), plan.clip->name());
+  observer.lines(plan.clip_notes);
+  if (request.mirror) {
+    // Use the calibration of the original, so that both are interpreted alike.
+    TRY_ASSIGN(Clip image, located(mirror(*plan.clip, plan.human.calibration), plan.clip->name()));
+    image.set_origin(plan.clip->origin());
+    plan.clip = std::make_shared<const Clip>(std::move(image));
+    observer.line("mirrored", "left for right");
+  }
+  TRY(save_bone_map(request.write_map, plan.human.map, plan.clip->skeleton()));
+  return plan;
+}
+
+Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const RobotSetup& robot,
+                                Observer& observer) {
+  const auto start = std::chrono::steady_clock::now();
+  TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
+  observer.lines(plan.robot_lines());
+  // From here on, an interrupt stops the run between two frames and leaves no files behind.
+  const auto interrupts = observer.hold_interrupts();
+  TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
+                                                     plan.rate, request.hashes_only));
+  TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));
+  auto outcome = write_results(run, request, solved, *outputs, observer);
+  if (!outcome || request.hashes_only) return outcome;
+  for (const WrittenFile& file : outcome->motions) {
+    for (const std::string& loss : format_losses(solved.front().motion.clip, file.item.format)) {
+      observer.warn({{0, 0, loss}}, file.item.path);
+    }
+  }
+  observer.warn(solver_warnings(solved.front().motion.solver_failures), run.motion);
+  observer.line("wrote", outputs_text(outcome->motions) + " in " +
+                             number_text(seconds_since(start), 2) + " s");
+  if (outcome->quality) observer.lines(verdict_lines(*outcome->quality));
+  return outcome;
+}
+
+}  // namespace retarget

@@ -1,0 +1,205 @@
+#include "app/run/sidecar.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/options/options_json.h"
+#include "app/plan/robot_source.h"
+#include "app/provenance/hash.h"
+#include "app/run/folder_hash.h"
+#include "base/json_bounds.h"
+#include "base/try.h"
+#include "retarget/check_options.h"
+#include "retarget/enum_names.h"
+#include "retarget/file.h"
+#include "retarget/human.h"
+#include "retarget/option_table.h"
+#include "retarget/plan.h"
+#include "retarget/version.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Files that belong to the robot, whichever option names them.
+constexpr std::array<std::string_view, 3> kOfTheRobot = {"robot-xml", "robot-profile", "ik-config"};
+
+Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
+                      const std::string& path, const std::string& data_folder) {
+  if (path.empty()) return {};
+  ReadFile file{role, recorded_name(path, data_folder), path, {}};
+  // A pipe has already been consumed; every other file must be hashable.
+  std::error_code ignored;
+  if (path != "-" && !fs::is_fifo(path, ignored)) {
+    TRY_ASSIGN(file.hash, hash_file(path));
+  }
+  files.push_back(std::move(file));
+  return {};
+}
+
+// Adds the motion; a robot motion may be a folder.
+Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
+                        const std::string& data_folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(motion, ignored)) return add_file(files, "motion", motion, data_folder);
+  TRY_ASSIGN(std::string hash, folder_hash(motion, ""));
+  files.push_back({"motion", recorded_name(motion, data_folder), motion, std::move(hash)});
+  return {};
+}
+
+// Facts detected in the motion or chosen for it.
+Json found_json(const Plan& plan) {
+  const Calibration& calibration = plan.human.calibration;
+  Json found;
+  found["skeleton"] = calibration.description;
+  found["dialect"] = calibration.profile;
+  found["unit"] = calibration.unit;
+  found["metres_per_unit"] = calibration.metres_per_unit;
+  found["up"] = to_text(calibration.up);
+  found["forward"] = to_text(calibration.forward);
+  found["rest_pose"] = calibration.rest_pose;
+  found["height"] = calibration.height;
+  found["scale"] = enum_name(plan.scale);
+  found["limits"] = plan.limits.name;
+  found["fps"] = plan.rate.fps();
+  found["lead_in_frames"] = plan.lead_in_frames;
+  Json doubts = Json::array();
+  for (const Warning& doubt : plan.human.doubts()) {
+    doubts.push_back(spell_options(doubt.message, option_as_flag));
+  }
+  found["doubts"] = doubts;
+  return found;
+}
+
+Json build_json() {
+  Json build = Json::array();
+  const std::string facts = version_text();
+  for (std::size_t begin = 0; begin < facts.size();) {
+    const std::size_t end = std::min(facts.find('\n', begin), facts.size());
+    build.push_back(facts.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return build;
+}
+
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
+                                         const std::string& config) {
+  const std::string& data_folder = robot.data_folder;
+  std::vector<ReadFile> files;
+  TRY(add_motion(files, run.motion, data_folder));
+  if (const std::string& source = run.options.source.from_robot; !source.empty()) {
+    TRY_ASSIGN(const SourceRobot from, load_source_robot(source, {data_folder, {}}));
+    TRY(add_file(files, "source_model", from.loaded.model, data_folder));
+    TRY(add_file(files, "source_profile", from.loaded.profile, data_folder));
+    TRY(add_file(files, "source_mapping", from.config.file, data_folder));
+  }
+  TRY(add_file(files, "model", robot.model, data_folder));
+  TRY(add_file(files, "variant_model", robot.robot->variant().model, data_folder));
+  TRY(add_file(files, "profile", robot.profile, data_folder));
+  TRY(add_file(files, "mapping", config, data_folder));
+  Run copy = run;
+  for (const Option& row : run_table(copy)) {
+    if (row.info.file == OptionFile::kNone || std::ranges::count(kOfTheRobot, row.name)) continue;
+    const std::string path = to_text(row.get());
+    std::error_code ignored;
+    // The value may be the name of a set instead of a file.
+    if (row.info.file == OptionFile::kOrName && !fs::is_regular_file(path, ignored)) continue;
+    TRY(add_file(files, row.name, path, data_folder));
+  }
+  const fs::path profiles = fs::path(data_folder) / "configs" / "skeletons";
+  TRY_ASSIGN(std::string hash, folder_hash(profiles, ".json"));
+  files.push_back(
+      {"skeletons", recorded_name(profiles, data_folder), profiles.string(), std::move(hash)});
+  return files;
+}
+
+std::string sidecar_text(const Run& run, const Motion& motion, const WrittenFile& output,
+                         const QualityReport& report, const std::vector<ReadFile>& files,
+                         bool mirror) {
+  Json json;
+  json["retarget"] = version_number();
+  json["build"] = build_json();
+  json["output"] = Json::object();
+  put_name(json["output"], "file", fs::path(output.item.path).filename().string());
+  json["output"]["format"] = format_name(output.item.format);
+  json["output"]["hash"] = output.hash;
+  Json inputs = Json::array();
+  for (const ReadFile& file : files) {
+    Json& input = inputs.emplace_back(Json::object());
+    input["role"] = file.role;
+    put_name(input, "file", file.file);
+    input["hash"] = file.hash.empty() ? Json() : Json(file.hash);
+  }
+  json["inputs"] = inputs;
+  Run copy = run;
+  json["options"] = options_json(run_table(copy));
+  if (mirror) json["mirror"] = true;
+  json["found"] = found_json(motion.plan);
+  json["quality"] = Json::parse(report_json({&report, 1}), nullptr, false);
+  // Skeleton names may contain invalid UTF-8, which is replaced.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
+  const auto as_input = [](Error error) {
+    error.kind = ErrorKind::kInput;
+    return failure(std::move(error));
+  };
+  if (auto bounds = check_json_bounds(text, file); !bounds) return as_input(bounds.error());
+  const Json json = Json::parse(text, nullptr, false);
+  const bool sound = json.is_object() && json.contains("output") && json["output"].is_object() &&
+                     json.contains("options") && json.contains("inputs") &&
+                     json["inputs"].is_array();
+  if (!sound) {
+    return input_failure(file, "the file is not a run's sidecar",
+                         "a run writes the sidecar next to its output, such as walk.csv.json");
+  }
+  Sidecar sidecar;
+  sidecar.version = text_of(json, "retarget");
+  sidecar.output = name_from(json["output"], "file");
+  // The output must be in the folder of the sidecar.
+  if (!is_plain_name(sidecar.output)) {
+    return input_failure(file, "the sidecar's output \"" + sidecar.output +
+                                   "\" is not the name of a file in the same folder");
+  }
+  sidecar.format = text_of(json["output"], "format");
+  sidecar.hash = text_of(json["output"], "hash");
+  if (const auto found = json.find("found"); found != json.end() && found->is_object()) {
+    if (const auto fps = found->find("fps"); fps != found->end() && fps->is_number()) {
+      sidecar.fps = fps->get<double>();
+    }
+  }
+  // Sidecars from before these options existed describe runs that used all frames, uncleaned.
+  sidecar.run.options.part.lead_in = LeadIn::kKeep;
+  sidecar.run.options.human.clean = CleanRule::kOff;
+  auto options =
+      read_options(json["options"], run_table(sidecar.run), file, "the sidecar's options");
+  if (!options) {
+    options.error().hint = "it may come from a newer version of this tool";
+    return as_input(options.error());
+  }
+  const auto mirror = json.find("mirror");
+  sidecar.mirror = mirror != json.end() && mirror->is_boolean() && mirror->get<bool>();
+  for (const Json& each : json["inputs"]) {
+    if (!each.is_object()) continue;
+    sidecar.files.push_back(
+        {text_of(each, "role"), name_from(each, "file"), {}, text_of(each, "hash")});
+  }
+  return sidecar;
+}
+
+}  // namespace retarget

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace retarget {
+
+/// Linear system H x = b with a symmetric positive definite band matrix: entries (i, j) with
+/// |i - j| >= width are zero. Solves it by Cholesky factorisation, which fills no entry outside the
+/// band, in time proportional to size * width^2.
+class BandedSystem {
+ public:
+  /// Starts a system of zeros. Allocates only if it is larger than all before.
+  /// @param width  1 for a diagonal matrix.
+  void begin(std::size_t size, std::size_t width);
+
+  /// Row i of the lower triangle: row(i)[j] is entry (i, j) for i - width < j <= i.
+  [[nodiscard]] double* row(std::size_t i) { return entries_.data() + (i + 1) * (width_ - 1); }
+  [[nodiscard]] const std::vector<double>& right() const { return right_; }
+  [[nodiscard]] std::vector<double>& right() { return right_; }
+
+  /// Solves for the variables in [first, last) and leaves the others out: they are zero. Replaces H
+  /// by its factor and b, see right(), by the solution.
+  /// @return the largest component of the solution, NaN if a value is not finite; nothing if H is
+  ///     not positive definite.
+  std::optional<double> solve(std::size_t first, std::size_t last);
+
+ private:
+  std::size_t width_ = 1;
+  std::vector<double> entries_, right_;
+};
+
+}  // namespace retarget

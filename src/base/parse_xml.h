@@ -1,0 +1,20 @@
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <string_view>
+
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Maximum number of attributes of an element. Elements of models, meshes and motions have up to
+/// 60.
+inline constexpr int kMaxXmlAttributes = 100;
+
+/// Parses XML in linear time. tinyxml2 compares each attribute of an element with all others, so
+/// elements with more than kMaxXmlAttributes attributes are refused. Errors (kInput, with the line;
+/// callers add the file): such an element, or malformed XML; `document` then holds the details.
+[[nodiscard]] Result<void> parse_xml(std::string_view text, tinyxml2::XMLDocument& document);
+
+}  // namespace retarget

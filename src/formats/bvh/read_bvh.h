@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+struct BvhReadOptions {
+  /// Keep the complete rows of a damaged file (truncated, malformed numbers, NaN, rows of wrong
+  /// length) and report dropped rows in a warning. A file without any complete row, and errors
+  /// before the rows, remain errors.
+  bool lenient = false;
+
+  /// Accept a file that ends before MOTION as a skeleton without frames. A MOTION section that is
+  /// present is checked as usual.
+  bool motion_optional = false;
+
+  /// Frame rate in Hz that replaces the header's frame time, which may then be missing or 0.
+  std::optional<double> source_fps;
+
+  /// Memory limit of the clip in bytes; a larger clip is an error. Since a skeleton can be much
+  /// larger than its rows, a clip may also never exceed kMaxBytesOfText times the size of the text,
+  /// or kFreeClipBytes if that is more.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kMaxBytesOfText = 64;
+  static constexpr std::size_t kFreeClipBytes = std::size_t{32} << 20;
+
+  /// Root of the tree to read when a file holds several; may be empty when there is only one.
+  std::string root;
+};
+
+/// A BVH file: the motion and further facts from its text.
+struct BvhFile {
+  /// Lengths and axes as in the file. Joint names are the file's bytes: without control bytes, but
+  /// not necessarily valid UTF-8. May have no frames (`Frames: 0`).
+  Clip clip;
+
+  /// In file order. Each kind of warning is reported once, however often it occurs.
+  std::vector<Warning> warnings;
+
+  bool has_motion = true;                       ///< False: the file ends before MOTION.
+  std::optional<std::int64_t> declared_frames;  ///< Value of `Frames:`.
+  std::optional<double> declared_frame_time;    ///< Value of `Frame Time:` in seconds.
+  std::vector<std::string> roots;               ///< The roots of all trees in the file.
+  int dropped_rows = 0;                         ///< Dropped lines of a damaged file (lenient only).
+};
+
+/// Parses BVH text.
+///
+/// The parser reads a token stream over bytes. Line ends (LF, CR LF, CR, mixed), indentation,
+/// letter case of keywords and the wrapping of motion rows do not matter. A UTF-8 byte order mark
+/// is skipped; `#` and `//` lines are skipped with a warning. The channel order is per joint.
+/// Rotations compose left to right (intrinsic). A position replaces the offset component by
+/// component, unless the positions of a joint below the root are relative to the offset, as zeros
+/// are (with a warning; see bvh/joint_positions.h). A frame time within a relative 1e-4 of 1/N
+/// means the rate N.
+///
+/// Numbers are correctly rounded and independent of the locale. Every error has its line and column
+/// (in bytes). More rows than declared are all read, with a warning; fewer are an error. Rows may
+/// wrap or share lines as long as no line suggests lost or extra values: if rows otherwise take one
+/// line each, a line of a wrong length is an error, because it would shift columns. Memory is
+/// bounded by the size of the text, not by the header's claims or by joints without channels
+/// (BvhReadOptions::max_clip_bytes).
+///
+/// @param bytes      the whole file.
+/// @param file_name  as given by the user, for messages.
+/// @return ErrorKind::kInput errors; kUsage for an invalid source_fps.
+[[nodiscard]] Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
+                                       const BvhReadOptions& options = {});
+
+/// Reads and parses a BVH file; `-` is standard input.
+[[nodiscard]] Result<BvhFile> load_bvh(const std::string& path, const BvhReadOptions& options = {});
+
+}  // namespace retarget

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+struct BvhWriteOptions {
+  /// Decimals of offsets, positions and angles, 0 to 17. When not set, numbers have as many digits
+  /// as an exact round trip needs. The frame time always does.
+  std::optional<int> decimals;
+};
+
+/// Formats the clip as BVH text with LF line ends, in any locale.
+///
+/// Each joint's channels are written as its skeleton lists them, rotations in the joint's own order
+/// in degrees. Of all angles that give a rotation, those nearest to the previous frame are written
+/// (in the first frame: nearest to 0), so that curves do not jump. Scale channels are 1. Without
+/// `decimals`, reading the text gives the same rotations, translations and offsets to 1e-9; a
+/// quaternion may change its sign.
+///
+/// @return ErrorKind::kRun errors, with joint and frame, for content that BVH cannot represent:
+///     values that are not finite, a rotation that the joint's channels do not reach (fewer than
+///     three different turns), a translation that differs from the offset along an axis without a
+///     position channel, names that are empty or hold line ends or `{`, frames without any channel,
+///     joints that are not in depth-first order.
+[[nodiscard]] Result<std::string> format_bvh(const Clip& clip, const BvhWriteOptions& options = {});
+
+/// Writes the clip to a file, completely or not at all; `-` is standard output.
+[[nodiscard]] Result<void> save_bvh(const std::string& path, const Clip& clip,
+                                    const BvhWriteOptions& options = {});
+
+}  // namespace retarget

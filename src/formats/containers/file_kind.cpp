@@ -1,0 +1,179 @@
+#include "formats/containers/file_kind.h"
+
+#include <algorithm>
+#include <array>
+
+#include "formats/containers/pickle.h"
+#include "formats/containers/torch_file.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+struct Signature {
+  std::string_view prefix;  // In lower case; compared case-insensitively, after blanks.
+  std::string_view what;
+  std::string_view hint;
+};
+
+constexpr std::string_view kLfsHint =
+    "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it comes from";
+constexpr std::string_view kWebHint =
+    "the download returned a web page instead of the file: use the link to the raw file";
+constexpr std::string_view kUnpackHint = "unpack it and give the .bvh file inside";
+constexpr std::string_view kUnsupportedHint =
+    "unpack it, or dump it with joblib's compress=3 (zlib)";
+constexpr std::string_view kFbxHint = "export the motion as BVH, for instance from Blender";
+constexpr std::string_view kSceneHint =
+    "export the animated skeleton from it as FBX, GLB or BVH: docs/scenes.md";
+constexpr std::string_view kMarkersHint =
+    "solve them onto a skeleton first, in the program that recorded them or in another, and export "
+    "that as FBX or BVH";
+
+constexpr std::array kSignatures = {
+    Signature{"version https://git-lfs", "a git-LFS pointer", kLfsHint},
+    Signature{"<!doctype html", "a web page", kWebHint},
+    Signature{"<html", "a web page", kWebHint},
+    Signature{"<head", "a web page", kWebHint},
+    Signature{"<?xml", "an XML document", "export the motion as FBX, GLB or BVH"},
+    Signature{"\x89hdf", "an HDF5 file", "save its arrays with numpy.savez"},
+    Signature{"bzh", "a bzip2 archive", kUnsupportedHint},
+    Signature{"\xfd"
+              "7zxz",
+              "an xz archive", kUnsupportedHint},
+    Signature{"\x04\x22\x4d\x18", "an lz4 archive", kUnsupportedHint},
+    Signature{"7z\xbc\xaf", "a 7-Zip archive", kUnpackHint},
+    Signature{"rar!", "a RAR archive", kUnpackHint},
+    Signature{"#!oml:asf", "an Acclaim AMC file", "convert ASF and AMC to BVH first"},
+    Signature{":version", "an Acclaim ASF file", "convert ASF and AMC to BVH first"},
+    Signature{"pathfiletype", "a TRC file, which holds markers and no skeleton", kMarkersHint},
+    Signature{"#usda", "a USD file", kSceneHint},
+    Signature{"pxr-usdc", "a USD file", kSceneHint},
+    Signature{"ogawa", "an Alembic file", kSceneHint},
+    Signature{"blender", "a Blender file", kSceneHint},
+    Signature{"(\xb5/\xfd", "a zstd archive, as Blender files are", kSceneHint},
+    Signature{"//maya ascii", "a Maya file", kSceneHint},
+    Signature{"for4", "a Maya file", kSceneHint},
+    Signature{"for8", "a Maya file", kSceneHint},
+    Signature{"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a 3ds Max file", kSceneHint},
+    Signature{"\xc1\x83*\x9e", "an asset of the Unreal Engine", kSceneHint},
+};
+
+void skip_blanks(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+}
+
+std::string_view without_bom(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  return bytes;
+}
+
+bool is_utf16(std::string_view bytes) {
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
+  // Without a byte order mark, every other byte of ASCII text is zero.
+  return bytes.size() >= 4 && ((bytes[0] == 0 && bytes[1] != 0 && bytes[2] == 0) ||
+                               (bytes[0] != 0 && bytes[1] == 0 && bytes[3] == 0));
+}
+
+// A C3D file begins with a block number, then the byte 0x50.
+bool is_c3d(std::string_view bytes) {
+  return bytes.size() >= 512 && bytes[0] > 0 && bytes[0] < ' ' && bytes[1] == 0x50;
+}
+
+// A USD archive (USDZ) shows in the name of its first file.
+bool is_usd_archive(std::string_view bytes) {
+  constexpr std::size_t kLength = 26, kName = 30;
+  if (!bytes.starts_with("PK\x03\x04") || bytes.size() < kName) return false;
+  const std::size_t length = static_cast<unsigned char>(bytes[kLength]) +
+                             256U * static_cast<unsigned char>(bytes[kLength + 1]);
+  const std::string_view name = bytes.substr(kName, length);
+  return name.ends_with(".usd") || name.ends_with(".usdc") || name.ends_with(".usda");
+}
+
+// Text files begin with a comment of the exporter or with the first element, after other comments.
+bool is_fbx_text(std::string_view bytes) {
+  bytes = without_bom(bytes);
+  while (true) {
+    skip_blanks(bytes);
+    if (bytes.starts_with("; FBX") || bytes.starts_with("FBXHeaderExtension")) return true;
+    const std::size_t line = bytes.find('\n');
+    if (!bytes.starts_with(";") || line == std::string_view::npos) return false;
+    bytes.remove_prefix(line);
+  }
+}
+
+// Exporters write `asset` first or last; other JSON has no such member.
+bool is_gltf_text(std::string_view bytes) {
+  skip_blanks(bytes);
+  return bytes.starts_with('{') && bytes.find("\"asset\"") != std::string_view::npos;
+}
+
+// The first element after a byte order mark, comments and declarations is `mvnx`.
+bool is_mvnx(std::string_view bytes) {
+  bytes = without_bom(bytes);
+  while (true) {
+    skip_blanks(bytes);
+    if (bytes.starts_with("<mvnx")) return true;
+    if (!bytes.starts_with("<?") && !bytes.starts_with("<!")) return false;
+    const std::string_view end = bytes.starts_with("<!--") ? "-->" : ">";
+    const std::size_t at = bytes.find(end);
+    if (at == std::string_view::npos) return false;
+    bytes.remove_prefix(at + end.size());
+  }
+}
+
+bool begins_with(std::string_view text, const Signature& signature) {
+  return text.size() >= signature.prefix.size() &&
+         lower_case(std::string(text.substr(0, signature.prefix.size()))) == signature.prefix;
+}
+
+FileType archive_type(std::string_view bytes) {
+  if (is_torch_file(bytes)) return {FileKind::kTorch, "a PyTorch file", {}};
+  if (is_usd_archive(bytes)) return {FileKind::kForeign, "a USD archive", kSceneHint};
+  return {FileKind::kNpz, "a ZIP archive (or NPZ)", kUnpackHint};
+}
+
+}  // namespace
+
+FileType file_type(std::string_view bytes) {
+  if (bytes.empty()) {
+    return {FileKind::kForeign, "an empty file",
+            "the file may not have been downloaded or written completely"};
+  }
+  if (bytes.starts_with("PK")) return archive_type(bytes);
+  if (bytes.starts_with("\x93NUMPY")) return {FileKind::kNpy, "a single NPY array", {}};
+  if (bytes.starts_with("\x1f\x8b")) return {FileKind::kGzip, "a gzip archive", kUnpackHint};
+  if (looks_like_pickle(bytes) || bytes.starts_with("(dp")) {
+    return {FileKind::kPickle, "a Python pickle", {}};
+  }
+  if (bytes.starts_with("Kaydara FBX Binary")) {
+    return {FileKind::kFbx, "a binary FBX file", kFbxHint};
+  }
+  if (is_fbx_text(bytes)) return {FileKind::kFbx, "a text FBX file", kFbxHint};
+  if (bytes.starts_with("glTF")) return {FileKind::kGltf, "a binary glTF file (GLB)", kFbxHint};
+  if (is_gltf_text(bytes)) return {FileKind::kGltf, "a glTF file", kFbxHint};
+  if (is_mvnx(bytes)) return {FileKind::kMvnx, "an MVNX file", kFbxHint};
+  if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
+    return {FileKind::kBvh, "a BVH file", {}};
+  }
+  if (is_utf16(bytes)) {
+    return {FileKind::kForeign, "UTF-16 text", "save it as UTF-8 (or plain ASCII) text"};
+  }
+  if (is_c3d(bytes)) {
+    return {FileKind::kForeign, "a C3D file, which holds markers and no skeleton", kMarkersHint};
+  }
+  std::string_view text = bytes;
+  skip_blanks(text);
+  for (const Signature& signature : kSignatures) {
+    if (begins_with(text, signature)) {
+      return {FileKind::kForeign, signature.what, signature.hint};
+    }
+  }
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace retarget {
+
+/// Type of a file's content.
+enum class FileKind : std::uint8_t {
+  kOther,    ///< None of the types below; CSVs and other plain text.
+  kForeign,  ///< A known type that no reader supports.
+  kBvh,
+  kFbx,
+  kGltf,  ///< GLB, glTF, VRM.
+  kMvnx,
+  kNpz,  ///< A ZIP archive that is neither of PyTorch nor of USD.
+  kTorch,
+  kNpy,
+  kPickle,  ///< Also a zlib stream, which joblib writes.
+  kGzip,    ///< A pickle of joblib or any other compressed file.
+};
+
+struct FileType {
+  FileKind kind = FileKind::kOther;
+  std::string_view what;  ///< Completes the message `found ...`: `a web page`; empty for kOther.
+  std::string_view hint;  ///< Remedy for users who expected a motion; may be empty.
+};
+
+/// Detects the type of a file by its content. Every reader asks this function, so a file has the
+/// same type for all of them.
+[[nodiscard]] FileType file_type(std::string_view bytes);
+
+}  // namespace retarget

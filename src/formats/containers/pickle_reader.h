@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/containers/npy_stream.h"
+#include "formats/containers/pickle.h"
+#include "formats/containers/pickle_opcodes.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Interprets the opcodes of a pickle and builds its document; see read_pickle.
+class PickleReader {
+ public:
+  /// Which objects a pickle may hold besides plain values and NumPy arrays.
+  enum class Dialect : std::uint8_t { kPlain, kTorch };
+
+  PickleReader(std::string_view bytes, std::string file, PickleDocument& document,
+               Dialect dialect = Dialect::kPlain)
+      : bytes_(bytes), file_(std::move(file)), document_(document), dialect_(dialect) {}
+
+  [[nodiscard]] Result<void> read();
+
+ private:
+  using Node = std::uint32_t;
+
+  // Subtypes of nodes of kind kObject.
+  enum class Part : std::uint8_t {
+    kReconstruct,  // Functions and classes, by name.
+    kScalar,
+    kArrayClass,
+    kTypeClass,
+    kEncode,
+    kFromBuffer,
+    kWrapperClass,
+    kOrderedDict,
+    kType,     // A dtype: `text` is its code, `integer` its byte order.
+    kShell,    // An array without content so far.
+    kWrapper,  // joblib's wrapper: the bytes of the array follow its state.
+    // PyTorch.
+    kRebuildTensor,     // Functions and classes, by name.
+    kRebuildParameter,  // Returns the tensor that it is given.
+    kSizeClass,         // Returns the tuple that it is given.
+    kWordClass,         // Returns the text that it is given: a device or an enum value.
+    kStorageClass,      // `text` is the type of its elements.
+    kStorage,           // `items` are the parts of its persistent id.
+  };
+
+  // Opcodes grouped by result. Each returns false for an opcode of another group.
+  [[nodiscard]] Result<bool> read_plain(PickleOp op);
+  [[nodiscard]] Result<bool> read_bytes(PickleOp op);
+  [[nodiscard]] Result<bool> read_container(PickleOp op);
+  [[nodiscard]] Result<bool> read_memo(PickleOp op);
+  [[nodiscard]] Result<bool> read_object(PickleOp op);
+
+  // pickle_arrays.cpp: results of the supported functions and classes.
+  [[nodiscard]] Result<void> push_global(std::string_view module, std::string_view name);
+  [[nodiscard]] Result<void> call();
+  [[nodiscard]] Result<void> build();
+  [[nodiscard]] Result<void> encode(const PickleNode& arguments);
+  [[nodiscard]] Result<void> make_scalar(const PickleNode& arguments);
+  [[nodiscard]] Result<void> array_from_buffer(const PickleNode& arguments);
+  [[nodiscard]] Result<void> fill_shell(Node shell, const PickleNode& state);
+  [[nodiscard]] Result<void> fill_with_objects(Node shell, const PickleNode& state);
+  [[nodiscard]] Result<void> fill_wrapper(Node wrapper, const PickleNode& state);
+  [[nodiscard]] Result<void> set_byte_order(Node type, const PickleNode& state);
+  [[nodiscard]] Result<void> make_array(Node target, const PickleNode& type,
+                                        const PickleNode& shape, bool fortran_order,
+                                        std::string_view data);
+  [[nodiscard]] Result<NpyLayout> array_layout(const PickleNode& type, const PickleNode& shape);
+
+  // pickle_tensors.cpp: the same for PyTorch.
+  [[nodiscard]] Result<bool> push_torch_global(std::string_view full_name);
+  [[nodiscard]] Result<void> call_torch(Part callee, Node arguments);
+  [[nodiscard]] Result<void> refer_to_storage();
+  [[nodiscard]] Result<void> rebuild_tensor(const PickleNode& arguments);
+  [[nodiscard]] Result<std::vector<std::size_t>> sizes_of(const PickleNode& tuple);
+
+  [[nodiscard]] Result<std::string_view> take(std::uint64_t size);
+  [[nodiscard]] Result<std::uint64_t> take_size(int bytes);
+  [[nodiscard]] Result<std::string_view> take_line();
+  [[nodiscard]] Result<Node> pop();
+  [[nodiscard]] Result<std::vector<Node>> pop_to_mark();
+  [[nodiscard]] Result<void> push(PickleNode node);
+  [[nodiscard]] Result<bool> push_sequence(PickleNode::Kind kind, std::size_t count);
+  [[nodiscard]] Result<void> add_items(PickleNode::Kind kind, const std::vector<Node>& items);
+
+  [[nodiscard]] PickleNode& node(Node index) { return document_.nodes_[index]; }
+  [[nodiscard]] bool is_part(const PickleNode& found, Part part) const {
+    return found.kind == PickleNode::Kind::kObject && found.detail == static_cast<int>(part);
+  }
+  [[nodiscard]] Failure fault(const std::string& message, std::string hint = {}) const;
+
+  std::string_view bytes_;
+  std::string file_;
+  PickleDocument& document_;
+  Dialect dialect_;
+  std::size_t at_ = 0;
+  std::size_t opcode_at_ = 0;  // Offset of the current opcode.
+  std::vector<Node> stack_;
+  std::vector<std::size_t> marks_;
+  std::map<std::uint64_t, Node> memo_;
+  std::size_t array_bytes_ = 0;    // Total of all arrays.
+  std::size_t encoded_bytes_ = 0;  // Total of all encoded strings.
+};
+
+}  // namespace retarget

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "formats/containers/file_kind.h"
+#include "formats/robot_motion/raw_motion.h"
+#include "formats/smpl/joint_motion.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+struct HumanReadOptions {
+  const SourceOptions& source;
+  bool skeleton_only = false;  ///< Accept a file with a skeleton and no motion.
+  std::size_t max_bytes = 0;   ///< Memory limit of the clip.
+};
+
+/// A human motion as its reader returns it: a clip, or joint positions without rotations.
+using HumanFile = std::variant<Clip, JointMotion>;
+
+/// Files with the same reader, which tells the formats of its family apart by their content. A family
+/// of human motions has read_human. Without any reader its files are only written.
+struct FormatFamily {
+  unsigned kinds;  ///< Types of the content of its files, a bit for each FileKind; 0: a folder.
+  /// Extensions that a batch searches for in folders, and further ones, separated by blanks.
+  /// Outputs take the first one.
+  std::string_view endings, other_endings;
+  Result<HumanFile> (*read_human)(std::string_view bytes, const std::string& file,
+                                  const HumanReadOptions& options);
+  Result<RawMotion> (*read_robot)(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
+                                  const std::string& file, const ReadMotionOptions& options);
+
+  [[nodiscard]] bool reads(FileKind kind) const {
+    return (kinds >> static_cast<unsigned>(kind) & 1U) != 0;
+  }
+};
+
+/// A motion file format: one row of the only table of formats.
+struct Format {
+  std::string_view name;
+  const FormatFamily& family;
+  std::string_view file, programs, page;  ///< As in docs/formats.md.
+
+  // Robot motions only.
+  std::string_view array = {};  ///< An array that only robot motions have.
+  MotionFormat motion_format = MotionFormat::kCsv;
+  std::string_view long_ending = {};  ///< Extension that distinguishes formats of one motion.
+  bool own_rate = false;  ///< Files have the tracker's rate (TrackingOptions), not the motion's.
+  Result<std::vector<FormattedFile>> (*write)(const RobotClip& clip, MotionFormat format,
+                                              const WriteMotionOptions& options) = nullptr;
+  std::vector<std::string> (*losses)(const RobotClip& motion) = nullptr;  ///< Null: none.
+
+  [[nodiscard]] bool is_robots() const { return write != nullptr; }
+};
+
+/// All formats: those of humans, then those of robots in the order of docs/formats.md.
+[[nodiscard]] std::span<const Format> all_formats();
+
+[[nodiscard]] const Format& robot_format(MotionFormat format);
+
+/// Reads a human motion in the format of its content.
+/// Errors (kUsage): options that do not apply to this format. If the content may be a robot's
+/// motion, the hint says how to read it.
+[[nodiscard]] Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
+                                                const HumanReadOptions& options);
+
+/// Extension of a file name in lower case, with its dot; may be empty.
+[[nodiscard]] std::string ending_of(const std::string& path);
+
+/// Whether a batch that searches folders for motions of humans, or of robots, takes this file.
+[[nodiscard]] bool is_human_ending(std::string_view ending);
+[[nodiscard]] bool is_robot_ending(std::string_view ending);
+/// Whether files with this extension are robot motions and never human ones.
+[[nodiscard]] bool is_robots_alone(std::string_view ending);
+/// Extensions of these files for messages: `.bvh, .fbx or .npz`.
+[[nodiscard]] std::string human_endings_text();
+[[nodiscard]] std::string robot_endings_text();
+
+/// The usual extension of the outputs that this extension stands for: `.pkl` for `.joblib`; empty
+/// if no output has it.
+[[nodiscard]] std::string_view output_ending(std::string_view ending);
+
+/// Readers of human formats, for the table.
+[[nodiscard]] Result<HumanFile> read_bvh_file(std::string_view bytes, const std::string& file,
+                                              const HumanReadOptions& options);
+[[nodiscard]] Result<HumanFile> read_array_file(std::string_view bytes, const std::string& file,
+                                                const HumanReadOptions& options);
+[[nodiscard]] Result<HumanFile> read_scene_file(std::string_view bytes, const std::string& file,
+                                                const HumanReadOptions& options);
+
+}  // namespace retarget

@@ -1,0 +1,260 @@
+// Reads motion files of any format of the table.
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "base/json.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/registry/format.h"
+#include "formats/scene/read_scene.h"
+#include "formats/smpl/read_smpl.h"
+#include "formats/smpl/smpl_body.h"
+#include "motion/clip_size.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
+#include "robot/model/variant.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kFromRobotHint =
+    "if it is a robot motion, " OPTION("from-robot") " NAME names the robot, such as unitree_g1; "
+    "retarget convert changes its format alone";
+
+std::optional<double> given_rate(const SourceOptions& options) {
+  return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
+}
+
+Failure no_smpl(const std::string& name) {
+  return usage_failure(
+      OPTION("smpl-model") " applies only to SMPL motions, and \"" + name + "\" is not one",
+      "omit it");
+}
+
+Failure no_positions(const std::string& name) {
+  return usage_failure(
+      OPTION("joint-names") " applies only to joint positions without rotations, and \"" + name +
+          "\" contains something else",
+      "omit it");
+}
+
+// Reads a JSON list of names, or one name per line.
+Result<std::vector<std::string>> load_joint_names(const std::string& file) {
+  std::vector<std::string> names;
+  if (file.empty()) return names;
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 20U;
+  TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kConfig, kMaxBytes));
+  constexpr const char* kHint = "one name a line, or a JSON list";
+  constexpr std::string_view kBom = "\xef\xbb\xbf";
+  std::string_view text = bytes.view();
+  if (text.starts_with(kBom)) text.remove_prefix(kBom.size());
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (text.starts_with('[') || text.starts_with('{')) {
+    TRY_ASSIGN(const auto json, parse_json(text, file));
+    if (!json.is_array()) {
+      return config_failure(file, "expected a JSON list of joints' names, found an object", kHint);
+    }
+    for (const auto& name : json) {
+      if (!name.is_string()) {
+        return config_failure(file, "expected a list of joints' names, found something else in it");
+      }
+      names.push_back(name.get<std::string>());
+    }
+  } else {
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(std::min(end + 1, text.size()));
+      while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) {
+        line.remove_suffix(1);
+      }
+      if (!line.empty()) names.emplace_back(line);
+    }
+    if (names.size() == 1 && names.front().find(',') != std::string::npos) {
+      return config_failure(file, "expected a name a line, found one line with commas", kHint);
+    }
+  }
+  if (!names.empty()) return names;
+  return config_failure(file, "the file names no joints", kHint);
+}
+
+// Rejects options that state the type of a file, or select a part of it, for other types of files.
+Result<void> check_options(const std::string& file, const SourceOptions& options,
+                           const Format& format) {
+  const bool has_arrays = format.family.read_human == read_array_file;
+  if (!options.smpl_model.empty() && !has_arrays) return no_smpl(file);
+  if (!options.joint_names.empty() && !has_arrays) return no_positions(file);
+  if (!options.take.empty() && format.family.read_human == read_bvh_file) {
+    return usage_failure(OPTION("take") " applies only to files with several motions, and \"" +
+                             file + "\" contains one motion",
+                         "omit it");
+  }
+  return {};
+}
+
+// Whether content that is not a human motion may be a robot's: a table of numbers, or arrays with
+// the names of one of its formats.
+bool may_be_of_robot(const std::string& name, std::string_view bytes) {
+  const std::string_view start = bytes.substr(0, bytes.find('\n'));
+  constexpr auto kNone = std::string_view::npos;
+  const bool is_table = ending_of(name) == format_ending(MotionFormat::kCsv) ||
+                        (start.find_first_of("0123456789") != kNone &&
+                         start.find_first_not_of("0123456789+-.eE, \t;\r") == kNone);
+  return is_table || std::ranges::any_of(all_formats(), [&](const Format& format) {
+           return !format.array.empty() && bytes.find(format.array) != kNone;
+         });
+}
+
+// Reads bytes by their type, which decides between the families of robot formats.
+Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
+                           const std::string& file, const ReadMotionOptions& options) {
+  const FileType type = file_type(bytes);
+  for (const Format& format : all_formats()) {
+    if (!format.is_robots() || !format.family.reads(type.kind)) continue;
+    if (format.family.read_robot == nullptr) {
+      return input_failure(file,
+                           "the file is " + std::string(type.what) + ", which only shows a motion",
+                           "name the file that it was made from, such as walk.csv");
+    }
+    auto raw = format.family.read_robot(bytes, robot, file, options);
+    // The type explains more than the first line and column that no CSV has.
+    if (!raw && type.kind == FileKind::kForeign && !bytes.empty()) {
+      return input_failure(file, "the file is " + std::string(type.what), std::string(type.hint));
+    }
+    return raw;
+  }
+  return input_failure(file, "the file is " + std::string(type.what) + ", a human motion",
+                       "retarget " OPTION("bvh") " converts it to a robot motion");
+}
+
+}  // namespace
+
+Result<HumanFile> read_bvh_file(std::string_view bytes, const std::string& file,
+                                const HumanReadOptions& options) {
+  BvhReadOptions read;
+  read.lenient = options.source.lenient;
+  read.motion_optional = options.skeleton_only;
+  read.root = options.source.root;
+  read.source_fps = given_rate(options.source);
+  read.max_clip_bytes = options.max_bytes;
+  TRY_ASSIGN(BvhFile bvh, read_bvh(bytes, file, read));
+  ClipOrigin origin;
+  origin.name = file;
+  origin.bytes = bytes.size();
+  origin.warnings = std::move(bvh.warnings);
+  bvh.clip.set_origin(std::move(origin));
+  return HumanFile(std::move(bvh.clip));
+}
+
+Result<HumanFile> read_array_file(std::string_view bytes, const std::string& file,
+                                  const HumanReadOptions& options) {
+  SmplReadOptions read;
+  read.fingers = true;
+  read.source_fps = given_rate(options.source);
+  read.max_clip_bytes = options.max_bytes;
+  std::optional<SmplBody> body;
+  if (!options.source.smpl_model.empty()) {
+    TRY_ASSIGN(body, load_smpl_body(options.source.smpl_model));
+    read.body = &*body;
+  }
+  read.take = options.source.take;
+  TRY_ASSIGN(read.joint_names, load_joint_names(options.source.joint_names));
+  TRY_ASSIGN(ArrayMotion content, read_array_motion(bytes, file, read));
+  if (auto* joints = std::get_if<JointMotion>(&content)) {
+    if (read.body != nullptr) return no_smpl(file);
+    return HumanFile(std::move(*joints));
+  }
+  if (!options.source.joint_names.empty()) return no_positions(file);
+  SmplMotion& motion = std::get<SmplMotion>(content);
+  if (motion.approximate_body) {
+    motion.warnings.push_back({0, 0,
+                               "bone lengths and the zero pose are those of a generic body, "
+                               "approximately: limbs may point "
+                               "up to 20 degrees elsewhere; " OPTION(
+                                   "smpl-model") " FILE takes them from your body model"});
+  }
+  ClipOrigin origin;
+  origin.name = file;
+  origin.bytes = bytes.size();
+  origin.body_height = motion.height;
+  origin.up = motion.up;
+  origin.warnings = std::move(motion.warnings);
+  motion.clip.set_origin(std::move(origin));
+  return HumanFile(std::move(motion.clip));
+}
+
+Result<HumanFile> read_scene_file(std::string_view bytes, const std::string& file,
+                                  const HumanReadOptions& options) {
+  SceneReadOptions read;
+  read.take = options.source.take;
+  read.root = options.source.root;
+  read.source_fps = given_rate(options.source);
+  read.skeleton_only = options.skeleton_only;
+  read.max_clip_bytes = options.max_bytes;
+  TRY_ASSIGN(Clip clip, read_scene(bytes, file, read));
+  return HumanFile(std::move(clip));
+}
+
+Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
+                                  const HumanReadOptions& options) {
+  const FileKind kind = options.source.smpl ? FileKind::kNpz : file_type(bytes).kind;
+  const auto formats = all_formats();
+  const Format& format = *std::ranges::find_if(formats, [kind](const Format& row) {
+    return row.family.read_human != nullptr && row.family.reads(kind);
+  });
+  TRY(check_options(file, options.source, format));
+  auto read = format.family.read_human(bytes, file, options);
+  if (!read && read.error().kind == ErrorKind::kInput &&
+      format.family.read_human != read_scene_file && !bytes.empty() &&
+      may_be_of_robot(file, bytes)) {
+    read.error().hint = kFromRobotHint;
+  }
+  return read;
+}
+
+Result<RobotMotion> parse_robot_motion(std::string_view bytes,
+                                       const std::shared_ptr<const Robot>& robot,
+                                       const std::string& file, const ReadMotionOptions& options) {
+  if (robot->whole()) {
+    // Files may name joints that the variant's model lacks, or have the columns of other variants.
+    ReadMotionOptions of_whole = options;
+    if (of_whole.variant.empty()) of_whole.variant = robot->variant().name;
+    TRY_ASSIGN(auto motion, parse_robot_motion(bytes, robot->whole(), file, of_whole));
+    motion.clip = with_robot(motion.clip, robot);
+    return motion;
+  }
+  // Reject unknown variants.
+  if (!options.variant.empty()) {
+    TRY(robot_variant(robot, options.variant));
+  }
+  TRY_ASSIGN(auto raw, read_raw(bytes, robot, file, options));
+  auto motion = interpret_motion(raw, robot, file, options);
+  if (motion) motion->bytes = bytes.size();
+  return motion;
+}
+
+Result<RobotMotion> load_robot_motion(const std::string& path,
+                                      const std::shared_ptr<const Robot>& robot,
+                                      const ReadMotionOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    if (is_sonic_folder(path)) {
+      TRY_ASSIGN(auto raw, read_sonic_folder({}, robot, path, options));
+      return interpret_motion(raw, robot, path, options);
+    }
+    return input_failure(path, "expected a robot's motion, found a directory",
+                         "name files in it, such as " +
+                             (std::filesystem::path(path) / "*.csv").string() +
+                             "; folders of human motions are for retarget batch");
+  }
+  TRY_ASSIGN(const auto content,
+             read_file(path, ErrorKind::kInput, options.max_bytes, kLargeFileHint));
+  return parse_robot_motion(content.view(), robot, path == "-" ? "standard input" : path, options);
+}
+
+}  // namespace retarget

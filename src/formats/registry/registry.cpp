@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
+#include <iterator>
+
+#include "formats/registry/format.h"
+#include "formats/robot_motion/motion_writers.h"
+#include "retarget/enum_names.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Kind = FileKind;
+
+constexpr unsigned kinds_of(std::initializer_list<Kind> kinds) {
+  unsigned bits = 0;
+  for (const Kind kind : kinds) bits |= 1U << static_cast<unsigned>(kind);
+  return bits;
+}
+
+// Readers of BVH and CSV also get content of no known type, because their messages name the line
+// and column that they cannot read.
+constexpr FormatFamily kBvh = {kinds_of({Kind::kBvh, Kind::kOther, Kind::kForeign, Kind::kGzip}),
+                               ".bvh", "", read_bvh_file, nullptr};
+constexpr FormatFamily kFbx = {kinds_of({Kind::kFbx}), ".fbx", "", read_scene_file, nullptr};
+constexpr FormatFamily kGltf = {kinds_of({Kind::kGltf}), ".glb .gltf .vrm .vrma", "",
+                                read_scene_file, nullptr};
+constexpr FormatFamily kMvnx = {kinds_of({Kind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
+// Pickles are often robot motions, so a batch takes them as human motions only by their names.
+constexpr FormatFamily kArrays = {kinds_of({Kind::kNpz, Kind::kNpy, Kind::kPickle, Kind::kTorch}),
+                                  ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file,
+                                  nullptr};
+constexpr FormatFamily kCsv = {kinds_of({Kind::kOther, Kind::kForeign}), ".csv", ".tsv .txt",
+                               nullptr, read_csv_motion};
+constexpr FormatFamily kNpz = {kinds_of({Kind::kNpz}), ".npz", "", nullptr, read_npz_motion};
+constexpr FormatFamily kPickle = {kinds_of({Kind::kPickle, Kind::kGzip}), ".pkl .pickle .joblib",
+                                  "", nullptr, read_pickle_motion};
+constexpr FormatFamily kTorch = {kinds_of({Kind::kTorch}), ".motion .pt", "", nullptr,
+                                 read_protomotions};
+constexpr FormatFamily kFolder = {0, "", "", nullptr, read_sonic_folder};
+constexpr FormatFamily kShown = {kinds_of({Kind::kGltf}), ".glb", "", nullptr, nullptr};
+
+constexpr std::string_view kArrayFile = "`.npz`, `.npy`, `.pkl`, joblib, `.pt`";
+
+constexpr Format kFormats[] = {
+    {"bvh", kBvh, "`.bvh`", "LAFAN1, motion capture and animation programs", "bvh.md"},
+    {"fbx", kFbx, "`.fbx`", "Mixamo, animation programs", "scenes.md"},
+    {"gltf", kGltf, "`.glb`, `.gltf`, `.vrm`, `.vrma`", "glTF 2.0, VRM 0.x and 1.0", "scenes.md"},
+    {"mvnx", kMvnx, "`.mvnx`", "Xsens MVN", "scenes.md"},
+    {"smpl", kArrays, kArrayFile,
+     "AMASS, OMOMO, AIST++, GVHMR, InterMimic, Motion-X, PHUMA, fits to video", "smpl.md"},
+    {"positions", kArrays, kArrayFile, "HumanML3D, MDM, holosoma, Kimodo, your own programs",
+     "positions.md"},
+
+    {"csv", kCsv, "text, one line per frame",
+     "BeyondMimic, mjlab, unitree_rl_lab, unitree_rl_mjlab, PBHC, viewers", "", "",
+     MotionFormat::kCsv, ".csv", false, write_csv},
+    {"csv-soma", kCsv, "text with a header; centimetres, degrees, Euler angles",
+     "programs for SOMA's and BONES-SEED's files", "", "", MotionFormat::kCsvSoma, ".soma.csv",
+     false, write_csv, soma_csv_losses},
+    {"npz-mjlab", kNpz, "arrays in MuJoCo's order", "mjlab's tracking task", "", "joint_pos",
+     MotionFormat::kNpzMjlab, ".mjlab.npz", true, write_tracking_npz},
+    {"npz-beyondmimic", kNpz, "arrays in Isaac Lab's order", "BeyondMimic (whole_body_tracking)",
+     "", "joint_pos", MotionFormat::kNpzBeyondMimic, ".beyondmimic.npz", true, write_tracking_npz},
+    {"npz-holosoma", kNpz, "arrays in MuJoCo's order, the root among the joints",
+     "holosoma's whole-body tracking", "", "joint_pos", MotionFormat::kNpzHolosoma, ".holosoma.npz",
+     true, write_tracking_npz},
+    {"pkl-gmr", kPickle, "Python pickle", "programs for GMR's files: TWIST2, GMT and others", "",
+     "dof_pos", MotionFormat::kPklGmr, ".gmr.pkl", false, write_gmr_pickle},
+    {"pkl-pbhc", kPickle, "Python pickle", "PBHC, ASAP", "", "root_trans_offset",
+     MotionFormat::kPklPbhc, ".pbhc.pkl", false, write_motion_lib_pickle, pbhc_losses},
+    {"pkl-motion-lib", kPickle, "Python pickle, all joints",
+     "SONIC's training (GR00T-WholeBodyControl)", "", "root_trans_offset",
+     MotionFormat::kPklMotionLib, ".motion-lib.pkl", false, write_motion_lib_pickle},
+    {"pkl-mimickit", kPickle, "Python pickle", "MimicKit", "", "loop_mode",
+     MotionFormat::kPklMimicKit, ".mimickit.pkl", false, write_mimickit_pickle},
+    {"protomotions", kTorch, "`.motion`, a PyTorch file", "ProtoMotions", "", "rigid_body_pos",
+     MotionFormat::kProtoMotions, ".motion", false, write_protomotions},
+    {"csv-sonic", kFolder, "a folder of CSVs", "SONIC's deployment (GR00T-WholeBodyControl)", "",
+     "", MotionFormat::kCsvSonic, ".sonic", true, write_sonic_folder},
+    {"glb", kShown, "glTF 2.0, binary", "Blender, three.js, 3D viewers", "", "", MotionFormat::kGlb,
+     ".glb", false, write_glb}};
+
+// The names on the command line are those of the table, in its order.
+constexpr std::size_t kHumanFormats = 6;
+static_assert(std::equal(std::begin(kFormats) + kHumanFormats, std::end(kFormats),
+                         kEnumNames<MotionFormat>.begin(), kEnumNames<MotionFormat>.end(),
+                         [](const Format& format, const auto& named) {
+                           return format.name == named.second &&
+                                  format.motion_format == named.first;
+                         }));
+
+std::string_view take_word(std::string_view& words) {
+  const std::string_view word = words.substr(0, words.find(' '));
+  words.remove_prefix(std::min(word.size() + 1, words.size()));
+  return word;
+}
+
+bool contains(std::string_view words, std::string_view word) {
+  while (!words.empty()) {
+    if (take_word(words) == word) return true;
+  }
+  return false;
+}
+
+// Whether a batch takes the files of a format as motions of robots, or of humans.
+bool is_searched(const Format& format, bool robots) {
+  return robots ? format.family.read_robot != nullptr : format.family.read_human != nullptr;
+}
+
+bool is_searched_ending(std::string_view ending, bool robots) {
+  return std::ranges::any_of(kFormats, [&](const Format& format) {
+    return is_searched(format, robots) && contains(format.family.endings, ending);
+  });
+}
+
+std::string endings_text(bool robots) {
+  std::vector<std::string> found;
+  for (const Format& format : kFormats) {
+    std::string_view endings = is_searched(format, robots) ? format.family.endings : "";
+    while (!endings.empty()) {
+      const std::string_view ending = take_word(endings);
+      if (std::ranges::find(found, ending) == found.end()) found.emplace_back(ending);
+    }
+  }
+  const std::string last = std::move(found.back());
+  found.pop_back();
+  return fmt::format("{} or {}", fmt::join(found, ", "), last);
+}
+
+}  // namespace
+
+std::span<const Format> all_formats() {
+  return kFormats;
+}
+
+const Format& robot_format(MotionFormat format) {
+  return *std::ranges::find_if(kFormats, [format](const Format& row) {
+    return row.is_robots() && row.motion_format == format;
+  });
+}
+
+std::string ending_of(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
+}
+
+bool is_human_ending(std::string_view ending) {
+  return is_searched_ending(ending, false);
+}
+
+bool is_robot_ending(std::string_view ending) {
+  return is_searched_ending(ending, true);
+}
+
+bool is_robots_alone(std::string_view ending) {
+  return is_robot_ending(ending) && std::ranges::none_of(kFormats, [&](const Format& format) {
+           return !format.is_robots() && (contains(format.family.endings, ending) ||
+                                          contains(format.family.other_endings, ending));
+         });
+}
+
+std::string human_endings_text() {
+  return endings_text(false);
+}
+
+std::string robot_endings_text() {
+  return endings_text(true);
+}
+
+std::string_view output_ending(std::string_view ending) {
+  for (const Format& format : kFormats) {
+    if (format.is_robots() && (contains(format.family.endings, ending) ||
+                               contains(format.family.other_endings, ending))) {
+      return format_ending(format.motion_format);
+    }
+  }
+  return {};
+}
+
+std::string_view format_name(MotionFormat format) {
+  return robot_format(format).name;
+}
+
+std::vector<std::string> format_names() {
+  return enum_names<MotionFormat>();
+}
+
+Result<MotionFormat> format_from_name(std::string_view name) {
+  if (const auto format = enum_from_name<MotionFormat>(name)) return *format;
+  const auto names = format_names();
+  return usage_failure(fmt::format("there is no format \"{}\"{}", name, did_you_mean(name, names)),
+                       "the formats are " + list_names(names));
+}
+
+std::string_view format_ending(MotionFormat format) {
+  std::string_view endings = robot_format(format).family.endings;
+  return take_word(endings);
+}
+
+bool format_is_folder(MotionFormat format) {
+  return format_ending(format).empty();
+}
+
+std::vector<std::string> folder_file_names(MotionFormat format) {
+  return format_is_folder(format) ? sonic_file_names() : std::vector<std::string>();
+}
+
+bool format_has_own_rate(MotionFormat format) {
+  return robot_format(format).own_rate;
+}
+
+std::string_view format_long_ending(MotionFormat format) {
+  return robot_format(format).long_ending;
+}
+
+std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format) {
+  const Format& row = robot_format(format);
+  return row.losses == nullptr ? std::vector<std::string>() : row.losses(motion);
+}
+
+Result<std::vector<FormattedFile>> format_motion_files(const RobotClip& clip, MotionFormat format,
+                                                       const WriteMotionOptions& options) {
+  return robot_format(format).write(clip, format, options);
+}
+
+Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat format,
+                                        const WriteMotionOptions& options) {
+  if (format_is_folder(format)) {
+    return usage_failure(std::string(format_name(format)) + " is a folder and not one file");
+  }
+  auto files = format_motion_files(clip, format, options);
+  if (!files) return failure(std::move(files).error());
+  return std::move(files->front().bytes);
+}
+
+}  // namespace retarget

@@ -1,0 +1,114 @@
+#include "formats/scene/clip_builder.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+// Relative to the skeleton's size: 0.02 mm for a person.
+constexpr double kTolerance = 1e-5;
+
+}  // namespace
+
+std::size_t ClipBuilder::frame_bytes(std::size_t joints) {
+  // Once in this object and once in the clip.
+  return 2 * joints * (sizeof(Eigen::Quaterniond) + sizeof(Eigen::Vector3d));
+}
+
+ClipBuilder::ClipBuilder(std::vector<WorldJoint> joints, FrameRate rate, int frame_count)
+    : joints_(std::move(joints)), rate_(rate), frame_count_(frame_count) {
+  const std::size_t count = joints_.size() * static_cast<std::size_t>(frame_count);
+  rotations_.resize(count, Eigen::Quaterniond::Identity());
+  translations_.resize(count, Eigen::Vector3d::Zero());
+}
+
+void ClipBuilder::set_frame(int frame, std::span<const Pose> world_from_joint) {
+  const std::size_t first = static_cast<std::size_t>(frame) * joints_.size();
+  // Rotations from the rest pose, in world axes.
+  std::vector<Eigen::Quaterniond> turns(joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const WorldJoint& joint = joints_[j];
+    turns[j] = world_from_joint[j].rotation * joint.world_from_rest.rotation.conjugate();
+    if (joint.parent < 0) {
+      rotations_[first + j] = turns[j].normalized();
+      translations_[first + j] = world_from_joint[j].translation;
+      continue;
+    }
+    const auto parent = static_cast<std::size_t>(joint.parent);
+    const Eigen::Quaterniond parent_from_world = turns[parent].conjugate();
+    rotations_[first + j] = (parent_from_world * turns[j]).normalized();
+    translations_[first + j] = parent_from_world * (world_from_joint[j].translation -
+                                                    world_from_joint[parent].translation);
+  }
+}
+
+double ClipBuilder::size() const {
+  double size = 0.0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (joints_[j].parent >= 0 && frame_count_ > 0) size += translations_[j].norm();
+  }
+  return size;
+}
+
+bool ClipBuilder::is_translated(std::size_t joint, double tolerance) const {
+  for (std::size_t i = joint; i < translations_.size(); i += joints_.size()) {
+    if ((translations_[i] - translations_[joint]).cwiseAbs().maxCoeff() > tolerance) return true;
+  }
+  return false;
+}
+
+Clip ClipBuilder::build() const {
+  using enum Channel;
+  // The longest path through a body is about a fifth of the total length of its bones.
+  const double tolerance = kTolerance * 0.2 * size();
+  std::vector<Joint> joints;
+  joints.reserve(joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const WorldJoint& from = joints_[j];
+    Joint joint;
+    joint.name = from.name;
+    joint.parent = from.parent;
+    joint.channels = {kZRotation, kXRotation, kYRotation};
+    if (from.parent >= 0) {
+      const auto& rest = joints_[static_cast<std::size_t>(from.parent)].world_from_rest;
+      joint.offset =
+          frame_count_ > 0 ? translations_[j] : from.world_from_rest.translation - rest.translation;
+    }
+    if (from.parent < 0 || is_translated(j, tolerance)) {
+      joint.channels.insert(joint.channels.begin(), {kXPosition, kYPosition, kZPosition});
+    }
+    joints.push_back(std::move(joint));
+  }
+  Clip clip(std::make_shared<const Skeleton>(std::move(joints)), rate_, frame_count_);
+  const Skeleton& skeleton = clip.skeleton();
+  for (int frame = 0; frame < frame_count_; ++frame) {
+    const std::size_t first = static_cast<std::size_t>(frame) * joints_.size();
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      clip.rotations(frame)[j] = rotations_[first + j];
+      const int slot = skeleton.translation_slot(static_cast<int>(j));
+      if (slot >= 0) {
+        clip.translations(frame)[static_cast<std::size_t>(slot)] = translations_[first + j];
+      }
+    }
+  }
+  make_sign_continuous(clip);
+  return clip;
+}
+
+std::vector<std::string> plain_joint_names(std::vector<std::string> names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::string& name = names[i];
+    std::ranges::replace_if(
+        name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '{'; },
+        '_');
+    const std::size_t first = name.find_first_not_of(' ');
+    name = first == std::string::npos ? ""
+                                      : name.substr(first, name.find_last_not_of(' ') - first + 1);
+    if (name.empty()) name = "joint_" + std::to_string(i);
+  }
+  return names;
+}
+
+}  // namespace retarget

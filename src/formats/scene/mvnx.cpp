@@ -1,0 +1,265 @@
+#include "formats/scene/mvnx.h"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/option_name.h"
+#include "base/parse_xml.h"
+#include "base/try.h"
+#include "formats/scene/clip_builder.h"
+#include "motion/clip_size.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr std::size_t kMaxSegments = 1000;
+
+std::string_view attribute(const XMLElement& element, const char* name) {
+  const char* text = element.Attribute(name);
+  return text == nullptr ? std::string_view() : std::string_view(text);
+}
+
+std::string_view text_of(const XMLElement* element) {
+  const char* text = element == nullptr ? nullptr : element->GetText();
+  return text == nullptr ? std::string_view() : std::string_view(text);
+}
+
+// Parses finite numbers separated by blanks. Returns nothing for other text.
+std::optional<std::vector<double>> numbers_of(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<double> numbers;
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+    if (text.empty()) return numbers;
+    const std::size_t length = std::min(text.find_first_of(kBlanks), text.size());
+    const auto number = parse_number<double>(text.substr(0, length));
+    if (!number || !std::isfinite(*number) || std::abs(*number) > 1e9) return std::nullopt;
+    numbers.push_back(*number);
+    text.remove_prefix(length);
+  }
+}
+
+// The part before the slash, such as `Pelvis` in `Pelvis/jL5S1`.
+std::string segment_of(const XMLElement* connector) {
+  const std::string_view text = text_of(connector);
+  return std::string(text.substr(0, text.find('/')));
+}
+
+class MvnxReader {
+ public:
+  MvnxReader(const std::string& file_name, const SceneReadOptions& options)
+      : file_name_(file_name), options_(options) {}
+
+  Result<Clip> read(std::string_view bytes) {
+    tinyxml2::XMLDocument document;
+    if (const auto parsed = parse_xml(bytes, document); !parsed) {
+      const std::string& message = parsed.error().message;
+      return fault(document.Error() ? "the XML is broken or cut off (" + message + ")" : message,
+                   parsed.error().location.line);
+    }
+    const XMLElement* root = document.FirstChildElement("mvnx");
+    const XMLElement* subject = root == nullptr ? nullptr : root->FirstChildElement("subject");
+    if (subject == nullptr) return fault("it has no subject");
+    if (subject->NextSiblingElement("subject") != nullptr) {
+      warnings_.push_back({0, 0, "the file holds several subjects; the first is read"});
+    }
+    TRY(find_segments(*subject));
+    TRY(order_segments());
+    TRY(find_frames(*subject));
+    return make_clip(*subject, bytes.size());
+  }
+
+ private:
+  Failure fault(std::string what, std::size_t line = 0) const {
+    Error error{ErrorKind::kInput, {file_name_, line, 0}, {}, {}, {}};
+    error.hint = "the file may be cut off or damaged: export it again from MVN";
+    error.message = "the MVNX file cannot be read: " + std::move(what);
+    return failure(std::move(error));
+  }
+
+  Result<void> find_segments(const XMLElement& subject) {
+    const XMLElement* segments = subject.FirstChildElement("segments");
+    const XMLElement* joints = subject.FirstChildElement("joints");
+    if (segments == nullptr || joints == nullptr) return fault("it has no segments or no joints");
+    std::map<std::string, int> numbers;
+    for (const XMLElement* each = segments->FirstChildElement("segment"); each != nullptr;
+         each = each->NextSiblingElement("segment")) {
+      const std::string name(attribute(*each, "label"));
+      if (!numbers.emplace(name, static_cast<int>(names_.size())).second) {
+        return fault("two segments are called \"" + printable(name) + "\"");
+      }
+      names_.push_back(name);
+      if (names_.size() > kMaxSegments) return fault("it has more than 1000 segments");
+    }
+    parents_.assign(names_.size(), -1);
+    for (const XMLElement* each = joints->FirstChildElement("joint"); each != nullptr;
+         each = each->NextSiblingElement("joint")) {
+      const auto parent = numbers.find(segment_of(each->FirstChildElement("connector1")));
+      const auto child = numbers.find(segment_of(each->FirstChildElement("connector2")));
+      if (parent == numbers.end() || child == numbers.end()) {
+        return fault("a joint connects segments that are not there",
+                     static_cast<std::size_t>(each->GetLineNum()));
+      }
+      parents_[static_cast<std::size_t>(child->second)] = parent->second;
+    }
+    return {};
+  }
+
+  // Orders segments depth first with parents first. Only the tree of the first segment without
+  // parent is used; others are props.
+  Result<void> order_segments() {
+    const auto root = std::ranges::find(parents_, -1);
+    if (root == parents_.end()) return fault("its segments form a ring and not a tree");
+    std::vector<std::pair<int, int>> waiting = {{static_cast<int>(root - parents_.begin()), -1}};
+    while (!waiting.empty()) {
+      const auto [segment, parent] = waiting.back();
+      waiting.pop_back();
+      const int place = static_cast<int>(segments_.size());
+      segments_.push_back(segment);
+      places_.push_back(parent);
+      for (int child = static_cast<int>(parents_.size()); child-- > 0;) {
+        if (parents_[static_cast<std::size_t>(child)] == segment)
+          waiting.emplace_back(child, place);
+      }
+    }
+    return {};
+  }
+
+  Result<void> find_frames(const XMLElement& subject) {
+    const XMLElement* frames = subject.FirstChildElement("frames");
+    if (frames == nullptr) return fault("it has no frames");
+    for (const XMLElement* each = frames->FirstChildElement("frame"); each != nullptr;
+         each = each->NextSiblingElement("frame")) {
+      const std::string_view type = attribute(*each, "type");
+      if (type.empty() || type == "normal") {
+        frames_.push_back(each);
+      } else {
+        calibration_.emplace(std::string(type), each);
+      }
+    }
+    if (frames_.empty() && !options_.skeleton_only)
+      return fault("it has no frames of type \"normal\"");
+    return {};
+  }
+
+  Result<std::vector<Pose>> poses_of(const XMLElement& frame) const {
+    const auto rotations = numbers_of(text_of(frame.FirstChildElement("orientation")));
+    const auto positions = numbers_of(text_of(frame.FirstChildElement("position")));
+    const auto line = static_cast<std::size_t>(frame.GetLineNum());
+    // Fingers and props may follow the body.
+    if (!rotations || !positions || rotations->size() < 4 * names_.size() ||
+        positions->size() < 3 * names_.size()) {
+      return fault(fmt::format("a frame has no orientation and position of each of its {} segments",
+                               names_.size()),
+                   line);
+    }
+    std::vector<Pose> poses;
+    poses.reserve(segments_.size());
+    for (const int segment : segments_) {
+      const double* q = rotations->data() + 4 * static_cast<std::size_t>(segment);
+      const double* p = positions->data() + 3 * static_cast<std::size_t>(segment);
+      const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+      if (!(std::abs(rotation.norm() - 1.0) < 0.1)) {
+        return fault("a frame has an orientation that is no unit quaternion", line);
+      }
+      poses.push_back({rotation.normalized(), {p[0], p[1], p[2]}});
+    }
+    return poses;
+  }
+
+  Result<std::vector<WorldJoint>> rest_joints() {
+    std::vector<Pose> rest(segments_.size());
+    const std::array<const char*, 3> kPoses = {"tpose", "identity", "npose"};
+    const auto* pose =
+        std::ranges::find_if(kPoses, [&](const char* name) { return calibration_.contains(name); });
+    if (pose != kPoses.end()) {
+      rest_name_ = *pose;
+      TRY_ASSIGN(rest, poses_of(*calibration_.at(*pose)));
+    } else if (!frames_.empty()) {
+      TRY_ASSIGN(const auto first, poses_of(*frames_.front()));
+      for (std::size_t i = 1; i < rest.size(); ++i) {
+        const auto parent = static_cast<std::size_t>(places_[i]);
+        rest[i].translation =
+            rest[parent].translation +
+            first[parent].rotation.conjugate() * (first[i].translation - first[parent].translation);
+      }
+    }
+    std::vector<std::string> names;
+    for (const int segment : segments_) names.push_back(names_[static_cast<std::size_t>(segment)]);
+    names = plain_joint_names(std::move(names));
+    std::vector<WorldJoint> joints;
+    for (std::size_t i = 0; i < segments_.size(); ++i)
+      joints.push_back({names[i], places_[i], rest[i]});
+    return joints;
+  }
+
+  Result<FrameRate> rate_of(const XMLElement& subject) const {
+    if (options_.source_fps) return frame_rate_from_fps(*options_.source_fps);
+    const auto fps = parse_number<double>(attribute(subject, "frameRate"));
+    if (!fps || !is_plausible_rate(*fps)) {
+      return input_failure(file_name_, "the MVNX file has no frame rate",
+                           OPTION("source-fps") " N gives it");
+    }
+    return frame_rate_from_fps(*fps);
+  }
+
+  Result<Clip> make_clip(const XMLElement& subject, std::size_t file_bytes) {
+    TRY_ASSIGN(const FrameRate rate, rate_of(subject));
+    TRY_ASSIGN(auto joints, rest_joints());
+    const std::size_t most = options_.max_clip_bytes / ClipBuilder::frame_bytes(joints.size());
+    if (frames_.size() > std::min<std::size_t>(most, std::numeric_limits<int>::max())) {
+      return input_failure(file_name_, "the motion needs more memory than it may take",
+                           kLargeFileHint);
+    }
+    ClipBuilder builder(std::move(joints), rate, static_cast<int>(frames_.size()));
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      TRY_ASSIGN(const auto poses, poses_of(*frames_[i]));
+      builder.set_frame(static_cast<int>(i), poses);
+    }
+    Clip clip = builder.build();
+    ClipOrigin origin;
+    origin.name = file_name_;
+    origin.bytes = file_bytes;
+    origin.warnings = std::move(warnings_);
+    origin.metres_per_unit = 1.0;
+    origin.up = Eigen::Vector3d::UnitZ();
+    origin.choices = "MVNX, ";
+    origin.choices += rest_name_.empty() ? "no frame of calibration in it"
+                                         : "its frame \"" + rest_name_ + "\" is the zero pose";
+    clip.set_origin(std::move(origin));
+    return clip;
+  }
+
+  const std::string& file_name_;
+  const SceneReadOptions& options_;
+  std::vector<std::string> names_;  // Of all segments, in document order.
+  std::vector<int> parents_;        // Of all segments, in document order; -1: none.
+  std::vector<int> segments_;       // Segments of the body, parents first.
+  std::vector<int> places_;         // Index of each one's parent in segments_.
+  std::vector<const XMLElement*> frames_;
+  std::map<std::string, const XMLElement*> calibration_;
+  std::string rest_name_;
+  std::vector<Warning> warnings_;
+};
+
+}  // namespace
+
+Result<Clip> read_mvnx(std::string_view bytes, const std::string& file_name,
+                       const SceneReadOptions& options) {
+  return MvnxReader(file_name, options).read(bytes);
+}
+
+}  // namespace retarget

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "formats/scene/scene.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+struct SceneReadOptions {
+  std::string take;                  ///< Name, or number from 1; empty: the longest with motion.
+  std::string root;                  ///< Root of one of several skeletons; empty: the moving one.
+  std::optional<double> source_fps;  ///< Sampling rate in Hz; default: the rate of the keys.
+  bool skeleton_only = false;  ///< Read a file without animation as a skeleton without frames.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+};
+
+/// Reads the motion of a skeleton from an FBX, glTF, VRM or MVNX file; see docs/scenes.md.
+///
+/// The clip is in the file's units and axes, as stated by its origin. Its zero pose is the bind
+/// pose of the skins, otherwise the nodes' rest pose. In the zero pose the joints' axes are those
+/// of the world (ClipBuilder).
+///
+/// @param file_name  as given by the user; external files are located relative to it.
+/// @return kInput errors; kUsage for unknown takes and skeletons.
+[[nodiscard]] Result<Clip> read_scene(std::string_view bytes, const std::string& file_name,
+                                      const SceneReadOptions& options = {});
+
+/// Samples the motion of a scene's skeleton in a take; see read_scene.
+/// @param file_bytes  size of the file; the memory of the clip is limited in proportion to it.
+[[nodiscard]] Result<Clip> clip_of_scene(const Scene& scene, const std::string& file_name,
+                                         std::size_t file_bytes, const SceneReadOptions& options);
+
+}  // namespace retarget

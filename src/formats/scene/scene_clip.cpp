@@ -1,0 +1,392 @@
+#include "formats/scene/read_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "formats/containers/file_kind.h"
+#include "formats/scene/clip_builder.h"
+#include "formats/scene/fbx_scene.h"
+#include "formats/scene/gltf_scene.h"
+#include "formats/scene/mvnx.h"
+#include "formats/scene/scene_skeleton.h"
+#include "formats/scene/transforms.h"
+#include "motion/clip_size.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// Whether limbs extend along both directions of two axes, as with straight legs, spine and raised
+// arms.
+bool is_t_pose(const std::vector<WorldJoint>& joints) {
+  constexpr double kAlong = 0.985;  // Cosine of ten degrees.
+  constexpr double kMostBones = 0.85, kSide = 0.1;
+  std::array<double, 6> along{};  // Bone length along +x, -x, +y, -y, +z, -z.
+  double all = 0.0;
+  for (const WorldJoint& joint : joints) {
+    if (joint.parent < 0) continue;
+    const Eigen::Vector3d bone = joint.world_from_rest.translation -
+                                 joints[as_size(joint.parent)].world_from_rest.translation;
+    const double length = bone.norm();
+    all += length;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(bone[axis]) >= kAlong * length) {
+        along[as_size(2 * axis + (bone[axis] < 0.0 ? 1 : 0))] += length;
+        break;
+      }
+    }
+  }
+  int both_sides = 0;
+  double straight = 0.0;
+  for (std::size_t axis = 0; axis < 6; axis += 2) {
+    straight += along[axis] + along[axis + 1];
+    both_sides += std::min(along[axis], along[axis + 1]) >= kSide * all ? 1 : 0;
+  }
+  return both_sides >= 2 && straight >= kMostBones * all;
+}
+
+constexpr double kDefaultRate = 30.0;
+// Limits on the memory of a clip, because a few keys may span hours.
+constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxBytesOfFile = 256;
+// Ratio of scales.
+constexpr double kUneven = 1.01;
+// Limit on the sampling rate relative to the keys: some programs write an arbitrary clock as the
+// rate.
+constexpr double kMaxRatio = 4.01;
+// A body with fingers, face and helpers has a few hundred.
+constexpr std::size_t kMaxJoints = 5000;
+// glTF stores key times as floats: tolerance in seconds and relative to the time.
+constexpr double kSameTime = 2e-6, kRounding = 1.2e-7;
+
+// Sampling rate and the reason for it.
+struct Sampling {
+  FrameRate rate;
+  std::string reason;
+};
+
+class SceneSampler {
+ public:
+  SceneSampler(const Scene& scene, const std::string& file_name, const SceneReadOptions& options)
+      : scene_(scene), file_name_(file_name), options_(options) {}
+
+  Result<Clip> run(std::size_t file_bytes) {
+    TRY_ASSIGN(SceneMotionChoice choice, choose_motion(scene_, options_.take, options_.root,
+                                                       options_.skeleton_only, file_name_));
+    take_ = choice.take;
+    begin_ = choice.begin;
+    end_ = choice.end;
+    skeleton_ = std::move(choice.skeleton);
+    if (take_ >= 0 && !choice.moves && !options_.skeleton_only) warn_of_still_take();
+    if (options_.root.empty() && !options_.skeleton_only) warn_of_other_actors();
+    if (skeleton_.joints.size() > kMaxJoints) {
+      return input_failure(file_name_,
+                           fmt::format("the skeleton has {} joints; {} are allowed",
+                                       skeleton_.joints.size(), kMaxJoints),
+                           "export the armature of the body alone");
+    }
+    if (take_ < 0 && !options_.skeleton_only) {
+      return input_failure(
+          file_name_,
+          fmt::format("the {} file holds no animation{}", scene_.format,
+                      scene_.takes.empty() ? "" : " that moves its skeleton"),
+          "export the character with its animation baked; retarget inspect " OPTION(
+              "skeleton") " shows the joints of a file without one");
+    }
+    mark_chain();
+    TRY(check_scale());
+    const Sampling sampling = choose_sampling();
+    TRY_ASSIGN(const int frames, count_frames(sampling.rate, file_bytes));
+    ClipBuilder builder(rest_joints(rests_in_motion(sampling.rate, frames)), sampling.rate, frames);
+    for (int frame = 0; frame < frames; ++frame) {
+      TRY(place_nodes(frame, sampling.rate));
+      builder.set_frame(frame, joint_poses());
+    }
+    Clip clip = builder.build();
+    clip.set_origin(origin(sampling, file_bytes));
+    return clip;
+  }
+
+ private:
+  // Marks the joints and all nodes above the root.
+  void mark_chain() {
+    in_chain_ = nodes_of_chain(scene_, skeleton_);
+    has_joints_below_.assign(scene_.nodes.size(), false);
+    for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (!in_chain_[i]) continue;
+      chain_.push_back(static_cast<int>(i));
+      const int parent = scene_.nodes[i].parent;
+      if (parent >= 0) has_joints_below_[as_size(parent)] = true;
+    }
+  }
+
+  void warn_of_still_take() {
+    warnings_.push_back({0, 0,
+                         "nothing moves in the take \"" +
+                             printable(scene_.takes[as_size(take_)].name) +
+                             "\": all its keys of the skeleton are the same"});
+  }
+
+  void warn_of_other_actors() {
+    if (take_ < 0) return;
+    std::string text = other_actors_text(scene_, skeleton_, take_);
+    if (!text.empty()) warnings_.push_back({0, 0, std::move(text)});
+  }
+
+  std::string name_of(int node) const {
+    const std::string name = printable(scene_.nodes[as_size(node)].name);
+    return name.empty() ? "node " + std::to_string(node) : "\"" + name + "\"";
+  }
+
+  Failure mirrored(int node) const {
+    return input_failure(file_name_,
+                         name_of(node) +
+                             " is turned over by a negative scale, as in a mirror, "
+                             "which no skeleton of joints can be",
+                         "apply the scale before the export (Blender: Object, Apply, Scale)");
+  }
+
+  Result<void> check_scale() {
+    for (const int node : chain_) {
+      const NodeTransform& rest = scene_.nodes[as_size(node)].rest;
+      if (is_mirrored(rest)) return mirrored(node);
+      const Eigen::Vector3d size = rest.scale.cwiseAbs();
+      if (!uneven_ && size.maxCoeff() > kUneven * size.minCoeff() &&
+          has_joints_below_[as_size(node)]) {
+        uneven_ = true;
+        warnings_.push_back({0, 0,
+                             name_of(node) +
+                                 " is scaled unevenly, which skews the joints below it: their "
+                                 "places are right, their rotations are those without the scale"});
+      }
+    }
+    return {};
+  }
+
+  Sampling choose_sampling() {
+    if (take_ >= 0) keys_ = scene_.motion->key_times(take_, in_chain_);
+    std::erase_if(keys_, [](double time) { return !std::isfinite(time); });
+    std::ranges::sort(keys_);
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    if (options_.source_fps) {
+      const FrameRate rate = frame_rate_from_fps(*options_.source_fps);
+      return {rate, "as " OPTION("source-fps") " asks for"};
+    }
+    const auto keys = rate_of_keys(keys_);
+    const double ratio = keys ? scene_.fps / *keys : 0.0;
+    if (scene_.fps > 0.0 && (!keys || (ratio > 0.99 && ratio < kMaxRatio &&
+                                       std::abs(ratio - std::round(ratio)) < 1e-3))) {
+      return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
+    }
+    if (keys) return {frame_rate_from_fps(*keys), "as its keys are spaced"};
+    if (keys_.size() < 3) {
+      return {frame_rate_from_fps(kDefaultRate), "too few keys to tell a rate by"};
+    }
+    return {frame_rate_from_fps(kDefaultRate),
+            "its keys are not evenly spaced: " OPTION("source-fps") " N samples it otherwise"};
+  }
+
+  Result<int> count_frames(const FrameRate& rate, std::size_t file_bytes) const {
+    if (take_ < 0) return 0;
+    const double length = end_ - begin_;
+    const double frames = std::floor(length * rate.fps() + 1e-3) + 1.0;
+    const std::size_t frame_bytes = ClipBuilder::frame_bytes(chain_.size());
+    const double by_file = static_cast<double>(kFreeClipBytes) +
+                           static_cast<double>(kMaxBytesOfFile) * static_cast<double>(file_bytes);
+    const double most = std::min(static_cast<double>(options_.max_clip_bytes), by_file);
+    if (!(frames * static_cast<double>(frame_bytes) <= most) || frames > 1e9) {
+      return input_failure(file_name_,
+                           fmt::format("the animation lasts {:.6g} s: its frames need more memory "
+                                       "than a file of its size may take",
+                                       length),
+                           far_key_hint());
+    }
+    return static_cast<int>(frames);
+  }
+
+  // A key far from all others is usually a mistake.
+  std::string far_key_hint() const {
+    double gap = 0.0, before = 0.0, after = 0.0;
+    for (std::size_t i = 1; i < keys_.size(); ++i) {
+      if (keys_[i] - keys_[i - 1] <= gap) continue;
+      before = keys_[i - 1];
+      after = keys_[i];
+      gap = after - before;
+    }
+    if (keys_.size() > 2 && gap > 0.5 * (end_ - begin_)) {
+      return fmt::format(
+          "no key lies between {:.6g} s and {:.6g} s: remove the stray keys before the "
+          "export, or export the range of frames that you want",
+          before, after);
+    }
+    return kLargeFileHint;
+  }
+
+  // Whether to use zero angles as the zero pose. Without a skin that defines the bind pose, some
+  // programs write the frame shown at export as the rest pose. This is the case if the rest pose
+  // occurs in the motion.
+  bool rests_in_motion(const FrameRate& rate, int frames) const {
+    constexpr double kSame = 0.99999;  // Cosine of half of half a degree.
+    const auto is_bound = [&](int joint) {
+      return scene_.nodes[as_size(joint)].world_from_bind.has_value();
+    };
+    // Other formats have no zero angles to use. A rest pose that is a T-pose is the zero pose.
+    if (scene_.format != "FBX" || std::ranges::any_of(skeleton_.joints, is_bound) ||
+        is_t_pose(rest_joints(false))) {
+      return false;
+    }
+    for (int frame = 0; frame < frames; ++frame) {
+      const double seconds = seconds_of(frame, rate);
+      const bool is_same = std::ranges::all_of(skeleton_.joints, [&](int joint) {
+        const Eigen::Quaterniond now = scene_.motion->at(take_, joint, seconds).rotation;
+        return std::abs(now.dot(scene_.nodes[as_size(joint)].rest.rotation)) > kSame;
+      });
+      if (is_same) return true;
+    }
+    return false;
+  }
+
+  // Time of a frame, snapped to a key within rounding, so that steps are sampled at their key.
+  double seconds_of(int frame, const FrameRate& rate) const {
+    const double seconds = std::min(begin_ + rate.time_of(frame), end_);
+    const double tolerance = kSameTime + kRounding * std::abs(seconds);
+    const auto key = std::ranges::lower_bound(keys_, seconds - tolerance);
+    return key != keys_.end() && *key <= seconds + tolerance ? *key : seconds;
+  }
+
+  // Rest poses: world_from_bind if there is one, otherwise the rest transform below the parent.
+  std::vector<WorldJoint> rest_joints(bool is_unturned) const {
+    std::vector<NodePlace> places(scene_.nodes.size());
+    for (const int index : chain_) {
+      const SceneNode& node = scene_.nodes[as_size(index)];
+      NodeTransform rest = node.rest;
+      if (is_unturned) rest.rotation = node.unturned;
+      places[as_size(index)] =
+          place_below(node.parent < 0 ? NodePlace() : places[as_size(node.parent)], rest);
+      if (!node.world_from_bind) continue;
+      places[as_size(index)] = {*node.world_from_bind, rotation_of(node.world_from_bind->linear())};
+    }
+    std::vector<std::string> names;
+    for (const int joint : skeleton_.joints) names.push_back(scene_.nodes[as_size(joint)].name);
+    names = plain_joint_names(std::move(names));
+    std::vector<WorldJoint> joints;
+    for (std::size_t j = 0; j < skeleton_.joints.size(); ++j) {
+      const NodePlace& place = places[as_size(skeleton_.joints[j])];
+      joints.push_back(
+          {names[j], skeleton_.parents[j], {place.rotation, place.world_from_node.translation()}});
+    }
+    return joints;
+  }
+
+  Result<void> place_nodes(int frame, const FrameRate& rate) {
+    const double seconds = seconds_of(frame, rate);
+    places_.resize(scene_.nodes.size());
+    for (const int node : chain_) {
+      const NodeTransform local = scene_.motion->at(take_, node, seconds);
+      const int parent = scene_.nodes[as_size(node)].parent;
+      NodePlace& place = places_[as_size(node)];
+      if (is_sound(local)) {
+        place = place_below(parent < 0 ? NodePlace() : places_[as_size(parent)], local);
+      }
+      if (!is_sound(local) || !place.world_from_node.matrix().allFinite()) {
+        return input_failure(file_name_, fmt::format("{} has a place that is no number at {:.4g} s",
+                                                     name_of(node), seconds));
+      }
+      if (is_mirrored(local)) return mirrored(node);
+      look_at_size(node, place, frame);
+    }
+    return {};
+  }
+
+  void look_at_size(int node, const NodePlace& place, int frame) {
+    const double size = place.world_from_node.linear().norm();
+    if (frame == 0) {
+      sizes_.resize(scene_.nodes.size());
+      sizes_[as_size(node)] = size;
+    } else if (!grows_ && std::max(size, sizes_[as_size(node)]) >
+                              kUneven * std::min(size, sizes_[as_size(node)])) {
+      grows_ = true;
+      warnings_.push_back({0, 0,
+                           "the scale of " + name_of(node) +
+                               " changes during the motion: bones grow and shrink with it"});
+    }
+  }
+
+  std::vector<Pose> joint_poses() const {
+    std::vector<Pose> poses;
+    poses.reserve(skeleton_.joints.size());
+    for (const int joint : skeleton_.joints) {
+      const NodePlace& place = places_[as_size(joint)];
+      poses.push_back({place.rotation, place.world_from_node.translation()});
+    }
+    return poses;
+  }
+
+  ClipOrigin origin(const Sampling& sampling, std::size_t file_bytes) const {
+    ClipOrigin origin;
+    origin.name = file_name_;
+    origin.bytes = file_bytes;
+    origin.warnings = scene_.warnings;
+    origin.warnings.insert(origin.warnings.end(), warnings_.begin(), warnings_.end());
+    origin.metres_per_unit = scene_.metres_per_unit;
+    origin.up = scene_.up;
+    for (const SceneTake& take : scene_.takes) origin.takes.push_back(printable(take.name));
+    origin.choices = scene_.format;
+    if (take_ >= 0) {
+      origin.choices += ", take \"" + origin.takes[as_size(take_)] + "\"";
+      if (origin.takes.size() > 1) {
+        origin.choices += fmt::format(" ({} of {})", take_ + 1, origin.takes.size());
+      }
+    }
+    if (!skeleton_.others.empty()) {
+      origin.choices += fmt::format(", skeleton {} of {}", name_of(skeleton_.joints.front()),
+                                    skeleton_.others.size() + 1);
+    }
+    if (take_ >= 0) {
+      origin.choices += fmt::format(", {} fps: {}", to_text(sampling.rate), sampling.reason);
+    }
+    return origin;
+  }
+
+  const Scene& scene_;
+  const std::string& file_name_;
+  const SceneReadOptions& options_;
+  int take_ = -1;
+  double begin_ = 0.0, end_ = 0.0;  // Interval of the take, seconds.
+  SceneSkeleton skeleton_;
+  std::vector<int> chain_;    // Nodes that affect the joints' positions, parents first.
+  std::vector<double> keys_;  // Times of the chain's keys, ascending.
+  std::vector<bool> in_chain_, has_joints_below_;  // By node.
+  std::vector<NodePlace> places_;                  // In the current frame.
+  std::vector<double> sizes_;                      // In the first frame.
+  std::vector<Warning> warnings_;
+  bool uneven_ = false, grows_ = false;
+};
+
+}  // namespace
+
+Result<Clip> clip_of_scene(const Scene& scene, const std::string& file_name, std::size_t file_bytes,
+                           const SceneReadOptions& options) {
+  return SceneSampler(scene, file_name, options).run(file_bytes);
+}
+
+Result<Clip> read_scene(std::string_view bytes, const std::string& file_name,
+                        const SceneReadOptions& options) {
+  const FileKind kind = file_type(bytes).kind;
+  if (kind == FileKind::kMvnx) return read_mvnx(bytes, file_name, options);
+  TRY_ASSIGN(const Scene scene, kind == FileKind::kFbx
+                                    ? read_fbx(bytes, file_name, options.max_clip_bytes)
+                                    : read_gltf(bytes, file_name, options.max_clip_bytes));
+  return clip_of_scene(scene, file_name, bytes.size(), options);
+}
+
+}  // namespace retarget

@@ -1,0 +1,359 @@
+#include "formats/scene/scene_skeleton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// A body with arms and legs has at least this many joints.
+constexpr std::size_t kMinJoints = 10;
+// Fraction of the moving joints from which another skeleton competes with the first.
+constexpr double kRival = 0.5;
+
+using Marks = std::vector<bool>;
+
+// Marks the nodes between marked nodes.
+void close_gaps(const Scene& scene, Marks& marks) {
+  // The nearest marked ancestor of each node, or the node itself.
+  std::vector<int> above(scene.nodes.size(), -1);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const int parent = scene.nodes[i].parent;
+    above[i] = marks[i] ? static_cast<int>(i) : parent < 0 ? -1 : above[as_size(parent)];
+    if (!marks[i] || parent < 0 || above[as_size(parent)] < 0) continue;
+    for (int node = parent; !marks[as_size(node)]; node = scene.nodes[as_size(node)].parent) {
+      marks[as_size(node)] = true;
+    }
+  }
+}
+
+Marks bones_of(const Scene& scene) {
+  Marks marks(scene.nodes.size());
+  for (std::size_t i = 0; i < marks.size(); ++i) marks[i] = scene.nodes[i].is_bone;
+  close_gaps(scene, marks);
+  return marks;
+}
+
+// Nodes with keys and their descendants other than objects: hands and feet often have no keys.
+Marks moving_nodes(const Scene& scene, int take) {
+  Marks marks(scene.nodes.size());
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const SceneNode& node = scene.nodes[i];
+    const bool has_keys = take >= 0 && scene.takes[as_size(take)].has_keys[i];
+    marks[i] = node.is_bone || has_keys ||
+               (!node.is_object && node.parent >= 0 && marks[as_size(node.parent)]);
+  }
+  close_gaps(scene, marks);
+  return marks;
+}
+
+struct Candidate {
+  SceneSkeleton skeleton;
+  std::size_t moving = 0;
+};
+
+std::vector<Candidate> candidates_of(const Scene& scene, const Marks& marks, int take) {
+  std::vector<std::vector<int>> children(scene.nodes.size());
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!marks[i]) continue;
+    const int parent = scene.nodes[i].parent;
+    if (parent >= 0 && marks[as_size(parent)]) {
+      children[as_size(parent)].push_back(static_cast<int>(i));
+    } else {
+      roots.push_back(static_cast<int>(i));
+    }
+  }
+  std::vector<Candidate> candidates;
+  for (const int root : roots) {
+    Candidate candidate;
+    std::vector<std::pair<int, int>> waiting = {{root, -1}};
+    while (!waiting.empty()) {
+      const auto [node, parent] = waiting.back();
+      waiting.pop_back();
+      const int place = static_cast<int>(candidate.skeleton.joints.size());
+      candidate.skeleton.joints.push_back(node);
+      candidate.skeleton.parents.push_back(parent);
+      candidate.moving += take >= 0 && scene.takes[as_size(take)].moves[as_size(node)] ? 1 : 0;
+      for (std::size_t i = children[as_size(node)].size(); i-- > 0;) {
+        waiting.emplace_back(children[as_size(node)][i], place);
+      }
+    }
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+bool is_body(const Candidate& candidate) {
+  return candidate.skeleton.joints.size() >= kMinJoints;
+}
+
+std::string root_name(const Scene& scene, const Candidate& candidate) {
+  return printable(scene.nodes[as_size(candidate.skeleton.joints.front())].name);
+}
+
+std::vector<std::string> root_names(const Scene& scene, const std::vector<Candidate>& candidates) {
+  std::vector<std::string> names;
+  for (const Candidate& each : candidates) {
+    if (is_body(each)) names.push_back(root_name(scene, each));
+  }
+  return names;
+}
+
+// Whether the root or a node above it has this name.
+bool is_below(const Scene& scene, const Candidate& candidate, const std::string& name) {
+  for (int node = candidate.skeleton.joints.front(); node >= 0;
+       node = scene.nodes[as_size(node)].parent) {
+    if (scene.nodes[as_size(node)].name == name) return true;
+  }
+  return false;
+}
+
+std::vector<int> body_roots(const std::vector<Candidate>& candidates) {
+  std::vector<int> roots;
+  for (const Candidate& each : candidates) {
+    if (is_body(each)) roots.push_back(each.skeleton.joints.front());
+  }
+  return roots;
+}
+
+// Skeletons of bones, or of moving nodes if the bones do not form a body.
+std::vector<Candidate> skeletons_of(const Scene& scene, int take) {
+  auto candidates = candidates_of(scene, bones_of(scene), take);
+  if (std::ranges::any_of(candidates, is_body)) return candidates;
+  auto plain = candidates_of(scene, moving_nodes(scene, take), take);
+  if (candidates.empty() || std::ranges::any_of(plain, is_body)) return plain;
+  return candidates;
+}
+
+// The name of a root or of a node above it that distinguishes it from another root.
+std::string name_unlike(const Scene& scene, int root, int other) {
+  std::set<std::string> taken;
+  for (int node = other; node >= 0; node = scene.nodes[as_size(node)].parent) {
+    taken.insert(scene.nodes[as_size(node)].name);
+  }
+  for (int node = root; node >= 0; node = scene.nodes[as_size(node)].parent) {
+    if (!taken.contains(scene.nodes[as_size(node)].name)) return scene.nodes[as_size(node)].name;
+  }
+  return scene.nodes[as_size(root)].name;
+}
+
+bool is_larger(const Candidate& a, const Candidate& b) {
+  return a.moving != b.moving ? a.moving > b.moving
+                              : a.skeleton.joints.size() > b.skeleton.joints.size();
+}
+
+}  // namespace
+
+Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::string& root,
+                                      const std::string& file_name) {
+  auto candidates = skeletons_of(scene, take);
+  if (candidates.empty()) {
+    return input_failure(file_name,
+                         fmt::format("the {} file holds no skeleton: {} and no joint among them",
+                                     scene.format, count_text(scene.nodes.size(), "node")),
+                         "export the armature with its animation");
+  }
+  const std::vector<std::string> names = root_names(scene, candidates);
+  const std::vector<int> roots = body_roots(candidates);
+  if (!root.empty()) {
+    std::erase_if(candidates, [&](const Candidate& each) { return !is_below(scene, each, root); });
+    if (candidates.empty()) {
+      return usage_failure("expected a skeleton \"" + root +
+                           "\" as " OPTION("root") " asks for, found " +
+                           (names.empty() ? "none of a body's size" : list_names(names, 8)));
+    }
+  }
+  const auto best = std::ranges::min_element(candidates, is_larger);
+  const auto rivals = std::ranges::count_if(candidates, [&](const Candidate& each) {
+    return is_body(each) &&
+           static_cast<double>(each.moving) >= kRival * static_cast<double>(best->moving) &&
+           (best->moving > 0 || each.skeleton.joints.size() == best->skeleton.joints.size());
+  });
+  if (rivals > 1) {
+    return input_failure(
+        file_name,
+        fmt::format("the {} file holds {} skeletons that could be meant: {}", scene.format, rivals,
+                    list_names(root_names(scene, candidates), 8)),
+        "choose one of them with " OPTION("root") " NAME");
+  }
+  SceneSkeleton chosen = std::move(best->skeleton);
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    if (roots[i] != chosen.joints.front()) chosen.others.push_back(names[i]);
+  }
+  return chosen;
+}
+
+std::string other_actors_text(const Scene& scene, const SceneSkeleton& chosen, int take) {
+  // This take comes first, because an actor may move in several.
+  std::vector<int> takes(scene.takes.size());
+  std::iota(takes.begin(), takes.end(), 0);
+  std::stable_partition(takes.begin(), takes.end(), [take](int at) { return at == take; });
+  std::set<int> known = {chosen.joints.front()};
+  std::vector<std::string> actors;
+  bool in_other_takes = false;
+  for (const int at : takes) {
+    for (const Candidate& each : skeletons_of(scene, at)) {
+      const int root = each.skeleton.joints.front();
+      if (!is_body(each) || each.moving == 0 || !known.insert(root).second) continue;
+      std::string actor = "\"" + printable(name_unlike(scene, root, chosen.joints.front())) + "\"";
+      if (at != take) {
+        in_other_takes = true;
+        actor += " (take \"" + printable(scene.takes[as_size(at)].name) + "\")";
+      }
+      actors.push_back(std::move(actor));
+    }
+  }
+  if (actors.empty()) return {};
+  return fmt::format("{}: {}; {} reads another skeleton",
+                     actors.size() == 1 ? "another skeleton moves" : "other skeletons move",
+                     list_names(actors, 8),
+                     in_other_takes ? OPTION("root") " NAME with " OPTION("take") " NAME"
+                                    : OPTION("root") " NAME");
+}
+
+std::vector<bool> nodes_of_chain(const Scene& scene, const SceneSkeleton& skeleton) {
+  std::vector<bool> marks(scene.nodes.size(), false);
+  for (const int joint : skeleton.joints) marks[as_size(joint)] = true;
+  for (int node = skeleton.joints.front(); node >= 0; node = scene.nodes[as_size(node)].parent) {
+    marks[as_size(node)] = true;
+  }
+  return marks;
+}
+
+namespace {
+
+bool any_of_both(const Marks& a, const Marks& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] && b[i]) return true;
+  }
+  return false;
+}
+
+// A take with the skeleton that is read with it.
+struct TakeUse {
+  Result<SceneMotionChoice> choice;
+  bool has_keys = false, is_body = false;
+
+  [[nodiscard]] bool moves() const { return has_keys && (!choice || choice->moves); }
+  [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
+};
+
+// Sets the interval from the first to the last key of the chain, clipped to the take.
+void set_extent(const Scene& scene, const Marks& chain, SceneMotionChoice& choice) {
+  const SceneTake& take = scene.takes[as_size(choice.take)];
+  std::vector<double> times = scene.motion->key_times(choice.take, chain);
+  std::erase_if(times, [](double time) { return !std::isfinite(time); });
+  if (times.empty()) return;
+  const auto [first, last] = std::ranges::minmax(times);
+  choice.begin = first;
+  choice.end = last;
+  const double begin = std::max(first, take.begin), end = std::min(last, take.end);
+  if (begin < end) {
+    choice.begin = begin;
+    choice.end = end;
+  }
+}
+
+TakeUse use_of(const Scene& scene, int take, const std::string& root,
+               const std::string& file_name) {
+  const SceneTake& its = scene.takes[as_size(take)];
+  if (std::ranges::find(its.has_keys, true) == its.has_keys.end()) {
+    SceneMotionChoice none;
+    none.take = take;
+    return {std::move(none)};
+  }
+  const auto skeleton = choose_skeleton(scene, take, root, file_name);
+  if (!skeleton) {
+    // The choice between several skeletons is ambiguous; report it only if this take is used.
+    return {failure(skeleton.error()),
+            skeleton.error().kind != ErrorKind::kUsage &&
+                std::ranges::find(its.moves, true) != its.moves.end(),
+            true};
+  }
+  const Marks chain = nodes_of_chain(scene, *skeleton);
+  SceneMotionChoice choice;
+  choice.take = take;
+  choice.skeleton = *skeleton;
+  choice.moves = any_of_both(chain, its.moves);
+  set_extent(scene, chain, choice);
+  return {std::move(choice), any_of_both(chain, its.has_keys),
+          skeleton->joints.size() >= kMinJoints};
+}
+
+// Order of preference: moving over still, bodies over props, long over short. Durations within
+// rounding are equal.
+bool is_better(const TakeUse& a, const TakeUse& b) {
+  if (a.moves() != b.moves()) return a.moves();
+  if (a.is_body != b.is_body) return a.is_body;
+  return a.length() > b.length() + 1e-6;
+}
+
+std::string take_names(const Scene& scene, const std::vector<TakeUse>* uses) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    if (uses == nullptr || (*uses)[i].moves()) names.push_back(printable(scene.takes[i].name));
+  }
+  return names.empty() ? "none" : list_names(names, 8);
+}
+
+Result<int> find_take(const Scene& scene, const std::string& wanted, const std::string& file_name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    if (scene.takes[i].name == wanted) return static_cast<int>(i);
+    names.push_back(printable(scene.takes[i].name));
+  }
+  const auto number = parse_number<std::size_t>(wanted);
+  if (number && *number >= 1 && *number <= scene.takes.size()) {
+    return static_cast<int>(*number) - 1;
+  }
+  return usage_failure("expected a take \"" + printable(wanted) +
+                       "\" as " OPTION("take") " asks for, found " + take_names(scene, nullptr) +
+                       " in " + file_name + did_you_mean(printable(wanted), names));
+}
+
+}  // namespace
+
+Result<SceneMotionChoice> choose_motion(const Scene& scene, const std::string& wanted_take,
+                                        const std::string& root, bool skeleton_only,
+                                        const std::string& file_name) {
+  int wanted = -1;
+  if (!wanted_take.empty()) {
+    TRY_ASSIGN(wanted, find_take(scene, wanted_take, file_name));
+  }
+  std::vector<TakeUse> uses;
+  std::size_t best = scene.takes.size();
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    uses.push_back(use_of(scene, static_cast<int>(i), root, file_name));
+    if (!uses[i].has_keys) continue;
+    if (best == scene.takes.size() || is_better(uses[i], uses[best])) best = i;
+  }
+  if (wanted >= 0) {
+    TakeUse& use = uses[as_size(wanted)];
+    if (use.has_keys || !use.choice) return std::move(use.choice);
+    if (skeleton_only) {
+      TRY_ASSIGN(use.choice->skeleton, choose_skeleton(scene, wanted, root, file_name));
+      return std::move(use.choice);
+    }
+    return usage_failure(
+        "expected a take that moves the skeleton as " OPTION("take") " asks for; \"" +
+        printable(scene.takes[as_size(wanted)].name) +
+        "\" has no keys of its joints. Takes that move it: " + take_names(scene, &uses));
+  }
+  if (best < scene.takes.size()) return std::move(uses[best].choice);
+  SceneMotionChoice still;
+  if (!skeleton_only) return still;
+  TRY_ASSIGN(still.skeleton, choose_skeleton(scene, -1, root, file_name));
+  return still;
+}
+
+}  // namespace retarget

@@ -1,0 +1,324 @@
+#include "formats/smpl/joint_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/translation_unit.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// Known names of arrays with joint positions, in order of precedence.
+constexpr const char* kOfHolosoma = "global_joint_positions";
+constexpr const char* kOfKimodo = "posed_joints";
+constexpr const char* kOfMdm = "motion";
+constexpr std::array kPlaces = {kOfHolosoma,    kOfKimodo, "joint_positions", "new_joints",
+                                "joints3d",     "joints",  "positions",       "keypoints3d",
+                                "keypoints_3d", kOfMdm};
+constexpr const char* kRotations = "global_rot_mats";
+constexpr std::array kNames = {"joint_names", "names"};
+
+constexpr std::size_t kHumanMlJoints = 22, kClimbJoints = 53, kKimodoRobotJoints = 34;
+
+const char* places_of(const ArraySource& file) {
+  const auto* found = std::ranges::find_if(kPlaces, [&](const char* n) { return file.has(n); });
+  return found == kPlaces.end() ? nullptr : *found;
+}
+
+bool is_known_count(std::size_t joints) {
+  return std::ranges::any_of(
+      joint_orders(), [&](const JointOrder& order) { return order.joint_count() == joints; });
+}
+
+// Memory layout of an array of positions.
+struct PlacesLayout {
+  std::size_t samples = 1, frames = 0, joints = 0;
+  bool frames_last = false;  // MDM: (samples, joints, 3, frames)
+
+  [[nodiscard]] std::size_t index(std::size_t sample, std::size_t frame, std::size_t joint,
+                                  std::size_t axis) const {
+    return frames_last ? ((sample * joints + joint) * 3 + axis) * frames + frame
+                       : ((sample * frames + frame) * joints + joint) * 3 + axis;
+  }
+};
+
+std::optional<PlacesLayout> layout_of(const std::vector<std::size_t>& shape,
+                                      std::size_t named_joints) {
+  PlacesLayout layout;
+  const std::size_t n = shape.size();
+  // A 2-D table with x, y, z of successive joints is ambiguous without joint names.
+  if (n == 2 && named_joints > 0 && shape[1] == 3 * named_joints) {
+    layout.frames = shape[0];
+    layout.joints = named_joints;
+    return layout;
+  }
+  if (n != 3 && n != 4) return std::nullopt;
+  if (n == 4) layout.samples = shape[0];
+  const std::size_t a = shape[n - 3], b = shape[n - 2], c = shape[n - 1];
+  const auto is_meant = [&](std::size_t joints) {
+    return named_joints > 0 ? joints == named_joints : is_known_count(joints);
+  };
+  layout.frames_last = b == 3 && (c != 3 || (is_meant(a) && !is_meant(b)));
+  if (!layout.frames_last && c != 3) return std::nullopt;
+  layout.frames = layout.frames_last ? c : a;
+  layout.joints = layout.frames_last ? a : b;
+  // Two axes of size 3 are ambiguous unless the number of joints is known.
+  if (layout.frames_last && !is_meant(layout.joints)) return std::nullopt;
+  return layout;
+}
+
+class PlacesReader {
+ public:
+  PlacesReader(const ArraySource& file, const JointReadOptions& options)
+      : file_(file), options_(options), name_(places_of(file)) {}
+
+  Result<JointMotion> read() {
+    TRY(read_names());
+    TRY(find_layout());
+    TRY(choose_sample());
+    TRY(check_size());
+    TRY(read_places());
+    if (is_kimodo(file_)) TRY(read_kimodo());
+    TRY(read_rate());
+    TRY(read_height());
+    return std::move(motion_);
+  }
+
+ private:
+  Result<void> read_names() {
+    motion_.names = options_.joint_names;
+    if (!motion_.names.empty()) return {};
+    for (const char* name : kNames) {
+      if (!file_.has(name)) continue;
+      TRY_ASSIGN(const auto type, file_.type_of(name));
+      if (type.find('O') != std::string::npos) continue;
+      TRY_ASSIGN(const auto array, file_.read(name));
+      if (!array.is_text() || array.shape.size() != 1) continue;
+      motion_.names = array.texts();
+      return {};
+    }
+    return {};
+  }
+
+  Result<void> find_layout() {
+    TRY_ASSIGN(array_, file_.read(name_));
+    const auto layout = layout_of(array_.shape, motion_.names.size());
+    if (!array_.is_number() || !layout) {
+      return file_.array_failure(
+          name_,
+          fmt::format("expected joint positions, numbers of shape (frames, joints, 3) or MDM's "
+                      "(samples, joints, 3, frames), found {}{}",
+                      array_.is_text() ? "text of " : "", shape_text(array_.shape)));
+    }
+    layout_ = *layout;
+    if (array_.element_count() == 0) {
+      return file_.array_failure(name_, "it has no frames or no joints");
+    }
+    if (motion_.names.empty() || motion_.names.size() == layout_.joints) return {};
+    const bool are_own = options_.joint_names.empty();
+    return file_.array_failure(
+        name_,
+        fmt::format("it has {}, but there {} in {}", count_text(layout_.joints, "joint"),
+                    motion_.names.size() == 1 ? std::string("is 1 name")
+                                              : fmt::format("are {} names", motion_.names.size()),
+                    are_own ? "the file's own list" : "the list of " OPTION("joint-names")),
+        "one name for each joint, in the array's order");
+  }
+
+  Result<void> choose_sample() {
+    const auto several = [this](const std::string& what) {
+      return file_.file_failure(
+          fmt::format("{} {}", what, count_text(layout_.samples, "motion")),
+          fmt::format(OPTION("take") " N chooses one, 1 to {}", layout_.samples));
+    };
+    if (options_.take.empty()) {
+      if (layout_.samples > 1) return several("the file holds");
+      return {};
+    }
+    const auto number = parse_number<long long>(options_.take);
+    if (!number || *number < 1 || static_cast<std::size_t>(*number) > layout_.samples) {
+      return several(fmt::format("no motion \"{}\": the file holds", options_.take));
+    }
+    sample_ = static_cast<std::size_t>(*number) - 1;
+    return {};
+  }
+
+  Result<void> check_size() const {
+    if (layout_.frames > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
+        layout_.joints > 10000) {
+      return file_.array_failure(name_, "it has too many frames or joints for a motion");
+    }
+    constexpr std::size_t kBytes = sizeof(Eigen::Quaterniond) + 2 * sizeof(Eigen::Vector3d);
+    if (layout_.frames * layout_.joints <= options_.max_clip_bytes / kBytes) return {};
+    return file_.file_failure(
+        fmt::format("{} frames need more memory than is allowed", layout_.frames),
+        OPTION("memory") " allows more; or split the motion");
+  }
+
+  // MDM pads motions to one length and stores the valid length of each.
+  Result<std::size_t> frames_that_count() const {
+    if (!layout_.frames_last || !file_.has("lengths")) return layout_.frames;
+    TRY_ASSIGN(const auto lengths, file_.read("lengths"));
+    const bool fits = lengths.is_number() && lengths.element_count() == layout_.samples;
+    const double length = fits ? lengths.numbers()[sample_] : 0.0;
+    if (!(length >= 1.0)) {
+      return file_.array_failure("lengths", "expected the number of frames of each motion");
+    }
+    return length < static_cast<double>(layout_.frames) ? static_cast<std::size_t>(length)
+                                                        : layout_.frames;
+  }
+
+  Result<void> read_places() {
+    TRY_ASSIGN(const auto frames, frames_that_count());
+    motion_.frame_count = static_cast<int>(frames);
+    motion_.joint_count = static_cast<int>(layout_.joints);
+    const std::vector<double> values = array_.numbers();
+    motion_.positions.reserve(frames * layout_.joints);
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      for (std::size_t joint = 0; joint < layout_.joints; ++joint) {
+        Eigen::Vector3d place;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          place[static_cast<int>(axis)] = values[layout_.index(sample_, frame, joint, axis)];
+        }
+        motion_.positions.push_back(place);
+      }
+    }
+    bridge_lost_points(motion_);
+    return check_places();
+  }
+
+  Result<void> check_places() const {
+    for (int frame = 0; frame < motion_.frame_count; ++frame) {
+      for (int joint = 0; joint < motion_.joint_count; ++joint) {
+        const Eigen::Vector3d& place = motion_.position(frame, joint);
+        if (place.allFinite()) continue;
+        return file_.array_failure(
+            name_, fmt::format("{} in frame {}, joint {}",
+                               place.array().isNaN().any() ? "NaN" : "infinity", frame, joint));
+      }
+    }
+    return {};
+  }
+
+  Result<void> read_kimodo() {
+    if (layout_.joints == kKimodoRobotJoints) {
+      return file_.file_failure(
+          "expected a motion of a human, found one of a robot: Kimodo's of the G1",
+          "it needs no retargeting; retarget convert reads the CSV that Kimodo writes beside it");
+    }
+    const JointOrder* order = nullptr;
+    for (const JointOrder& one : kimodo_orders()) {
+      if (one.joint_count() == layout_.joints) order = &one;
+    }
+    if (order == nullptr) {
+      return file_.file_failure(
+          fmt::format("Kimodo's files have 77 or 30 joints of SOMA or 22 of "
+                      "SMPL-X, this one has {}",
+                      layout_.joints));
+    }
+    if (motion_.names.empty()) motion_.names = order->names();
+    return read_rotations();
+  }
+
+  Result<void> read_rotations() {
+    TRY_ASSIGN(const auto array, file_.read(kRotations));
+    const std::size_t needed = 9 * layout_.samples * layout_.frames * layout_.joints;
+    if (!array.is_number() || array.element_count() != needed || array.shape.size() < 4 ||
+        array.shape.back() != 3) {
+      return file_.array_failure(
+          kRotations, fmt::format("expected a matrix for each of the {}, found {}",
+                                  count_text(layout_.joints, "joint"), shape_text(array.shape)));
+    }
+    const std::vector<double> values = array.numbers();
+    const std::size_t count = static_cast<std::size_t>(motion_.frame_count) * layout_.joints;
+    const std::size_t first = sample_ * layout_.frames * layout_.joints;
+    motion_.rotations.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+      const Eigen::Matrix3d matrix = Eigen::Map<const RowMajor>(&values[9 * (first + i)]);
+      constexpr double kRounding = 0.01;
+      const Eigen::Matrix3d square = matrix * matrix.transpose() - Eigen::Matrix3d::Identity();
+      // Negated comparison: also rejects NaN.
+      if (!(square.norm() < kRounding && matrix.determinant() > 0.0)) {
+        return file_.array_failure(kRotations, fmt::format("no rotation in frame {}, joint {}",
+                                                           i / layout_.joints, i % layout_.joints));
+      }
+      motion_.rotations.push_back(Eigen::Quaterniond(matrix).normalized());
+    }
+    return {};
+  }
+
+  // Usual rate of a kind of motion.
+  struct UsualRate {
+    double fps;
+    const char* kind;
+  };
+  [[nodiscard]] std::optional<UsualRate> usual_rate() const {
+    if (is_kimodo(file_)) return UsualRate{30.0, "Kimodo's motions have"};
+    if (layout_.joints == kClimbJoints)
+      return UsualRate{120.0, "holosoma's motions of 53 joints have"};
+    if (std::string_view(name_) == kOfHolosoma) {
+      return UsualRate{30.0, "holosoma's scripts write"};
+    }
+    if (layout_.joints == kHumanMlJoints) return UsualRate{20.0, "HumanML3D and MDM have"};
+    return std::nullopt;
+  }
+
+  Result<void> read_rate() {
+    TRY_ASSIGN(const auto stated, read_motion_rate(file_, options_.source_fps));
+    if (stated) {
+      motion_.rate = *stated;
+      return {};
+    }
+    const auto usual = usual_rate();
+    if (!usual) return no_motion_rate(file_);
+    motion_.rate = frame_rate_from_fps(usual->fps);
+    motion_.warnings.push_back(
+        {0, 0,
+         fmt::format("the file states no frame rate: {:.0f} fps, as {}, are assumed", usual->fps,
+                     usual->kind)});
+    return {};
+  }
+
+  Result<void> read_height() {
+    if (!file_.has("height")) return {};
+    TRY_ASSIGN(const auto array, file_.read("height"));
+    if (!array.is_number() || array.element_count() != 1) return {};
+    // Accept only plausible heights in metres; the array may hold something else.
+    const double height = array.numbers().front();
+    if (height >= 0.5 && height <= 2.5) motion_.height = height;
+    return {};
+  }
+
+  const ArraySource& file_;
+  const JointReadOptions& options_;
+  const char* name_;
+  NpyArray array_;
+  PlacesLayout layout_;
+  std::size_t sample_ = 0;
+  JointMotion motion_;
+};
+
+}  // namespace
+
+bool has_joint_positions(const ArraySource& file) {
+  return places_of(file) != nullptr;
+}
+
+bool is_kimodo(const ArraySource& file) {
+  return file.has(kOfKimodo) && file.has(kRotations);
+}
+
+Result<JointMotion> read_joint_motion(const ArraySource& file, const JointReadOptions& options) {
+  return PlacesReader(file, options).read();
+}
+
+}  // namespace retarget

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/containers/array_source.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Joint positions over time, in the units and axes of the file.
+struct JointMotion {
+  int frame_count = 0;
+  int joint_count = 0;
+  std::vector<Eigen::Vector3d> positions;  ///< In the world frame, frame-major.
+  /// world_from_joint, frame-major; identity in a T-pose. Empty if the file has no rotations.
+  std::vector<Eigen::Quaterniond> rotations;
+  std::vector<std::string> names;  ///< Joint names; empty if the file has none.
+  FrameRate rate;
+  std::optional<double> height;  ///< Body height in metres, if the file has it.
+  std::vector<Warning> warnings;
+
+  [[nodiscard]] const Eigen::Vector3d& position(int frame, int joint) const {
+    return positions[index(frame, joint)];
+  }
+  [[nodiscard]] std::size_t index(int frame, int joint) const {
+    return static_cast<std::size_t>(frame) * static_cast<std::size_t>(joint_count) +
+           static_cast<std::size_t>(joint);
+  }
+};
+
+struct JointReadOptions {
+  std::optional<double> source_fps;      ///< Overrides the file's rate, Hz.
+  std::vector<std::string> joint_names;  ///< Overrides the file's names; empty: no override.
+  std::string take;  ///< One of several motions, as a number from 1; empty: the only one.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+};
+
+/// Whether the file has an array of joint positions under a known name.
+[[nodiscard]] bool has_joint_positions(const ArraySource& file);
+
+/// Whether the arrays are Kimodo's: joint positions with rotations.
+[[nodiscard]] bool is_kimodo(const ArraySource& file);
+
+/// Reads joint positions of shape (frames, joints, 3), (samples, frames, joints, 3) or MDM's
+/// (samples, joints, 3, frames). Kimodo's files also have rotations.
+///
+/// The rate is read from `fps` or a similar array. Without one, the usual rate of the data set is
+/// assumed with a warning: 20 fps for the 22 joints of HumanML3D and MDM, 120 fps for holosoma's 53
+/// joints, 30 fps for `global_joint_positions` and for Kimodo.
+/// Errors: other shapes, no frames, numbers that are not finite, no known rate, several motions
+/// without a choice, a wrong number of names.
+[[nodiscard]] Result<JointMotion> read_joint_motion(const ArraySource& file,
+                                                    const JointReadOptions& options);
+
+}  // namespace retarget

@@ -1,0 +1,203 @@
+#include "formats/smpl/joint_orders.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+// Joint orders from the sources of the programs and data sets. SMPL, SMPL+H and SMPL-X: smplx
+// (HumanML3D and MDM use the first 22 of SMPL). 52 joints depth first and 53 of optical motion
+// capture: holosoma, whose LAFAN1 begins with the right leg. Key points: COCO and Human3.6M. SOMA's
+// 77 and 30 joints: Kimodo.
+constexpr std::string_view kSmpl =
+    "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+    "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+    "left_elbow right_elbow left_wrist right_wrist";
+constexpr std::string_view kSmpl24 =
+    "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+    "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+    "left_elbow right_elbow left_wrist right_wrist left_hand right_hand";
+constexpr std::string_view kSmplh =
+    "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+    "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+    "left_elbow right_elbow left_wrist right_wrist left_* right_*";
+constexpr std::string_view kSmplx =
+    "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+    "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+    "left_elbow right_elbow left_wrist right_wrist jaw left_eye_smplhf right_eye_smplhf left_* "
+    "right_*";
+constexpr std::string_view kSmplhDepthFirst =
+    "pelvis left_hip left_knee left_ankle left_foot right_hip right_knee right_ankle right_foot "
+    "spine1 spine2 spine3 neck head left_collar left_shoulder left_elbow left_wrist left_* "
+    "right_collar right_shoulder right_elbow right_wrist right_*";
+constexpr std::string_view kMocap =
+    "Hips Spine Spine1 Neck Head LeftShoulder LeftArm LeftForeArm LeftHand LeftHand* RightShoulder "
+    "RightArm RightForeArm RightHand RightHand* LeftUpLeg LeftLeg LeftFoot LeftToeBase RightUpLeg "
+    "RightLeg RightFoot RightToeBase LeftFootMod RightFootMod";
+constexpr std::string_view kLafan =
+    "Hips LeftUpLeg LeftLeg LeftFoot LeftToe RightUpLeg RightLeg RightFoot RightToe Spine Spine1 "
+    "Spine2 Neck Head LeftShoulder LeftArm LeftForeArm LeftHand RightShoulder RightArm "
+    "RightForeArm RightHand";
+constexpr std::string_view kLafanRightFirst =
+    "Hips RightUpLeg RightLeg RightFoot RightToeBase LeftUpLeg LeftLeg LeftFoot LeftToeBase Spine "
+    "Spine1 Spine2 Neck Head RightShoulder RightArm RightForeArm RightHand LeftShoulder LeftArm "
+    "LeftForeArm LeftHand";
+constexpr std::string_view kCoco =
+    "nose left_eye right_eye left_ear right_ear left_shoulder right_shoulder left_elbow "
+    "right_elbow left_wrist right_wrist left_hip right_hip left_knee right_knee left_ankle "
+    "right_ankle";
+constexpr std::string_view kHuman36m =
+    "pelvis right_hip right_knee right_ankle left_hip left_knee left_ankle spine thorax neck head "
+    "left_shoulder left_elbow left_wrist right_shoulder right_elbow right_wrist";
+constexpr std::string_view kSoma77 =
+    "Hips Spine1 Spine2 Chest Neck1 Neck2 Head HeadEnd Jaw LeftEye RightEye LeftShoulder LeftArm "
+    "LeftForeArm LeftHand LeftHand+ RightShoulder RightArm RightForeArm RightHand RightHand+ "
+    "LeftLeg LeftShin LeftFoot LeftToeBase LeftToeEnd RightLeg RightShin RightFoot RightToeBase "
+    "RightToeEnd";
+constexpr std::string_view kSoma30 =
+    "Hips Spine1 Spine2 Chest Neck1 Neck2 Head Jaw LeftEye RightEye LeftShoulder LeftArm "
+    "LeftForeArm LeftHand LeftHandThumbEnd LeftHandMiddleEnd RightShoulder RightArm RightForeArm "
+    "RightHand RightHandThumbEnd RightHandMiddleEnd LeftLeg LeftShin LeftFoot LeftToeBase RightLeg "
+    "RightShin RightFoot RightToeBase";
+
+// SMPL-X's 127 and 144 joints and SMPL's 45 include points on the skin.
+constexpr std::array kOrders = {
+    JointOrder{"SMPL", kSmpl},
+    JointOrder{"LAFAN1", kLafan},
+    JointOrder{"LAFAN1, right side first", kLafanRightFirst},
+    JointOrder{"SMPL", kSmpl24},
+    JointOrder{"SMPL", kSmpl24, 21},
+    JointOrder{"SMPL+H", kSmplh},
+    JointOrder{"SMPL+H, depth first", kSmplhDepthFirst},
+    JointOrder{"optical motion capture (holosoma)", kMocap},
+    JointOrder{"SMPL-X", kSmplx},
+    JointOrder{"SMPL-X", kSmplx, 72},
+    JointOrder{"SMPL-X", kSmplx, 89},
+    JointOrder{"COCO", kCoco},
+    JointOrder{"Human3.6M", kHuman36m},
+    JointOrder{"SOMA", kSoma77},
+    JointOrder{"SOMA", kSoma30},
+};
+constexpr std::array kKimodo = {JointOrder{"SOMA", kSoma77}, JointOrder{"SOMA", kSoma30},
+                                JointOrder{"SMPL-X", kSmpl}};
+
+// Adds the finger joints of a hand in the naming of SMPL, motion capture, or SOMA (with finger
+// ends).
+void add_fingers(const std::string& hand, bool is_soma, std::vector<std::string>& names) {
+  const bool is_smpl = hand.back() == '_';
+  constexpr std::array<std::string_view, 5> kSmplFingers = {"index", "middle", "pinky", "ring",
+                                                            "thumb"};
+  constexpr std::array<std::string_view, 5> kFingers = {"Thumb", "Index", "Middle", "Ring",
+                                                        "Pinky"};
+  for (const std::string_view finger : is_smpl ? kSmplFingers : kFingers) {
+    const int joints = is_soma && finger != "Thumb" ? 4 : 3;
+    for (int i = 1; i <= joints; ++i) names.push_back(fmt::format("{}{}{}", hand, finger, i));
+    if (is_soma) names.push_back(fmt::format("{}{}End", hand, finger));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> JointOrder::names() const {
+  std::vector<std::string> names;
+  std::string_view rest = joints;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(' '), rest.size());
+    const std::string_view word = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const bool has_fingers = word.back() == '*' || word.back() == '+';
+    if (has_fingers) {
+      add_fingers(std::string(word.substr(0, word.size() - 1)), word.back() == '+', names);
+    } else {
+      names.emplace_back(word);
+    }
+  }
+  return names;
+}
+
+std::span<const JointOrder> joint_orders() {
+  return kOrders;
+}
+
+std::span<const JointOrder> kimodo_orders() {
+  return kKimodo;
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+class LostPoints {
+ public:
+  LostPoints(JointMotion& motion, int joint) : motion_(motion), joint_(joint) {
+    int zeros = 0;
+    for (int frame = 0; frame < motion.frame_count; ++frame) zeros += is_zero(frame) ? 1 : 0;
+    // a joint that is often at the origin belongs there
+    constexpr int kShare = 3;
+    zeros_are_lost_ = kShare * zeros < motion.frame_count;
+  }
+
+  // how many frames were lost
+  int bridge() {
+    constexpr int kLongest = 30;  // frames
+    int lost = 0;
+    for (int begin = 0, end = 0; begin < motion_.frame_count; begin = end) {
+      end = begin + 1;
+      if (!may_be_lost(begin)) continue;
+      while (end < motion_.frame_count && may_be_lost(end)) ++end;
+      if (begin == 0 || end == motion_.frame_count) continue;
+      if (end - begin > kLongest) continue;
+      const Vector3d before = place(begin - 1), after = place(end);
+      const double jump = std::min(before.norm(), after.norm());
+      const bool has_numbers = place(begin).allFinite();
+      if (has_numbers && !(jump > 2.0 * (after - before).norm())) continue;
+      for (int frame = begin; frame < end; ++frame) {
+        const double share = (frame - begin + 1.0) / (end - begin + 1.0);
+        motion_.positions[motion_.index(frame, joint_)] = before + share * (after - before);
+      }
+      lost += end - begin;
+    }
+    return lost;
+  }
+
+ private:
+  [[nodiscard]] const Vector3d& place(int frame) const { return motion_.position(frame, joint_); }
+  [[nodiscard]] bool is_zero(int frame) const { return place(frame) == Vector3d::Zero(); }
+  [[nodiscard]] bool may_be_lost(int frame) const {
+    return place(frame).array().isNaN().all() || (zeros_are_lost_ && is_zero(frame));
+  }
+
+  JointMotion& motion_;
+  int joint_;
+  bool zeros_are_lost_ = false;
+};
+
+}  // namespace
+
+void bridge_lost_points(JointMotion& motion) {
+  std::vector<std::string> joints;
+  int most = 0;
+  for (int joint = 0; joint < motion.joint_count; ++joint) {
+    const int lost = LostPoints(motion, joint).bridge();
+    if (lost == 0) continue;
+    const auto at = static_cast<std::size_t>(joint);
+    joints.push_back(at < motion.names.size() ? motion.names[at] : std::to_string(joint));
+    most = std::max(most, lost);
+  }
+  if (joints.empty()) return;
+  motion.warnings.push_back(
+      {0, 0,
+       fmt::format("{} without a place (no number, or at the origin) in up to {} of {} frames, "
+                   "bridged: {}",
+                   count_text(joints.size(), "joint"), most, motion.frame_count,
+                   list_names(joints, 8))});
+}
+
+}  // namespace retarget

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "formats/smpl/joint_motion.h"
+#include "formats/smpl/smpl_body.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+struct SmplReadOptions {
+  /// Frame rate in Hz that overrides the file's, which may then be missing or wrong.
+  std::optional<double> source_fps;
+
+  /// Memory limit of the clip in bytes; a larger clip is an error.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+
+  /// Height of the generic body in metres; overrides the height implied by the betas. Not used with
+  /// a body model, which has its own height.
+  std::optional<double> height;
+
+  /// The user's body model; nullptr: the generic body. Must outlive the call.
+  const SmplBody* body = nullptr;
+
+  /// Add fingers to the skeleton if the file has moving ones.
+  bool fingers = false;
+
+  std::string take;  ///< One of several motions, by name or number from 1; empty: the only one.
+  std::vector<std::string> joint_names;  ///< Joint names for position data; empty: as in the file.
+};
+
+/// A motion of an SMPL body.
+struct SmplMotion {
+  /// Metres, Z up: as AMASS stores motions; GVHMR's and PHUMA's are rotated to it. The skeleton is
+  /// that of smpl_skeleton with joints kSmplJointNames. With all rotations identity it stands in a
+  /// T-pose along its own y axis and faces along z; the pelvis rotation turns it to Z up. The
+  /// pelvis translation is its world position.
+  Clip clip;
+
+  SmplFamily family = SmplFamily::kUnknown;
+  std::string gender;            ///< `neutral`, `female`, `male`, or empty if unknown.
+  std::vector<double> betas;     ///< As in the file; empty if there are none.
+  bool approximate_body = true;  ///< Bone lengths are those of the generic body.
+  double height = 0.0;           ///< Body height, metres.
+  std::vector<Warning> warnings;
+  std::optional<Eigen::Vector3d> up = {};  ///< Up axis by definition of the kind of file.
+};
+
+/// Reads an AMASS-like motion: an NPZ file with `trans` (F, 3) and either `root_orient` (F, 3) with
+/// `pose_body` (F, 63), or `poses` (F, W), where W is 66, 72 (SMPL), 156 (SMPL+H) or 165 (SMPL-X).
+/// Rotations are rotation vectors in radians; shape (F, W / 3, 3) is accepted as well. The pelvis
+/// is in columns 0 to 2, the body in 3 to 65. Hands are the last 90 columns of the two widest
+/// layouts, or `pose_hand` (F, 90), or `left_hand_pose` and `right_hand_pose` (F, 45). The face is
+/// dropped.
+///
+/// The frame rate is `mocap_framerate`, `mocap_frame_rate` or `fps`, a scalar or an array with one
+/// element. `betas` and `gender` (any text array) may be missing, with a warning.
+///
+/// The same arrays are also read from PyTorch files and pickles, under the names they have there,
+/// and from the single arrays of Motion-X and PHUMA; see open_motion_file.
+///
+/// Bone lengths come from options.body, otherwise from the file (`rest_offsets`, or joint
+/// positions), otherwise from the generic body with a height of 1.66 m + 0.1 m * betas[0]. If there
+/// are no betas, the file takes precedence over options.body. A `trans` that is evidently in
+/// centimetres or millimetres is converted, with a warning. The world position of the pelvis is
+/// trans plus its position in the rest body. If the betas belong to the other model family, the
+/// model keeps its mean shape, with a warning.
+///
+/// Errors (kInput; kUsage for an invalid rate or height in the options) name the array and, for bad
+/// values, the frame: numbers that are not finite, different lengths, no frame rate, Python
+/// objects.
+/// @param bytes      the whole file.
+/// @param file_name  as given by the user, for messages.
+[[nodiscard]] Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
+                                           const SmplReadOptions& options = {});
+
+/// Content of a file of arrays: an SMPL motion or joint positions.
+using ArrayMotion = std::variant<SmplMotion, JointMotion>;
+
+/// Reads a file by its content with read_smpl or read_joint_motion.
+[[nodiscard]] Result<ArrayMotion> read_array_motion(std::string_view bytes,
+                                                    const std::string& file_name,
+                                                    const SmplReadOptions& options = {});
+
+}  // namespace retarget

@@ -1,0 +1,208 @@
+#include "human/gait/clean_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/math/statistics.h"
+#include "human/gait/lost_frames.h"
+#include "human/gait/plant_noisy_feet.h"
+#include "human/gait/root_drift.h"
+#include "human/gait/source_feet.h"
+#include "human/gait/track_noise.h"
+#include "human/skeleton/human_clip.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+class ClipCleaner {
+ public:
+  ClipCleaner(Clip& clip, FrameRange part, const Calibration& calibration, bool jittery)
+      : clip_(clip), part_(part), calibration_(calibration), jittery_(jittery) {}
+
+  CleanReport clean() {
+    constexpr int kFewest = 3;  // Frames.
+    if (part_.end - part_.begin < kFewest) return {};
+    bridge();
+    // Rotations computed from positions follow the smoothed positions.
+    if (clip_.origin().unknown_rotations.empty() && smooth_rotations()) {
+      jittery_ = true;
+      fix_lengths();
+    }
+    move_root();
+    return std::move(report_);
+  }
+
+ private:
+  void bridge() {
+    if (const int frozen = bridge_frozen_frames(clip_, part_); frozen > 0) {
+      report_.notes.push_back(count_text(frozen, "frozen frame") + " bridged");
+    }
+    for (const std::string& lost : bridge_lost_joints(clip_, part_)) {
+      report_.notes.push_back(lost + ": bridged");
+    }
+  }
+
+  // Consecutive quaternions have a dot product >= 0.
+  [[nodiscard]] std::vector<Quaterniond> track(int joint) const {
+    std::vector<Quaterniond> rotations;
+    for (int frame = part_.begin; frame < part_.end; ++frame) {
+      Quaterniond rotation = std::as_const(clip_).rotations(frame)[static_cast<std::size_t>(joint)];
+      if (!rotations.empty() && rotations.back().dot(rotation) < 0.0) {
+        rotation.coeffs() = -rotation.coeffs();
+      }
+      rotations.push_back(rotation);
+    }
+    return rotations;
+  }
+
+  // Joints that rotate bones; excludes fingers.
+  [[nodiscard]] std::set<int> turning_joints() const {
+    std::set<int> joints;
+    for (const Bone bone : kMappedBones) {
+      const int joint = calibration_.bones[bone].rotation_joint;
+      if (joint >= 0) joints.insert(joint);
+    }
+    return joints;
+  }
+
+  bool smooth_rotations() {
+    constexpr int kFewest = 5;        // Joints.
+    constexpr double kSlowest = 1.5;  // Hz
+    const double frame_time = clip_.rate().frame_time();
+    std::vector<double> steps;
+    int moving = 0;
+    for (const int joint : turning_joints()) {
+      const TrackNoise noise = measure_noise(track(joint), frame_time);
+      moving += noise.moves ? 1 : 0;
+      if (noise.exceeds(kLargeStep)) steps.push_back(noise.step);
+    }
+    if (moving < kFewest || 2 * static_cast<int>(steps.size()) < moving) return false;
+    std::vector<double> cutoffs;
+    for (int joint = 0; joint < clip_.skeleton().joint_count(); ++joint) {
+      const std::vector<Quaterniond> rotations = track(joint);
+      const TrackNoise noise = measure_noise(rotations, frame_time);
+      if (!noise.may_exceed(kSmallStep)) continue;
+      cutoffs.push_back(cutoff_for(noise, frame_time, kSlowest));
+      const auto smooth = smoothed(rotations, cutoffs.back(), frame_time);
+      for (int frame = part_.begin; frame < part_.end; ++frame) {
+        clip_.rotations(frame)[static_cast<std::size_t>(joint)] =
+            smooth[static_cast<std::size_t>(frame - part_.begin)];
+      }
+    }
+    // The remaining noise is slow. Estimate its speed from the drift of a straight leg over kTime.
+    constexpr double kTime = 0.125;  // Seconds.
+    report_.foot_speed = kUsualSourceLeg * median(steps) / std::sqrt(kTime * frame_time);
+    const auto [slowest, fastest] = std::ranges::minmax(cutoffs);
+    report_.notes.push_back(fmt::format(
+        "jitter of {} degrees per frame (median of {} of {}) smoothed, cutoffs {} to {} Hz",
+        number_text(median(steps) * 180.0 / std::numbers::pi, 1), steps.size(),
+        count_text(moving, "joint"), number_text(slowest, 1), number_text(fastest, 1)));
+    return true;
+  }
+
+  // The hips and their ancestors.
+  [[nodiscard]] std::vector<int> trunk_joints() const {
+    std::vector<int> joints;
+    int joint = calibration_.bones[Bone::kHips].position_joint;
+    for (; joint >= 0; joint = clip_.skeleton().joint(joint).parent) joints.push_back(joint);
+    return joints;
+  }
+
+  // Replaces the translations of joints outside the trunk with their medians.
+  void fix_lengths() {
+    const std::vector<int> trunk = trunk_joints();
+    for (int joint = 0; joint < clip_.skeleton().joint_count(); ++joint) {
+      const int slot = clip_.skeleton().translation_slot(joint);
+      if (slot < 0 || std::ranges::find(trunk, joint) != trunk.end()) continue;
+      Vector3d middle;
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> values;
+        for (int frame = part_.begin; frame < part_.end; ++frame) {
+          values.push_back(clip_.translation(frame, joint)[axis]);
+        }
+        middle[axis] = median(values);
+      }
+      for (int frame = part_.begin; frame < part_.end; ++frame) {
+        clip_.translations(frame)[static_cast<std::size_t>(slot)] = middle;
+      }
+    }
+  }
+
+  void move_root() {
+    const std::vector<int> trunk = trunk_joints();
+    const auto moved = std::find_if(trunk.rbegin(), trunk.rend(), [&](int joint) {
+      return clip_.skeleton().translation_slot(joint) >= 0;
+    });
+    if (moved == trunk.rend()) return;
+    HumanPoser poser(clip_, calibration_);
+    SourceFeet feet(poser.info());
+    if (feet.foot_count == 0) return;
+    std::vector<Vector3d> hips;
+    HumanPose pose;
+    for (int frame = part_.begin; frame < part_.end; ++frame) {
+      poser.pose(frame, pose);
+      feet.add(pose);
+      hips.push_back(pose[Bone::kHips].translation);
+    }
+    const RootEvidence evidence = measure_root(feet);
+    if (!jittery_ && !evidence.moves()) return;
+    const RootDrift found = find_root_drift(feet, hips, {jittery_, jittery_ || evidence.climbs()});
+    if (found.drift.empty() || (!jittery_ && !found.helps())) return;
+    apply(found, *moved);
+    report_.notes.push_back(fmt::format(
+        "the root moved by up to {} m, because standing feet slid at {} m/s; now {} m/s",
+        number_text(found.farthest, 2), number_text(found.speed_before, 2),
+        number_text(found.speed_after, 2)));
+    if (jittery_) hold_feet(*moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
+  }
+
+  // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
+  void hold_feet(int moved, double speed) {
+    // The fit holds slower feet by itself; noise of that size looks like slow steps.
+    constexpr double kSlow = 0.085;
+    NoisyFeet held;
+    if (speed > kSlow) held = plant_noisy_feet(clip_, part_, calibration_, moved, speed);
+    if (held.stances == 0) {
+      // Speeds rarely exceed three times the median.
+      report_.foot_speed = std::max(report_.foot_speed, 3.0 * speed);
+      return;
+    }
+    // At the edges of stances some noise remains.
+    constexpr double kShare = 4.0;
+    report_.foot_speed = kShare * speed;
+    report_.notes.push_back(fmt::format("{} of feet held: the legs turn, ankles by up to {} m",
+                                        count_text(held.stances, "stance"),
+                                        number_text(held.farthest, 2)));
+  }
+
+  void apply(const RootDrift& found, int joint) {
+    for (int frame = part_.begin; frame < part_.end; ++frame) {
+      const Vector3d& drift = found.drift[static_cast<std::size_t>(frame - part_.begin)];
+      move_body(clip_, frame, calibration_, joint, -drift);
+    }
+  }
+
+  Clip& clip_;
+  FrameRange part_;
+  const Calibration& calibration_;
+  bool jittery_;  // The limbs had noise, and some of it remains.
+  CleanReport report_;
+};
+
+}  // namespace
+
+CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration, bool jittery) {
+  return ClipCleaner(clip, part, calibration, jittery).clean();
+}
+
+}  // namespace retarget

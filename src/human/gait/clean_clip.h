@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/human.h"
+
+namespace retarget {
+
+/// Result of cleaning a clip.
+struct CleanReport {
+  std::vector<std::string> notes;  ///< Sentences with figures; empty if nothing changed.
+  /// Apparent speed of standing feet after smoothing, in m/s for a body with legs of
+  /// kUsualSourceLeg; 0 if there was no joint noise. Slower feet may be in contact.
+  double foot_speed = 0.0;
+
+  [[nodiscard]] bool acted() const { return !notes.empty(); }
+};
+
+/// Removes the noise of video estimates and IMU suits where it is measured. Other clips stay
+/// identical.
+///
+/// The steps, in this order: interpolate frozen frames and lost joints (lost_frames.h). If half of
+/// the joints have large noise, smooth all noisy joints as strongly as their noise requires
+/// (track_noise.h) and set varying bone lengths to their medians. If standing feet move, translate
+/// the whole body so that they do not (root_drift.h); the legs keep their poses, except where the
+/// joints had noise: then the feet are held in their stances (plant_noisy_feet.h).
+/// @param jittery  whether the clip's positions had noise (clean_positions.h)
+CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
+                       bool jittery = false);
+
+}  // namespace retarget

@@ -1,0 +1,149 @@
+#include "human/gait/lost_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "base/math/so3.h"
+#include "base/math/statistics.h"
+#include "human/gait/frame_runs.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+
+bool is_zero(const Quaterniond& rotation) {
+  return std::abs(rotation.w()) > 1.0 - 1e-14;
+}
+
+double angle_between_rotations(const Quaterniond& a, const Quaterniond& b) {
+  return log_so3(a.conjugate() * b).norm();
+}
+
+// Interpolates the rotations of one joint between two known frames.
+void bridge_joint(Clip& clip, int joint, int begin, int end) {
+  const auto at = static_cast<std::size_t>(joint);
+  const Quaterniond before = clip.rotations(begin - 1)[at], after = clip.rotations(end)[at];
+  const Eigen::Vector3d turn = log_so3(before.conjugate() * after);
+  for (int frame = begin; frame < end; ++frame) {
+    const double share = (frame - begin + 1.0) / (end - begin + 1.0);
+    clip.rotations(frame)[at] = before * exp_so3(share * turn);
+  }
+}
+
+void bridge_body(Clip& clip, int begin, int end) {
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    bridge_joint(clip, joint, begin, end);
+  }
+  for (std::size_t slot = 0; slot < clip.translations(begin).size(); ++slot) {
+    const Eigen::Vector3d before = clip.translations(begin - 1)[slot];
+    const Eigen::Vector3d after = clip.translations(end)[slot];
+    for (int frame = begin; frame < end; ++frame) {
+      const double share = (frame - begin + 1.0) / (end - begin + 1.0);
+      clip.translations(frame)[slot] = before + share * (after - before);
+    }
+  }
+}
+
+// Marks frames of the zero pose: a calibration pose is not a lost joint.
+std::vector<char> zero_poses(const Clip& clip, FrameRange part) {
+  std::vector<char> zero(static_cast<std::size_t>(clip.frame_count()), 0);
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    const auto rotations = clip.rotations(frame);
+    const auto zeros = std::ranges::count_if(rotations, is_zero);
+    // Half of the joints suffice, because many skeletons have joints that never turn.
+    zero[static_cast<std::size_t>(frame)] =
+        2 * static_cast<std::size_t>(zeros) > rotations.size() ? 1 : 0;
+  }
+  return zero;
+}
+
+// Sum of the rotation angles of all joints from a frame to the next one.
+double turn_of_body(const Clip& clip, int frame) {
+  const auto from = std::as_const(clip).rotations(frame);
+  const auto to = std::as_const(clip).rotations(frame + 1);
+  double sum = 0.0;
+  for (std::size_t joint = 0; joint < from.size(); ++joint) {
+    sum += angle_between_rotations(from[joint], to[joint]);
+  }
+  return sum;
+}
+
+bool equal_frames(const Clip& clip, int a, int b) {
+  const auto same = [](const Quaterniond& p, const Quaterniond& q) {
+    return p.coeffs() == q.coeffs();
+  };
+  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same) &&
+         std::ranges::equal(clip.translations(a), clip.translations(b));
+}
+
+}  // namespace
+
+std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
+  constexpr double kJump = 20.0 * std::numbers::pi / 180.0;
+  constexpr double kLongest = 1.0;  // Seconds.
+  std::vector<std::string> found;
+  const std::vector<char> zero = zero_poses(clip, part);
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    const auto at = static_cast<std::size_t>(joint);
+    const auto is_lost = [&](int frame) {
+      return zero[static_cast<std::size_t>(frame)] == 0 &&
+             is_zero(std::as_const(clip).rotations(frame)[at]);
+    };
+    int lost = 0;
+    std::vector<FrameRange> runs;
+    for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
+      if (!is_lost(begin) || begin == part.begin || end == part.end) return;
+      if ((end - begin) * clip.rate().frame_time() > kLongest) return;
+      const Quaterniond before = clip.rotations(begin - 1)[at], after = clip.rotations(end)[at];
+      const double jump = std::min(log_so3(before).norm(), log_so3(after).norm());
+      // The true movement across the gap must be much smaller than the jump.
+      if (!(jump > kJump) || angle_between_rotations(before, after) > 0.5 * jump) return;
+      runs.push_back({begin, end});
+      lost += end - begin;
+    });
+    for (const FrameRange& run : runs) bridge_joint(clip, joint, run.begin, run.end);
+    if (lost == 0) continue;
+    found.push_back(clip.skeleton().joint(joint).name + " was lost in " +
+                    count_text(lost, "frame"));
+  }
+  return found;
+}
+
+int bridge_frozen_frames(Clip& clip, FrameRange part) {
+  constexpr int kFewest = 3, kAround = 5;
+  constexpr double kLongest = 1.0;  // Seconds.
+  std::vector<double> turns;
+  for (int frame = part.begin; frame + 1 < part.end; ++frame) {
+    turns.push_back(turn_of_body(clip, frame));
+  }
+  const auto turn = [&](int frame) { return turns[static_cast<std::size_t>(frame - part.begin)]; };
+  std::vector<FrameRange> runs;
+  int frozen = 0;
+  for (int begin = part.begin, end = begin; begin < part.end; begin = end) {
+    end = begin + 1;
+    while (end < part.end && equal_frames(clip, begin, end)) ++end;
+    const int length = end - begin;
+    if (length < kFewest || length * clip.rate().frame_time() > kLongest) continue;
+    if (begin - kAround < part.begin || end + kAround >= part.end) continue;
+    std::vector<double> around;
+    for (int i = 1; i <= kAround; ++i) {
+      around.push_back(turn(begin - i));
+      around.push_back(turn(end - 1 + i));
+    }
+    // After a freeze, the body catches up in a single step.
+    const double usual = median(around);
+    if (!(usual > 0.0) || !(turn(end - 1) > std::max(2.0, 0.4 * length) * usual)) continue;
+    runs.push_back({begin + 1, end});
+    frozen += length - 1;
+  }
+  if (3 * frozen > part.end - part.begin) return 0;
+  for (const FrameRange& run : runs) bridge_body(clip, run.begin, run.end);
+  return frozen;
+}
+
+}  // namespace retarget

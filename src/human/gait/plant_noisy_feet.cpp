@@ -1,0 +1,322 @@
+#include "human/gait/plant_noisy_feet.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "base/math/pentadiagonal.h"
+#include "base/math/so3.h"
+#include "base/math/statistics.h"
+#include "human/gait/frame_runs.h"
+#include "human/gait/noisy_stances.h"
+#include "human/gait/source_feet.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/legs.h"
+#include "motion/forward_kinematics.h"
+#include "motion/two_bone_leg.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Track = std::vector<Vector3d>;
+
+// A stance of one end of a foot, and where it is held.
+struct HeldEnd {
+  int begin = 0, end = 0;
+  Vector3d place = Vector3d::Zero();
+};
+
+Vector3d median_of(const Track& track, int begin, int end) {
+  Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (int i = begin; i < end; ++i) values.push_back(track[static_cast<std::size_t>(i)][axis]);
+    middle[axis] = median(values);
+  }
+  return middle;
+}
+
+// Passes through the targets of frames with weight, and changes smoothly between them.
+Track interpolated(const Track& targets, const std::vector<double>& weights, double cutoff,
+                   double frame_time) {
+  constexpr double kToZero = 1e-3;
+  const double frequency = 2.0 * std::numbers::pi * cutoff * frame_time;
+  const double strength = 1.0 / (frequency * frequency * frequency * frequency);
+  Track result(targets.size(), Vector3d::Zero());
+  for (int axis = 0; axis < 3; ++axis) {
+    PentadiagonalFit fit(targets.size());
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      fit.add_value(i, kToZero, 0.0);
+      if (weights[i] > 0.0) fit.add_value(i, weights[i], targets[i][axis]);
+      if (i + 2 < targets.size()) fit.add_second_difference(i, strength, 0.0);
+    }
+    const std::vector<double> solved = fit.solve();
+    for (std::size_t i = 0; i < targets.size(); ++i) result[i][axis] = solved[i];
+  }
+  return result;
+}
+
+class NoisyFootPlanter {
+ public:
+  NoisyFootPlanter(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
+                   double noise_speed)
+      : clip_(clip),
+        part_(part),
+        calibration_(calibration),
+        moved_(moved),
+        noise_speed_(noise_speed) {}
+
+  NoisyFeet run() {
+    const auto legs = find_legs(clip_.skeleton(), calibration_);
+    if (!legs[0] || !legs[1]) return {};
+    read_feet();
+    const bool whole =
+        feet_.foot_count == 2 && feet_.has_toe[0] && feet_.has_toe[1] && feet_.frame_count() >= 3;
+    if (!whole) return {};
+    const NoisyStances stances = find_noisy_stances(feet_, noise_speed_);
+    for (int foot = 0; foot < 2; ++foot) {
+      for (const int end : {kHeelEnd, kToeEnd}) {
+        const std::size_t index = stance_index(foot, end);
+        tracks_[index] = track_of(foot, end);
+        held_[index] = held(tracks_[index], stances[index]);
+      }
+      result_.stances += static_cast<int>(held_[stance_index(foot, kToeEnd)].size());
+    }
+    if (result_.stances == 0) return {};
+    for (const int end : {kHeelEnd, kToeEnd}) level(end);
+    for (int foot = 0; foot < 2; ++foot) find_targets(foot);
+    move_root();
+    for (int foot = 0; foot < 2; ++foot) turn_leg(foot, *legs[static_cast<std::size_t>(foot)]);
+    return result_;
+  }
+
+ private:
+  void read_feet() {
+    HumanPoser poser(clip_, calibration_);
+    feet_ = SourceFeet(poser.info());
+    HumanPose pose;
+    for (int frame = part_.begin; frame < part_.end; ++frame) {
+      poser.pose(frame, pose);
+      feet_.add(pose);
+    }
+  }
+
+  [[nodiscard]] Track track_of(int foot, int end) const {
+    Track track;
+    for (int i = 0; i < feet_.frame_count(); ++i) track.push_back(feet_.at(i, foot).end(end));
+    return track;
+  }
+
+  [[nodiscard]] std::vector<HeldEnd> held(const Track& track,
+                                          const std::vector<char>& stands) const {
+    std::vector<HeldEnd> stances;
+    for_each_run(
+        0, feet_.frame_count(), [&](int i) { return stands[static_cast<std::size_t>(i)]; },
+        [&](int begin, int end) {
+          if (stands[static_cast<std::size_t>(begin)] == 0) return;
+          stances.push_back({begin, end, median_of(track, begin, end)});
+        });
+    return stances;
+  }
+
+  // Moves stances to their median height, except those far from it, as on a box.
+  void level(int end) {
+    constexpr double kFar = 0.15;  // Metres.
+    std::vector<double> heights;
+    for (int foot = 0; foot < 2; ++foot) {
+      for (const HeldEnd& stance : held_[stance_index(foot, end)]) {
+        heights.insert(heights.end(), static_cast<std::size_t>(stance.end - stance.begin),
+                       stance.place.z());
+      }
+    }
+    if (heights.empty()) return;
+    const double middle = median(heights);
+    levels_[static_cast<std::size_t>(end)] = middle;
+    for (int foot = 0; foot < 2; ++foot) {
+      for (HeldEnd& stance : held_[stance_index(foot, end)]) {
+        if (std::abs(stance.place.z() - middle) < kFar) stance.place.z() = middle;
+      }
+    }
+  }
+
+  void find_targets(int foot) {
+    const Track& heel = tracks_[stance_index(foot, kHeelEnd)];
+    const Track& toe = tracks_[stance_index(foot, kToeEnd)];
+    std::vector<HeldEnd>& heels = held_[stance_index(foot, kHeelEnd)];
+    const std::vector<HeldEnd>& toes = held_[stance_index(foot, kToeEnd)];
+    // Feet are rigid: a heel is held at the foot's length from the toe that is held longest with it.
+    std::vector<double> lengths;
+    for (std::size_t i = 0; i < heel.size(); ++i) lengths.push_back((toe[i] - heel[i]).norm());
+    const double length = median(lengths);
+    for (HeldEnd& held_heel : heels) {
+      int longest = 0;
+      Vector3d place = held_heel.place;
+      for (const HeldEnd& held_toe : toes) {
+        const int common =
+            std::min(held_heel.end, held_toe.end) - std::max(held_heel.begin, held_toe.begin);
+        const Vector3d along = held_toe.place - held_heel.place;
+        if (common <= longest || !(along.norm() > 0.0)) continue;
+        longest = common;
+        place = held_toe.place - length * along.normalized();
+      }
+      held_heel.place = place;
+    }
+    add_targets(foot, kHeelEnd, heel, heels);
+    add_targets(foot, kToeEnd, toe, toes);
+  }
+
+  void add_targets(int foot, int end, const Track& track, const std::vector<HeldEnd>& stances) {
+    constexpr double kHeld = 1e6;
+    const std::size_t index = stance_index(foot, end);
+    targets_[index].assign(track.size(), Vector3d::Zero());
+    weights_[index].assign(track.size(), 0.0);
+    for (const HeldEnd& stance : stances) {
+      for (int i = stance.begin; i < stance.end; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        targets_[index][at] = stance.place - track[at];
+        weights_[index][at] = kHeld;
+      }
+    }
+  }
+
+  // Translates the body by the common, slow part of the corrections.
+  void move_root() {
+    constexpr double kCutoff = 1.5;  // Hz
+    const auto count = static_cast<std::size_t>(feet_.frame_count());
+    Track common(count, Vector3d::Zero());
+    std::vector<double> weights(count, 0.0);
+    for (std::size_t i = 0; i < count; ++i) {
+      double held = 0.0;
+      for (std::size_t end = 0; end < targets_.size(); ++end) {
+        if (weights_[end][i] == 0.0) continue;
+        common[i] += targets_[end][i];
+        held += 1.0;
+      }
+      if (held == 0.0) continue;
+      common[i] /= held;
+      weights[i] = std::min(1.0, 0.5 * held);
+    }
+    const Track shifts = interpolated(common, weights, kCutoff, feet_.frame_time);
+    for (std::size_t i = 0; i < count; ++i) {
+      move_body(clip_, part_.begin + static_cast<int>(i), calibration_, moved_, shifts[i]);
+      for (std::size_t end = 0; end < targets_.size(); ++end) {
+        if (weights_[end][i] > 0.0) targets_[end][i] -= shifts[i];
+      }
+    }
+    read_feet();
+  }
+
+  void turn_leg(int foot, const LegJoints& joints) {
+    constexpr double kCutoff = 2.0;  // Hz
+    std::array<Track, 2> offsets;
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      const std::size_t index = stance_index(foot, end);
+      offsets[static_cast<std::size_t>(end)] =
+          interpolated(targets_[index], weights_[index], kCutoff, feet_.frame_time);
+    }
+    // Knees bend about -z of the canonical shin.
+    Vector3d axis = -Vector3d::UnitZ();
+    const auto& bone_axes =
+        calibration_.bones[side_bone(kSides[static_cast<std::size_t>(foot)], LimbBone::kLeg)]
+            .joint_from_bone;
+    if (bone_axes) axis = *bone_axes * axis;
+    const TwoBoneLeg leg(joints, learned_hinge(clip_, joints, axis));
+    for (int i = 0; i < feet_.frame_count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      place_foot(foot, i, offsets[0][at], offsets[1][at], leg);
+    }
+  }
+
+  // Feet of an upright body are not below those that stand: otherwise noise would set the height of
+  // the floor.
+  [[nodiscard]] Vector3d above_floor(Vector3d place, int i, int end) const {
+    constexpr double kHips = 0.3;  // Metres, for legs of kUsualSourceLeg.
+    const auto& level = levels_[static_cast<std::size_t>(end)];
+    if (!level || feet_.hips.empty()) return place;
+    const double hips = feet_.hips[static_cast<std::size_t>(i)] - *level;
+    if (hips > kHips * feet_.leg_length() / kUsualSourceLeg)
+      place.z() = std::max(place.z(), *level);
+    return place;
+  }
+
+  void place_foot(int foot, int i, const Vector3d& heel_offset, const Vector3d& toe_offset,
+                  const TwoBoneLeg& leg) {
+    const auto at = static_cast<std::size_t>(i);
+    const SourceFoot& source = feet_.at(i, foot);
+    const Vector3d heel = source.end(kHeelEnd), toe = source.end(kToeEnd);
+    const Vector3d new_heel = above_floor(heel + heel_offset, i, kHeelEnd);
+    const Vector3d new_toe = above_floor(toe + toe_offset, i, kToeEnd);
+    const Vector3d along = new_toe - new_heel;
+    if (!(along.norm() > 0.0) || !((toe - heel).norm() > 0.0)) return;
+    const Quaterniond turn = rotation_between(toe - heel, along);
+    const bool on_toe = weights_[stance_index(foot, kHeelEnd)][at] == 0.0 &&
+                        weights_[stance_index(foot, kToeEnd)][at] > 0.0;
+    const Vector3d ankle = on_toe ? Vector3d(new_toe - turn * (toe - source.ankle))
+                                  : Vector3d(new_heel + turn * (source.ankle - heel));
+    result_.farthest = std::max(result_.farthest, (ankle - source.ankle).norm());
+    reach(part_.begin + i, turn, ankle - source.ankle, leg);
+  }
+
+  // Turns an ankle and shifts it by a distance in metres, in the world.
+  void reach(int frame, const Quaterniond& turn, const Vector3d& shift, const TwoBoneLeg& leg) {
+    // Legs of noisy clips are never as straight as they can be: shares of their length.
+    constexpr double kFree = 0.98, kFarthest = 0.999;
+    const Quaterniond human_from_source(calibration_.human_from_source);
+    std::vector<Pose> poses(static_cast<std::size_t>(clip_.skeleton().joint_count()));
+    forward_kinematics(clip_, frame, poses);
+    const auto place = [&](int joint) -> const Vector3d& {
+      return poses[static_cast<std::size_t>(joint)].translation;
+    };
+    const LegJoints& joints = leg.joints();
+    const Quaterniond in_source = human_from_source.conjugate() * turn * human_from_source;
+    const Pose& ankle = poses[static_cast<std::size_t>(joints.ankle)];
+    const Vector3d off = human_from_source.conjugate() * shift / calibration_.metres_per_unit;
+    const double length = (place(joints.knee) - place(joints.hip)).norm() +
+                          (place(joints.ankle) - place(joints.knee)).norm();
+    const double own = (place(joints.ankle) - place(joints.hip)).norm();
+    leg.reach(clip_, frame, {(in_source * ankle.rotation).normalized(), ankle.translation + off},
+              LegReach::of(length, own, off.norm(), kFree, kFarthest));
+  }
+
+  Clip& clip_;
+  FrameRange part_;
+  const Calibration& calibration_;
+  int moved_;
+  double noise_speed_;
+  SourceFeet feet_;
+  // Corrections in metres and their weights, by end and frame; weight 0: the end does not stand.
+  std::array<Track, 4> targets_;
+  std::array<Track, 4> tracks_;
+  std::array<std::vector<HeldEnd>, 4> held_;
+  std::array<std::optional<double>, 2> levels_;  // By end: the height of most stances, metres.
+  std::array<std::vector<double>, 4> weights_;
+  NoisyFeet result_;
+};
+
+}  // namespace
+
+NoisyFeet plant_noisy_feet(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
+                           double noise_speed) {
+  return NoisyFootPlanter(clip, part, calibration, moved, noise_speed).run();
+}
+
+void move_body(Clip& clip, int frame, const Calibration& calibration, int joint,
+               const Vector3d& shift) {
+  Vector3d off = calibration.human_from_source.transpose() * shift / calibration.metres_per_unit;
+  if (const int parent = clip.skeleton().joint(joint).parent; parent >= 0) {
+    std::vector<Pose> world(static_cast<std::size_t>(clip.skeleton().joint_count()));
+    forward_kinematics(clip, frame, world);
+    off = world[static_cast<std::size_t>(parent)].rotation.conjugate() * off;
+  }
+  clip.translations(frame)[static_cast<std::size_t>(clip.skeleton().translation_slot(joint))] +=
+      off;
+}
+
+}  // namespace retarget

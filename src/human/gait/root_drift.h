@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "human/gait/source_feet.h"
+
+namespace retarget {
+
+/// Evidence of root errors from standing feet. A foot stands if it does not turn, and is the lower
+/// foot or moves like the other one; this does not depend on the root. Lengths and speeds refer to
+/// a body with legs of kUsualSourceLeg.
+struct RootEvidence {
+  double seconds = 0.0;  ///< Time in which both feet stand.
+  double speed = 0.0;    ///< Speed that they exceed in 65 % of this time, m/s; 0 for an exact root.
+  double single_seconds = 0.0;  ///< The same for a single foot.
+  double single_speed = 0.0;
+  /// Climb of the standing feet over the clip, metres, and whether they climb steadily and the
+  /// lowest foot climbs as well. On stairs, feet do not climb while they stand.
+  double climb = 0.0;
+  bool climbs_steadily = false;
+  /// Vertical speed that all these feet exceed in 65 % of the time, m/s.
+  double climb_speed = 0.0;
+
+  /// Whether the root certainly moves relative to standing feet.
+  [[nodiscard]] bool moves() const;
+  /// Whether it also moves vertically.
+  [[nodiscard]] bool climbs() const;
+};
+
+[[nodiscard]] RootEvidence measure_root(const SourceFeet& feet);
+
+/// Error of the root, by frame.
+struct RootDrift {
+  std::vector<Eigen::Vector3d> drift;  ///< World, metres.
+  double speed_before = 0.0;           ///< Median speed of foot ends that probably stand, m/s.
+  double speed_after = 0.0;            ///< The same after the drift is removed.
+  double farthest = 0.0;               ///< Largest distance of the drift from its median, metres.
+
+  /// Whether feet that probably stand do so after the drift is removed.
+  [[nodiscard]] bool helps() const;
+};
+
+struct DriftRule {
+  bool jittery = false;  ///< The limbs had noise, some of which remains.
+  bool vertical = true;  ///< The root height drifts as well; otherwise it stays unchanged.
+};
+
+/// Finds the drift that makes foot ends that probably stand do so, and keeps them on one level if
+/// they share one: the differences of the drift equal those of the feet. Between stances the drift
+/// is as smooth as within them, and the hips move smoothly without it. Iterative reweighting
+/// removes ends that only seemed to stand.
+/// A vertical drift flattens steps and boxes of less than a few decimetres, because a foot counts
+/// as standing if it is lower than the other one.
+/// @param hips  hip positions by frame; world, metres
+[[nodiscard]] RootDrift find_root_drift(const SourceFeet& feet,
+                                        const std::vector<Eigen::Vector3d>& hips,
+                                        DriftRule rule = {});
+
+}  // namespace retarget

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "human/skeleton/human_clip.h"
+#include "retarget/human.h"
+
+namespace retarget {
+
+/// The ends of a foot. The heel moves with the ankle.
+inline constexpr int kHeelEnd = 0, kToeEnd = 1;
+
+/// Length of thigh plus shank of the body to which ContactOptions apply, metres.
+inline constexpr double kUsualSourceLeg = 0.85;
+
+/// Parts that may carry the body besides the feet, by the joint they surround: knees, elbows,
+/// hands, seat and back.
+inline constexpr std::array kSupportBones = {
+    Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
+    Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
+
+/// A foot of the source in one frame.
+struct SourceFoot {
+  Eigen::Vector3d ankle = Eigen::Vector3d::Zero();  ///< World, metres.
+  Eigen::Vector3d toe = Eigen::Vector3d::Zero();    ///< Start of the toes. World, metres.
+  double up = 1.0;       ///< World z of the unit vector that points up from standing toes.
+  double side = 0.0;     ///< World z of the unit vector to the side of standing toes.
+  double sole_up = 1.0;  ///< World z of the unit vector that points up from a standing foot.
+  std::optional<Eigen::Vector3d> heel;  ///< Heel of a known sole; `toe` is then the sole's toe.
+  double down = 0.0;                    ///< With a known sole: the steepness of the foot's bone.
+
+  /// @param end  kHeelEnd (the heel, else the ankle) or kToeEnd.
+  [[nodiscard]] const Eigen::Vector3d& end(int end) const {
+    return end == kToeEnd ? toe : heel ? *heel : ankle;
+  }
+  /// Returns the sine of the downward slope of the bone from ankle to toe.
+  [[nodiscard]] double steepness() const {
+    return heel ? down : (ankle.z() - toe.z()) / (ankle - toe).norm();
+  }
+};
+
+/// Feet, legs, hips and other supporting parts of the source over a clip.
+struct SourceFeet {
+  double frame_time = 1.0 / 30.0;
+  std::vector<SourceFoot> feet;  ///< Frame-major, foot_count per frame: left, right.
+  int foot_count = 0;
+  std::array<bool, 2> has_ankle{true, true}, has_toe{true, true};  ///< By foot.
+  std::vector<double> legs;  ///< Thigh plus shank per frame, metres; empty: kUsualSourceLeg.
+  std::vector<double> hips;  ///< Hip height per frame, metres; empty: unknown.
+  /// Positions of kSupportBones, frame-major; world, metres. Empty: unknown.
+  std::vector<Eigen::Vector3d> supports;
+  std::array<bool, kSupportBones.size()> has_support{};
+  std::array<std::optional<FootSole>, 2> soles;  ///< By foot, where known.
+
+  SourceFeet() = default;
+  /// Creates feet for a human, without frames. A body without a complete leg has no feet.
+  explicit SourceFeet(const HumanClipInfo& human);
+  /// Creates feet from the first frames of a human.
+  SourceFeet(const HumanClip& human, int frames);
+
+  /// Appends a frame of the same human.
+  void add(const HumanPose& pose);
+  /// Drops the first frames, or all if there are fewer.
+  void forget(int frames);
+  /// Reserves memory so that add() does not allocate for this many frames.
+  void reserve(int frames);
+
+  [[nodiscard]] int frame_count() const {
+    return foot_count == 0 ? 0 : static_cast<int>(feet.size()) / foot_count;
+  }
+  [[nodiscard]] const SourceFoot& at(int frame, int foot) const {
+    return feet[static_cast<std::size_t>(frame) * static_cast<std::size_t>(foot_count) +
+                static_cast<std::size_t>(foot)];
+  }
+  [[nodiscard]] bool has(int foot, int end) const {
+    return end == kHeelEnd ? has_ankle[foot] : has_toe[foot];
+  }
+  /// Of the left leg, of the right one where the left is incomplete; median over the frames,
+  /// metres.
+  [[nodiscard]] double leg_length() const;
+  /// The same.
+  /// @param scratch  overwritten; once it has room for a value a frame nothing is allocated.
+  [[nodiscard]] double leg_length(std::vector<double>& scratch) const;
+  /// How high ankles stand above heels: of feet that stand, metres; 0 where soles are not known.
+  [[nodiscard]] double ankle_over_heel() const;
+  /// Speed of one end of a foot over a short time about the frame, m/s.
+  [[nodiscard]] double speed(int frame, int foot, int end) const;
+  /// @param support  index into kSupportBones.
+  [[nodiscard]] const Eigen::Vector3d& support(int frame, std::size_t support) const {
+    return supports[static_cast<std::size_t>(frame) * kSupportBones.size() + support];
+  }
+  /// The same for the support at `support`.
+  [[nodiscard]] double support_speed(int frame, std::size_t support) const;
+
+ private:
+  bool has_hips_ = false;
+  Side leg_ = Side::kLeft;
+};
+
+/// Length of the left leg (hip to knee to ankle), or of the right one if the left is incomplete:
+/// median over the frames, metres. 0 for a body without legs or a clip without frames.
+[[nodiscard]] double leg_length(const HumanClip& human);
+
+/// Whether the hips rise in a flight as a falling body does: by g T^2 / 8 above the straight line
+/// between the flight's ends, or by this share of it. The share allows for two differences: hips
+/// are not the centre of mass, and feet leave the floor early.
+/// @param hips  hip heights in the frames of the flight, at least two, metres
+[[nodiscard]] bool falls_freely(std::span<const double> hips, double frame_time, double share);
+
+}  // namespace retarget

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "human/gait/contact_plan.h"
+#include "human/gait/source_feet.h"
+
+namespace retarget {
+
+/// find_standing_heights() for repeated use: keeps its memory.
+class StandingHeightFinder {
+ public:
+  /// @param scale  scale of lengths and speeds, as ContactPlan::scale.
+  [[nodiscard]] StandingHeights find(const SourceFeet& source, double scale,
+                                     const ContactOptions& options);
+  /// Reserves memory so that find() does not allocate for this many frames.
+  void reserve(int frames);
+
+ private:
+  // A foot in a frame in which it is as slow and as steep as a supporting foot.
+  struct StandingFoot {
+    int frame = 0;
+    double ankle = 0.0,
+           toe = 0.0;  // Heights; with a known sole, `ankle` is that of the heel.
+  };
+  using Feet = std::span<const StandingFoot>;
+
+  template <typename IsLikeStanding>
+  void find_slow_feet(const SourceFeet& source, double speed,
+                      const IsLikeStanding& is_like_standing);
+  void find_feet_that_stand(const SourceFeet& source, double speed);
+  [[nodiscard]] static Feet between(Feet standing, double from, double to);
+  [[nodiscard]] static bool is_a_moment(Feet level, std::size_t standing, double frame_time);
+  [[nodiscard]] static Feet feet_on_floor(Feet standing, double lowest, double band, double near,
+                                          double frame_time);
+  [[nodiscard]] double low_height(const SourceFeet& source, int end);
+  [[nodiscard]] double middle_height(Feet feet, double StandingFoot::*height);
+  [[nodiscard]] double guessed_rise(const SourceFeet& source, double floor, double size,
+                                    const ContactOptions& options);
+  [[nodiscard]] StandingHeights heights_of_ends(const SourceFeet& source, double size,
+                                                const ContactOptions& options);
+
+  std::vector<StandingFoot> slow_;
+  std::vector<double> values_;
+};
+
+}  // namespace retarget

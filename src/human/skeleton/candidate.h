@@ -1,0 +1,116 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "human/skeleton/body_poses.h"
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/joint_names.h"
+#include "human/skeleton/skeleton_profile.h"
+#include "human/skeleton/skeleton_tree.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+
+namespace retarget {
+
+/// Input of all recognition methods.
+struct BodySource {
+  const Skeleton& skeleton;
+  SkeletonTree tree;
+  std::vector<JointName> names;  ///< All joints, normalised together.
+  BodyPoses poses;
+
+  /// Returns a joint's name in double quotes, for messages.
+  [[nodiscard]] std::string quoted_name(int joint) const {
+    return "\"" + skeleton.joint(joint).name + "\"";
+  }
+  [[nodiscard]] std::vector<std::string> quoted_names(const std::vector<int>& joints) const {
+    std::vector<std::string> quoted;
+    quoted.reserve(joints.size());
+    for (const int joint : joints) quoted.push_back(quoted_name(joint));
+    return quoted;
+  }
+  /// Returns the path length between two joints along the tree.
+  [[nodiscard]] double path_length(int a, int b) const {
+    const std::vector<int> path = tree.path(a, b);
+    double length = 0.0;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      length += poses.lengths[tree.parent(path[i]) == path[i + 1] ? path[i] : path[i + 1]];
+    }
+    return length;
+  }
+};
+
+/// A map that still needs verification, nothing, or an error when candidate joints tie. Errors here
+/// and below name no file.
+using Candidate = Result<std::optional<BoneMap>>;
+
+/// Returns the map of the only profile that fits well enough; of several profiles with equal maps,
+/// the one with the most names in common. Returns nothing if no profile fits or the best ones
+/// disagree.
+///
+/// The fit (at least 0.9) is the Jaccard index of the names inside the body (mapped joints and
+/// those between them) times the share of mapped bones with the expected parent bone. If no profile
+/// fits, a second pass ignores unknown joints that coincide with the joint above or below them. A
+/// profile whose required names, marks, parents or directions do not hold is rejected.
+[[nodiscard]] std::optional<BoneMap> recognise_by_profile(
+    const BodySource& source, const std::vector<SkeletonProfile>& profiles);
+
+/// Finds bones by words in the joint names, where the tree agrees.
+///
+/// Each limb is found as a whole: of all choices of joints in line, the one whose names fit best.
+/// So `LeftLeg` is the thigh above `LeftShin` and the shin below `LeftUpLeg`. Limbs that are not
+/// found stay unmapped. Two equally good choices that are not in line are an error that names the
+/// joints; of joints in line the one nearer the body wins.
+[[nodiscard]] Candidate recognise_by_names(const BodySource& source);
+
+/// Finds the body by the shape of the tree alone, regardless of joint names.
+///
+/// The method looks for two joints that each carry a pair of equal chains, the hips and the torso;
+/// the pairs are legs and arms. One-sided parts (props, weapons) are in no pair. The head near the
+/// arms, proportions and fingers distinguish arms from legs; left_is_left distinguishes left from
+/// right. Two equally good answers, or poses that do not reveal the sides, are errors.
+[[nodiscard]] Candidate recognise_by_shape(const BodySource& source);
+
+/// Completes a map whose limbs (and head, if any) are set: Hips where the legs meet, Spine2 where
+/// the arms meet, Spine and Spine1 between them, Neck before the head. Keeps bones that are already
+/// set, except Hips.
+void complete_trunk(const BodySource& source, BoneMap& map);
+
+/// Adds human-readable notes: bones that the source lacks, spine joints that are merged.
+void add_trunk_notes(const BodySource& source, BoneMap& map);
+
+/// Evidence that a body is not human.
+struct HumanDoubts {
+  std::vector<std::string> signs;  ///< Such as `the legs are shorter than the trunk`.
+  bool proven = false;             ///< True: there are enough signs to conclude that it is not
+                                   ///< human.
+};
+
+/// Collects signs that a body is not human. Basic signs: a trunk longer than the legs, arms as long
+/// as the legs, names of animal parts, and a trunk that lies across the legs during most of the
+/// motion. The last sign enables four more: narrow shoulders, a zero pose on four legs, feet as
+/// long as leg segments, and single chains that hang from both head and hips. Three signs are
+/// proof. For a body that never stands or lies stretched, two are, not counting narrow shoulders
+/// and the zero pose. People who crawl have one sign, or two from poses.
+[[nodiscard]] HumanDoubts doubt_human(const BodySource& source, const BoneMap& map);
+
+/// Result of verifying a map.
+struct Verdict {
+  std::vector<std::string> faults;  ///< Reasons why the map must be wrong; empty: it may be right.
+  std::vector<std::string> doubts;  ///< Human-readable oddities.
+  double confidence = 1.0;          ///< Factor on the map's confidence.
+};
+
+/// Checks a map against the tree, the lengths and the poses: bones are distinct and in line, left
+/// and right have equal lengths, thigh and shin are in proportion, head, torso, hips and feet are
+/// in this order from top to bottom. Missing bones are not checked.
+[[nodiscard]] Verdict verify_bone_map(const BodySource& source, const BoneMap& map);
+
+/// Returns the limbs that a map lacks entirely or in part: `left arm`, `legs`, also `hips` and
+/// `torso`; empty: complete. Clavicles, hands, toes, neck and head do not count as limbs.
+[[nodiscard]] std::vector<std::string> missing_parts(const BoneMap& map);
+
+}  // namespace retarget

@@ -1,0 +1,209 @@
+#include "human/skeleton/clip_units.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/bvh/euler_angles.h"
+#include "human/skeleton/foot_steps.h"
+#include "human/skeleton/posed_body.h"
+
+namespace retarget {
+namespace {
+
+// Shorter clips show too little motion.
+constexpr double kMinSeconds = 0.4;
+
+// Axes of a joint's rotation channels.
+std::vector<int> rotation_axes(const Joint& joint) {
+  std::vector<int> axes;
+  for (const Channel channel : joint.channels) {
+    if (channel == Channel::kXRotation) axes.push_back(0);
+    if (channel == Channel::kYRotation) axes.push_back(1);
+    if (channel == Channel::kZRotation) axes.push_back(2);
+  }
+  return axes;
+}
+
+// Largest plausible angle of a joint, in degrees read from a file in radians: slightly more than 2
+// pi. The root may exceed it because people spin.
+double bound_of(int joint) {
+  constexpr double kTurn = 2.02 * std::numbers::pi;
+  return joint == 0 ? 6.0 * kTurn : kTurn;
+}
+
+// Whether all rotations are small enough: each is at most three times bound_of.
+bool may_be_radians(const Clip& clip) {
+  // Cosines of half of three times 6.35 and 38.1 degrees.
+  constexpr double kJoint = 0.98623, kRoot = 0.54304;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+      const double cosine = std::abs(clip.rotations(frame)[joint].w());
+      if (cosine < (joint == 0 ? kRoot : kJoint)) return false;
+    }
+  }
+  return true;
+}
+
+// Returns the clip with its angles, in degrees, reinterpreted as radians. Returns nothing if an
+// angle exceeds its bound, or if all angles are too small to tell.
+std::optional<Clip> with_radians(const Clip& clip) {
+  constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
+  constexpr double kPlain = 0.5, kNoResidual = 1e-3;
+  if (!may_be_radians(clip)) return std::nullopt;
+  const Skeleton& skeleton = clip.skeleton();
+  std::vector<std::vector<int>> axes;
+  for (const Joint& joint : skeleton.joints()) axes.push_back(rotation_axes(joint));
+  double largest = 0.0;
+  Clip made = clip;
+  std::array<double, 16> angles{}, none{};
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+      const std::vector<int>& of_joint = axes[static_cast<std::size_t>(joint)];
+      const Eigen::Quaterniond& rotation = clip.rotations(frame)[joint];
+      if (of_joint.size() > angles.size()) return std::nullopt;
+      if (of_joint.empty()) continue;
+      const std::span<double> found(angles.data(), of_joint.size());
+      if (euler_angles(rotation, of_joint, {none.data(), of_joint.size()}, found) > kNoResidual) {
+        return std::nullopt;
+      }
+      Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        if (std::abs(found[i]) > bound_of(joint)) return std::nullopt;
+        largest = std::max(largest, std::abs(found[i]));
+        rotate_about(turned, of_joint[i], kDegreesPerRad * found[i]);
+      }
+      made.rotations(frame)[joint] = turned.normalized();
+    }
+  }
+  if (largest < kPlain) return std::nullopt;
+  make_sign_continuous(made);
+  return made;
+}
+
+std::optional<Warning> convert_radians(Clip& clip, const Body& body) {
+  // Foot speeds in legs per second, below which there is no evidence.
+  constexpr double kSlow = 0.05, kMuchSlower = 0.5;
+  // Cosines between trunk and legs.
+  constexpr double kFolded = 0.5, kApart = 0.0;
+  std::optional<Clip> made = with_radians(clip);
+  if (!made) return std::nullopt;
+  const std::vector<int> slots = root_slots(clip.skeleton(), body);
+  const FootSteps degrees(clip, body, slots), radians(*made, body, slots);
+  if (degrees.empty()) return std::nullopt;
+  const double before = degrees.slowest_foot(1.0), after = radians.slowest_foot(1.0);
+  const bool by_feet = before > kSlow && after < kMuchSlower * before && radians.fold() < kApart;
+  const bool by_shape = degrees.fold() > kFolded && radians.fold() < kApart;
+  if (by_feet || by_shape) {
+    clip = *std::move(made);
+    return Warning{0, 0,
+                   "the rotations are in radians, according to their ranges and the feet; they "
+                   "were converted to degrees"};
+  }
+  if (degrees.fold() <= kFolded) return std::nullopt;
+  return Warning{0, 0,
+                 "no joint rotates by more than 6.3 degrees, and legs and trunk point in the same "
+                 "direction: the rotations may be in radians or missing"};
+}
+
+// Ratio of two positive numbers, inverted if it is below 1.
+double factor_between(double a, double b) {
+  return std::max(a / b, b / a);
+}
+
+// Returns the nearest ratio between two units: powers of ten of a metre, or of an inch.
+double nearest_ratio(double number) {
+  double best = 1.0;
+  for (const double inches : {1.0, 2.54, 1.0 / 2.54}) {
+    for (const double power : {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4}) {
+      if (factor_between(inches * power, number) < factor_between(best, number))
+        best = inches * power;
+    }
+  }
+  return best;
+}
+
+// Returns the scale of the root translation that minimises the speed of the slowest foot.
+double best_scale(const FootSteps& steps) {
+  constexpr double kFactor = 1.05;
+  double best = 1.0, least = steps.slowest_foot(1.0);
+  for (double scale = 2e-4; scale < 5e3; scale *= kFactor) {
+    const double speed = steps.slowest_foot(scale);
+    if (speed < least) {
+      least = speed;
+      best = scale;
+    }
+  }
+  return best;
+}
+
+// Whether the root has the only translations of the clip.
+bool moves_by_root_alone(const Clip& clip, const std::vector<int>& slots) {
+  return static_cast<std::size_t>(clip.skeleton().translated_count()) == slots.size();
+}
+
+std::optional<Warning> check_root(Clip& clip, const Body& body) {
+  constexpr double kMuchSlower = 0.4, kSlower = 0.5, kSlow = 0.05;
+  constexpr double kNearRatio = 1.12, kPlainRatio = 2.0;
+  constexpr double kRestingRoot = 0.25, kMovingFeet = 0.25;  // Legs per second.
+  const std::vector<int> slots = root_slots(clip.skeleton(), body);
+  const FootSteps steps(clip, body, slots);
+  if (steps.empty()) return std::nullopt;
+  const double speed = steps.slowest_foot(1.0), without = steps.slowest_foot(0.0);
+  if (speed <= kSlow) return std::nullopt;
+  if (moves_by_root_alone(clip, slots) && steps.root() > 0.0) {
+    const double best = best_scale(steps), ratio = nearest_ratio(best);
+    const auto stands = [&](double scale) {
+      const double found = steps.slowest_foot(scale);
+      return found < kMuchSlower * speed && found < kSlower * without;
+    };
+    if (ratio != 1.0 && factor_between(best, ratio) < kNearRatio && stands(ratio)) {
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        for (const int slot : slots) {
+          clip.translations(frame)[static_cast<std::size_t>(slot)] *= ratio;
+        }
+      }
+      return Warning{0, 0,
+                     fmt::format("the unit of the root translation differs from that of the "
+                                 "offsets, according to the feet; it was multiplied by {:.4g}",
+                                 ratio)};
+    }
+    if (factor_between(best, 1.0) > kPlainRatio && stands(best)) {
+      return Warning{0, 0,
+                     fmt::format("the feet stand still only if the root translation is multiplied "
+                                 "by {:.2g}: its unit or the body size may be wrong",
+                                 best)};
+    }
+  }
+  if (steps.root() < kRestingRoot && speed > kMovingFeet && speed > steps.root()) {
+    return Warning{0, 0,
+                   "the planted feet move and the root does not: the root translation is missing "
+                   "or centred, and the motion slides in place"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Warning> mend_clip_units(Clip& clip, const BoneMap& map) {
+  std::vector<Warning> warnings;
+  if (!map.has(Bone::kHips) || clip.frame_count() * clip.rate().frame_time() < kMinSeconds) {
+    return warnings;
+  }
+  const Body body(clip.skeleton(), map);
+  const bool is_made = !clip.origin().unknown_rotations.empty();
+  if (!is_made) {
+    if (auto warning = convert_radians(clip, body)) warnings.push_back(*std::move(warning));
+  }
+  if (auto warning = check_root(clip, body)) warnings.push_back(*std::move(warning));
+  return warnings;
+}
+
+}  // namespace retarget

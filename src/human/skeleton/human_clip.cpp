@@ -1,0 +1,86 @@
+#include "human/skeleton/human_clip.h"
+
+#include "motion/forward_kinematics.h"
+
+namespace retarget {
+Calibration lafan1_calibration(const BoneArray<int>& joints, const BoneArray<int>& turning) {
+  Calibration calibration;
+  calibration.profile = "lafan1";
+  for (const Bone bone : kMappedBones) calibration.bones[bone] = {joints[bone], turning[bone]};
+  for (const Side side : kSides) {
+    const int foot = joints[side_bone(side, LimbBone::kFoot)];
+    const int toe = turning[side_bone(side, LimbBone::kToe)];
+    if (foot >= 0 && toe >= 0) calibration.bones[side_bone(side, LimbBone::kFootMod)] = {foot, toe};
+  }
+  calibration.metres_per_unit = 0.01;
+  // A quarter turn about x maps y (up) to z.
+  calibration.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  calibration.height = 1.75;
+  calibration.description =
+      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as in the published method";
+  return calibration;
+}
+
+HumanPoser::HumanPoser(const Clip& clip, const Calibration& calibration)
+    : clip_(clip),
+      calibration_(calibration),
+      turn_(calibration.human_from_source),
+      world_from_joint_(clip.skeleton().joint_count()) {}
+
+HumanClipInfo HumanPoser::info() const {
+  const Skeleton& skeleton = clip_.skeleton();
+  HumanClipInfo info;
+  info.rate = clip_.rate();
+  info.frame_count = clip_.frame_count();
+  info.height = calibration_.height;
+  info.size = calibration_.size;
+  info.soles = calibration_.soles;
+  info.built = calibration_.built;
+  info.source_joints = skeleton.names();
+  for (const Bone bone : kAllBones) {
+    const BoneSource& source = calibration_.bones[bone];
+    if (source.position_joint < 0 || source.rotation_joint < 0) continue;
+    info.sources[bone] = skeleton.joint(source.position_joint).name;
+  }
+  return info;
+}
+
+void HumanPoser::pose(int frame, HumanPose& world_from_bone) {
+  forward_kinematics(clip_, frame, world_from_joint_);
+  for (const Bone bone : kAllBones) {
+    const BoneSource& source = calibration_.bones[bone];
+    if (source.position_joint < 0 || source.rotation_joint < 0) {
+      world_from_bone[bone] = Pose{};
+      continue;
+    }
+    const Pose& stand = world_from_joint_[source.position_joint];
+    const Eigen::Vector3d origin =
+        source.position_in_joint ? stand * *source.position_in_joint : stand.translation;
+    world_from_bone[bone] = {
+        turn_ * world_from_joint_[source.rotation_joint].rotation,
+        calibration_.human_from_source * origin * calibration_.metres_per_unit};
+    if (source.joint_from_bone) {
+      world_from_bone[bone].rotation = world_from_bone[bone].rotation * *source.joint_from_bone;
+    }
+  }
+}
+
+HumanPoseSource poses_of(const HumanClip& human) {
+  return [&human](int frame, HumanPose& world_from_bone) { world_from_bone = human.frame(frame); };
+}
+
+HumanPoseSource poses_of(HumanPoser& poser) {
+  return [&poser](int frame, HumanPose& world_from_bone) { poser.pose(frame, world_from_bone); };
+}
+
+HumanClip to_human(const Clip& clip, const Calibration& calibration) {
+  HumanPoser poser(clip, calibration);
+  HumanClip human{poser.info(), {}};
+  human.world_from_bone.resize(human.frame_count);
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    poser.pose(frame, human.world_from_bone[frame]);
+  }
+  return human;
+}
+
+}  // namespace retarget

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include "human/skeleton/rest_pose.h"
+
+namespace retarget {
+
+/// Returns the Z axis of a limb's canonical bone along `x` from the normal of the bend (upper x
+/// lower bone): the opposite direction, for arms corrected by the habits that learned_axes
+/// subtracts. Both arguments are unit vectors and perpendicular.
+[[nodiscard]] Eigen::Vector3d canonical_z(Bone bone, const Eigen::Vector3d& x,
+                                          const Eigen::Vector3d& normal);
+
+/// Axes of bones in their joints, learned from a movement.
+struct LearnedAxes {
+  JointFromBone axes;
+  BoneArray<double> error;  ///< Expected angle from the true axes, degrees.
+};
+
+/// Learns the axes of the canonical bones in their joints from a movement, for skeletons without a
+/// usable rest pose. The method only uses positions and rotations, so the choice of local axes does
+/// not matter.
+///
+/// * X of limbs, collar bones, feet, neck and the spine's joints runs along the bone.
+/// * Knees and elbows bend about -Z: for thigh, shin, upper arm, forearm and hand, Z is the mean
+///   normal of the bending plane over the frames, weighted by the sine of the bend. In LAFAN1, the
+///   normals of the arms deviate from Z by 13 (upper arm), 10 (forearm) and 38 degrees (hand:
+///   people rarely hold their palms down), turned outwards, on average over twelve clips. The
+///   method subtracts these angles.
+/// * Z of hips and torso is the mean hip and shoulder line. X of the hips and of the head is the
+///   mean vertical over frames with an upright trunk (within 25 degrees).
+/// * Y of the toes is the mean vertical while the foot stands flat: its ankle is as low as in the
+///   lowest tenth of the frames, and the shin is upright.
+/// * If fewer than a fifth of the frames are upright, X of the hips is the mean direction from the
+///   hip joints to the torso's joint. Feet that never stand flat get Z from the shin and X from
+///   their toes, or from the foot, pitched as in the T-pose.
+///
+/// Bones with too little movement (arms that never bend) keep the axes of `best`.
+/// @param poses  not empty
+/// @param up     up axis of the file, unit length
+/// @param best   the pose closest to a T-pose
+[[nodiscard]] LearnedAxes learned_axes(const Body& body, const std::vector<JointPoses>& poses,
+                                       const Eigen::Vector3d& up, const RestCandidate& best);
+
+/// Returns the axes of a rest pose, with learned axes for upper arm, forearm and hand if the
+/// movement bends the elbow about an axis more than 20 degrees off: the roll of a rest pose's arms
+/// is arbitrary.
+/// @param poses  may be empty
+[[nodiscard]] JointFromBone with_corrected_arms(const Body& body,
+                                                const std::vector<JointPoses>& poses,
+                                                const Eigen::Vector3d& up, JointFromBone axes);
+
+/// The same for thighs and shins: where the knee plainly bends about another axis than that of the
+/// rest pose, in thigh and shin alike, rotations are those of another skeleton.
+[[nodiscard]] JointFromBone with_corrected_legs(const Body& body,
+                                                const std::vector<JointPoses>& poses,
+                                                const Eigen::Vector3d& up, JointFromBone axes);
+
+}  // namespace retarget

@@ -1,0 +1,144 @@
+#include "human/skeleton/posed_body.h"
+#include "human/skeleton/skeleton_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "base/math/se3.h"
+#include "motion/forward_kinematics.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kSamplesPerSecond = 10.0;
+constexpr int kMaxSamples = 1000;
+
+// A shorter bone has no direction. The bound only covers rounding errors.
+constexpr double kNoLength = 1e-9;
+
+// Bones at which a bone can end, nearest first; for limbs only the next one.
+std::span<const Bone> ends_of(Bone bone) {
+  const bool of_limb = side_of(bone) != Side::kNone;
+  const auto& chain =
+      of_limb ? *std::ranges::find_if(
+                    bone_chains(),
+                    [&](const auto& one) { return std::ranges::find(one, bone) != one.end(); })
+              : trunk_bones();
+  const std::span beyond(std::ranges::find(chain, bone) + 1, chain.end());
+  return of_limb ? beyond.first(std::min<std::size_t>(1, beyond.size())) : beyond;
+}
+
+// End of a chain without further bones: the farthest of the joint's children and end sites.
+// Children towards the hips lie on the bone's other side.
+Segment free_end(const Skeleton& skeleton, int joint, int hips) {
+  Segment segment{joint, joint, farthest_end(skeleton.joint(joint))};
+  for (int child = joint + 1; child < skeleton.joint_count(); ++child) {
+    const Joint& candidate = skeleton.joint(child);
+    if (candidate.parent == joint && candidate.offset.norm() > segment.offset.norm() &&
+        !is_above(skeleton, child, hips)) {
+      segment.offset = candidate.offset;
+    }
+  }
+  if (segment.offset.norm() < kNoLength) segment.end_joint = -1;
+  return segment;
+}
+
+}  // namespace
+
+JointPoses zero_pose(const Skeleton& skeleton) {
+  JointPoses poses(skeleton.joint_count());
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    const int parent = skeleton.joint(joint).parent;
+    poses[joint].translation = skeleton.joint(joint).offset;
+    if (parent >= 0) poses[joint].translation += poses[parent].translation;
+  }
+  return poses;
+}
+
+JointPoses frame_pose(const Clip& clip, int frame) {
+  JointPoses poses(clip.skeleton().joint_count());
+  forward_kinematics(clip, frame, poses);
+  return poses;
+}
+
+std::vector<int> sampled_frames(const Clip& clip, int begin) {
+  int stride = std::max(1, static_cast<int>(std::lround(clip.rate().fps() / kSamplesPerSecond)));
+  while (clip.frame_count() / stride > kMaxSamples) stride *= 2;
+  std::vector<int> frames;
+  for (int frame = begin; frame < clip.frame_count(); frame += stride) frames.push_back(frame);
+  return frames;
+}
+
+int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint) {
+  const auto is_helper = [&](int other) { return other > 0 && !map.maps(other); };
+  while (joint > 0 && skeleton.joint(joint).offset.isZero(0.0) &&
+         is_helper(skeleton.joint(joint).parent)) {
+    joint = skeleton.joint(joint).parent;
+  }
+  return joint;
+}
+
+Body::Body(const Skeleton& skeleton, const BoneMap& map)
+    : skeleton_(&skeleton), joints_(map.joint_of_bone) {
+  for (const Bone bone : kAllBones) {
+    turning_joints_[bone] = rotation_joint(map, skeleton, bone);
+    segments_[bone] = find_segment(bone);
+  }
+}
+
+Segment Body::find_segment(Bone bone) const {
+  const int start = joint(bone);
+  if (start < 0) return {};
+  for (const Bone end : ends_of(bone)) {
+    if (has(end)) return {start, joint(end), Eigen::Vector3d::Zero()};
+  }
+  // Children of helpers at the joint's position belong to the bone.
+  Segment segment = free_end(*skeleton_, std::max(turning_joint(bone), start), joint(Bone::kHips));
+  segment.joint = start;
+  return segment;
+}
+
+std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose) {
+  if (!segment.known()) return std::nullopt;
+  const Eigen::Vector3d way =
+      pose[segment.end_joint] * segment.offset - pose[segment.joint].translation;
+  if (way.norm() < kNoLength) return std::nullopt;
+  return way;
+}
+
+double length_by_offsets(const Body& body, Bone bone) {
+  const Segment& segment = body.segment(bone);
+  if (!segment.known()) return 0.0;
+  double length = segment.offset.norm();
+  for (int joint = segment.end_joint; joint > segment.joint;
+       joint = body.skeleton().joint(joint).parent) {
+    length += body.skeleton().joint(joint).offset.norm();
+  }
+  return length;
+}
+
+Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                 const Eigen::Vector3d& fallback) {
+  // 2.6 degrees from opposite. Up to there, the formula below is accurate to 1e-13.
+  constexpr double kNearlyOpposite = -0.999;
+  const double cosine = a.dot(b);
+  // A half turn about a unit axis u is 2 u u^T - 1.
+  const auto half_turn = [](const Eigen::Vector3d& u) -> Eigen::Matrix3d {
+    return 2.0 * u * u.transpose() - Eigen::Matrix3d::Identity();
+  };
+  if (cosine < -1.0 + 1e-12) return minimal_rotation(-a, b, fallback) * half_turn(fallback);
+  // A half turn about a, then one about the bisector. Only the difference of the directions
+  // cancels.
+  if (cosine < kNearlyOpposite) {
+    // Lengths that are inexact by rounding would tilt the short sum along the difference.
+    const Eigen::Vector3d across = (a - b).normalized();
+    const Eigen::Vector3d sum = a + b;
+    return half_turn((sum - across.dot(sum) * across).normalized()) * half_turn(a);
+  }
+  // Rodrigues' formula with the sine in the axis: 1 + [v] + [v]^2 / (1 + cosine).
+  const Eigen::Matrix3d cross = skew(a.cross(b));
+  return Eigen::Matrix3d::Identity() + cross + cross * cross / (1.0 + cosine);
+}
+
+}  // namespace retarget

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "human/skeleton/bone_map.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
+
+namespace retarget {
+
+/// World poses of all joints, in file units and axes.
+using JointPoses = std::vector<Pose>;
+
+/// Returns the pose with all rotations zero.
+[[nodiscard]] JointPoses zero_pose(const Skeleton& skeleton);
+
+/// Returns the pose of one frame.
+[[nodiscard]] JointPoses frame_pose(const Clip& clip, int frame);
+
+/// Returns the frames to sample a motion at: ten per second from `begin` on, so that copies at
+/// other rates are sampled at the same times; every frame if the clip has a lower rate; about 1000
+/// frames at most.
+/// @param begin  first frame to use.
+[[nodiscard]] std::vector<int> sampled_frames(const Clip& clip, int begin = 0);
+
+/// Of the joints that coincide with `joint`, returns the uppermost that no other bone uses.
+[[nodiscard]] int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint);
+
+/// Start and end of a bone.
+struct Segment {
+  int joint = -1;                                    ///< The bone's joint; -1: unknown.
+  int end_joint = -1;                                ///< The joint of the far end.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Offset of the far end, in end_joint's
+                                                     ///< frame.
+
+  [[nodiscard]] bool known() const { return joint >= 0 && end_joint >= 0; }
+};
+
+/// The mapped joints of a skeleton and the segments of its bones.
+class Body {
+ public:
+  Body(const Skeleton& skeleton, const BoneMap& map);
+
+  [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
+  [[nodiscard]] int joint(Bone bone) const { return joints_[bone]; }
+  [[nodiscard]] const BoneArray<int>& joints() const { return joints_; }
+  [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
+  /// Joint whose rotation turns the bone (see rotation_joint); joint() is where the bone begins.
+  /// -1: the bone has no joint, or its rotation is not reliable.
+  [[nodiscard]] int turning_joint(Bone bone) const { return turning_joints_[bone]; }
+  [[nodiscard]] const BoneArray<int>& turning_joints() const { return turning_joints_; }
+  /// Marks the bone's rotation as unknown; its position stays known.
+  void disbelieve_rotation(Bone bone) { turning_joints_[bone] = -1; }
+  /// Segment to the next mapped bone, or from a last bone to its farthest child or end site.
+  [[nodiscard]] const Segment& segment(Bone bone) const { return segments_[bone]; }
+
+ private:
+  [[nodiscard]] Segment find_segment(Bone bone) const;
+
+  const Skeleton* skeleton_;
+  BoneArray<int> joints_, turning_joints_;
+  BoneArray<Segment> segments_;
+};
+
+/// Vector from the bone's joint to its far end, world axes; nothing if unknown or of zero length.
+[[nodiscard]] std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose);
+
+/// Returns a bone's length by the OFFSETs along it, in file units; 0 if unknown.
+[[nodiscard]] double length_by_offsets(const Body& body, Bone bone);
+
+/// Returns the minimal rotation that takes unit vector a to unit vector b. For opposite vectors (to
+/// 1e-6 rad) it is half a turn about `fallback`, which must be perpendicular to them, followed by
+/// the remaining rotation.
+[[nodiscard]] Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                               const Eigen::Vector3d& fallback);
+
+}  // namespace retarget

@@ -1,0 +1,316 @@
+#include "human/skeleton/up_axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/math/statistics.h"
+#include "base/option_name.h"
+#include "human/skeleton/body_axes.h"
+#include "human/skeleton/floor_evidence.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
+
+namespace retarget {
+namespace {
+
+// Mean cosines of trunk and legs to an axis: clearly standing, hardly standing, and the bounds for
+// negative axes, which files rarely use as up.
+constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
+
+// y counts as up if it scores at least this share of the best axis.
+constexpr double kCustomShare = 0.7;
+
+// End joints of the legs: ankles, or knees if there are no ankles.
+std::vector<int> feet_of(const Body& body) {
+  std::vector<int> feet;
+  for (const LimbBone part : {LimbBone::kFoot, LimbBone::kLeg}) {
+    for (const Side side : kSides) {
+      const int joint = body.joint(side_bone(side, part));
+      if (joint >= 0) feet.push_back(joint);
+    }
+    if (!feet.empty()) break;
+  }
+  return feet;
+}
+
+// Mean of the unit vectors from feet to hips and from hips to head.
+Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vector<int>& feet) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (const auto trunk = trunk_direction(body, pose)) sum += *trunk;
+  for (const int foot : feet) {
+    const Eigen::Vector3d leg = pose[body.joint(Bone::kHips)].translation - pose[foot].translation;
+    // normalized() leaves a zero vector unchanged.
+    sum += leg.normalized() / static_cast<double>(feet.size());
+  }
+  return 0.5 * sum;
+}
+
+// Levels of the lowest joint along a direction, by pose.
+std::vector<double> lowest_levels(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
+  std::vector<double> lowest;
+  for (const JointPoses& pose : poses) {
+    double min = std::numeric_limits<double>::infinity();
+    for (const Pose& joint : pose) min = std::min(min, up.dot(joint.translation));
+    lowest.push_back(min);
+  }
+  return lowest;
+}
+
+double size_of(const Body& body) {
+  double size = 0.0;
+  for (const Bone bone : {Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kRightUpLeg, Bone::kRightLeg}) {
+    size += 0.5 * length_by_offsets(body, bone);
+  }
+  return size;
+}
+
+// Variation of the lowest joint's level along an axis: tenth to fiftieth percentile of the poses,
+// which excludes jumps; in legs, at most 1.
+double floor_wander(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
+  const double leg = size_of(body);
+  const std::vector<double> lowest = lowest_levels(poses, up.direction());
+  if (leg <= 0.0 || lowest.empty()) return 0.0;
+  return std::min((median(lowest) - percentile(lowest, 10.0)) / leg, 1.0);
+}
+
+// Whether the body is on a floor at height 0 along an axis: in half of the poses, the lowest joint
+// is within a fifth of a leg's length of it, as in nearly all recordings along the up axis.
+bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
+  constexpr double kNear = 0.2;  // Share of a leg.
+  const std::vector<double> lowest = lowest_levels(poses, up.direction());
+  return !lowest.empty() && std::abs(median(lowest)) <= kNear * size_of(body);
+}
+
+// Guess of the up axis from the movement: on average over the poses, the head stays above the hips
+// and the hips above the feet, and the lowest joint varies least. y, the convention of BVH, wins if
+// it scores nearly as well as the best axis, or if the body lies: the lowest joint then varies much
+// less along y than along the best axis.
+struct UpGuess {
+  SignedAxis axis;
+  double certainty = 0.0;  // Mean cosine between the axis and the trunk and legs.
+};
+
+UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const std::vector<int> feet = feet_of(body);
+  for (const JointPoses& pose : poses) mean += upward(body, pose, feet);
+  mean /= static_cast<double>(std::max<std::size_t>(poses.size(), 1));
+
+  // A floor that varies by a whole leg counts as much as a trunk that leans by 60 degrees.
+  const auto floor = [&](const SignedAxis& axis) { return floor_wander(body, poses, axis); };
+  const auto score = [&](const SignedAxis& axis) {
+    return mean.dot(axis.direction()) - 0.5 * floor(axis);
+  };
+  SignedAxis best;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool negative : {false, true}) {
+      if (score({axis, negative}) > score(best)) best = {axis, negative};
+    }
+  }
+  const SignedAxis custom;
+  const bool is_near = score(custom) > 0.0 && score(custom) >= kCustomShare * score(best);
+  // For a lying body nothing stands along y, but the floor is constant there.
+  const bool lies = mean.dot(custom.direction()) > -0.3 && floor(best) > 0.02 &&
+                    floor(custom) < 0.4 * floor(best);
+  if (is_near || lies) best = custom;
+  return {best, mean.dot(best.direction())};
+}
+
+// Whether the lowest joint stays at height 0 along the guessed axis alone.
+bool floor_speaks_for(const Body& body, const std::vector<JointPoses>& poses,
+                      const SignedAxis& guessed, const SignedAxis& other) {
+  constexpr double kStill = 0.1;  // Share of a leg.
+  const auto has_floor = [&](const SignedAxis& axis) {
+    return is_on_floor(body, poses, axis) && floor_wander(body, poses, axis) < kStill;
+  };
+  return has_floor(guessed) && !has_floor(other);
+}
+
+// A declared up axis and its source.
+struct Declared {
+  SignedAxis axis;
+  std::string_view source;
+};
+
+std::string taken_text(const SignedAxis& axis) {
+  return "using " + to_text(axis) + " as the up axis; override it with " OPTION("up");
+}
+
+class UpChooser {
+ public:
+  UpChooser(const Body& body, const std::vector<JointPoses>& poses, const KnownUp& known)
+      : body_(body), poses_(poses), known_(known), guess_(guess_up(body, poses)) {}
+
+  [[nodiscard]] UpChoice choose() const {
+    constexpr std::string_view kFile = "the file", kKind = "this kind of skeleton",
+                               kZero = "the zero pose";
+    if (known_.of_file) return by_file({*known_.of_file, kFile});
+    const auto &kind = known_.of_kind, &zero = known_.of_zero_pose;
+    if (kind && zero && *kind != *zero) return between({*kind, kKind}, {*zero, kZero});
+    if (kind) return by_kind({*kind, kKind});
+    return zero ? by_zero_pose({*zero, kZero}) : by_movement();
+  }
+
+ private:
+  [[nodiscard]] FloorEvidence floor(const SignedAxis& axis) const {
+    return floor_evidence(body_, poses_, axis);
+  }
+
+  // Whether trunk and legs clearly point along the guessed axis, for longer than a moment.
+  [[nodiscard]] bool is_plain() const {
+    constexpr std::size_t kMinFrames = 15;  // One and a half seconds.
+    return poses_.size() >= kMinFrames &&
+           guess_.certainty > (guess_.axis.negative ? kBeyondDoubt : kPlainly);
+  }
+
+  [[nodiscard]] bool stands_rather_than(const SignedAxis& other) const {
+    if (known_.of_fall) return *known_.of_fall == guess_.axis;
+    return guess_.certainty > kPlainly && clearly_stands(floor(guess_.axis), floor(other));
+  }
+
+  // Whether the lowest joint stays at height 0 along the first axis only.
+  [[nodiscard]] bool has_floor_rather_than(const SignedAxis& axis, const SignedAxis& other) const {
+    return floor(axis).on_floor() && !floor(other).on_floor();
+  }
+
+  // A common axis with floor evidence that the other axis lacks.
+  [[nodiscard]] std::optional<SignedAxis> axis_of_floor(const SignedAxis& other) const {
+    for (const SignedAxis axis : {SignedAxis{1, false}, SignedAxis{2, false}}) {
+      if (axis != other && has_floor_rather_than(axis, other)) return axis;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] UpChoice standing_against(const Declared& declared) const {
+    return {guess_.axis,
+            fmt::format("{} has {} up, but the body stands on a floor perpendicular to {}: {}",
+                        declared.source, to_text(declared.axis), to_text(guess_.axis),
+                        taken_text(guess_.axis))};
+  }
+
+  // Keeps the declared axis. Adds a doubt if the floor is evidence for another axis, or if posture
+  // is and no floor shows that the body lies.
+  [[nodiscard]] UpChoice keep(const Declared& declared) const {
+    if (known_.of_fall && *known_.of_fall != declared.axis) {
+      return {declared.axis,
+              fmt::format("{} has {} up, but the body falls along the {} axis: {}", declared.source,
+                          to_text(declared.axis), std::string(1, "xyz"[known_.of_fall->axis]),
+                          taken_text(declared.axis))};
+    }
+    const bool agrees = guess_.axis == declared.axis;
+    if (agrees && floor(declared.axis).standing()) return {declared.axis, {}};
+    if (const auto other = axis_of_floor(declared.axis)) {
+      return {declared.axis,
+              fmt::format("{} has {} up, but the body moves on a floor perpendicular to {}: {}",
+                          declared.source, to_text(declared.axis), to_text(*other),
+                          taken_text(declared.axis))};
+    }
+    if (agrees || !is_plain() || has_floor_rather_than(declared.axis, guess_.axis)) {
+      return {declared.axis, {}};
+    }
+    return {declared.axis,
+            fmt::format(
+                "trunk and legs point along {}, but {} has {} up, so the body lies or hangs: {}",
+                to_text(guess_.axis), declared.source, to_text(declared.axis),
+                taken_text(declared.axis))};
+  }
+
+  [[nodiscard]] UpChoice by_file(const Declared& file) const {
+    const bool is_false =
+        guess_.axis != file.axis && stands_rather_than(file.axis) && !floor(file.axis).on_floor();
+    return is_false ? standing_against(file) : keep(file);
+  }
+
+  // Converters rotate files, so the floor outweighs the skeleton's kind.
+  [[nodiscard]] UpChoice by_kind(const Declared& kind) const {
+    if (guess_.axis == kind.axis) return keep(kind);
+    if (stands_rather_than(kind.axis)) return standing_against(kind);
+    if (is_plain() && has_floor_rather_than(guess_.axis, kind.axis)) return standing_against(kind);
+    return keep(kind);
+  }
+
+  [[nodiscard]] UpChoice by_zero_pose(const Declared& zero) const {
+    const double plainly = guess_.axis.negative ? kPlainlyNegative : kPlainly;
+    if (guess_.certainty < kMinCertainty) {
+      const bool turned = floor_speaks_for(body_, poses_, guess_.axis, zero.axis);
+      const SignedAxis axis = turned ? guess_.axis : zero.axis;
+      return {axis, "the body is rarely upright: " + taken_text(axis)};
+    }
+    if (guess_.axis == zero.axis) return keep(zero);
+    const bool is_upright = guess_.certainty >= plainly;
+    if (is_upright && stands_rather_than(zero.axis)) return {guess_.axis, {}};
+    const bool has_floor = is_upright ? has_floor_rather_than(guess_.axis, zero.axis)
+                                      : floor_speaks_for(body_, poses_, guess_.axis, zero.axis);
+    return has_floor ? standing_against(zero) : keep(zero);
+  }
+
+  // Whether the floor shows that a file was rotated from its kind's axis to that of its zero pose.
+  [[nodiscard]] bool is_turned(const SignedAxis& kind, const SignedAxis& zero) const {
+    return has_floor_rather_than(zero, kind) || climbs_along(floor(kind), floor(zero));
+  }
+
+  // Chooses between a file that was rotated as a whole and one whose zero pose has other axes.
+  [[nodiscard]] UpChoice between(const Declared& kind, const Declared& zero) const {
+    for (const auto& [one, other] : {std::pair(kind, zero), std::pair(zero, kind)}) {
+      if (guess_.axis == one.axis && stands_rather_than(other.axis)) return {one.axis, {}};
+    }
+    const Declared& taken = is_turned(kind.axis, zero.axis) ? zero : kind;
+    if (guess_.axis != taken.axis && stands_rather_than(taken.axis)) return standing_against(taken);
+    return {taken.axis, fmt::format("{} has {} up, {} {}: {}", kind.source, to_text(kind.axis),
+                                    zero.source, to_text(zero.axis), taken_text(taken.axis))};
+  }
+
+  [[nodiscard]] UpChoice by_movement() const {
+    if (known_.of_fall) return {*known_.of_fall, {}};
+    UpChoice choice{guess_.axis, {}};
+    if (guess_.certainty < kMinCertainty) {
+      choice.doubt = "the body is rarely upright: " + taken_text(choice.axis);
+      return choice;
+    }
+    const FloorEvidence upright = floor(guess_.axis);
+    if (upright.on_floor()) return choice;
+    const auto other = axis_of_floor(guess_.axis);
+    if (!other) return doubt_travel(choice, upright);
+    if (clearly_stands(upright, floor(*other))) return choice;
+    // Of two axes, y is the convention.
+    if (guess_.axis != SignedAxis{}) choice.axis = *other;
+    choice.doubt =
+        fmt::format("the body stands along {} or lies on a floor perpendicular to {}: {}",
+                    to_text(guess_.axis), to_text(*other), taken_text(choice.axis));
+    return choice;
+  }
+
+  // A body that moves head first without standing swims or crawls.
+  [[nodiscard]] UpChoice doubt_travel(UpChoice choice, const FloorEvidence& upright) const {
+    if (upright.standing()) return choice;
+    for (const SignedAxis other : {SignedAxis{1, false}, SignedAxis{2, false}}) {
+      if (other.axis == choice.axis.axis || !climbs_along(upright, floor(other))) continue;
+      choice.doubt = fmt::format("the body climbs along {}, or swims or crawls: {}",
+                                 to_text(choice.axis), taken_text(choice.axis));
+    }
+    return choice;
+  }
+
+  const Body& body_;
+  const std::vector<JointPoses>& poses_;
+  const KnownUp& known_;
+  const UpGuess guess_;
+};
+
+}  // namespace
+
+UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses, const KnownUp& known) {
+  if (!poses.empty()) return UpChooser(body, poses, known).choose();
+  for (const auto& axis : {known.of_file, known.of_kind, known.of_zero_pose}) {
+    if (axis) return {*axis, {}};
+  }
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "human/skeleton/bone_map.h"
+#include "human/skeleton/calibrate.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+
+namespace retarget {
+
+/// Contents of a motion file: the clip as read, and the human recognised in it.
+struct Inspection {
+  std::string file;  ///< File name.
+  const Clip& clip;
+  std::span<const Warning> warnings;  ///< Warnings from reading the file.
+  const BoneMap* map = nullptr;       ///< Null if no human was recognised; `reason` explains why.
+  const Calibration* calibration = nullptr;  ///< Likewise.
+  const Error* reason = nullptr;
+  OptionSpelling spelling = option_as_field;
+};
+
+/// Returns the joints, rate, extents and the human, as JSON that is safe to print on a terminal.
+[[nodiscard]] std::string inspection_json(const Inspection& found);
+
+/// The same as human-readable text, wrapped to the terminal width except for joint lines. Names are
+/// as in the file, made printable.
+[[nodiscard]] std::string inspection_text(const Inspection& found);
+
+/// Returns the world poses of all joints and end sites as CSV: `frame,time`, then `.x .y .z .qx .qy
+/// .qz .qw` for each; in the file's units and axes, with the shortest numbers that parse back to
+/// the same doubles.
+[[nodiscard]] std::string positions_csv(const Clip& clip);
+
+}  // namespace retarget

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "judge/quality/draft.h"
+#include "judge/quality/posture.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+/// Measures in how many of the upright frames joints are at a limit, and which joint most often.
+/// Adds nothing if the body is never upright.
+void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture);
+
+}  // namespace retarget

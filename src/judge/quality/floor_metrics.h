@@ -1,0 +1,23 @@
+#pragma once
+
+#include "human/gait/contact_plan.h"
+#include "judge/quality/body_tracks.h"
+#include "judge/quality/draft.h"
+#include "judge/quality/posture.h"
+
+namespace retarget {
+
+/// Measures floor penetration, floating, slip of flat feet and self-collision; needs no source.
+void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks);
+
+/// Measures the robot's feet while the source's feet are in contact with the floor.
+/// @param frames  number of frames of both.
+void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const ContactPlan& contacts, int frames);
+
+/// Measures slip, drift and height of the robot's soles while the source's feet stand on the floor
+/// and its body is upright.
+void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
+                     const ContactPlan& contacts, const Posture& posture);
+
+}  // namespace retarget

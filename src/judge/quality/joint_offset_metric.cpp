@@ -1,0 +1,181 @@
+#include "judge/quality/joint_offset_metric.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "robot/anatomy/limbs.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Sums over limbs of one rank and over frames for one joint.
+struct OffsetSum {
+  double toward = 0.0, moved = 0.0;
+};
+using OffsetSums = std::array<OffsetSum, LimbDirections::kRanks>;
+
+class OffsetMeter {
+ public:
+  OffsetMeter(const Robot& robot, const LimitSet& limits, const std::vector<LimbDirections>& limbs)
+      : robot_(robot),
+        limits_(limits),
+        limbs_(limbs),
+        state_(robot.tree()),
+        sums_(robot.joints().size()) {}
+
+  void add(std::span<const double> qpos, int frame) {
+    state_.update(qpos);
+    find_free_joints(qpos);
+    for (const LimbDirections& limb : limbs_) {
+      const auto at = static_cast<std::size_t>(frame);
+      if (limb.is_free(at)) add_limb(limb, at);
+    }
+  }
+
+  [[nodiscard]] const OffsetSums& of(int joint) const {
+    return sums_[static_cast<std::size_t>(joint)];
+  }
+
+ private:
+  // Excludes joints at a limit, whose deviation is not an offset.
+  void find_free_joints(std::span<const double> qpos) {
+    constexpr double kAtLimit = 0.02;  // rad
+    free_joints_.clear();
+    for (const int j : robot_.output_joints()) {
+      const auto joint = static_cast<std::size_t>(j);
+      if (robot_.joints()[joint].type != RobotJoint::Type::kHinge) continue;
+      const double q = qpos[static_cast<std::size_t>(robot_.joints()[joint].qpos_address)];
+      const bool free = q > limits_.lower[joint] + kAtLimit && q < limits_.upper[joint] - kAtLimit;
+      if (free) free_joints_.push_back(j);
+    }
+  }
+
+  void add_limb(const LimbDirections& limb, std::size_t frame) {
+    const Vector3d& along = limb.robot[frame];
+    const double length = along.norm();
+    if (!(length > 0.0) || !(limb.human[frame].norm() > 0.0)) return;
+    const Vector3d have = along / length, want = limb.human[frame].normalized();
+    for (const int joint : free_joints_) {
+      Vector3d velocity = Vector3d::Zero();
+      for (const LimbEnd& end : limb.to) velocity += velocity_of(end, joint);
+      for (const LimbEnd& end : limb.from) velocity -= velocity_of(end, joint);
+      const Vector3d moved = (velocity - have * have.dot(velocity)) / length;
+      OffsetSum& sum = sums_[static_cast<std::size_t>(joint)][static_cast<std::size_t>(limb.rank)];
+      sum.toward += moved.dot(want);
+      sum.moved += moved.squaredNorm();
+    }
+  }
+
+  // In m/rad; zero if the joint does not move the limb end.
+  [[nodiscard]] Vector3d velocity_of(const LimbEnd& end, int joint) const {
+    const KinematicTree& tree = robot_.tree();
+    const int link = tree.link_of_joint(joint);
+    if (!tree.carries(link, tree.attachment(end.body).link)) return Vector3d::Zero();
+    const Vector3d place = state_.world_from_body(end.body) * end.body_from_joint;
+    return state_.velocity_at(KinematicTree::dof_of(link), place);
+  }
+
+  const Robot& robot_;
+  const LimitSet& limits_;
+  const std::vector<LimbDirections>& limbs_;
+  TreeState state_;
+  std::vector<int> free_joints_;
+  std::vector<OffsetSums> sums_;  // By joint.
+};
+
+// Uses the first limbs that the joint moves. The forearms' threshold is higher so that they
+// determine only elbows: shoulders twist bent forearms to turn hands as well as to aim them.
+std::optional<double> offset_from(const OffsetSums& sums, int frames) {
+  constexpr double kMoves = 0.1;  // Squared motion of unit vectors per frame.
+  constexpr std::array kTells = {0.5, 0.5, 0.8};
+  for (std::size_t rank = 0; rank < sums.size(); ++rank) {
+    const auto& [toward, moved] = sums[rank];
+    if (moved > kTells[rank] * frames) return -toward / moved;
+    if (moved > kMoves * frames) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// Corresponding joints of the left and the right arm.
+std::vector<std::pair<int, int>> arm_pairs(const Robot& robot) {
+  std::vector<std::pair<int, int>> pairs;
+  const auto anatomy = find_limbs(robot, "");
+  if (!anatomy) return pairs;
+  const auto& [left, right] = anatomy->arms;
+  if (left.joints.size() != right.joints.size()) return pairs;
+  for (std::size_t i = 0; i < left.joints.size(); ++i) {
+    pairs.emplace_back(left.joints[i], right.joints[i]);
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<JointOffset> find_joint_offsets(const RobotClip& clip, const LimitSet& limits,
+                                            const std::vector<LimbDirections>& limbs) {
+  std::vector<JointOffset> offsets;
+  if (limbs.empty()) return offsets;
+  const int frames = static_cast<int>(limbs.front().robot.size());
+  OffsetMeter meter(clip.robot(), limits, limbs);
+  for (int frame = 0; frame < frames; ++frame) meter.add(clip.qpos(frame), frame);
+  for (const int joint : clip.robot().output_joints()) {
+    if (const auto offset = offset_from(meter.of(joint), frames))
+      offsets.push_back({joint, *offset});
+  }
+  return offsets;
+}
+
+std::vector<double> weigh_offsets(const std::vector<JointOffset>& offsets,
+                                  const std::vector<std::pair<int, int>>& pairs) {
+  std::vector<double> weights;
+  for (const auto& [joint, offset] : offsets) {
+    double weight = std::abs(offset);
+    for (const auto& [left, right] : pairs) {
+      if (joint != left && joint != right) continue;
+      const auto other =
+          std::ranges::find(offsets, joint == left ? right : left, &JointOffset::joint);
+      if (other == offsets.end()) continue;
+      weight = std::max(weight - std::abs(other->offset), 0.5 * weight);
+    }
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
+void measure_joint_offsets(const ReportBuilder& draft, const LimitSet& limits,
+                           const std::vector<LimbDirections>& limbs,
+                           const std::vector<LimbDirections>& hands) {
+  constexpr double kFarOff = 0.1;  // rad
+  std::vector<JointOffset> offsets = find_joint_offsets(draft.clip, limits, limbs);
+  for (const JointOffset& of_hand : find_joint_offsets(draft.clip, limits, hands)) {
+    const bool known =
+        std::ranges::find(offsets, of_hand.joint, &JointOffset::joint) != offsets.end();
+    if (!known) offsets.push_back(of_hand);
+  }
+  if (offsets.empty()) return;
+  std::ranges::stable_sort(offsets, std::greater(),
+                           [](const JointOffset& off) { return std::abs(off.offset); });
+  const std::vector<double> weights = weigh_offsets(offsets, arm_pairs(draft.clip.robot()));
+  draft.set("joint_offset_rad", *std::ranges::max_element(weights));
+  const int frames = static_cast<int>(limbs.front().robot.size());
+  int count = 0;
+  for (const auto& [joint, offset] : offsets) {
+    if (std::abs(offset) <= kFarOff) break;
+    if (static_cast<std::size_t>(count++) >= draft.options.faults_per_metric) continue;
+    draft.report.faults.push_back(
+        {"joint_offset_rad", draft.clip.robot().joints()[static_cast<std::size_t>(joint)].name, 0,
+         frames, 0, offset, "rad"});
+  }
+  if (count > 0) draft.report.fault_totals.push_back({"joint_offset_rad", count});
+}
+
+}  // namespace retarget

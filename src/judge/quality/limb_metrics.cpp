@@ -1,0 +1,167 @@
+// Compares limbs, hands and trunk of a robot with the human's.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/math/so3.h"
+#include "base/math/statistics.h"
+#include "judge/quality/joint_offset_metric.h"
+#include "judge/quality/lag_metric.h"
+#include "judge/quality/tracking_measure.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Angle in degrees. A robot limb of zero length has no direction and counts as a right angle.
+double limb_angle(const Vector3d& of_human, const Vector3d& of_robot) {
+  constexpr double kNoLength = 0.02;  // Fraction of the human limb's length.
+  if (of_robot.norm() < kNoLength * of_human.norm()) return 90.0;
+  return kDegreesPerRadian * angle_between(of_human, of_robot);
+}
+
+// Rank as in LimbDirections.
+int rank_of(const LimbSegment& segment) {
+  const Bone from = segment.from[0];
+  if (from != segment.from[1] || side_of(from) != side_of(segment.to[0])) return 0;
+  return from == Bone::kLeftUpLeg || from == Bone::kRightUpLeg || from == Bone::kLeftArm ||
+                 from == Bone::kRightArm
+             ? 1
+             : 2;
+}
+
+bool is_of_legs(const LimbSegment& segment) {
+  return std::ranges::all_of(segment.bones(), [](Bone bone) {
+    const auto part = limb_bone(bone);
+    return part == LimbBone::kUpLeg || part == LimbBone::kLeg || part == LimbBone::kFoot;
+  });
+}
+
+}  // namespace
+
+// Returns nothing if a bone of the limb is not tracked.
+std::optional<LimbDirections> TrackingMeasure::directions_of(const LimbSegment& segment,
+                                                             const RobotLimbs* limbs) const {
+  BoneArray<const TrackedRow*> rows{nullptr};
+  for (const Bone bone : segment.bones()) {
+    rows[bone] = human_.has(bone) ? row_of(bone) : nullptr;
+    if (rows[bone] == nullptr) return std::nullopt;
+  }
+  const auto place_in_body = [&](Bone bone) -> Vector3d {
+    return limbs != nullptr ? limbs->body_from_joint[rows[bone]->bone] : Vector3d(Vector3d::Zero());
+  };
+  const auto end_of = [&](Bone bone) {
+    return LimbEnd{rows[bone]->task->body, place_in_body(bone)};
+  };
+  LimbDirections found;
+  found.rank = rank_of(segment);
+  found.of_legs = is_of_legs(segment);
+  found.from = {end_of(segment.from[0]), end_of(segment.from[1])};
+  found.to = {end_of(segment.to[0]), end_of(segment.to[1])};
+  for (int frame = 0; frame < frames_; ++frame) {
+    found.human.push_back(robot_from_human_ * segment.direction([&](Bone bone) {
+      return bone_pose(frame, bone).translation;
+    }));
+    found.robot.push_back(segment.direction([&](Bone bone) -> Vector3d {
+      const Pose& body = tracks_.kept(frame, rows[bone]->body);
+      return limbs != nullptr ? Vector3d(body * place_in_body(bone)) : body.translation;
+    }));
+    found.free.push_back(rests(frame, segment.bones()) ? 0 : 1);
+  }
+  return found;
+}
+
+// Axes of the hands that follow the human's.
+std::vector<LimbDirections> TrackingMeasure::hand_directions() const {
+  std::vector<LimbDirections> found;
+  for (const Bone bone : {Bone::kLeftHand, Bone::kRightHand}) {
+    const TrackedRow* row = human_.has(bone) ? row_of(bone) : nullptr;
+    if (row == nullptr || !(row->task->rotation_weight > 0.0)) continue;
+    for (const int i : {0, 1, 2}) {
+      const Vector3d axis = Vector3d::Unit(i);
+      LimbDirections& hand = found.emplace_back();
+      hand.from = {LimbEnd{row->task->body}, LimbEnd{row->task->body}};
+      hand.to = {LimbEnd{row->task->body, axis}, LimbEnd{row->task->body, axis}};
+      for (int frame = 0; frame < frames_; ++frame) {
+        hand.human.push_back(2.0 * (wanted_rotation(frame, *row) * axis));
+        hand.robot.push_back(2.0 * (tracks_.kept(frame, row->body).rotation * axis));
+        hand.free.push_back(rests(frame, {&bone, 1}) ? 0 : 1);
+      }
+    }
+  }
+  return found;
+}
+
+// Whether the floor may constrain a limb.
+bool TrackingMeasure::rests(int frame, std::span<const Bone> bones) const {
+  constexpr double kLow = 0.25;  // Fraction of the leg length.
+  return std::ranges::any_of(
+      bones, [&](Bone bone) { return bone_pose(frame, bone).translation.z() < kLow * leg_; });
+}
+
+std::vector<double> TrackingMeasure::limb_angles(const LimbDirections& limb) const {
+  std::vector<double> angles;
+  angles.reserve(limb.human.size());
+  for (std::size_t i = 0; i < limb.human.size(); ++i) {
+    angles.push_back(limb_angle(limb.human[i], limb.robot[i]));
+  }
+  return angles;
+}
+
+// NaN if the body is never upright.
+double TrackingMeasure::mean_while_upright(const std::vector<double>& values) const {
+  std::vector<double> counted;
+  for (int frame = 0; frame < frames_; ++frame) {
+    if (posture_.is_upright(frame)) counted.push_back(values[static_cast<std::size_t>(frame)]);
+  }
+  return mean(counted);
+}
+
+void TrackingMeasure::measure_limbs() const {
+  // Measure between joint centres if the robot's tree defines them, else between body origins.
+  const Robot& robot = draft_.clip.robot();
+  const auto limbs = robot.fixed_base() ? robot_arms(robot, config_) : robot_limbs(robot, config_);
+  std::vector<LimbDirections> directions;
+  std::vector<double> all, upright;
+  for (const LimbSegment& segment : kLimbSegments) {
+    auto found = directions_of(segment, limbs ? &*limbs : nullptr);
+    if (!found) continue;
+    const std::vector<double> angles = limb_angles(*found);
+    draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
+    all.insert(all.end(), angles.begin(), angles.end());
+    upright.push_back(mean_while_upright(angles));
+    directions.push_back(std::move(*found));
+  }
+  if (all.empty()) return;
+  draft_.set("limb_angle_deg", mean(all), percentile(all, 95.0));
+  if (posture_.ever_upright(frames_)) {
+    draft_.set("worst_limb_angle_deg", *std::ranges::max_element(upright));
+  }
+  if (const auto lag = limb_lag(directions, draft_.clip.rate().fps())) draft_.set("lag_s", *lag);
+  std::erase_if(directions, [](const LimbDirections& limb) { return limb.of_legs; });
+  measure_joint_offsets(draft_, limits_, directions, hand_directions());
+}
+
+// Returns nothing if a hip or a shoulder is not tracked. As for limbs, uses body origins if the
+// tree does not define the joint centres.
+std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
+  const auto limbs = robot_limbs(draft_.clip.robot(), config_);
+  TrunkBodies trunk;
+  std::size_t next = 0;
+  for (const Bone bone : kTrunkBones) {
+    const TrackedRow* row = row_of(bone);
+    if (row == nullptr) return std::nullopt;
+    trunk.bodies[next] = row->body;
+    trunk.body_from_joint[next++] =
+        limbs ? limbs->body_from_joint[row->bone] : Vector3d(Vector3d::Zero());
+  }
+  return trunk;
+}
+
+}  // namespace retarget

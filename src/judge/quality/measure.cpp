@@ -1,0 +1,158 @@
+#include "retarget/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "human/gait/contact_plan.h"
+#include "human/gait/source_feet.h"
+#include "human/skeleton/human_clip.h"
+#include "judge/quality/acceleration_metrics.h"
+#include "judge/quality/at_limit_metrics.h"
+#include "judge/quality/body_tracks.h"
+#include "judge/quality/draft.h"
+#include "judge/quality/flight_metrics.h"
+#include "judge/quality/floor_metrics.h"
+#include "judge/quality/hover_metric.h"
+#include "judge/quality/joint_metrics.h"
+#include "judge/quality/posture.h"
+#include "judge/quality/source_slide.h"
+#include "judge/quality/support_metrics.h"
+#include "judge/quality/tracking_metrics.h"
+#include "retarget/pose.h"
+#include "solve/targets/held_base.h"
+#include "solve/targets/limb_lengths.h"
+#include "solve/targets/limit_diagnosis.h"
+
+namespace retarget {
+namespace {
+
+// Rise of a foot's target per metre of rise of the human foot.
+std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
+  const HumanClip& human = *source.human;
+  const HumanPoseSource poses = poses_of(human);
+  const auto targets = make_targets(human, poses, robot, *source.config, source.scale);
+  if (!targets) return std::nullopt;
+  for (const Bone bone :
+       {Bone::kLeftFootMod, Bone::kLeftFoot, Bone::kRightFootMod, Bone::kRightFoot}) {
+    const int target = targets->target_of(bone);
+    if (target < 0) continue;
+    HumanPose low, high;
+    high[bone].translation.z() = 1.0;
+    std::vector<Pose> from(static_cast<std::size_t>(targets->target_count())), to = from;
+    targets->build(low, from);
+    targets->build(high, to);
+    const auto index = static_cast<std::size_t>(target);
+    return (to[index].translation - from[index].translation).z();
+  }
+  return std::nullopt;
+}
+
+LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int frames) {
+  LimitedJoint joint;
+  joint.joint = robot.joints()[static_cast<std::size_t>(found.joint)].name;
+  joint.at_upper = found.at_upper;
+  joint.frames = found.frames;
+  joint.frames_pct = 100.0 * found.frames / frames;
+  if (found.push) {
+    joint.task = bone_name(found.push->bone);
+    joint.rotation = found.push->rotation;
+    joint.shortfall = (joint.rotation ? kDegreesPerRadian : 100.0) * found.push->shortfall;
+  }
+  joint.wider_set = found.wider_set;
+  if (std::isfinite(found.wider_by)) joint.wider = found.wider_by;
+  return joint;
+}
+
+// Finds joints that stay at a limit, and the tasks that push them there.
+void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
+                         const QualitySource& source) {
+  constexpr double kMinShare = 0.05;
+  const HumanClip& human = *source.human;
+  if (human.frame_count < draft.clip.frame_count()) return;
+  const HumanPoseSource poses = poses_of(human);
+  const auto targets = make_targets(human, poses, draft.clip.robot(), *source.config, source.scale,
+                                    TrunkRule::kLines, &limits);
+  // There are no targets if the body lacks bones that the configuration needs.
+  if (!targets) return;
+  for (const JointAtLimit& found :
+       joints_at_limits(draft.clip, *source.config, *targets, poses, limits, kMinShare)) {
+    draft.report.limited_joints.push_back(
+        limited_joint(found, draft.clip.robot(), draft.clip.frame_count()));
+  }
+}
+
+// Measures a robot with a fixed base: the human is placed in front of it, and there is no floor.
+void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
+                  const LimitSet& limits) {
+  const int frames = std::min(draft.clip.frame_count(), source.human->frame_count);
+  draft.report.source_frames = frames;
+  const HumanClip seen = seen_by(HeldBase(draft.clip.robot(), *source.config),
+                                 source.config->root_bone, *source.human);
+  QualitySource held = source;
+  held.human = &seen;
+  measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
+}
+
+// Measures the robot's contacts with the floor against those of its source.
+void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const QualitySource& source, const Posture& posture, int frames) {
+  const HumanClip& human = *source.human;
+  const bool tracked = source.config != nullptr;
+  const SourceFeet feet(human, frames);
+  // Find contacts in the compared frames only.
+  const ContactPlan contacts = find_contacts(feet);
+  draft.report.contacts = contacts.of_ends();
+  measure_contacts(draft, tracks, contacts, frames);
+  measure_stances(draft, tracks, contacts, posture);
+  if (tracked) measure_supports(draft, *source.config, contacts);
+  const auto scale = tracked ? foot_scale(source, draft.clip.robot()) : std::nullopt;
+  const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
+  if (scale) measure_flights(draft, tracks, flights, *scale);
+  measure_hovering(draft, tracks, feet, contacts, flights, scale.value_or(1.0));
+}
+
+}  // namespace
+
+QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
+                              const QualitySource* source, const QualityOptions& options) {
+  QualityReport report;
+  report.robot = clip.robot().name();
+  report.frames = clip.frame_count();
+  report.fps = clip.rate().fps();
+  report.limits = limits.name;
+  const ReportBuilder draft{clip, options, report};
+  measure_joints(draft, limits);
+  measure_body_accelerations(draft);
+
+  const bool tracked = source != nullptr && source->config != nullptr;
+  if (tracked) {
+    if (const auto leg = robot_leg_length(clip.robot(), *source->config)) report.leg = *leg;
+  }
+  const BodyTracks tracks =
+      track_bodies(clip, tracked ? tracked_bodies(*source->config) : std::vector<int>(),
+                   options.self_collision_stride);
+  measure_bodies(draft, tracks);
+  const bool held = tracked && clip.robot().fixed_base();
+  const int frames =
+      source != nullptr ? std::min(clip.frame_count(), source->human->frame_count) : 0;
+  const Posture posture = source != nullptr && !held
+                              ? find_posture(*source->human, clip.frame_count(), frames)
+                              : upright_posture(clip.frame_count());
+  if (posture.lying_pct) draft.set("lying_pct", *posture.lying_pct);
+  measure_at_limits(draft, limits, posture);
+  if (held) {
+    measure_held(draft, tracks, *source, limits);
+  } else if (source != nullptr) {
+    report.source_frames = frames;
+    measure_source_slide(draft, *source->human, frames);
+    measure_on_floor(draft, tracks, *source, posture, frames);
+    if (tracked) measure_tracking(draft, tracks, *source, limits, posture, frames);
+    if (tracked) find_limited_joints(draft, limits, *source);
+  }
+  std::ranges::sort(report.values, {}, &MetricValue::metric);
+  return report;
+}
+
+}  // namespace retarget

@@ -1,0 +1,322 @@
+#include "retarget/report.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "judge/quality/metric_group.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::string_view kOwn = "own";
+constexpr std::string_view kNotes = "measurements of the published G1 data";
+constexpr std::string_view kHolosoma = "holosoma evaluation, 1 cm";
+constexpr std::string_view kContacts = "contacts of the source foot: contact_plan.h";
+constexpr std::string_view kDynamics = "inverse dynamics: docs/dynamics.md";
+
+// Steps are between consecutive frames; speeds are steps times the frame rate.
+constexpr auto kMetrics = std::to_array<Metric>({
+    {"solver_failures", "count",
+     "Frame ranges of a newly solved motion in which a solver met non-finite numbers: it rejected "
+     "these steps, and the frames may deviate from their targets.",
+     kOwn, true},
+    {"limit_pct", "%", "Frames with a joint beyond its limits by more than 1e-6 rad or m.", kOwn},
+    {"limit_max_rad", "rad", "Largest excess of a joint beyond its limits; 0 within the limits.",
+     kOwn},
+    {"at_limit_pct", "%",
+     "Frames with a joint beyond a limit or within 0.01 rad of it (or a hundredth of its range if "
+     "that is less); excludes frames in which the human lies, heads, hands, and limits reached in "
+     "the zero configuration.",
+     kOwn},
+    {"joint_at_limit_pct", "%",
+     "The same for the joint and limit with the most frames; `at_limit` names them.", kOwn},
+    {"joint_frames_at_limit_pct", "%",
+     "Share of joints at a limit over all counted joints and frames, by the rules of at_limit_pct.",
+     kOwn},
+    {"speed_limit_pct", "%",
+     "Steps in which a joint is faster than its speed limit (by more than 1e-6 rad per step).",
+     kNotes},
+    {"speed_limit_max_ratio", "1", "Largest ratio of a joint's speed to its limit.", kNotes},
+    {"peak_speed", "rad/s", "Largest speed of a joint.", kNotes},
+    {"fast_3pi_pct", "%", "Steps in which a joint is faster than 3 pi rad/s.",
+     "nominal joint speed of the published method"},
+    {"jumps", "count", "Steps of single joints above 0.5 rad.", kNotes},
+    {"jump_frames", "count", "Steps between frames in which some joint moves more than 0.5 rad.",
+     kNotes},
+    {"max_step_rad", "rad", "Largest step of a joint.", kOwn},
+    {"acc_rms", "rad/s^2", "Root mean square of all joints' accelerations (second differences).",
+     kNotes},
+    {"acc_p99", "rad/s^2",
+     "99th percentile over frames of the largest joint acceleration in a frame.", kNotes},
+    {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
+     "PHUMA, under 50"},
+    {"root_jerk_p99", "m/s^3", "Its 99th percentile.", "PHUMA"},
+    {"root_acc_p99", "m/s^2",
+     "99th percentile over frames of the root's acceleration, of the cubic spline through its "
+     "positions.",
+     kOwn},
+    {"com_acc_rms", "m/s^2",
+     "Root mean square acceleration of the centre of mass over frames, of the cubic spline through "
+     "its positions.",
+     kOwn},
+    {"com_acc_p99", "m/s^2", "Its 99th percentile.", kOwn},
+    {"root_jumps", "count",
+     "Steps in which the root moves faster than 10 m/s or rotates faster than 20 rad/s; gymnasts "
+     "and dancers in LAFAN1 stay below 5 and 13.",
+     kOwn},
+    {"foot_pen_1cm_pct", "%", "Frames with a sole point more than 1 cm below the floor.",
+     kHolosoma},
+    {"foot_pen_max_cm", "cm", "Depth of the deepest sole point; negative: its smallest height.",
+     kHolosoma},
+    {"body_pen_1cm_pct", "%",
+     "Frames with a sole point or collision primitive more than 1 cm below the floor.", kHolosoma},
+    {"body_pen_max_cm", "cm", "Depth of the deepest of these; negative: their smallest height.",
+     kHolosoma},
+    {"float_2cm_pct", "%",
+     "Frames with every sole point and primitive more than 2 cm above the floor, flight included.",
+     kNotes},
+    {"sole_height_p50_cm", "cm", "Median over frames of the lowest sole point's height.", kNotes},
+    {"flat_slip_p50", "m/s",
+     "Median horizontal speed of the middle of a sole whose points are all under 2 cm at both ends "
+     "of the step.",
+     kNotes},
+    {"flat_slip_p95", "m/s", "Its 95th percentile.", kNotes},
+    {"self_1cm_pct", "%",
+     "Share of every fifth frame in which primitives of two bodies penetrate by more than 1 cm "
+     "(MuJoCo's contact depth), excluding allowed pairs.",
+     kOwn},
+    {"self_max_cm", "cm", "Depth of the deepest of these contacts; 0 if there are none.", kOwn},
+    {"self_all_1cm_pct", "%",
+     "The same for every frame and the exact depth: the shortest translation that separates the "
+     "two.",
+     kOwn},
+    {"self_all_max_cm", "cm", "Depth of the deepest of these.", kOwn},
+    {"float_planted_pct", "%",
+     "Frames in which a source foot is in contact and every sole point and primitive is more than "
+     "2 cm above the floor.",
+     kContacts},
+    {"hover_pct", "%",
+     "Frames in which the robot hovers: every sole point and primitive is more than 2 cm above the "
+     "floor, and above the clearance of the source's lowest part, scaled, while the source is not "
+     "in flight.",
+     kOwn},
+    {"lying_pct", "%",
+     "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "
+     "hips are lower than three quarters of its leg length.",
+     kOwn},
+    {"source_slide_mean", "m/s",
+     "Mean speed of the slowest of the source's ankles and toes in excess of its hips: supporting "
+     "feet rest, and feet in the air move with the body.",
+     kOwn},
+    {"contact_pct", "%", "Feet and frames in which the source foot is in contact.", kContacts},
+    {"contact_slip_mean", "m/s",
+     "Mean horizontal speed of the middle of the sole while the source foot is in contact.",
+     "GMD foot skating, with contacts from the source as in OmniRetarget"},
+    {"contact_slip_p95", "m/s", "Its 95th percentile.", kOwn},
+    {"contact_drift_p95_cm", "cm",
+     "Largest horizontal distance of the middle of the sole from its median position within a "
+     "contact; 95th percentile over contacts.",
+     kOwn},
+    {"contact_height_p50_cm", "cm",
+     "Median height of the lowest sole point while the source foot is in contact.", kOwn},
+    {"contact_agreement_pct", "%",
+     "Feet and frames in which source and robot agree on whether the foot stands: the robot's foot "
+     "stands while its lowest sole point is under 2 cm and the middle of its sole is slower than "
+     "0.25 m/s.",
+     "PHUMA and OmniRetarget, contact preservation"},
+    {"contact_kept_pct", "%",
+     "Share of those with the source foot in contact in which the robot's foot stands.",
+     "OmniRetarget, contact preservation"},
+    {"stance_pct", "%",
+     "Feet and frames in which the source foot is in contact on its sole: its standing up "
+     "direction is at most 41 degrees from the vertical; excludes the surroundings of frames in "
+     "which the human lies.",
+     kContacts},
+    {"stance_slip_mean", "m/s", "contact_slip_mean for these.", kOwn},
+    {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm for these.", kOwn},
+    {"stance_height_p50_cm", "cm", "contact_height_p50_cm for these.", kOwn},
+    {"support_pct", "%",
+     "Number of knees, elbows, hands, seat and back of the source on the floor, summed over "
+     "frames.",
+     kOwn},
+    {"support_slip_mean", "m/s",
+     "Mean horizontal speed of the robot's corresponding body while the source's is on the floor; "
+     "0 if there is no such contact.",
+     kOwn},
+    {"support_drift_p95_cm", "cm",
+     "Largest horizontal distance of this body from its median position within such a contact; "
+     "95th percentile over contacts.",
+     kOwn},
+    {"support_height_p50_cm", "cm", "Median height of its lowest primitive during these contacts.",
+     kOwn},
+    {"support_height_p95_cm", "cm", "Its 95th percentile.", kOwn},
+    {"flights", "count",
+     "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
+     "rise and fall as in free fall.",
+     kContacts},
+    {"flight_peak_max_cm", "cm",
+     "Largest difference, over flights, of the robot's peak sole height (of the lowest sole point) "
+     "from the source's peak clearance of the lower foot, scaled.",
+     kOwn},
+    {"track_pos_cm", "cm",
+     "Distance between bodies and the scaled bones that they follow, both relative to the root, "
+     "after removing a constant yaw: rows of table 2 with position weight, without the root. Mean "
+     "and 95th percentile.",
+     "MPJPE, root-relative"},
+    {"track_rot_deg", "deg",
+     "Angle between bodies and the offset axes of the bones that they follow (with limb scaling: "
+     "the target axes of the fit): rows of table 2 with rotation weight. Mean and 95th percentile.",
+     kOwn},
+    {"limb_angle_deg", "deg",
+     "Angle between the robot's and the human's limbs (from joint to joint, after removing a "
+     "constant yaw): thighs, shins, upper arms, forearms, trunk, hip and shoulder line. Mean and "
+     "95th percentile.",
+     kOwn},
+    {"worst_limb_angle_deg", "deg",
+     "The same for the limb with the largest mean, without frames in which the human lies.", kOwn},
+    {"trunk_lean_error_deg", "deg",
+     "Difference between the robot's lean and the human's: angle from the vertical of the line "
+     "from hips to shoulders, each relative to its own standing pose. Mean and 95th percentile, "
+     "without frames in which the human lies.",
+     kOwn},
+    {"root_slide_mean", "m/s",
+     "Mean horizontal speed, over two seconds, at which the root deviates from the source's scaled "
+     "path, after removing a constant yaw.",
+     kOwn},
+    {"lag_s", "s",
+     "Delay of the robot's limbs behind the human's: the shift of up to half a second that "
+     "maximises the correlation of their angular rates. For clips of at least one second with limb "
+     "movement.",
+     kOwn},
+    {"joint_offset_rad", "rad",
+     "Constant offset of a joint: subtracting it in all frames, from this joint alone, brings the "
+     "limbs that it carries closest to the human's; largest over joints. If the same joint of both "
+     "arms is off: the difference, or half of the larger offset if that is more.",
+     kOwn},
+    {"finger_angle_deg", "deg",
+     "Angle between the segments of the robot's and the human's fingers at equal fractions of "
+     "their lengths, both relative to the palm, without thumbs. Mean and 95th percentile.",
+     kOwn},
+    {"touch_gap_cm", "cm",
+     "Distance between the skins of the robot's thumb and finger while the human's touch; amount, "
+     "mean and 95th percentile.",
+     kOwn},
+    {"dynamics_bad_pct", "%",
+     "Share of the time in which contacts cannot supply the required forces: an unexplained force "
+     "above a tenth of the weight or an unexplained horizontal torque above 3 cm x weight; lengths "
+     "are for a G1 and scale with the legs for other robots.",
+     kDynamics},
+    {"unexplained_force_pct", "%",
+     "Force that no contact supplies, relative to the weight. Mean and 95th percentile.",
+     kDynamics},
+    {"unexplained_torque_cm", "cm",
+     "Horizontal torque about the centre of mass that no contact supplies, divided by the weight. "
+     "Mean and 95th percentile.",
+     kDynamics},
+    {"torque_over_pct", "%",
+     "Share of the time in which a joint needs more torque than its limit, with the contact forces "
+     "that require the least torque.",
+     kDynamics},
+    {"torque_p99_ratio", "1", "99th percentile of the largest ratio of a torque to its limit.",
+     kDynamics},
+    {"zmp_margin_p5_cm", "cm",
+     "Distance of the zero-moment point inside the support polygon; negative outside. 5th "
+     "percentile over the time in which the contacts carry at least a fifth of the weight.",
+     kDynamics},
+    {"friction_p95", "1",
+     "Required friction of all contact forces: ratio of the horizontal to the vertical component "
+     "of their sum; 95th percentile over the same time.",
+     kDynamics},
+    {"flight_force_pct", "%",
+     "Mean unexplained force while no body is near the floor: the deviation of the centre of mass "
+     "from free fall.",
+     kDynamics},
+    {"flight_torque_cm", "cm",
+     "Mean rate of the angular momentum, divided by the weight, over the same time; 0 in free "
+     "fall.",
+     kDynamics},
+});
+
+// A group includes the metrics from this key up to the next group's key, so that a metric added
+// next to similar ones needs no entry.
+struct GroupStart {
+  std::string_view key;
+  MetricGroup group;
+};
+constexpr auto kGroupStarts = std::to_array<GroupStart>({
+    {"solver_failures", MetricGroup::kLimits},
+    {"peak_speed", MetricGroup::kSmoothness},
+    {"foot_pen_1cm_pct", MetricGroup::kFloor},
+    {"flat_slip_p50", MetricGroup::kFeet},
+    {"self_1cm_pct", MetricGroup::kCollisions},
+    {"float_planted_pct", MetricGroup::kFloor},
+    {"lying_pct", MetricGroup::kFeet},
+    {"support_pct", MetricGroup::kFloor},
+    {"flights", MetricGroup::kFeet},
+    {"track_pos_cm", MetricGroup::kSimilarity},
+    {"dynamics_bad_pct", MetricGroup::kDynamics},
+});
+
+constexpr auto kHeadlines = std::to_array<std::string_view>(
+    {"limit_pct", "joint_at_limit_pct", "peak_speed", "jumps", "acc_p99", "root_jerk_mean",
+     "flat_slip_p95", "stance_slip_mean", "foot_pen_max_cm", "self_max_cm", "limb_angle_deg",
+     "worst_limb_angle_deg", "trunk_lean_error_deg", "finger_angle_deg", "touch_gap_cm",
+     "dynamics_bad_pct", "torque_over_pct"});
+
+}  // namespace
+
+std::string_view group_name(MetricGroup group) {
+  switch (group) {
+    case MetricGroup::kLimits:
+      return "limits";
+    case MetricGroup::kSmoothness:
+      return "smoothness";
+    case MetricGroup::kFeet:
+      return "feet";
+    case MetricGroup::kFloor:
+      return "floor";
+    case MetricGroup::kCollisions:
+      return "collisions";
+    case MetricGroup::kSimilarity:
+      return "similarity";
+    case MetricGroup::kDynamics:
+      break;
+  }
+  return "dynamics";
+}
+
+MetricGroup group_of(const Metric& metric) {
+  MetricGroup group = kGroupStarts.front().group;
+  for (const Metric& each : kMetrics) {
+    const auto start = std::ranges::find(kGroupStarts, each.key, &GroupStart::key);
+    if (start != kGroupStarts.end()) group = start->group;
+    if (each.key == metric.key) break;
+  }
+  return group;
+}
+
+bool is_headline(const Metric& metric) {
+  return std::ranges::find(kHeadlines, metric.key) != kHeadlines.end();
+}
+
+std::span<const Metric> quality_metrics() {
+  return kMetrics;
+}
+
+const Metric* find_metric(std::string_view key) {
+  const auto found = std::ranges::find(kMetrics, key, &Metric::key);
+  return found == kMetrics.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> metric_keys() {
+  std::vector<std::string> keys;
+  keys.reserve(kMetrics.size());
+  for (const Metric& metric : kMetrics) keys.emplace_back(metric.key);
+  return keys;
+}
+
+}  // namespace retarget

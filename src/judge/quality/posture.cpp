@@ -1,0 +1,47 @@
+#include "judge/quality/posture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "human/gait/source_feet.h"
+#include "human/skeleton/human_clip.h"
+#include "judge/quality/draft.h"
+#include "judge/quality/trunk_lean.h"
+#include "solve/targets/trunk_lines.h"
+
+namespace retarget {
+namespace {
+
+// A person who bends to the floor has higher hips, and one who sits has a more upright trunk. On
+// hands and knees, the hips are at 0.6 of the leg length.
+constexpr double kLyingUpright = 0.5;  // Cosine of 60 degrees.
+constexpr double kLowHips = 0.75;      // Fraction of thigh and shank.
+constexpr double kGettingUp = 0.5;     // Seconds before and after.
+
+}  // namespace
+
+Posture upright_posture(int frames) {
+  return {std::vector<char>(static_cast<std::size_t>(frames), 1), std::nullopt};
+}
+
+Posture find_posture(const HumanClip& human, int frames, int source_frames) {
+  Posture posture = upright_posture(frames);
+  const auto standing = standing_trunk(human);
+  const double leg = leg_length(human);
+  if (!standing || !(leg > 0.0) || source_frames == 0) return posture;
+  const int margin = static_cast<int>(std::lround(kGettingUp / human.rate.frame_time()));
+  int lying = 0;
+  for (int frame = 0; frame < source_frames; ++frame) {
+    const HumanPose& pose = human.frame(frame);
+    const auto trunk = trunk_frame(trunk_lines(pose));
+    if (!trunk || pose[Bone::kHips].translation.z() >= kLowHips * leg) continue;
+    if (trunk_up(*trunk, *standing).z() >= kLyingUpright) continue;
+    ++lying;
+    std::fill(posture.upright.begin() + std::max(frame - margin, 0),
+              posture.upright.begin() + std::min(frame + margin + 1, frames), char{0});
+  }
+  posture.lying_pct = percent(lying, source_frames);
+  return posture;
+}
+
+}  // namespace retarget

@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "judge/quality/metric_group.h"
+#include "judge/quality/report_parts.h"
+#include "judge/quality/report_table.h"
+#include "retarget/measure.h"
+#include "retarget/report.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kLegend = "+ kept, x missed, - not measured";
+
+// Width of the group labels, and of the first of two columns of figures.
+constexpr std::size_t kLabelWidth = 12, kCellWidth = 34;
+
+using Lines = std::vector<ReportLine>;
+
+void append(Lines& lines, Lines more) {
+  for (ReportLine& line : more) lines.push_back(std::move(line));
+}
+
+// A metric's mark, value and bound. @pre it was measured
+ReportLine cell_of(const QualityReport& report, const Metric& metric) {
+  const GateResult* gate = gate_on(report, metric.key);
+  const double value = report.find(metric.key)->value;
+  ReportPiece mark = gate_mark(gate);
+  const std::string figure = gate == nullptr ? figure_text(value) : figure_text(value, *gate);
+  const ReportTone tone = mark.tone == ReportTone::kBad ? ReportTone::kBad : ReportTone::kPlain;
+  ReportLine cell = {std::move(mark), {" " + std::string(metric.key) + " "}, {figure, tone}};
+  if (gate != nullptr) cell.push_back({" " + gate_bound_text(*gate), ReportTone::kFaint});
+  return cell;
+}
+
+std::size_t width_of(const ReportLine& line) {
+  std::size_t width = 0;
+  for (const ReportPiece& piece : line) width += piece.text.size();
+  return width;
+}
+
+// The values of one group, two per line if they fit.
+Lines group_lines(std::string_view label, std::vector<ReportLine> cells) {
+  Lines lines;
+  for (ReportLine& cell : cells) {
+    const bool fits = !lines.empty() && width_of(lines.back()) < kLabelWidth + kCellWidth &&
+                      kLabelWidth + kCellWidth + width_of(cell) <= kTextWidth;
+    if (!fits) {
+      std::string start(lines.empty() ? label : "");
+      start.resize(kLabelWidth, ' ');
+      lines.push_back({{std::move(start), ReportTone::kFaint}});
+    } else {
+      const std::size_t width = width_of(lines.back());
+      lines.back().push_back({std::string(kLabelWidth + kCellWidth - width, ' ')});
+    }
+    for (ReportPiece& piece : cell) lines.back().push_back(std::move(piece));
+  }
+  return lines;
+}
+
+// Measured gates by group, and headline values without a gate.
+Lines grouped(const QualityReport& report, bool headlines) {
+  Lines lines;
+  for (const MetricGroup group : kMetricGroups) {
+    std::vector<ReportLine> cells;
+    for (const Metric& metric : quality_metrics()) {
+      if (report.find(metric.key) == nullptr || group_of(metric) != group) continue;
+      const bool is_gate = gate_on(report, metric.key) != nullptr;
+      if (is_gate || (headlines && is_headline(metric))) cells.push_back(cell_of(report, metric));
+    }
+    append(lines, group_lines(group_name(group), std::move(cells)));
+  }
+  return lines;
+}
+
+struct MissedGate {
+  const QualityReport* report = nullptr;
+  const GateResult* gate = nullptr;
+};
+
+std::vector<MissedGate> missed_gates(std::span<const QualityReport> reports) {
+  std::vector<MissedGate> missed;
+  for (const QualityReport& report : reports) {
+    for (const GateResult& gate : report.gates) {
+      if (!gate.passed) missed.push_back({&report, &gate});
+    }
+  }
+  return missed;
+}
+
+// Missed gates and where they were missed, in a limited number of lines: all gates first, then the
+// worst place of each, then the second.
+Lines missed_lines(std::span<const QualityReport> reports, int room) {
+  constexpr std::size_t kPlaces = 3;
+  const std::vector<MissedGate> missed = missed_gates(reports);
+  const auto shown = static_cast<std::size_t>(
+      std::clamp<long>(room - (std::ssize(missed) > room ? 1 : 0), 0, std::ssize(missed)));
+  std::vector<std::vector<std::string>> places;
+  std::vector<std::size_t> taken(shown, 0);
+  for (std::size_t i = 0; i < shown; ++i) {
+    places.push_back(places_of_gate(*missed[i].report, *missed[i].gate));
+  }
+  long left = room - static_cast<long>(shown);
+  if (shown < missed.size()) left = 0;
+  for (std::size_t round = 0; round < kPlaces; ++round) {
+    for (std::size_t i = 0; i < shown; ++i) {
+      if (left <= 0 || places[i].size() <= round) continue;
+      ++taken[i];
+      --left;
+    }
+  }
+  Lines lines;
+  for (std::size_t i = 0; i < shown; ++i) {
+    lines.push_back({{missed_text_of(*missed[i].report, *missed[i].gate), ReportTone::kBad}});
+    for (std::size_t k = 0; k < taken[i]; ++k) lines.push_back({{"  " + places[i][k]}});
+  }
+  if (shown < missed.size() && room > 0) {
+    lines.push_back({{"and " + std::to_string(missed.size() - shown) + " more"}});
+  }
+  return lines;
+}
+
+Lines short_lines(const QualityReport& report) {
+  ReportLine verdict = verdict_of(report);
+  if (!report.robot.empty()) {
+    verdict.push_back({" (" + report.robot + ", " + count_text(report.frames, "frame") + ")",
+                       ReportTone::kFaint});
+  }
+  Lines groups = grouped(report, true);
+  const bool has_gates = !report.gates.empty();
+  // One line for the verdict, one for the legend.
+  const int others = 1 + (has_gates ? 1 : 0);
+  const auto room = [&] { return kReportLines - others - static_cast<int>(groups.size()); };
+  const auto missed = static_cast<int>(missed_gates({&report, 1}).size());
+  if (room() < std::min(2 * missed, kReportLines)) groups = grouped(report, false);
+  Lines lines = {std::move(verdict)};
+  append(lines, missed_lines({&report, 1}, std::max(room(), 0)));
+  append(lines, std::move(groups));
+  if (has_gates) lines.push_back({{kLegend, ReportTone::kFaint}});
+  return lines;
+}
+
+// Compares several motions: missed gates, then headline values, then other gates as far as there is
+// room.
+Lines side_by_side(std::span<const QualityReport> reports) {
+  const auto rank = [reports](const Metric& metric) {
+    bool is_gate = false;
+    for (const QualityReport& report : reports) {
+      const GateResult* gate = gate_on(report, metric.key);
+      is_gate = is_gate || gate != nullptr;
+      if (gate != nullptr && !gate->passed) return 0;
+    }
+    return is_headline(metric) ? 1 : is_gate ? 2 : 3;
+  };
+  Lines verdicts;
+  for (const QualityReport& report : reports) verdicts.push_back(verdict_of(report));
+  std::vector<const Metric*> metrics = metrics_by_group(reports);
+  const bool has_gates = std::ranges::any_of(
+      reports, [](const QualityReport& report) { return !report.gates.empty(); });
+  // Each of many motions needs a line of its own.
+  constexpr int kLinesOfMany = 15;
+  const int all_lines = std::max(kReportLines, kLinesOfMany + static_cast<int>(verdicts.size()));
+  // One line for the title, one for the legend.
+  int room = all_lines - static_cast<int>(verdicts.size()) - 1 - (has_gates ? 1 : 0);
+  const auto of_rank = [&](int wanted) {
+    return static_cast<int>(std::ranges::count_if(
+        metrics, [&](const Metric* metric) { return rank(*metric) == wanted; }));
+  };
+  const Lines missed =
+      missed_lines(reports, std::clamp(room - of_rank(0) - of_rank(1), 0, kReportLines));
+  room -= static_cast<int>(missed.size());
+  std::vector<const Metric*> chosen;
+  for (const int wanted : {0, 1, 2}) {
+    for (const Metric* metric : metrics) {
+      if (rank(*metric) == wanted && std::ssize(chosen) < room) chosen.push_back(metric);
+    }
+  }
+  std::erase_if(metrics, [&chosen](const Metric* metric) {
+    return std::ranges::find(chosen, metric) == chosen.end();
+  });
+  Lines lines = std::move(verdicts);
+  append(lines, missed);
+  append(lines, metric_table(reports, metrics, false));
+  if (has_gates) lines.push_back({{kLegend, ReportTone::kFaint}});
+  return lines;
+}
+
+// Lists all values.
+Lines long_lines(std::span<const QualityReport> reports) {
+  Lines lines;
+  for (const QualityReport& report : reports) {
+    ReportLine verdict = verdict_of(report);
+    verdict.push_back({"; " + count_text(report.frames, "frame") + ", limits " + report.limits});
+    lines.push_back(std::move(verdict));
+  }
+  const std::vector<const Metric*> metrics = metrics_by_group(reports);
+  append(lines, metric_table(reports, metrics, true));
+  constexpr int kAll = 1 << 20;
+  const Lines missed = missed_lines(reports, kAll);
+  if (!missed.empty()) {
+    lines.push_back({});
+    lines.push_back({{"gates missed:"}});
+    append(lines, missed);
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string report_text(std::span<const QualityReport> reports, const ReportStyle& style) {
+  if (style.all) return rendered(long_lines(reports), style.colour);
+  return rendered(reports.size() == 1 ? short_lines(reports.front()) : side_by_side(reports),
+                  style.colour);
+}
+
+std::string report_text(std::span<const QualityReport> reports) {
+  return report_text(reports, {});
+}
+
+}  // namespace retarget

@@ -1,0 +1,195 @@
+#include "judge/quality/tracking_metrics.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/math/statistics.h"
+#include "base/math/trigonometry.h"
+#include "judge/quality/root_slide_metric.h"
+#include "judge/quality/tracking_measure.h"
+#include "solve/targets/targets.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+void append(std::vector<double>& all, const std::vector<double>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+double TrackingMeasure::size_ratio(const QualitySource& source) const {
+  constexpr double kPublishedHeight = 1.75;
+  const double assumed = config_.human_height_assumption;
+  return source.scale == ScaleRule::kTable
+             ? human_.height / assumed
+             : kPublishedHeight / assumed * (kPublishedHeight / human_.size);
+}
+
+void TrackingMeasure::collect_rows(double ratio) {
+  for (int table = 0; table < 2; ++table) {
+    const auto& [used, tasks] = config_.match_tables[table];
+    if (!used) continue;
+    for (const ConfigTask& task : tasks) {
+      const auto index = kept(task.body);
+      if (!index || !human_.has(task.bone)) continue;
+      rows_.push_back({&task, table, *index, task.bone, ratio * config_.scales[task.bone]});
+    }
+  }
+}
+
+void TrackingMeasure::collect_root_path(double ratio) {
+  if (!human_.has(config_.root_bone)) return;
+  for (int frame = 0; frame < frames_; ++frame) {
+    root_path_.push_back(ratio * config_.scales[config_.root_bone] *
+                         bone_pose(frame, config_.root_bone).translation);
+  }
+}
+
+// With scaling by limbs, a target is not proportional to its bone's position relative to the root.
+void TrackingMeasure::collect_limb_targets() {
+  const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), config_,
+                                    ScaleRule::kLimbs, TrunkRule::kLines);
+  // If limbs cannot be measured, keep scaling by height.
+  if (!targets) return;
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
+  limb_targets_.resize(static_cast<std::size_t>(frames_));
+  const std::vector<Bone> bones = targets->bones();
+  for (int frame = 0; frame < frames_; ++frame) {
+    targets->build(human_.frame(frame), world_from_target);
+    if (!root_path_.empty()) {
+      root_path_[static_cast<std::size_t>(frame)] = world_from_target.front().translation;
+    }
+    for (std::size_t i = 0; i < bones.size(); ++i) {
+      const Pose& pose = world_from_target[i];
+      limb_targets_[static_cast<std::size_t>(frame)][bones[i]] = {
+          pose.rotation, pose.translation - world_from_target.front().translation};
+    }
+  }
+}
+
+// Finds the yaw that best aligns bones and bodies, because some data sets rotate the whole motion.
+void TrackingMeasure::find_yaw() {
+  double sine = 0.0, cosine = 0.0;
+  for (const TrackedRow& row : rows_) {
+    if (row.table != judged_table() || !has_position(row)) continue;
+    for (int frame = 0; frame < frames_; ++frame) {
+      const Vector3d wanted = want(frame, row), found = have(frame, row);
+      sine += wanted.x() * found.y() - wanted.y() * found.x();
+      cosine += wanted.x() * found.x() + wanted.y() * found.y();
+    }
+  }
+  const double half = 0.5 * portable::atan2(sine, cosine);
+  const auto [half_sine, half_cosine] = portable::sin_cos(half);
+  robot_from_human_ = Eigen::Quaterniond(half_cosine, 0.0, 0.0, half_sine);
+}
+
+std::vector<double> TrackingMeasure::position_errors(const TrackedRow& row) const {
+  std::vector<double> errors;
+  errors.reserve(frames_);
+  for (int frame = 0; frame < frames_; ++frame) {
+    errors.push_back(kInCm * (have(frame, row) - robot_from_human_ * want(frame, row)).norm());
+  }
+  return errors;
+}
+
+std::vector<double> TrackingMeasure::rotation_errors(const TrackedRow& row) const {
+  std::vector<double> errors;
+  errors.reserve(frames_);
+  for (int frame = 0; frame < frames_; ++frame) {
+    const Eigen::Quaterniond between =
+        wanted_rotation(frame, row).conjugate() * tracks_.kept(frame, row.body).rotation;
+    errors.push_back(2.0 * kDegreesPerRadian *
+                     portable::atan2(between.vec().norm(), std::abs(between.w())));
+  }
+  return errors;
+}
+
+void TrackingMeasure::measure_rows() const {
+  std::vector<double> positions, rotations;
+  for (const TrackedRow& row : rows_) {
+    TrackingRow result;
+    result.table = row.table + 1;
+    result.body = draft_.clip.robot().bodies()[row.task->body].name;
+    result.bone = bone_name(row.bone);
+    const bool judged = row.table == judged_table();
+    const bool is_last =
+        std::none_of(&row + 1, rows_.data() + rows_.size(),
+                     [&](const TrackedRow& later) { return later.body == row.body; });
+    if (has_position(row)) {
+      const std::vector<double> errors = position_errors(row);
+      if (judged) append(positions, errors);
+      if (is_last) result.position_errors_cm.assign(errors.begin(), errors.end());
+      result.position_cm = mean(errors);
+      result.position_p95_cm = percentile(errors, 95.0);
+    }
+    if (row.task->rotation_weight > 0.0) {
+      const std::vector<double> errors = rotation_errors(row);
+      if (judged) append(rotations, errors);
+      if (is_last) result.rotation_errors_deg.assign(errors.begin(), errors.end());
+      result.rotation_deg = mean(errors);
+      result.rotation_p95_deg = percentile(errors, 95.0);
+    }
+    if (result.position_cm || result.rotation_deg) draft_.report.tracking.push_back(result);
+  }
+  if (!positions.empty()) {
+    draft_.set("track_pos_cm", mean(positions), percentile(positions, 95.0));
+  }
+  if (!rotations.empty()) {
+    draft_.set("track_rot_deg", mean(rotations), percentile(rotations, 95.0));
+  }
+}
+
+// The first row of a bone. A foot follows either of two bones, so both are tried.
+const TrackedRow* TrackingMeasure::row_of(Bone bone) const {
+  const auto found = std::ranges::find(rows_, bone, &TrackedRow::bone);
+  if (found != rows_.end()) return &*found;
+  const bool is_foot = limb_bone(bone) == LimbBone::kFoot;
+  return is_foot ? row_of(side_bone(side_of(bone), LimbBone::kFootMod)) : nullptr;
+}
+
+void TrackingMeasure::measure_root_path() const {
+  if (draft_.clip.robot().fixed_base() || root_path_.empty()) return;
+  std::vector<Vector3d> found, wanted;
+  for (int frame = 0; frame < frames_; ++frame) {
+    found.push_back(tracks_.kept(frame, root_body_).translation);
+    wanted.push_back(robot_from_human_ * root_path_[static_cast<std::size_t>(frame)]);
+  }
+  if (const auto slide = root_slide(found, wanted, draft_.clip.rate().fps())) {
+    draft_.set("root_slide_mean", *slide);
+  }
+}
+
+void TrackingMeasure::measure() const {
+  measure_rows();
+  measure_limbs();
+  measure_root_path();
+  if (const auto trunk = trunk_bodies()) {
+    measure_trunk_lean(draft_, tracks_, *trunk, human_, robot_from_human_, posture_, frames_);
+  }
+}
+
+std::vector<int> tracked_bodies(const ResolvedConfig& config) {
+  std::vector<int> bodies = {config.root_body};
+  for (const auto& [used, tasks] : config.match_tables) {
+    for (const ConfigTask& task : tasks) {
+      if (task.body >= 0 && std::ranges::find(bodies, task.body) == bodies.end()) {
+        bodies.push_back(task.body);
+      }
+    }
+  }
+  return bodies;
+}
+
+void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const QualitySource& source, const LimitSet& limits, const Posture& posture,
+                      int frames) {
+  if (frames == 0 || tracks.kept_bodies.empty()) return;
+  TrackingMeasure(draft, tracks, source, limits, posture, frames).measure();
+}
+
+}  // namespace retarget

@@ -1,0 +1,423 @@
+#include "retarget/live.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "live/session/frame_queue.h"
+#include "live/session/live_body.h"
+#include "live/session/live_targets.h"
+#include "live/session/motion_limiter.h"
+#include "live/session/playout.h"
+#include "live/session/sender_clock.h"
+#include "live/session/standing_pose.h"
+#include "retarget/live_table.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kPatience =
+    0.1;                         // Seconds that a frame may be overdue before it counts as missing.
+constexpr double kTooFar = 1e5;  // Metres from the origin.
+
+Result<void> check_options(const Plan& plan, const LiveOptions& options) {
+  LiveOptions given = options;
+  for (const Option& row : live_table(given)) {
+    auto sound = check_option(row, row.get());
+    if (!sound) return usage_failure(marked_option(row.name) + ": " + sound.error().message);
+  }
+  if (options.mode == LiveMode::kLag && plan.options.solve.method != Method::kFit) {
+    return usage_failure(
+        "a lag requires the method fit, which looks ahead; gmr solves single frames");
+  }
+  if (!plan.clip || plan.clip->frame_count() == 0) {
+    return usage_failure("a stream needs a plan with at least one frame of the performer");
+  }
+  return {};
+}
+
+bool is_sound(const HumanPose& human) {
+  return std::ranges::all_of(human, [](const Pose& pose) {
+    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+           pose.translation.cwiseAbs().maxCoeff() < kTooFar && pose.rotation.norm() > 1e-6;
+  });
+}
+
+}  // namespace
+
+class LiveSession::Impl {
+ public:
+  Impl(const Plan& plan, const LiveOptions& options, std::unique_ptr<LiveTargets> targets)
+      : options_(options),
+        rate_(frame_rate_from_fps(options.fps)),
+        body_(std::make_unique<LiveBody>(std::move(targets), options, rate_.frame_time())),
+        playout_(rate_.frame_time(), options.delay_s),
+        limiter_(*plan.robot.robot, plan.limits, plan.fit, options.limits, rate_.frame_time()),
+        wanted_(plan.robot.robot->zero_configuration()),
+        standing_(*plan.robot.robot, plan.limits) {
+    if (body_->lag) shown_times_.resize(static_cast<std::size_t>(body_->lag->lag_frames()) + 1);
+  }
+
+  void push(const HumanFrame& frame, double now);
+  std::optional<RobotFrame> pull(double now);
+  [[nodiscard]] std::optional<double> due() const;
+  void skip_to(double now);
+  void finish() { finished_ = true; }
+  void reset();
+  void recalibrate(std::unique_ptr<LiveBody> body);
+
+  [[nodiscard]] const LiveOptions& options() const { return options_; }
+  [[nodiscard]] const LiveStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] LiveState state() const { return state_; }
+  [[nodiscard]] const Robot& robot() const { return body_->targets->robot(); }
+
+ private:
+  bool begin();
+  std::optional<RobotFrame> leave(const Playout::Slot& slot);
+  bool feed(const HumanPose& human);
+  bool hold(double seconds);
+  void interrupt(double now);
+  void take_next_of_lag();
+  RobotFrame show(const Playout::Slot& slot, LiveState state);
+  void limit(const Playout::Slot& slot, LiveState state);
+  double shown_time(double time);
+  std::optional<RobotFrame> show_rest();
+  void note(const Playout::Slot& slot);
+
+  LiveOptions options_;
+  FrameRate rate_;
+  std::unique_ptr<LiveBody> body_;
+  SenderClock clock_;
+  FrameQueue queue_;
+  Playout playout_;
+  MotionLimiter limiter_;
+  LiveState state_ = LiveState::kWaiting;
+  LiveStatistics statistics_;
+  HumanPose human_;             // Human pose that was solved last.
+  std::vector<double> wanted_;  // Target configuration of the robot.
+  StandingPose standing_;
+  bool has_human_ = false, finished_ = false;
+  bool begun_ = false;
+  bool absent_ = false;  // Frames have been missing for longer than kPatience.
+  bool catches_up_ = false;
+  double settled_ = -std::numeric_limits<double>::infinity();  // Last multi-start search.
+  std::vector<double> shown_times_;  // Times of the frames in the window, as a ring buffer.
+  std::int64_t fed_ = 0;
+};
+
+void LiveSession::Impl::push(const HumanFrame& frame, double now) {
+  ++statistics_.received;
+  if (!is_sound(frame.world_from_bone)) {
+    ++statistics_.bad;
+    return;
+  }
+  const bool by_sender = options_.clock == LiveClock::kSender && std::isfinite(frame.time);
+  const double used = playout_.time();
+  const int set_back = clock_.set_back();
+  const auto time = clock_.take(by_sender ? frame.time : now, now, used);
+  if (clock_.set_back() != set_back) playout_.cut();
+  statistics_.clock_jumps = clock_.jumps();
+  statistics_.clock_anchors = clock_.anchored();
+  if (!time) {
+    ++statistics_.late;
+    return;
+  }
+  // An emptied queue no longer contains the frame that was shown, so compare with its time.
+  if (queue_.empty() && *time <= used) {
+    ++statistics_.late;
+    return;
+  }
+  const double bridged = kMaxBridgedGap * std::max(1.0, clock_.rate());
+  switch (queue_.push(*time, frame.world_from_bone, now, bridged)) {
+    case FrameQueue::Taken::kYes:
+      playout_.observe(queue_, clock_);
+      break;
+    case FrameQueue::Taken::kDoubled:
+      ++statistics_.doubled;
+      break;
+    case FrameQueue::Taken::kLate:
+      ++statistics_.late;
+      break;
+  }
+  statistics_.lost = queue_.lost();
+  statistics_.teleports = static_cast<int>(queue_.teleports());
+}
+
+bool LiveSession::Impl::begin() {
+  if (begun_) return true;
+  if (queue_.empty()) return false;
+  playout_.begin(queue_.known_since(queue_.first_time()));
+  return begun_ = true;
+}
+
+std::optional<RobotFrame> LiveSession::Impl::pull(double now) {
+  constexpr double kNow = 1e-9;
+  if (!begin()) return std::nullopt;
+  if (finished_) return show_rest();
+  for (;;) {
+    const Playout::Slot slot = playout_.next(queue_, clock_);
+    if (now < slot.at - kNow) return std::nullopt;
+    if (auto frame = leave(slot)) return frame;
+  }
+}
+
+std::optional<double> LiveSession::Impl::due() const {
+  if (!begun_) return std::nullopt;
+  return playout_.next(queue_, clock_).at;
+}
+
+void LiveSession::Impl::skip_to(double now) {
+  if (!begun_) return;
+  const double away = now - playout_.next(queue_, clock_).at;
+  if (away <= 0.0) return;
+  statistics_.missed += playout_.skip_to(now);
+  if (away > kPatience) limiter_.set_off_slowly();
+}
+
+std::optional<RobotFrame> LiveSession::Impl::leave(const Playout::Slot& slot) {
+  if (slot.skips) statistics_.skipped += queue_.between(playout_.time(), slot.time);
+  bool cut = slot.skips;
+  if (!queue_.empty()) {
+    cut = queue_.sample(slot.time, human_) || cut;
+    has_human_ = true;
+  }
+  playout_.take(slot, queue_, clock_);
+  note(slot);
+  const double missing = playout_.starved() - kPatience - queue_.interval() / clock_.rate();
+  if (missing > 0.0) {
+    if (!std::exchange(absent_, true)) ++statistics_.interruptions;
+    const bool stands = missing > options_.hold_s;
+    if (!hold(missing)) return std::nullopt;
+    return show(slot, stands ? LiveState::kStanding : LiveState::kHolding);
+  }
+  const bool is_new = has_human_ && playout_.starved() == 0.0;
+  if (is_new && (absent_ || cut)) {
+    if (!std::exchange(absent_, false)) ++statistics_.interruptions;
+    interrupt(slot.at);
+  }
+  if (is_new || (has_human_ && body_->lag)) {
+    if (feed(human_)) return show(slot, LiveState::kFollowing);
+    // The window is still filling; hold the previous configuration if there is one.
+    if (!limiter_.has_begun()) return std::nullopt;
+    return show(slot, LiveState::kHolding);
+  }
+  if (!limiter_.has_begun()) return std::nullopt;
+  return show(slot, has_human_ ? LiveState::kFollowing : LiveState::kHolding);
+}
+
+void LiveSession::Impl::note(const Playout::Slot& slot) {
+  statistics_.sender_rate = clock_.rate();
+  statistics_.jitter_s = clock_.jitter();
+  statistics_.frame_rate = queue_.interval() > 0.0 ? clock_.rate() / queue_.interval() : 0.0;
+  statistics_.delay_s = (clock_.now(slot.at) - slot.time) / clock_.rate();
+}
+
+// Solves one human pose.
+// @return whether there is a new configuration to show
+bool LiveSession::Impl::feed(const HumanPose& human) {
+  LiveTargets& targets = *body_->targets;
+  targets.build(human);
+  const Eigen::Vector3d path = targets.path();
+  for (LiveFoot& foot : body_->feet) foot.add(human, targets.world_from_target(), path);
+  const bool frame_mode = !body_->lag;
+  const bool with_floor = !frame_mode || options_.floor;
+  const double floor = with_floor ? body_->floor.add(body_->feet) : 0.0;
+  if (frame_mode && options_.hold_feet) {
+    body_->holder.hold(body_->feet, floor, path, targets.world_from_target());
+  }
+  if (!targets.solve()) {
+    ++statistics_.bad;
+    return limiter_.has_begun();
+  }
+  if (!frame_mode) {
+    shown_times_[static_cast<std::size_t>(fed_++) % shown_times_.size()] = playout_.time();
+    body_->lag->push(human, targets.world_from_target(), targets.qpos(), path, floor);
+    statistics_.failed_steps += body_->lag->take_failed_steps();
+    if (!body_->lag->has_next()) return false;
+    take_next_of_lag();
+    return true;
+  }
+  std::ranges::copy(targets.qpos(), wanted_.begin());
+  for (std::size_t k = 0; k < 3; ++k) wanted_[k] += path[static_cast<int>(k)];
+  wanted_[2] -= floor;
+  if (options_.floor && !robot().fixed_base()) body_->holder.stand(body_->feet, wanted_);
+  return true;
+}
+
+void LiveSession::Impl::take_next_of_lag() {
+  std::ranges::copy(body_->lag->next(), wanted_.begin());
+}
+
+// Produces a frame without input: holds the last pose, then returns to standing.
+// @param seconds  time for which frames have been missing.
+// @return whether there is a configuration to show
+bool LiveSession::Impl::hold(double seconds) {
+  if (seconds > options_.hold_s) {
+    if (state_ != LiveState::kStanding) {
+      limiter_.set_off_slowly();
+      if (limiter_.has_begun()) standing_.place(limiter_.qpos());
+    }
+    std::ranges::copy(standing_.qpos(), wanted_.begin());
+    return limiter_.has_begun();
+  }
+  if (has_human_ && body_->lag) feed(human_);
+  return limiter_.has_begun();
+}
+
+// Handles a discontinuity: discards all state that depends on earlier frames.
+void LiveSession::Impl::interrupt(double now) {
+  constexpr double kSeldom = 0.25;  // Seconds; limits how often the slow search runs.
+  const bool settles = now - settled_ >= kSeldom;
+  if (settles) settled_ = now;
+  body_->restart(settles);
+  fed_ = 0;
+  limiter_.set_off_slowly();
+  if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
+}
+
+void LiveSession::Impl::limit(const Playout::Slot& slot, LiveState state) {
+  const bool limits =
+      options_.limit_speeds || state != LiveState::kFollowing || limiter_.sets_off() || catches_up_;
+  if (!limits) {
+    limiter_.take(wanted_, slot.step);
+    return;
+  }
+  catches_up_ = limiter_.follow(wanted_, slot.step);
+  if (catches_up_) ++statistics_.limited;
+}
+
+RobotFrame LiveSession::Impl::show(const Playout::Slot& slot, LiveState state) {
+  state_ = state;
+  limit(slot, state);
+  if (state != LiveState::kFollowing) ++statistics_.held;
+  return {statistics_.robot_frames++,
+          shown_time(slot.time),
+          state,
+          limiter_.qpos(),
+          slot.at,
+          slot.since};
+}
+
+// Session time of the pose that leaves the window when a pose of the given time enters.
+double LiveSession::Impl::shown_time(double time) {
+  if (!body_->lag) return time;
+  const auto window = static_cast<std::int64_t>(shown_times_.size());
+  return fed_ < window ? time : shown_times_[static_cast<std::size_t>(fed_ % window)];
+}
+
+// Returns the remaining frames: first those received but not shown, then those of the window.
+std::optional<RobotFrame> LiveSession::Impl::show_rest() {
+  for (;;) {
+    const Playout::Slot slot = playout_.next(queue_, clock_);
+    if (slot.known && !queue_.empty()) {
+      if (auto frame = leave(slot)) return frame;
+      continue;
+    }
+    if (!body_->lag || !has_human_) return std::nullopt;
+    LagFit& lag = *body_->lag;
+    if (!lag.is_finished()) lag.finish();
+    statistics_.failed_steps += lag.take_failed_steps();
+    if (!lag.has_next()) return std::nullopt;
+    take_next_of_lag();
+    ++fed_;
+    return show(slot, LiveState::kFollowing);
+  }
+}
+
+void LiveSession::Impl::reset() {
+  body_->restart(true);
+  body_->floor.restart();
+  clock_ = SenderClock();
+  queue_ = FrameQueue();
+  playout_ = Playout(rate_.frame_time(), options_.delay_s);
+  limiter_.reset();
+  state_ = LiveState::kWaiting;
+  statistics_ = {};
+  has_human_ = finished_ = begun_ = absent_ = catches_up_ = false;
+  settled_ = -std::numeric_limits<double>::infinity();
+  fed_ = 0;
+}
+
+void LiveSession::Impl::recalibrate(std::unique_ptr<LiveBody> body) {
+  body_ = std::move(body);
+  clock_.restart();
+  queue_.clear();
+  playout_.cut();
+  has_human_ = false;
+  ++statistics_.interruptions;
+  // The first frame of the new body is solved from several starts.
+  settled_ = -std::numeric_limits<double>::infinity();
+  absent_ = true;
+  limiter_.set_off_slowly();
+  if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
+}
+
+LiveSession::Body::Body(std::unique_ptr<LiveBody> made) : made_(std::move(made)) {}
+LiveSession::Body::~Body() = default;
+LiveSession::Body::Body(Body&&) noexcept = default;
+LiveSession::Body& LiveSession::Body::operator=(Body&&) noexcept = default;
+
+Result<LiveSession::Body> LiveSession::prepare(const Plan& plan, const LiveOptions& options,
+                                               const Robot& robot) {
+  TRY(check_options(plan, options));
+  if (plan.robot.robot->configuration_size() != robot.configuration_size()) {
+    return usage_failure("a stream cannot change its robot");
+  }
+  TRY_ASSIGN(auto targets, LiveTargets::make(plan));
+  const double frame_time = frame_rate_from_fps(options.fps).frame_time();
+  return Body(std::make_unique<LiveBody>(std::move(targets), options, frame_time));
+}
+
+void LiveSession::recalibrate(Body body) {
+  impl_->recalibrate(std::move(body.made_));
+}
+
+Result<LiveSession> LiveSession::make(const Plan& plan, const LiveOptions& options) {
+  TRY(check_options(plan, options));
+  TRY_ASSIGN(auto targets, LiveTargets::make(plan));
+  return LiveSession(std::make_unique<Impl>(plan, options, std::move(targets)));
+}
+
+LiveSession::LiveSession(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveSession::~LiveSession() = default;
+LiveSession::LiveSession(LiveSession&&) noexcept = default;
+LiveSession& LiveSession::operator=(LiveSession&&) noexcept = default;
+
+void LiveSession::push(const HumanFrame& frame, double now) {
+  impl_->push(frame, now);
+}
+std::optional<RobotFrame> LiveSession::pull(double now) {
+  return impl_->pull(now);
+}
+void LiveSession::finish() {
+  impl_->finish();
+}
+void LiveSession::reset() {
+  impl_->reset();
+}
+Result<void> LiveSession::recalibrate(const Plan& plan) {
+  TRY_ASSIGN(Body body, prepare(plan, impl_->options(), robot()));
+  recalibrate(std::move(body));
+  return {};
+}
+std::optional<double> LiveSession::due() const {
+  return impl_->due();
+}
+void LiveSession::skip_to(double now) {
+  impl_->skip_to(now);
+}
+const LiveStatistics& LiveSession::statistics() const {
+  return impl_->statistics();
+}
+LiveState LiveSession::state() const {
+  return impl_->state();
+}
+const Robot& LiveSession::robot() const {
+  return impl_->robot();
+}
+
+}  // namespace retarget

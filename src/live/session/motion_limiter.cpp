@@ -1,0 +1,229 @@
+#include "live/session/motion_limiter.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "base/math/so3.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// For prismatic joints: first speed as a fraction of the full speed.
+constexpr double kFirstSlideShare = 0.2;
+// Acceleration limit for speeding up right after an interruption, as a fraction of the full one.
+constexpr double kFirstAcceleration = 0.05;
+// Margin that keeps steps within the limits after rounding to six decimals, as in written files.
+constexpr double kPrintedDigits = 1.1e-6;
+// Lower bound on a shortened step, as a fraction of the step; shorter steps never round up as much.
+constexpr double kPrintedShare = 0.5;
+
+double below_printed(double step) {
+  return std::max(step - kPrintedDigits, kPrintedShare * step);
+}
+
+Quaterniond rotation_of(std::span<const double> qpos) {
+  return {qpos[3], qpos[4], qpos[5], qpos[6]};
+}
+
+// Maximum speed towards a limit at the given distance, such that the joint stops at the limit:
+// either by braking from the next step on, or in one step right after this one.
+double braking_speed(double distance, double acceleration, double seconds, double shortest) {
+  if (distance <= 0.0) return 0.0;
+  const double braked =
+      acceleration * (std::sqrt(seconds * seconds + 2.0 * distance / acceleration) - seconds);
+  return std::max(braked, std::min(distance / seconds, acceleration * shortest));
+}
+
+}  // namespace
+
+MotionLimiter::MotionLimiter(const Robot& robot, const LimitSet& limits, const FitOptions& fit,
+                             const LiveLimits& bounds, double frame_time)
+    : bounds_(bounds),
+      shortest_(kShortestStep * frame_time),
+      position_{bounds.root_speed, bounds.resume_root_speed, bounds.root_acceleration},
+      rotation_{bounds.turn_speed, bounds.resume_turn_speed, bounds.turn_acceleration},
+      now_(static_cast<std::size_t>(robot.configuration_size()), 0.0),
+      goal_(now_) {
+  const auto& links = robot.tree().links();
+  for (std::size_t link = 1; link < links.size(); ++link) {
+    const auto joint = static_cast<std::size_t>(links[link].joint);
+    const double own = robot.speed_limit(links[link].joint);
+    JointRow row{};
+    row.address = static_cast<std::size_t>(links[link].qpos_address);
+    row.lower = limits.lower[joint];
+    row.upper = limits.upper[joint];
+    if (links[link].slides) {
+      row.speed = own;
+      row.first_speed = kFirstSlideShare * own;
+      // Scale the acceleration so that reaching full speed takes as long as for a revolute joint.
+      row.acceleration = bounds.joint_acceleration * own / fit.max_joint_speed;
+    } else {
+      row.speed = std::min({own, fit.max_joint_speed, fit.max_joint_step / frame_time});
+      row.first_speed = bounds.resume_joint_speed;
+      row.acceleration = bounds.joint_acceleration;
+    }
+    joints_.push_back(row);
+  }
+}
+
+void MotionLimiter::reset() {
+  begun_ = knows_goal_ = false;
+  since_.reset();
+}
+
+void MotionLimiter::set_off_slowly() {
+  since_ = 0.0;
+  knows_goal_ = false;
+}
+
+double MotionLimiter::ramped(double first, double full) const {
+  if (!since_) return full;
+  return std::min(full, first + (full - first) * *since_ / bounds_.resume_s);
+}
+
+double MotionLimiter::ramped_acceleration(double full) const {
+  return ramped(kFirstAcceleration * full, full);
+}
+
+void MotionLimiter::take(std::span<const double> wanted, double seconds) {
+  const Eigen::Vector4d before = Eigen::Map<const Eigen::Vector4d>(now_.data() + 3);
+  for (JointRow& joint : joints_) {
+    const double next = std::clamp(wanted[joint.address], joint.lower, joint.upper);
+    joint.velocity = begun_ ? (next - now_[joint.address]) / seconds : 0.0;
+  }
+  const Vector3d way =
+      Eigen::Map<const Vector3d>(wanted.data()) - Eigen::Map<const Vector3d>(now_.data());
+  position_.velocity = begun_ ? Vector3d(way / seconds) : Vector3d::Zero();
+  rotation_.velocity =
+      begun_ ? Vector3d(log_so3(rotation_of(now_).conjugate() * rotation_of(wanted)) / seconds)
+             : Vector3d::Zero();
+  std::ranges::copy(wanted, now_.begin());
+  for (const JointRow& joint : joints_) {
+    now_[joint.address] = std::clamp(now_[joint.address], joint.lower, joint.upper);
+  }
+  if (begun_) align_sign(before, Eigen::Map<Eigen::Vector4d>(now_.data() + 3));
+  std::ranges::copy(wanted, goal_.begin());
+  begun_ = knows_goal_ = true;
+}
+
+bool MotionLimiter::follow(std::span<const double> wanted, double seconds) {
+  if (!begun_) {
+    take(wanted, seconds);
+    since_.reset();
+    return false;
+  }
+  bool limited = follow_position(wanted, seconds);
+  limited = follow_rotation(wanted, seconds) || limited;
+  for (JointRow& joint : joints_) {
+    limited = follow_joint(joint, wanted[joint.address], seconds) || limited;
+  }
+  std::ranges::copy(wanted, goal_.begin());
+  knows_goal_ = true;
+  if (since_) {
+    *since_ += seconds;
+    if (*since_ >= bounds_.resume_s) since_.reset();
+  }
+  return limited;
+}
+
+bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds) {
+  double& now = now_[joint.address];
+  const double goal = std::clamp(wanted, joint.lower, joint.upper);
+  const double full = joint.acceleration * seconds, velocity = joint.velocity;
+  // Aim at the moving target: its next position, reached with its velocity.
+  const double aim =
+      knows_goal_ ? (goal - std::clamp(goal_[joint.address], joint.lower, joint.upper)) / seconds
+                  : 0.0;
+  const double ahead = goal - now - aim * seconds;
+  const double braked = std::sqrt(2.0 * joint.acceleration * std::abs(ahead));
+  double next = aim + std::copysign(std::min(std::abs(ahead) / seconds, braked), ahead);
+  const double faster = ramped_acceleration(joint.acceleration) * seconds;
+  next = std::clamp(next, velocity > 0.0 ? std::max(velocity - full, -faster) : velocity - faster,
+                    velocity < 0.0 ? std::min(velocity + full, faster) : velocity + faster);
+  // A joint that exceeds the speed limit brakes.
+  const double most =
+      std::max(below_printed(ramped(joint.first_speed, joint.speed) * seconds) / seconds,
+               std::abs(velocity) - full);
+  next = std::clamp(next, -most, most);
+  next = std::clamp(next, -braking_speed(now - joint.lower, joint.acceleration, seconds, shortest_),
+                    braking_speed(joint.upper - now, joint.acceleration, seconds, shortest_));
+  const double before = now;
+  constexpr double kThere = 1e-12;  // rad
+  const double reached = before + next * seconds;
+  const bool limited = std::abs(reached - goal) > kThere;
+  now = limited ? std::clamp(reached, joint.lower, joint.upper) : goal;
+  joint.velocity = (now - before) / seconds;
+  return limited;
+}
+
+// @return the limited step; nothing if the target is reached
+std::optional<Vector3d> MotionLimiter::limited_step(RootPart& part, const Vector3d& way,
+                                                    const Vector3d& aim, double seconds) const {
+  const double full = part.acceleration * seconds;
+  const Vector3d ahead = way - aim * seconds;
+  Vector3d next = aim;
+  if (const double length = ahead.norm(); length > 0.0) {
+    next +=
+        ahead * (std::min(length / seconds, std::sqrt(2.0 * part.acceleration * length)) / length);
+  }
+  const double before = part.velocity.norm();
+  const double most = below_printed(ramped(part.first_speed, part.speed) * seconds) / seconds;
+  if (before > most) {
+    // Brake if the speed exceeds the limit.
+    next = part.velocity * (std::max(most, before - full) / before);
+  } else {
+    if (const double speed = next.norm(); speed > most) next *= most / speed;
+    Vector3d change = next - part.velocity;
+    // Slowing down or turning uses the full acceleration; speeding up is limited by the ramp.
+    const double faster = ramped_acceleration(part.acceleration) * seconds;
+    const double allowed = next.norm() > before ? faster : full;
+    if (const double length = change.norm(); length > allowed) change *= allowed / length;
+    next = part.velocity + change;
+  }
+  constexpr double kThere = 1e-12;  // metres, rad
+  const bool limited = (next * seconds - way).norm() > kThere;
+  part.velocity = limited ? next : Vector3d(way / seconds);
+  if (!limited) return std::nullopt;
+  return Vector3d(next * seconds);
+}
+
+bool MotionLimiter::follow_position(std::span<const double> wanted, double seconds) {
+  Eigen::Map<Vector3d> position(now_.data());
+  const Eigen::Map<const Vector3d> goal(wanted.data());
+  const Vector3d aim = knows_goal_
+                           ? Vector3d((goal - Eigen::Map<const Vector3d>(goal_.data())) / seconds)
+                           : Vector3d::Zero();
+  const auto step = limited_step(position_, goal - position, aim, seconds);
+  if (step) {
+    position += *step;
+  } else {
+    position = goal;
+  }
+  return step.has_value();
+}
+
+// Works in the root's own axes, which change little between two steps.
+bool MotionLimiter::follow_rotation(std::span<const double> wanted, double seconds) {
+  Eigen::Map<Eigen::Vector4d> rotation(now_.data() + 3);
+  const Eigen::Vector4d before = rotation;
+  const Quaterniond from = rotation_of(now_), to = rotation_of(wanted);
+  const Vector3d aim = knows_goal_
+                           ? Vector3d(log_so3(rotation_of(goal_).conjugate() * to) / seconds)
+                           : Vector3d::Zero();
+  const auto step = limited_step(rotation_, log_so3(from.conjugate() * to), aim, seconds);
+  if (step) {
+    const Quaterniond next = (from * exp_so3(*step)).normalized();
+    rotation << next.w(), next.x(), next.y(), next.z();
+  } else {
+    rotation = Eigen::Map<const Eigen::Vector4d>(wanted.data() + 3);
+  }
+  align_sign(before, rotation);
+  return step.has_value();
+}
+
+}  // namespace retarget

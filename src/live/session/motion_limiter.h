@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "retarget/live.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+/// Follows configurations within limits on position, speed and acceleration, using elapsed time.
+/// After an interruption the speed limits start at their resume values and ramp up to the full
+/// ones.
+///
+/// A step never moves a joint or the root faster than allowed, nor changes a velocity by more than
+/// the acceleration allows. A joint near its position limit is never faster than it can brake.
+/// Where no limit is active, the configuration is copied unchanged.
+class MotionLimiter {
+ public:
+  /// Minimum step duration, as a fraction of a frame.
+  static constexpr double kShortestStep = 0.4;
+
+  /// @param fit  only max_joint_speed and max_joint_step are used.
+  MotionLimiter(const Robot& robot, const LimitSet& limits, const FitOptions& fit,
+                const LiveLimits& bounds, double frame_time);
+
+  /// Takes one step towards a configuration. The first configuration is copied, clamped to the
+  /// position limits.
+  /// @param wanted   target in the layout of RobotClip; the root quaternion has unit length.
+  /// @param seconds  time since the previous call, from kShortestStep of a frame to a frame.
+  /// @return whether a limit was active.
+  bool follow(std::span<const double> wanted, double seconds);
+  /// Takes a configuration regardless of the speed limits; flips the quaternion's sign if needed
+  /// for continuity.
+  void take(std::span<const double> wanted, double seconds);
+
+  /// Declares an interruption: the next target may be anywhere, so speed limits ramp up again.
+  void set_off_slowly();
+  /// Whether the speed limits are still ramping up after set_off_slowly().
+  [[nodiscard]] bool sets_off() const { return since_.has_value(); }
+  /// Restores the state after construction.
+  void reset();
+
+  [[nodiscard]] bool has_begun() const { return begun_; }
+  [[nodiscard]] std::span<const double> qpos() const { return now_; }
+
+ private:
+  struct JointRow {
+    std::size_t address;
+    double lower, upper;
+    double speed, first_speed;          // rad/s or m/s
+    double acceleration;                // rad/s^2 or m/s^2
+    double velocity = 0.0, goal = 0.0;  // Current velocity and target.
+  };
+  // A vector whose length is limited: the root's translation or rotation.
+  struct RootPart {
+    double speed, first_speed, acceleration;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    Eigen::Vector3d aim = Eigen::Vector3d::Zero();  // Velocity of the target.
+  };
+  bool follow_joint(JointRow& joint, double wanted, double seconds);
+  bool follow_position(std::span<const double> wanted, double seconds);
+  bool follow_rotation(std::span<const double> wanted, double seconds);
+  std::optional<Eigen::Vector3d> limited_step(RootPart& part, const Eigen::Vector3d& way,
+                                              const Eigen::Vector3d& aim, double seconds) const;
+  [[nodiscard]] double ramped(double first, double full) const;
+  [[nodiscard]] double ramped_acceleration(double full) const;
+
+  LiveLimits bounds_;
+  double shortest_;  // Minimum step duration, seconds.
+  std::vector<JointRow> joints_;
+  RootPart position_, rotation_;
+  std::vector<double> now_, goal_;  // Current configuration and previous target.
+  bool begun_ = false;
+  bool knows_goal_ = false;      // The previous target is valid, so the target's velocity is known.
+  std::optional<double> since_;  // Seconds since an interruption.
+};
+
+}  // namespace retarget

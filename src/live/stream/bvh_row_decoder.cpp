@@ -1,0 +1,188 @@
+// Decodes rows of a BVH file's MOTION section, one line of text each, as simple senders send them
+// over UDP. The skeleton comes from a file or is sent first: the text of a BVH file up to its rows,
+// in one datagram or line by line.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/try.h"
+#include "formats/bvh/number_parser.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/bvh/row_decoder.h"
+#include "formats/bvh/write_bvh.h"
+#include "live/stream/formats.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::size_t kMaxHeader = std::size_t{1} << 18;  // bytes
+constexpr double kMaxValue = 1e7;
+
+Failure bad_row(std::string message) {
+  return input_failure({}, std::move(message));
+}
+
+std::string_view trimmed(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = line.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return line.substr(begin, line.find_last_not_of(kBlanks) + 1 - begin);
+}
+
+// Whether rows of both skeletons have the same channels for the same joints.
+bool same_rows(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
+  });
+}
+
+class BvhRowDecoder final : public Decoder {
+ public:
+  explicit BvhRowDecoder(double fps) : fps_(fps) {}
+  Result<void> take(std::string_view bytes, StreamSink& sink) override;
+  void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
+  void restart() override { header_.clear(); }
+
+ private:
+  Result<void> take_line(std::string_view line, StreamSink& sink);
+  Result<void> end_header(StreamSink& sink);
+  Result<void> take_row(std::string_view line, StreamSink& sink);
+  void use(const std::shared_ptr<const Skeleton>& skeleton);
+
+  std::shared_ptr<const Skeleton> known_;  // From the user's file; null: none.
+  double fps_;                             // 0: rows have no timestamps.
+  std::string header_;                     // Partial header; empty while rows arrive.
+  std::optional<RowDecoder> rows_;
+  std::optional<Clip> clip_;  // Has one frame.
+  std::vector<double> row_;
+  long count_ = 0;
+  StreamFrame frame_;
+};
+
+void BvhRowDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
+  known_ = skeleton;
+  use(skeleton);
+}
+
+void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {
+  rows_.emplace(*skeleton, 0);
+  clip_.emplace(skeleton, FrameRate{}, 1);
+  row_.resize(static_cast<std::size_t>(skeleton->channel_count()) + kNumberLineSlack);
+  count_ = 0;
+}
+
+Result<void> BvhRowDecoder::take(std::string_view bytes, StreamSink& sink) {
+  while (!bytes.empty()) {
+    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+    TRY(take_line(trimmed(bytes.substr(0, end)), sink));
+    bytes.remove_prefix(std::min(end + 1, bytes.size()));
+  }
+  return {};
+}
+
+Result<void> BvhRowDecoder::take_line(std::string_view line, StreamSink& sink) {
+  if (line.empty()) return {};
+  if (line.starts_with("HIERARCHY")) {
+    header_ = "HIERARCHY\n";
+    return {};
+  }
+  if (!header_.empty()) {
+    if (line.starts_with("MOTION")) return end_header(sink);
+    if (header_.size() + line.size() > kMaxHeader) {
+      header_.clear();
+      return bad_row("the skeleton exceeds 256 KiB");
+    }
+    header_.append(line).append("\n");
+    return {};
+  }
+  // The lines between MOTION and the rows do not apply to a stream.
+  if (line.starts_with("Frames:") || line.starts_with("Frame Time:")) return {};
+  return take_row(line, sink);
+}
+
+Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
+  BvhReadOptions options;
+  options.motion_optional = true;
+  const std::string text = std::exchange(header_, {});
+  TRY_ASSIGN(BvhFile file, read_bvh(text, "stream", options));
+  if (file.clip.skeleton().joint_count() > kMaxStreamJoints) {
+    return bad_row(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
+  }
+  // The user's file has more information about the same skeleton.
+  if (known_ && same_rows(*known_, file.clip.skeleton())) return {};
+  use(file.clip.shared_skeleton());
+  sink.take_skeleton(Clip(file.clip.shared_skeleton(), FrameRate{}, 0), false);
+  return {};
+}
+
+Result<void> BvhRowDecoder::take_row(std::string_view line, StreamSink& sink) {
+  if (!rows_) return bad_row("received a row, but no skeleton is known");
+  const auto count = static_cast<std::size_t>(clip_->skeleton().channel_count());
+  const std::size_t end = read_number_line_portable(line, 0, count, row_);
+  if (end == std::string_view::npos || end != line.size()) {
+    return bad_row(fmt::format("expected a row of {}", count_text(count, "number")));
+  }
+  const auto values = std::span(row_).first(count);
+  if (!std::ranges::all_of(values, [](double value) { return std::abs(value) < kMaxValue; })) {
+    return bad_row("a row contains numbers above ten million");
+  }
+  rows_->decode(values, *clip_, 0);
+  frame_.time =
+      fps_ > 0.0 ? static_cast<double>(count_) / fps_ : std::numeric_limits<double>::quiet_NaN();
+  ++count_;
+  frame_.rotations.assign(clip_->rotations(0).begin(), clip_->rotations(0).end());
+  frame_.translations.assign(clip_->translations(0).begin(), clip_->translations(0).end());
+  sink.take_frame(frame_);
+  return {};
+}
+
+class BvhRowEncoder final : public Encoder {
+ public:
+  std::string begin(const Clip& clip) override;
+  Result<std::string> frame(const Clip& clip, int frame) override;
+
+ private:
+  std::optional<Error> error_;
+  std::vector<std::string> rows_;
+};
+
+std::string BvhRowEncoder::begin(const Clip& clip) {
+  const auto text = format_bvh(clip);
+  if (!text) {
+    error_ = text.error();
+    return {};
+  }
+  const std::size_t time = text->find("Frame Time:");
+  std::size_t begin = std::min(text->find('\n', time), text->size() - 1) + 1;
+  std::string header = text->substr(0, begin);
+  while (begin < text->size()) {
+    const std::size_t end = std::min(text->find('\n', begin), text->size() - 1) + 1;
+    rows_.push_back(text->substr(begin, end - begin));
+    begin = end;
+  }
+  return header;
+}
+
+Result<std::string> BvhRowEncoder::frame(const Clip&, int frame) {
+  if (error_) return failure(*error_);
+  return rows_[static_cast<std::size_t>(frame)];
+}
+
+}  // namespace
+
+std::unique_ptr<Decoder> make_bvh_row_decoder(const StreamAddress& from) {
+  constexpr double kMaxFps = 1e4;
+  const auto fps = parse_number<double>(from.extra("fps"));
+  return std::make_unique<BvhRowDecoder>(fps && *fps > 0.0 && *fps < kMaxFps ? *fps : 0.0);
+}
+
+std::unique_ptr<Encoder> make_bvh_row_encoder() {
+  return std::make_unique<BvhRowEncoder>();
+}
+
+}  // namespace retarget

@@ -1,0 +1,65 @@
+#include "live/stream/human_bones.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/try.h"
+#include "human/skeleton/human_clip.h"
+#include "human/skeleton/robot_human.h"
+#include "motion/forward_kinematics.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+
+Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
+                                 const std::string& data_folder) {
+  TRY_ASSIGN(const HumanInClip found, find_human(clip, options, data_folder));
+  HumanPoser poser(clip, found.calibration);
+  const HumanClipInfo info = poser.info();
+  // Reuse the conversion from a robot's motion to a human clip.
+  RobotHuman human;
+  human.rate = clip.rate();
+  human.frame_count = clip.frame_count();
+  human.poses = poses_of(poser);
+  for (const Bone bone : kMappedBones) human.has[bone] = info.has(bone);
+  if (clip.frame_count() == 0) return input_failure(clip.name(), "the clip has no frames");
+  poser.pose(0, human.standing);
+  Clip bones = clip_of_robot_human(human, clip.name());
+  ClipOrigin origin = bones.origin();
+  origin.body_height = found.calibration.height;
+  bones.set_origin(std::move(origin));
+  return bones;
+}
+
+BonePoses::BonePoses(const Clip& clip) {
+  for (const Bone bone : kMappedBones) {
+    joint_of_bone_[bone] = clip.skeleton().find(bone_name(bone)).value_or(-1);
+  }
+  world_from_joint_.resize(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  const Clip t_pose(clip.shared_skeleton(), clip.rate(), 1);
+  forward_kinematics(t_pose, 0, world_from_joint_);
+}
+
+void BonePoses::set_frame(const Clip& clip, int frame) {
+  forward_kinematics(clip, frame, world_from_joint_);
+}
+
+Pose with_z_ahead(const Pose& world_from_bone) {
+  // For the T-pose that faces x, whose left is y.
+  static const Eigen::Quaterniond bone_from_turned(0.5, 0.5, 0.5, 0.5);
+  return {world_from_bone.rotation * bone_from_turned, world_from_bone.translation};
+}
+
+Pose in_y_up_world(const Pose& world_from_bone) {
+  static const Eigen::Quaterniond y_up_from_z_up(std::sqrt(0.5), -std::sqrt(0.5), 0.0, 0.0);
+  const Eigen::Vector3d& at = world_from_bone.translation;
+  return {y_up_from_z_up * world_from_bone.rotation, {at.x(), at.z(), -at.y()}};
+}
+
+Pose mirrored_across_x(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& at = pose.translation;
+  return {{q.w(), q.x(), -q.y(), -q.z()}, {-at.x(), at.y(), at.z()}};
+}
+
+}  // namespace retarget

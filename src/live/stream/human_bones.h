@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+#include "retarget/options.h"
+#include "retarget/pose.h"
+
+namespace retarget {
+
+/// Converts the canonical human in a clip to a clip of its own, so that formats with fixed bones
+/// can play any clip.
+///
+/// The clip has a joint for each bone found, with the bone's name (bone_name), in metres, Z up. The
+/// zero pose is the T-pose that faces x, in which all joints have the world's axes. Bones that are
+/// not rigidly attached, such as those of a spine with omitted joints, have translations. The
+/// origin contains the body height.
+/// @param data_folder  contains configs/skeletons.
+/// Errors: those of find_human.
+[[nodiscard]] Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
+                                               const std::string& data_folder);
+
+/// World poses of the bones in a frame of such a clip.
+class BonePoses {
+ public:
+  BonePoses() = default;
+  /// @param clip  a result of clip_of_human_bones.
+  explicit BonePoses(const Clip& clip);
+
+  [[nodiscard]] bool has(Bone bone) const { return joint_of_bone_[bone] >= 0; }
+  /// Computes the poses of a frame of the clip.
+  void set_frame(const Clip& clip, int frame);
+  /// Pose in the current frame, or in the T-pose before the first one: metres, Z up. The rotation
+  /// is relative to the T-pose that faces x.
+  /// @pre has(bone)
+  [[nodiscard]] const Pose& world_from_bone(Bone bone) const {
+    return world_from_joint_[static_cast<std::size_t>(joint_of_bone_[bone])];
+  }
+
+ private:
+  BoneArray<int> joint_of_bone_{-1};
+  std::vector<Pose> world_from_joint_;
+};
+
+/// Converts a bone's pose from world-aligned axes in the T-pose to body axes: x to the body's left,
+/// y up, z ahead. Bones of SMPL and Unity have such axes (in Unity, left-handed).
+[[nodiscard]] Pose with_z_ahead(const Pose& world_from_bone);
+
+/// Converts a pose from a Z-up to a Y-up world: x stays, z becomes y.
+[[nodiscard]] Pose in_y_up_world(const Pose& world_from_bone);
+
+/// Mirrors a pose across x, for Unity's left-handed worlds. Applying it twice gives the original
+/// pose.
+[[nodiscard]] Pose mirrored_across_x(const Pose& pose);
+
+}  // namespace retarget

@@ -1,0 +1,355 @@
+#include "live/stream/live_pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "base/try.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+bool same_skeleton(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.offset == other.offset &&
+           one.channels == other.channels;
+  });
+}
+
+// Whether both skeletons have the same joints and channels, regardless of bone lengths.
+bool same_joints(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints(), b.joints(), [](const Joint& one, const Joint& other) {
+    return one.name == other.name && one.parent == other.parent && one.channels == other.channels;
+  });
+}
+
+// Frames due before a packet arrives leave before it; frames due at its time include it.
+constexpr double kJustBefore = 2e-6;  // seconds
+// Maximum number of frames in one packet at clock pace.
+constexpr std::size_t kMostFrames = 128;
+// Minimum interval between two recognitions of a body.
+constexpr double kBodyEvery = 1.0;  // seconds
+
+}  // namespace
+
+LivePipeline::LivePipeline(RobotSetup robot, LivePipelineOptions options,
+                           std::unique_ptr<Decoder> decoder, TakeFrame take_frame, Tell tell)
+    : options_(std::move(options)),
+      maker_(std::move(robot), options_.run, options_.live),
+      decoder_(std::move(decoder)),
+      take_robot_frame_(std::move(take_frame)),
+      tell_(std::move(tell)),
+      batch_(options_.pace == LivePace::kInput ? std::numeric_limits<std::size_t>::max()
+                                               : kMostFrames),
+      calibrates_(options_.calibrate != LiveCalibration::kAuto) {}
+
+LivePipeline::~LivePipeline() = default;
+
+Result<void> LivePipeline::know_skeleton(Clip clip) {
+  known_ = clip.shared_skeleton();
+  decoder_->know_skeleton(known_);
+  ++packets_.skeletons;
+  told_ = clip;
+  if (calibrates_) return {};
+  return begin_session({std::move(clip), RestPose::kAuto, false});
+}
+
+Result<void> LivePipeline::packet(std::string_view bytes, double now) {
+  decode(bytes);
+  return use_decoded(now);
+}
+
+void LivePipeline::decode(std::string_view bytes) {
+  if (std::exchange(restores_, false)) {
+    if (known_) decoder_->know_skeleton(known_);
+    skeleton_packets_.restore(*decoder_);
+  }
+  batch_.clear();
+  const auto taken = decoder_->take(bytes, batch_);
+  decode_error_.reset();
+  if (!taken) decode_error_ = taken.error().message;
+  if (!taken || batch_.empty() || batch_.has_skeleton()) {
+    skeleton_packets_.see(bytes, batch_, !taken.has_value());
+  } else {
+    skeleton_packets_.forget_waiting();
+  }
+}
+
+Result<void> LivePipeline::use_decoded(double now) {
+  // At input pace, time advances with the timestamps of the frames.
+  const bool by_clock = options_.pace != LivePace::kInput;
+  if (by_clock) now_ = now;
+  wall_ = now;
+  pull(now_ - kJustBefore);
+  ++packets_.packets;
+  packets_.crowded += static_cast<std::int64_t>(batch_.dropped());
+  if (decode_error_) {
+    ++packets_.malformed;
+    warn_once(
+        malformed_told_, "stream",
+        "skipping malformed packet (similar ones are not reported): " + printable(*decode_error_));
+  }
+  for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
+    PacketBatch::Item& item = batch_[i];
+    if (item.skeleton) {
+      take_skeleton(*item.skeleton, item.has_rest);
+    } else {
+      take_frame(item.frame);
+    }
+  }
+  if (error_) return failure(std::move(*std::exchange(error_, std::nullopt)));
+  start_waiting_body();
+  pull(now_);
+  return {};
+}
+
+void LivePipeline::pull(double until) {
+  if (!session_) return;
+  while (const auto frame = session_->pull(until)) take_robot_frame_(*frame);
+  tell_changes();
+}
+
+void LivePipeline::tick(double now) {
+  if (options_.pace == LivePace::kInput) return;
+  now_ = std::max(now_, now);
+  pull(now_);
+}
+
+std::optional<double> LivePipeline::due() const {
+  if (!session_ || options_.pace == LivePace::kInput) return std::nullopt;
+  return session_->due();
+}
+
+void LivePipeline::skip(double due, double now) {
+  if (options_.pace == LivePace::kInput) return;
+  tick(due - kJustBefore);
+  if (session_) session_->skip_to(now);
+}
+
+void LivePipeline::restart_sender(double now) {
+  tick(now);
+  decoder_->restart();
+  skeleton_packets_.forget_waiting();
+}
+
+void LivePipeline::recalibrate(double now) {
+  tick(now);
+  calibrates_ = true;
+  calibration_begin_.reset();
+  tell_("body", fmt::format("hold a T-pose; calibrating in {} s",
+                            number_text(options_.calibrate_after_s, 1)));
+}
+
+void LivePipeline::finish(double now) {
+  tick(now);
+  if (!session_) return;
+  session_->finish();
+  pull(now_);
+}
+
+LiveStatistics LivePipeline::statistics() const {
+  return session_ ? session_->statistics() : LiveStatistics();
+}
+
+void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
+  // Senders repeat the skeleton.
+  if (session_ && told_ && same_skeleton(told_->skeleton(), clip.skeleton())) return;
+  ++packets_.skeletons;
+  if (refused_ && same_skeleton(refused_->skeleton(), clip.skeleton())) {
+    ++packets_.refused_skeletons;
+    restores_ = used_.has_value();
+    return;
+  }
+  told_ = clip;
+  calibration_begin_.reset();
+  poseless_.reset();
+  if (calibrates_) return;
+  BodyTask task{clip, has_rest ? RestPose::kFirst : RestPose::kAuto, false};
+  // A running stream does not wait: its frames belong to the new skeleton, or count as malformed
+  // until that skeleton is refused.
+  if (clip.frame_count() == 0 && !session_) {
+    poseless_ = std::move(task);
+    pose_tried_ = -std::numeric_limits<double>::infinity();
+    return;
+  }
+  change_body(std::move(task));
+}
+
+// Recognises a body from its first frame, because the zero pose of a skeleton without poses may be
+// folded up. If that frame is not recognised as human, tries later frames.
+void LivePipeline::take_first_pose(const StreamFrame& frame) {
+  if (!poseless_ || wall_ - pose_tried_ < kBodyEvery) return;
+  pose_tried_ = wall_;
+  BodyTask task = *poseless_;
+  task.clip.resize(1);
+  std::ranges::copy(frame.rotations, task.clip.rotations(0).begin());
+  std::ranges::copy(frame.translations, task.clip.translations(0).begin());
+  change_body(std::move(task));
+  if (session_ || error_) poseless_.reset();
+}
+
+Result<void> LivePipeline::begin_session(const BodyTask& task) {
+  TRY_ASSIGN(MadeBody made, maker_.make(task, true));
+  TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
+  for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
+  poser_.emplace(made.plan);
+  used_ = told_;
+  refused_.reset();
+  skeleton_packets_.accept();
+  return {};
+}
+
+// Switches to another body: at once, or in the background while the robot continues.
+void LivePipeline::change_body(BodyTask task) {
+  if (!session_) {
+    auto begun = begin_session(task);
+    if (begun) return;
+    // Incompatible options are the user's error; invalid input from a sender is not.
+    if (begun.error().kind == ErrorKind::kUsage) {
+      error_ = std::move(begun.error());
+    } else {
+      refuse(task, begun.error());
+    }
+    return;
+  }
+  if (!options_.in_background) {
+    adopt(task, maker_.make(task, false));
+    return;
+  }
+  waiting_ = std::move(task);
+}
+
+void LivePipeline::start_waiting_body() {
+  if (!waiting_ || maker_.is_busy() || wall_ - looked_ < kBodyEvery) return;
+  looked_ = wall_;
+  maker_.start(std::move(*std::exchange(waiting_, std::nullopt)));
+}
+
+void LivePipeline::take_body(double now) {
+  if (!maker_.is_busy()) return;
+  tick(now);
+  adopt(maker_.task(), maker_.take());
+  start_waiting_body();
+}
+
+void LivePipeline::adopt(const BodyTask& task, Result<MadeBody> made) {
+  if (!made) {
+    refuse(task, made.error());
+    return;
+  }
+  for (const auto& [label, text] : made->plan.human.lines()) tell_(label, text);
+  poser_.emplace(made->plan);
+  session_->recalibrate(std::move(*made->body));
+  used_ = task.clip;
+  refused_.reset();
+  if (task.is_posed) return;
+  known_.reset();
+  // Accept unless another skeleton has arrived meanwhile.
+  if (!waiting_) skeleton_packets_.accept();
+}
+
+// Refuses a body; a running stream keeps its current one.
+void LivePipeline::refuse(const BodyTask& task, const Error& why) {
+  ++packets_.refused_skeletons;
+  const std::string text = full_message(why);
+  if (task.is_posed && session_) {
+    tell_("body", "remains unchanged: " + text);
+    return;
+  }
+  warn_once(refused_told_, "body",
+            (session_ ? "remains unchanged (similar skeletons are not reported): "
+                      : "waiting for a human (similar skeletons are not reported): ") +
+                text);
+  if (task.is_posed) return;
+  refused_ = task.clip;
+  if (!used_ || waiting_) return;
+  told_ = used_;
+  restores_ = true;
+}
+
+// Whether the frame precedes the calibration pose.
+bool LivePipeline::collects(const StreamFrame& frame) {
+  if (!calibrates_) return false;
+  if (!calibration_begin_) calibration_begin_ = now_;
+  if (now_ - *calibration_begin_ < options_.calibrate_after_s) return true;
+  calibrates_ = false;
+  Clip pose = told_->empty_like(told_->rate(), 1);
+  std::ranges::copy(frame.rotations, pose.rotations(0).begin());
+  std::ranges::copy(frame.translations, pose.translations(0).begin());
+  const bool begins = !session_;
+  change_body({std::move(pose), RestPose::kFirst, true});
+  // If the pose is not recognised as human, wait for another one.
+  if (begins && !session_) {
+    calibrates_ = true;
+    calibration_begin_.reset();
+  }
+  return !session_;
+}
+
+bool LivePipeline::is_of_told_body(const StreamFrame& frame) const {
+  return told_ &&
+         frame.rotations.size() == static_cast<std::size_t>(told_->skeleton().joint_count());
+}
+
+// Advances the time by the timestamps; if they jump, by one robot frame.
+void LivePipeline::pass_time(double stamp) {
+  constexpr double kMostStep = 10.0, kReordered = 0.5;  // seconds
+  if (!std::isfinite(stamp)) {
+    now_ = std::max(now_, wall_);
+    return;
+  }
+  if (stamp_) {
+    const double step = stamp - *stamp_;
+    if (step < 0.0 && step > -kReordered) return;
+    now_ += step >= 0.0 && step <= kMostStep ? step : 1.0 / options_.live.fps;
+  }
+  stamp_ = stamp;
+}
+
+void LivePipeline::take_frame(const StreamFrame& frame) {
+  if (!is_of_told_body(frame)) {
+    if (told_) ++packets_.malformed;
+    return;
+  }
+  if (options_.pace == LivePace::kInput) {
+    pass_time(frame.time);
+    pull(now_ - kJustBefore);
+  }
+  // A running stream continues while it waits for its new pose.
+  if (collects(frame) && !session_) return;
+  take_first_pose(frame);
+  if (!session_ || !poser_) return;
+  // A body with other joints has not been recognised yet.
+  if (!same_joints(told_->skeleton(), used_->skeleton())) return;
+  human_.time = frame.time;
+  poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
+  session_->push(human_, now_);
+  if (options_.pace == LivePace::kInput) pull(now_);
+}
+
+void LivePipeline::warn_once(bool& warned, std::string_view label, std::string_view text) const {
+  if (!std::exchange(warned, true)) tell_(label, text);
+}
+
+// Reports each kind of change once per run, because streams may be intermittent; the summary counts
+// them.
+void LivePipeline::tell_changes() {
+  const LiveState state = session_->state();
+  if (state == LiveState::kHolding) {
+    warn_once(hold_told_, "stream", "frames are missing: holding the last pose");
+  }
+  if (state == LiveState::kStanding) {
+    warn_once(stand_told_, "stream", "frames are still missing: returning to standing");
+  }
+  if (session_->statistics().clock_jumps > 0) {
+    warn_once(jump_told_, "stream", "the sender's clock has jumped: following it");
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "live/stream/body_maker.h"
+#include "live/stream/decoder.h"
+#include "live/stream/packet_batch.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/live.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+
+/// How the body of a stream is calibrated.
+enum class LiveCalibration : unsigned char {
+  kAuto,   ///< From the skeleton's file or header.
+  kTpose,  ///< From a T-pose some seconds after the first frame.
+  kNpose,  ///< From a pose with arms down some seconds after the first frame.
+};
+
+/// The clock that sets the pace of robot frames.
+enum class LivePace : unsigned char {
+  kAuto,   ///< kInput from standard input to files, otherwise kClock.
+  kClock,  ///< Wall clock: one frame every 1 / fps seconds, regardless of the input.
+  kInput,  ///< Input timestamps, as fast as they arrive: for motions sent through a pipe.
+};
+
+struct LivePipelineOptions {
+  LiveOptions live;
+  Options run;  ///< How to recognise the human and solve for the robot.
+  LiveCalibration calibrate = LiveCalibration::kAuto;
+  double calibrate_after_s = 3.0;
+  LivePace pace = LivePace::kAuto;  ///< The pipeline treats kAuto as kClock.
+  /// Recognise new bodies of a running stream on another thread; the caller then calls take_body.
+  bool in_background = false;
+};
+
+/// Counters of a stream's packets that LiveStatistics does not contain.
+struct PipelineStatistics {
+  std::int64_t packets = 0;
+  std::int64_t malformed = 0;  ///< Dropped packets: invalid, or with frames of another skeleton.
+  std::int64_t crowded = 0;    ///< Dropped frames: too many in one packet.
+  int skeletons = 0;           ///< Skeletons received.
+  int refused_skeletons = 0;   ///< Skeletons refused: not human or unusable; the body was kept.
+};
+
+/// Converts packets to robot frames. The caller passes the time of each packet: the same packets at
+/// the same times give the same frames, regardless of how often tick is called in between.
+///
+/// decode may run on one thread while another thread calls tick; all other calls exclude each
+/// other.
+class LivePipeline final {
+ public:
+  using TakeFrame = std::function<void(const RobotFrame&)>;
+  /// Receives a human-readable message: a label and a text with marked options.
+  using Tell = std::function<void(std::string_view label, std::string_view text)>;
+
+  LivePipeline(RobotSetup robot, LivePipelineOptions options, std::unique_ptr<Decoder> decoder,
+               TakeFrame take_frame, Tell tell);
+  ~LivePipeline();
+  LivePipeline(const LivePipeline&) = delete;
+  LivePipeline& operator=(const LivePipeline&) = delete;
+
+  /// Sets a skeleton from a file before the first packet, for streams that do not send one. Its
+  /// frames, if any, are used for calibration. Errors: no human found; incompatible options.
+  [[nodiscard]] Result<void> know_skeleton(Clip clip);
+
+  /// Handles a packet: decode, then use_decoded. Invalid packets are counted; no input ends a
+  /// stream. Errors (kUsage): options incompatible with the first body.
+  [[nodiscard]] Result<void> packet(std::string_view bytes, double now);
+  /// Decodes a packet.
+  void decode(std::string_view bytes);
+  /// Uses the decoded skeletons and frames.
+  [[nodiscard]] Result<void> use_decoded(double now);
+  /// Emits the robot frames that are due.
+  void tick(double now);
+  /// Time at which the next robot frame is due (LiveSession::due); nothing if the clock sets none.
+  [[nodiscard]] std::optional<double> due() const;
+  /// Drops the robot frames between `due` and now, because the caller was not running
+  /// (LiveSession::skip_to).
+  void skip(double due, double now);
+  /// Declares a new sender or connection.
+  void restart_sender(double now);
+  /// Recalibrates the body from its pose after calibrate_after_s seconds.
+  void recalibrate(double now);
+  /// Whether a body has been recognised in the background.
+  [[nodiscard]] bool body_is_ready() const { return maker_.is_ready(); }
+  /// Switches to that body; waits until it is ready.
+  void take_body(double now);
+  /// The request to send to the sender now (Decoder::request).
+  [[nodiscard]] std::string_view request() const { return decoder_->request(); }
+  /// Ends the input and emits the remaining frames.
+  void finish(double now);
+
+  [[nodiscard]] const PipelineStatistics& packets() const { return packets_; }
+  [[nodiscard]] LiveStatistics statistics() const;
+  [[nodiscard]] LiveState state() const {
+    return session_ ? session_->state() : LiveState::kWaiting;
+  }
+  [[nodiscard]] bool has_begun() const { return session_.has_value(); }
+
+ private:
+  void take_skeleton(const Clip& clip, bool has_rest);
+  void take_frame(const StreamFrame& frame);
+  [[nodiscard]] Result<void> begin_session(const BodyTask& task);
+  void change_body(BodyTask task);
+  void start_waiting_body();
+  void adopt(const BodyTask& task, Result<MadeBody> made);
+  void refuse(const BodyTask& task, const Error& why);
+  void take_first_pose(const StreamFrame& frame);
+  [[nodiscard]] bool collects(const StreamFrame& frame);
+  [[nodiscard]] bool is_of_told_body(const StreamFrame& frame) const;
+  void pass_time(double stamp);
+  void pull(double until);
+  void warn_once(bool& warned, std::string_view label, std::string_view text) const;
+  void tell_changes();
+
+  LivePipelineOptions options_;
+  BodyMaker maker_;
+  std::unique_ptr<Decoder> decoder_;
+  TakeFrame take_robot_frame_;
+  Tell tell_;
+
+  PacketBatch batch_;
+  std::optional<std::string> decode_error_;
+  SkeletonPackets skeleton_packets_;
+  bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
+
+  std::optional<Clip> told_;          // Skeleton of the received frames.
+  std::optional<Clip> used_;          // Skeleton of the body in use.
+  std::optional<Clip> refused_;       // Last refused skeleton.
+  std::optional<BodyTask> waiting_;   // Latest body that is not being recognised yet.
+  std::optional<BodyTask> poseless_;  // A body whose skeleton has no pose yet.
+  double pose_tried_ = -std::numeric_limits<double>::infinity();  // Last recognition attempt.
+  double looked_ = -std::numeric_limits<double>::infinity();      // Last background recognition.
+  std::shared_ptr<const Skeleton> known_;  // Skeleton of a file, while in use.
+  std::optional<LiveSession> session_;
+  std::optional<LivePoser> poser_;
+  bool calibrates_ = false;
+  std::optional<double> calibration_begin_;
+  double now_ = 0.0;  // Session time.
+  double wall_ = 0.0;
+  std::optional<double> stamp_;  // Last timestamp, if timestamps are the clock.
+  std::optional<Error> error_;
+  PipelineStatistics packets_;
+  HumanFrame human_;
+  bool malformed_told_ = false, hold_told_ = false, stand_told_ = false, jump_told_ = false;
+  bool refused_told_ = false;
+};
+
+}  // namespace retarget

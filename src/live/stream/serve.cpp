@@ -1,0 +1,366 @@
+#include "live/stream/serve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "app/plan/follow_arms.h"
+#include "base/try.h"
+#include "live/stream/byte_source.h"
+#include "live/stream/outputs.h"
+#include "live/stream/stats_writer.h"
+#include "live/stream/stream_record.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecordedInput = "input.stream";
+constexpr const char* kRecordedOutput = "output.jsonl";
+
+// Microseconds since construction, on a monotonic clock.
+class Stopwatch {
+ public:
+  [[nodiscard]] std::int64_t now() const {
+    const auto passed = std::chrono::steady_clock::now() - begin_;
+    return std::chrono::duration_cast<std::chrono::microseconds>(passed).count();
+  }
+  [[nodiscard]] std::chrono::steady_clock::time_point at(std::int64_t microseconds) const {
+    return begin_ + std::chrono::microseconds(microseconds);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+double seconds_of(std::int64_t microseconds) {
+  return 1e-6 * static_cast<double>(microseconds);
+}
+
+// Sends requests to a stream's sender: a new request at once, the same request again at intervals.
+class Asker {
+ public:
+  void ask(ByteSource& source, std::string_view request, std::int64_t now) {
+    constexpr std::int64_t kEvery = 250000;  // microseconds
+    if (request.empty() || (request == asked_ && now - at_ < kEvery)) return;
+    source.send(request);
+    asked_ = request;
+    at_ = now;
+  }
+
+ private:
+  std::string asked_;
+  std::int64_t at_ = 0;
+};
+
+// A live run. The caller's thread reads and decodes packets. Robot frames leave on that thread when
+// a packet makes them possible, otherwise on a second thread, so that neither a slow packet nor the
+// recognition of a body delays them.
+class Server {
+ public:
+  Server(const RobotSetup& robot, const ServeOptions& options, const ServeControl& control)
+      : robot_(robot), options_(options), control_(control) {}
+
+  Result<ServeSummary> run();
+
+ private:
+  [[nodiscard]] FrameOutputContext output_context() const {
+    const bool waits = !options_.replay.empty() || pace_ == LivePace::kInput;
+    std::vector<std::string> held;
+    if (robot_.loaded.choice.follow == Follow::kArms) {
+      held = locked_joints(*robot_.loaded.robot, robot_.limits);
+    }
+    return {robot_.loaded.robot, options_.pipeline.live.fps,
+            control_.tell,       waits,
+            control_.is_stopped, std::move(held)};
+  }
+  Result<void> open_outputs();
+  Result<void> open_record();
+  Result<void> make_pipeline();
+  void leave(const RobotFrame& frame);
+  Result<void> take(StreamEvent event, std::int64_t time, std::string_view bytes);
+  Result<void> take_now(StreamEvent event, std::int64_t time, std::string_view bytes = {});
+  Result<void> take_packet(std::string_view bytes, std::int64_t arrival);
+  Result<void> advance();
+  void emit(const std::stop_token& stop);
+  Result<void> listen();
+  Result<void> listen_to(ByteSource& source);
+  Result<void> replay();
+  [[nodiscard]] bool is_over(std::int64_t now, std::int64_t latest) const;
+
+  const RobotSetup& robot_;
+  const ServeOptions& options_;
+  const ServeControl& control_;
+  StreamAddress from_;
+  LivePace pace_ = LivePace::kClock;
+  Outputs outputs_;
+  std::optional<StreamRecorder> recorder_;
+  std::optional<StatsWriter> stats_;
+  std::unique_ptr<LivePipeline> pipeline_;
+  Stopwatch watch_;
+  ServeSummary summary_;
+  // Guards the state shared by both threads: the pipeline except decoding, the outputs, the
+  // recorder.
+  std::mutex mutex_;
+  std::condition_variable earlier_;     // The next robot frame may be due earlier.
+  std::int64_t latest_ = 0;             // Time of the last event, microseconds.
+  std::optional<Result<void>> failed_;  // Error of the second thread.
+};
+
+Result<void> Server::open_outputs() {
+  std::vector<std::string> places = options_.outputs;
+  if (places.empty()) places.emplace_back("stdout");
+  for (const std::string& place : places) {
+    TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    TRY(outputs_.add(to, output_context()));
+  }
+  return {};
+}
+
+Result<void> Server::open_record() {
+  if (options_.record.empty()) return {};
+  std::error_code failed;
+  fs::create_directories(options_.record, failed);
+  const fs::path folder(options_.record);
+  if (fs::exists(folder / kRecordedInput, failed)) {
+    return usage_failure(options_.record + " already contains a recording", "give another folder");
+  }
+  TRY_ASSIGN(recorder_,
+             StreamRecorder::create((folder / kRecordedInput).string(), output_context()));
+  StreamAddress to;
+  to.transport = Transport::kFile;
+  to.file = (folder / kRecordedOutput).string();
+  return outputs_.add(to, output_context());
+}
+
+Result<void> Server::make_pipeline() {
+  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  LivePipelineOptions options = options_.pipeline;
+  TRY_ASSIGN(pace_, chosen_pace(options_));
+  options.pace = pace_;
+  options.in_background = pace_ == LivePace::kClock;
+  pipeline_ = std::make_unique<LivePipeline>(
+      robot_, options, format->decoder(from_), [this](const RobotFrame& frame) { leave(frame); },
+      control_.tell);
+  if (options_.skeleton) TRY(pipeline_->know_skeleton(*options_.skeleton));
+  return {};
+}
+
+void Server::leave(const RobotFrame& frame) {
+  outputs_.take(frame);
+  if (!options_.replay.empty() || std::isnan(frame.since)) return;
+  const double latency = seconds_of(watch_.now()) - frame.since;
+  summary_.latency.add(latency);
+  if (stats_) stats_->add(latency);
+}
+
+// Handles an event, in a run as well as in its replay.
+Result<void> Server::take(StreamEvent event, std::int64_t time, std::string_view bytes) {
+  const double now = seconds_of(time);
+  switch (event) {
+    case StreamEvent::kPacket:
+      pipeline_->decode(bytes);
+      TRY(pipeline_->use_decoded(now));
+      break;
+    case StreamEvent::kNewSender:
+      pipeline_->restart_sender(now);
+      break;
+    case StreamEvent::kRecalibrate:
+      pipeline_->recalibrate(now);
+      break;
+    case StreamEvent::kSkip: {
+      const auto due = parse_number<std::int64_t>(bytes);
+      if (!due) return input_failure({}, "the recording lacks the time of a robot frame");
+      pipeline_->skip(seconds_of(*due), now);
+      break;
+    }
+    case StreamEvent::kBody:
+      pipeline_->take_body(now);
+      break;
+    case StreamEvent::kEnd:
+      if (pace_ == LivePace::kClock) {
+        pipeline_->tick(now);
+      } else {
+        pipeline_->finish(now);
+      }
+      break;
+  }
+  return {};
+}
+
+// @pre the caller holds mutex_
+Result<void> Server::take_now(StreamEvent event, std::int64_t time, std::string_view bytes) {
+  latest_ = std::max(latest_, time);
+  if (recorder_) recorder_->add(event, latest_, bytes);
+  return take(event, latest_, bytes);
+}
+
+// Decodes without the mutex so that robot frames can leave meanwhile.
+Result<void> Server::take_packet(std::string_view bytes, std::int64_t arrival) {
+  pipeline_->decode(bytes);
+  const std::lock_guard lock(mutex_);
+  TRY(advance());
+  latest_ = std::max(latest_, arrival);
+  if (recorder_) recorder_->add(StreamEvent::kPacket, latest_, bytes);
+  TRY(pipeline_->use_decoded(seconds_of(latest_)));
+  earlier_.notify_one();
+  return {};
+}
+
+// Emits the frames that are due. If the process was stopped or had no CPU time, drops the overdue
+// frames and continues from now. @pre the caller holds mutex_
+Result<void> Server::advance() {
+  constexpr double kLate = 0.25;        // frames
+  constexpr double kLeastLate = 0.001;  // seconds
+  const auto due = pipeline_->due();
+  if (!due) return {};
+  const std::int64_t now = std::max(latest_, watch_.now());
+  const auto due_us = static_cast<std::int64_t>(std::floor(1e6 * *due));
+  const double late = seconds_of(now) - *due;
+  if (late < 0.0) return {};
+  if (late > std::max(kLeastLate, kLate / options_.pipeline.live.fps)) {
+    TRY(take_now(StreamEvent::kSkip, now, std::to_string(due_us)));
+  }
+  pipeline_->tick(seconds_of(now));
+  // A packet that arrives at the same time is ordered after these frames, in a replay as well.
+  constexpr std::int64_t kBehind = 4;  // microseconds
+  latest_ = now + kBehind;
+  return {};
+}
+
+// Body of the thread that emits robot frames independently of packets.
+void Server::emit(const std::stop_token& stop) {
+  constexpr std::int64_t kLook = 20000;  // Microseconds; polling interval before the first frame.
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    if (auto given = advance(); !given) failed_ = std::move(given);
+    const auto due = pipeline_->due();
+    const std::int64_t now = watch_.now();
+    const std::int64_t until = due ? static_cast<std::int64_t>(std::ceil(1e6 * *due)) : now + kLook;
+    if (until > now) earlier_.wait_until(lock, watch_.at(std::min(until, now + kLook)));
+  }
+}
+
+bool Server::is_over(std::int64_t now, std::int64_t latest) const {
+  if (control_.is_stopped && control_.is_stopped()) return true;
+  if (options_.seconds > 0.0 && seconds_of(now) >= options_.seconds) return true;
+  return options_.silent_s > 0.0 && seconds_of(now - latest) >= options_.silent_s;
+}
+
+Result<void> Server::listen() {
+  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  TRY_ASSIGN(
+      ByteSource source,
+      ByteSource::open(from_, *format, [this](std::string_view label, std::string_view text) {
+        const std::lock_guard lock(mutex_);
+        control_.tell(label, text);
+      }));
+  if (from_.transport != Transport::kStdin) {
+    StreamAddress had = from_;
+    had.port = source.port();
+    control_.tell("input", "listening at " + had.text());
+  }
+  if (pace_ != LivePace::kClock) return listen_to(source);
+  std::jthread emitter([this](const std::stop_token& stop) { emit(stop); });
+  Result<void> listened = listen_to(source);
+  emitter.request_stop();
+  earlier_.notify_one();
+  emitter.join();
+  return listened;
+}
+
+Result<void> Server::listen_to(ByteSource& source) {
+  constexpr double kWait = 0.01;  // Seconds between checks whether the run is over.
+  Asker asker;
+  std::int64_t heard = watch_.now(), now = heard;
+  while (!is_over(now, heard)) {
+    if (source.can_send()) asker.ask(source, pipeline_->request(), now);
+    const ByteSource::Event event = source.wait(kWait);
+    now = watch_.now();
+    if (event == ByteSource::Event::kEnd) break;
+    if (event == ByteSource::Event::kPacket) {
+      heard = now;
+      TRY(take_packet(source.packet(), now));
+    }
+    const std::lock_guard lock(mutex_);
+    if (failed_) return *std::exchange(failed_, std::nullopt);
+    if (outputs_.are_closed()) break;
+    if (control_.is_recalibrated && control_.is_recalibrated()) {
+      TRY(take_now(StreamEvent::kRecalibrate, now));
+    }
+    if (event == ByteSource::Event::kNewSender) TRY(take_now(StreamEvent::kNewSender, now));
+    if (pipeline_->body_is_ready()) TRY(take_now(StreamEvent::kBody, watch_.now()));
+    if (stats_) {
+      stats_->write_if_due(seconds_of(now), *pipeline_, source.statistics(), outputs_.statistics());
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  return take_now(StreamEvent::kEnd, watch_.now());
+}
+
+Result<void> Server::replay() {
+  TRY_ASSIGN(StreamReplay recorded,
+             StreamReplay::open((fs::path(options_.replay) / kRecordedInput).string()));
+  StreamReplay::Entry entry;
+  for (;;) {
+    TRY_ASSIGN(const bool is_there, recorded.next(entry));
+    if (!is_there || outputs_.are_closed() || (control_.is_stopped && control_.is_stopped())) break;
+    TRY(take(entry.event, entry.microseconds, entry.bytes));
+  }
+  return {};
+}
+
+Result<ServeSummary> Server::run() {
+  TRY_ASSIGN(from_, parse_address(options_.input));
+  TRY(make_pipeline());
+  TRY(open_outputs());
+  TRY(open_record());
+  if (!options_.stats.empty()) {
+    TRY_ASSIGN(stats_, StatsWriter::open(options_.stats));
+  }
+  const Result<void> ran = options_.replay.empty() ? listen() : replay();
+  summary_.written = outputs_.finish();
+  if (recorder_) {
+    if (auto kept = recorder_->finish(); !kept && summary_.written) summary_.written = kept;
+  }
+  if (!ran) return failure(ran.error());
+  summary_.outputs = outputs_.statistics();
+  summary_.live = pipeline_->statistics();
+  summary_.packets = pipeline_->packets();
+  return summary_;
+}
+
+}  // namespace
+
+Result<LivePace> chosen_pace(const ServeOptions& options) {
+  if (options.pipeline.pace != LivePace::kAuto) return options.pipeline.pace;
+  TRY_ASSIGN(const StreamAddress from, parse_address(options.input));
+  if (from.transport != Transport::kStdin) return LivePace::kClock;
+  for (const std::string& place : options.outputs) {
+    TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    if (to.transport != Transport::kFile && to.transport != Transport::kStdout) {
+      return LivePace::kClock;
+    }
+  }
+  return LivePace::kInput;
+}
+
+Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
+                           const ServeControl& control) {
+  return Server(robot, options, control).run();
+}
+
+}  // namespace retarget

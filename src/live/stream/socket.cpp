@@ -1,0 +1,195 @@
+#include "live/stream/socket.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+sockaddr_in socket_address(const StreamAddress& address) {
+  sockaddr_in result{};
+  result.sin_family = AF_INET;
+  result.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  inet_pton(AF_INET, address.host.c_str(), &result.sin_addr);
+  return result;
+}
+
+sockaddr_in socket_address(const Endpoint& endpoint) {
+  sockaddr_in result{};
+  result.sin_family = AF_INET;
+  result.sin_port = htons(endpoint.port);
+  result.sin_addr.s_addr = htonl(endpoint.host);
+  return result;
+}
+
+Endpoint endpoint(const sockaddr_in& place) {
+  return {ntohl(place.sin_addr.s_addr), ntohs(place.sin_port)};
+}
+
+Failure socket_failure(const StreamAddress& address, const char* what, std::string hint = {}) {
+  return run_failure(address.text(), std::string(what) + ": " + std::strerror(errno),
+                     std::move(hint));
+}
+
+Result<Descriptor> open_socket(const StreamAddress& address, int flags = 0) {
+  const bool udp = address.transport == Transport::kUdp;
+  Descriptor made(::socket(AF_INET, (udp ? SOCK_DGRAM : SOCK_STREAM) | SOCK_CLOEXEC | flags, 0));
+  if (!made.is_open()) return socket_failure(address, "cannot create a socket");
+  const int yes = 1;
+  if (!udp) {
+    // Send each frame at once.
+    ::setsockopt(made.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  }
+  return made;
+}
+
+}  // namespace
+
+void Descriptor::close() {
+  if (is_open()) ::close(number_);
+  number_ = -1;
+}
+
+Result<Descriptor> bind_socket(const StreamAddress& address) {
+  constexpr int kBacklog = 8;  // Pending connections.
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const bool tcp = address.transport == Transport::kTcp;
+  const int yes = 1;
+  if (tcp) ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  const sockaddr_in place = socket_address(address);
+  if (::bind(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
+    return socket_failure(address, "cannot bind the port", "is another program listening on it?");
+  }
+  if (tcp && ::listen(made.number(), kBacklog) != 0) {
+    return socket_failure(address, "cannot accept connections");
+  }
+  return made;
+}
+
+Result<Descriptor> join_group(const StreamAddress& address, const std::string& group) {
+  StreamAddress place = address;
+  place.host = group;
+  sockaddr_in to = socket_address(place);
+  if (!IN_MULTICAST(ntohl(to.sin_addr.s_addr))) {
+    return usage_failure(group + " is not a multicast group: expected 224.0.0.0 to 239.255.255.255",
+                         "for example: ?multicast=239.255.42.99");
+  }
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const int yes = 1;
+  // Other programs on this machine may have joined the group as well.
+  ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  ip_mreq membership{};
+  membership.imr_multiaddr = to.sin_addr;
+  membership.imr_interface = socket_address(address).sin_addr;
+  if (::bind(made.number(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0 ||
+      ::setsockopt(made.number(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) !=
+          0) {
+    return socket_failure(place, "cannot join the group",
+                          "the address before the port must be this computer's network address");
+  }
+  return made;
+}
+
+int bound_port(const Descriptor& socket) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  ::getsockname(socket.number(), reinterpret_cast<sockaddr*>(&place), &size);
+  return ntohs(place.sin_port);
+}
+
+Result<Descriptor> connect_socket(const StreamAddress& address) {
+  TRY_ASSIGN(Descriptor made, open_socket(address));
+  const sockaddr_in place = socket_address(address);
+  if (const std::string network = address.extra("interface"); !network.empty()) {
+    // For a multicast group: this computer's address in the group's network.
+    StreamAddress own = address;
+    own.host = network;
+    const in_addr from = socket_address(own).sin_addr;
+    ::setsockopt(made.number(), IPPROTO_IP, IP_MULTICAST_IF, &from, sizeof from);
+  }
+  if (::connect(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) {
+    return socket_failure(address, "connection failed: no answer", "start the receiver first");
+  }
+  return made;
+}
+
+int wait_for(std::span<const Descriptor* const> sources, double seconds) {
+  constexpr std::size_t kMost = 16;
+  std::array<pollfd, kMost> waiting{};
+  const std::size_t count = std::min(sources.size(), kMost);
+  for (std::size_t i = 0; i < count; ++i) waiting[i] = {sources[i]->number(), POLLIN, 0};
+  const auto milliseconds = static_cast<int>(std::ceil(1e3 * std::clamp(seconds, 0.0, 1e3)));
+  if (::poll(waiting.data(), count, milliseconds) <= 0) return -1;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (waiting[i].revents != 0) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+Result<Descriptor> begin_connection(const StreamAddress& address) {
+  TRY_ASSIGN(Descriptor made, open_socket(address, SOCK_NONBLOCK));
+  const sockaddr_in place = socket_address(address);
+  const auto* const to = reinterpret_cast<const sockaddr*>(&place);
+  if (::connect(made.number(), to, sizeof place) != 0 && errno != EINPROGRESS) {
+    return run_failure(address.text(), std::strerror(errno));
+  }
+  return made;
+}
+
+std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended) {
+  const ssize_t count = ::read(from.number(), room.data(), room.size());
+  ended = count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED);
+  return {room.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
+}
+
+void send_datagram(const Descriptor& from, const Endpoint& to, std::string_view bytes) {
+  const sockaddr_in place = socket_address(to);
+  static_cast<void>(::sendto(from.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL,
+                             reinterpret_cast<const sockaddr*>(&place), sizeof place));
+}
+
+std::optional<std::string_view> receive_from(const Descriptor& from, std::span<char> room,
+                                             Endpoint& sender) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  const ssize_t count = ::recvfrom(from.number(), room.data(), room.size(), MSG_DONTWAIT,
+                                   reinterpret_cast<sockaddr*>(&place), &size);
+  if (count < 0) return std::nullopt;
+  sender = endpoint(place);
+  return std::string_view(room.data(), static_cast<std::size_t>(count));
+}
+
+Descriptor accept_connection(const Descriptor& listener, Endpoint& peer) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  Descriptor made(::accept4(listener.number(), reinterpret_cast<sockaddr*>(&place), &size,
+                            SOCK_CLOEXEC | SOCK_NONBLOCK));
+  peer = endpoint(place);
+  return made;
+}
+
+bool has_ended(const Descriptor& connection) {
+  char byte = 0;
+  const ssize_t count = ::recv(connection.number(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR);
+}
+
+bool has_input(const Descriptor& connection) {
+  pollfd waiting = {connection.number(), POLLIN, 0};
+  return ::poll(&waiting, 1, 0) > 0;
+}
+
+}  // namespace retarget

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "live/stream/endpoint.h"
+#include "live/stream/stream_address.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Owns a file descriptor and closes it.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  void close();
+
+ private:
+  int number_ = -1;
+};
+
+/// Opens a socket that receives datagrams, or listens for connections, at an address. Port 0: any
+/// free port.
+[[nodiscard]] Result<Descriptor> bind_socket(const StreamAddress& address);
+/// Opens a socket that receives the datagrams of a multicast group on the network of the address's
+/// host, at its port. Errors: kUsage: not a multicast group; kRun: the group cannot be joined.
+[[nodiscard]] Result<Descriptor> join_group(const StreamAddress& address, const std::string& group);
+/// The port of a bound socket.
+[[nodiscard]] int bound_port(const Descriptor& socket);
+/// Opens a socket that sends datagrams to an address, or is connected to it.
+[[nodiscard]] Result<Descriptor> connect_socket(const StreamAddress& address);
+
+/// Waits until one of at most 16 descriptors has input or a connection; closed descriptors never
+/// have.
+/// @return index of the first one; -1: none within the time.
+[[nodiscard]] int wait_for(std::span<const Descriptor* const> sources, double seconds);
+
+/// Opens a non-blocking socket and starts connecting it to an address.
+[[nodiscard]] Result<Descriptor> begin_connection(const StreamAddress& address);
+/// Reads the available input, as much as fits; empty: none. At the end of a connection or pipe,
+/// returns an empty text and sets `ended`.
+[[nodiscard]] std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended);
+/// Sends a datagram from a bound socket; failures are ignored.
+void send_datagram(const Descriptor& from, const Endpoint& to, std::string_view bytes);
+/// Reads the next datagram and its sender; nothing if none is available.
+[[nodiscard]] std::optional<std::string_view> receive_from(const Descriptor& from,
+                                                           std::span<char> room, Endpoint& sender);
+/// Accepts the next connection and its peer; not open if there is none.
+[[nodiscard]] Descriptor accept_connection(const Descriptor& listener, Endpoint& peer);
+/// Whether a connection has input or has ended; consumes nothing.
+[[nodiscard]] bool has_input(const Descriptor& connection);
+/// Whether a connection has ended and all its input was read.
+[[nodiscard]] bool has_ended(const Descriptor& connection);
+
+}  // namespace retarget

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "live/stream/byte_source.h"
+#include "live/stream/frame_output.h"
+#include "live/stream/latency.h"
+#include "live/stream/live_pipeline.h"
+#include "live/stream/socket.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Writes statistics of a live run: one JSON line per second.
+class StatsWriter {
+ public:
+  /// @param to  a file, which is overwritten; - for standard output.
+  /// Errors (kRun): the file is not writable.
+  [[nodiscard]] static Result<StatsWriter> open(const std::string& to);
+
+  /// Adds a latency from a packet to its robot frame, seconds.
+  void add(double latency_s) { latency_.add(latency_s); }
+  /// Writes a line if a second has passed. Never blocks: a slow reader misses lines.
+  void write_if_due(double now, const LivePipeline& pipeline, const SourceStatistics& source,
+                    std::span<const OutputStatistics> outputs);
+
+ private:
+  Descriptor to_;
+  Latency latency_;  // In the current second.
+  double due_ = 1.0;
+  double before_ = 0.0;
+  std::int64_t frames_before_ = 0;
+};
+
+/// Formats one line of statistics.
+[[nodiscard]] std::string stats_line(double now, const LivePipeline& pipeline,
+                                     const Latency& latency, double robot_fps,
+                                     const SourceStatistics& source,
+                                     std::span<const OutputStatistics> outputs);
+
+}  // namespace retarget

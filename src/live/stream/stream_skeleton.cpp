@@ -1,0 +1,105 @@
+#include "live/stream/stream_skeleton.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "live/stream/local_pose.h"
+
+namespace retarget {
+namespace {
+
+std::vector<Channel> every_channel() {
+  using enum Channel;
+  return {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation};
+}
+
+// Infers the unit of a file from lengths known in metres.
+double units_per_metre(double file_length, double metres) {
+  const auto factor = [&](double units) {
+    const double expected = units * metres;
+    return expected > file_length ? expected / file_length : file_length / expected;
+  };
+  if (!(file_length > 0.0) || !(metres > 0.0)) return 1.0;
+  return *std::ranges::min_element(kUnitsPerMetre, {}, factor);
+}
+
+}  // namespace
+
+void StreamSkeleton::tell(std::vector<StreamJoint> joints, const Eigen::Vector3d& up,
+                          bool is_rest_pose, StreamSink& sink, std::optional<double> height) {
+  joints_ = std::move(joints);
+  // The user's file has more information about the same skeleton.
+  if (use_known()) return;
+  use_told();
+  std::vector<Joint> skeleton;
+  for (const StreamJoint& joint : joints_) {
+    skeleton.push_back({joint.name, joint.parent, joint.offset, {}, every_channel()});
+  }
+  // A zero pose that is not a rest pose carries no information; the first frame determines the
+  // body.
+  const int poses = is_rest_pose ? 1 : 0;
+  Clip clip(std::make_shared<const Skeleton>(std::move(skeleton)), FrameRate{}, poses);
+  ClipOrigin origin;
+  origin.name = "stream";
+  origin.metres_per_unit = 1.0;
+  origin.up = up;
+  origin.body_height = height;
+  clip.set_origin(std::move(origin));
+  sink.take_skeleton(std::move(clip), is_rest_pose);
+}
+
+// Requires that each joint of the file is one of the stream's with the same parent.
+bool StreamSkeleton::use_known() {
+  if (!known_) return false;
+  sources_.clear();
+  parents_.clear();
+  slots_.clear();
+  double file_length = 0.0, metres = 0.0;
+  for (int i = 0; i < known_->joint_count(); ++i) {
+    const Joint& joint = known_->joint(i);
+    const auto found = std::ranges::find(joints_, joint.name, &StreamJoint::name);
+    if (found == joints_.end() || (joint.parent < 0) != (found->parent < 0)) return false;
+    if (joint.parent >= 0) {
+      const StreamJoint& parent = joints_[static_cast<std::size_t>(found->parent)];
+      if (parent.name != known_->joint(joint.parent).name) return false;
+      file_length += joint.offset.norm();
+      metres += found->offset.norm();
+    }
+    sources_.push_back(static_cast<std::size_t>(found - joints_.begin()));
+    parents_.push_back(joint.parent);
+    slots_.push_back(known_->translation_slot(i));
+  }
+  units_per_metre_ = units_per_metre(file_length, metres);
+  frame_.translations.assign(static_cast<std::size_t>(known_->translated_count()),
+                             Eigen::Vector3d::Zero());
+  return true;
+}
+
+void StreamSkeleton::use_told() {
+  sources_.clear();
+  parents_.clear();
+  slots_.clear();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    sources_.push_back(i);
+    parents_.push_back(joints_[i].parent);
+    slots_.push_back(static_cast<int>(i));
+  }
+  units_per_metre_ = 1.0;
+  frame_.translations.assign(joints_.size(), Eigen::Vector3d::Zero());
+}
+
+void StreamSkeleton::give(double time, std::span<const Pose> world_from_joint, StreamSink& sink) {
+  frame_.time = time;
+  frame_.rotations.resize(sources_.size());
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const int parent =
+        parents_[i] < 0 ? -1 : static_cast<int>(sources_[static_cast<std::size_t>(parents_[i])]);
+    const Pose pose = parent_from_joint(world_from_joint, parent, world_from_joint[sources_[i]]);
+    frame_.rotations[i] = pose.rotation.normalized();
+    if (slots_[i] < 0) continue;
+    frame_.translations[static_cast<std::size_t>(slots_[i])] = units_per_metre_ * pose.translation;
+  }
+  sink.take_frame(frame_);
+}
+
+}  // namespace retarget

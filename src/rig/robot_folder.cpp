@@ -1,0 +1,128 @@
+#include "rig/robot_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "base/utf8.h"
+#include "retarget/file.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string system_message(int error_number) {
+  return std::generic_category().message(error_number);
+}
+
+// Creates an empty folder with an unused name; returns errno on failure, 0 on success.
+int make_new_folder(const fs::path& beside, fs::path& made) {
+  constexpr int kMaxNames = 1000;
+  for (int number = 0; number < kMaxNames; ++number) {
+    made = beside.parent_path() / ("." + beside.filename().string() + ".new-" +
+                                   std::to_string(::getpid()) + "-" + std::to_string(number));
+    if (::mkdir(made.c_str(), 0777) == 0) return 0;
+    if (errno != EEXIST) break;
+  }
+  return errno;
+}
+
+// Renames without replacing an existing file; returns errno or 0.
+int rename_to_new(const fs::path& from, const fs::path& to) {
+#ifdef RENAME_NOREPLACE
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+#endif
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(to, ignored))) return EEXIST;
+  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+// Exchanges two folders, atomically if the file system supports it; returns errno or 0.
+int exchange(const fs::path& made, const fs::path& there) {
+#ifdef RENAME_EXCHANGE
+  if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, there.c_str(), RENAME_EXCHANGE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+#endif
+  // Rename over an empty folder, which rename permits.
+  fs::path aside;
+  if (const int error = make_new_folder(there, aside); error != 0) return error;
+  if (::rename(there.c_str(), aside.c_str()) != 0) {
+    const int error = errno;
+    ::rmdir(aside.c_str());
+    return error;
+  }
+  if (::rename(made.c_str(), there.c_str()) != 0) {
+    const int error = errno;
+    // Restore the original folder.
+    return ::rename(aside.c_str(), there.c_str()) == 0 ? error : errno;
+  }
+  return ::rename(aside.c_str(), made.c_str()) == 0 ? 0 : errno;
+}
+
+Result<void> fill(const fs::path& folder, const FileTexts& files,
+                  const std::function<Result<void>(const fs::path&)>& check) {
+  for (const auto& [file, text] : files) {
+    TRY(write_file((folder / file).string(), text));
+  }
+  return check ? check(folder) : Result<void>();
+}
+
+}  // namespace
+
+Result<void> check_robot_name(const std::string& name) {
+  const bool valid = is_plain_name(name) && !name.starts_with('.') && valid_utf8(name) == name &&
+                     name.find_first_of("/\\") == std::string::npos;
+  if (valid) return {};
+  return usage_failure("\"" + name +
+                       "\" is not a valid robot name: it must be a valid folder name");
+}
+
+Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
+                              const PutOptions& options) {
+  const fs::path into = folder.parent_path();
+  std::error_code error;
+  if (!fs::is_directory(into.empty() ? fs::path(".") : into, error)) {
+    return usage_failure("the folder \"" + into.string() + "\" does not exist");
+  }
+  const bool is_there = fs::exists(fs::symlink_status(folder, error));
+  if (is_there && !options.replace) {
+    return usage_failure("\"" + folder.string() + "\" already exists",
+                         OPTION("force") " replaces it");
+  }
+  if (is_there && !options.may_replace(folder)) {
+    return usage_failure("\"" + folder.string() + "\" is not replaced: " + options.otherwise,
+                         "give another name, or remove it yourself");
+  }
+  // Write next to the destination, then move the folder into place in one step.
+  fs::path staging;
+  const int made = make_new_folder(folder, staging);
+  const auto give_up = [&](const std::string& what) {
+    std::error_code ignored;
+    fs::remove_all(staging, ignored);
+    return run_failure(folder.string(), "cannot write the robot folder: " + what);
+  };
+  if (made != 0) {
+    staging.clear();
+    return give_up(system_message(made));
+  }
+  if (auto filled = fill(staging, files, options.check); !filled) {
+    if (filled.error().kind != ErrorKind::kConfig) return give_up(filled.error().message);
+    fs::remove_all(staging, error);
+    return failure(filled.error());
+  }
+  const int placed = is_there ? exchange(staging, folder) : rename_to_new(staging, folder);
+  if (placed != 0) return give_up(system_message(placed));
+  // After the exchange, the staging folder holds the old content.
+  if (is_there) fs::remove_all(staging, error);
+  return {};
+}
+
+}  // namespace retarget

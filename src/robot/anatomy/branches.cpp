@@ -1,0 +1,164 @@
+#include "robot/anatomy/branches.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace retarget {
+
+namespace {
+
+// Returns the link that outweighs its siblings, which are then mere rods; nothing if none does.
+std::optional<int> heaviest(const Robot& robot, const std::vector<int>& links) {
+  constexpr double kOutweighs = 4.0;
+  const auto mass = [&](int link) {
+    return robot.model()->body_subtreemass[robot.tree().links()[link].body];
+  };
+  const int first = *std::ranges::max_element(links, {}, mass);
+  double others = -mass(first);
+  for (const int link : links) others += mass(link);
+  return mass(first) > kOutweighs * others ? std::optional(first) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<int> joint_chain(const Robot& robot, int first) {
+  constexpr std::size_t kWholeLimb = 4;
+  const KinematicTree& tree = robot.tree();
+  std::vector<int> chain;
+  for (int link = first;;) {
+    if (tree.links()[link].slides) return chain;
+    chain.push_back(tree.links()[link].joint);
+    const std::vector<int> next = tree.children(link);
+    if (next.empty()) return chain;
+    const int most = *std::ranges::max_element(
+        next, {}, [&](int child) { return tree.links()[child].last_descendant - child; });
+    if (next.size() == 1 || chain.size() < kWholeLimb) {
+      link = most;
+      continue;
+    }
+    const auto heavy = heaviest(robot, next);
+    if (!heavy) return chain;
+    link = *heavy;
+  }
+}
+
+namespace {
+
+// Returns the farthest extent of the branch that begins with a joint.
+double reach(const TreeState& posed, int joint) {
+  const KinematicTree& tree = *posed.tree;
+  const int first = tree.link_of_joint(joint);
+  double farthest = 0.0;
+  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
+    for (const int body : tree.rigid_group(tree.links()[link].body)) {
+      const Eigen::Vector3d place = posed.world_from_body(body).translation;
+      farthest = std::max(farthest, (place - posed.anchor(joint)).norm());
+    }
+  }
+  return farthest;
+}
+
+// Returns the deviation of two chains from mirror symmetry about the plane normal to `across`,
+// relative to their size; nothing if they are not on opposite sides.
+std::optional<double> asymmetry(const TreeState& posed, const std::vector<int>& first,
+                                const std::vector<int>& second, const Eigen::Vector3d& across) {
+  double size = 0.0;
+  double worst = 0.0;
+  double apart = 0.0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Eigen::Vector3d gap = posed.anchor(first[i]) - posed.anchor(second[i]);
+    const double along = gap.dot(across);
+    // Ignore offsets along the joint axis, because an anchor may be anywhere on it.
+    const Eigen::Vector3d& axis = posed.axis(first[i]);
+    const Eigen::Vector3d aside = gap - along * across;
+    worst = std::max(worst, (aside - aside.dot(axis) * axis).norm());
+    apart += along / static_cast<double>(first.size());
+    size = std::max(size, (posed.anchor(first[i]) - posed.anchor(first[0])).norm());
+  }
+  if (!(size > 0.0)) size = reach(posed, first[0]);
+  if (!(apart > 0.02 * size) || !(size > 0.0)) return std::nullopt;
+  return worst / size;
+}
+
+// Covers all joints of a branch, including those beyond the end of its chain.
+double lowest_joint(const TreeState& posed, int first) {
+  const auto& links = posed.tree->links();
+  double lowest = posed.anchor(links[first].joint).z();
+  for (int link = first; link <= links[first].last_descendant; ++link) {
+    lowest = std::min(lowest, posed.anchor(links[link].joint).z());
+  }
+  return lowest;
+}
+
+// Returns the horizontal unit vector from one chain to the other; zero if one is directly above the
+// other.
+Eigen::Vector3d level_way(const TreeState& posed, const std::vector<int>& to,
+                          const std::vector<int>& from) {
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  for (const int joint : to) way += posed.anchor(joint);
+  for (const int joint : from) way -= posed.anchor(joint);
+  way.z() = 0.0;
+  return way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
+}
+
+std::optional<BranchPair> pair_of(const Robot& robot, const TreeState& posed, int first,
+                                  int second) {
+  constexpr double kMirrored = 0.25;
+  constexpr double kAslant = 0.1;  // Sine of the angle to the axes: 6 degrees.
+  constexpr double kClearer = 0.3;
+  const std::vector<int> a = joint_chain(robot, first);
+  const std::vector<int> b = joint_chain(robot, second);
+  if (a.size() != b.size() || a.size() < 2) return std::nullopt;
+  std::optional<BranchPair> best;
+  double min = kMirrored;
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), level_way(posed, a, b)}) {
+    // A model that does not face along an axis is unusual, so it must be clearly more symmetric.
+    const bool oblique = std::abs(axis.x()) > kAslant && std::abs(axis.y()) > kAslant;
+    if (!oblique && axis.cwiseAbs().maxCoeff() < 1.0) continue;
+    for (const double sign : {1.0, -1.0}) {
+      const auto found = asymmetry(posed, a, b, sign * axis);
+      if (!found || !(*found < (oblique ? std::min(kMirrored, kClearer * min) : min))) continue;
+      min = *found;
+      best = BranchPair{0,
+                        first,
+                        second,
+                        axis,
+                        std::min(lowest_joint(posed, first), lowest_joint(posed, second)),
+                        static_cast<int>(a.size())};
+      if (sign < 0.0) std::swap(best->first, best->second);
+    }
+  }
+  return best;
+}
+
+void collect_pairs(const Robot& robot, const TreeState& posed, int trunk,
+                   std::vector<BranchPair>& pairs) {
+  std::vector<int> rest = posed.tree->children(trunk);
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    for (std::size_t k = i + 1; k < rest.size(); ++k) {
+      auto pair = pair_of(robot, posed, rest[i], rest[k]);
+      if (!pair) continue;
+      pair->parent = trunk;
+      pairs.push_back(*pair);
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+      --i;
+      break;
+    }
+  }
+  for (const int child : rest) collect_pairs(robot, posed, child, pairs);
+}
+
+}  // namespace
+
+std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed) {
+  std::vector<BranchPair> pairs;
+  collect_pairs(robot, posed, 0, pairs);
+  return pairs;
+}
+
+}  // namespace retarget

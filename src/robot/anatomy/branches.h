@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "retarget/robot.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+
+/// Returns the joints of a branch from its first link outwards. At a fork the chain follows the
+/// side with more joints. A chain of four joints or more ends at a fork (a hand with fingers)
+/// unless one side outweighs the others (rods next to a shin). A chain also ends at a slide (a
+/// gripper).
+[[nodiscard]] std::vector<int> joint_chain(const Robot& robot, int first);
+
+/// Two branches of one body that are mirror images of each other.
+struct BranchPair {
+  int parent = 0;                            ///< Index of the parent link.
+  int first = 0, second = 0;                 ///< First links of the two branches.
+  Eigen::Vector3d across = {0.0, 1.0, 0.0};  ///< Unit direction from second to first: the y axis,
+                                             ///< the x axis, or a horizontal direction.
+  double lowest = 0.0;                       ///< Height of the lowest joint.
+  int joint_count = 0;                       ///< Joints in one branch's chain.
+};
+
+/// Returns the pairs attached to the trunk: to the root, or to links attached to it that carry
+/// pairs.
+[[nodiscard]] std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed);
+
+}  // namespace retarget

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "retarget/robot.h"
+#include "robot/anatomy/branches.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+
+/// Points and axis of a limb in the reference configuration, in the world frame.
+struct LimbShape {
+  std::vector<int> joints;
+  int middle = 0;         ///< Index into `joints`.
+  Eigen::Vector3d root;   ///< Intersection of the joints before the middle one.
+  Eigen::Vector3d bend;   ///< Point on the middle joint's axis, level with root and end.
+  Eigen::Vector3d end;    ///< Intersection of the joints beyond the middle, or the limb's end.
+  Eigen::Vector3d axis;   ///< Axis of the middle joint.
+  double straight = 0.0;  ///< Position of the middle joint that makes the limb straight.
+  double flexion = 0.0;  ///< Sign of the positions that bend the limb; 0 if the range is symmetric.
+  double clarity = 0.0;
+  std::vector<double> scores;  ///< Score of each joint of the chain as middle joint; 0: unsuitable.
+  std::size_t at_root = 0;     ///< Joints directly before the middle one that bend the limb at the
+                               ///< same place.
+  std::size_t at_end = 0;      ///< Joints directly beyond the middle one that do so.
+  std::optional<int> toe;      ///< First toe joint, which is excluded from a leg.
+  bool end_is_estimated = false;
+  std::optional<int> end_body;  ///< Body at the limb's end that is fixed to the last body, if any.
+
+  /// Returns the unit directions of the two segments, perpendicular to the axis.
+  [[nodiscard]] Eigen::Vector3d upper() const;
+  [[nodiscard]] Eigen::Vector3d lower() const;
+};
+
+/// Splits a chain at its knee or elbow. Returns nothing if no hinge splits it into two segments of
+/// plausible lengths. The rest of the limb affects the score (limb_plausibility.h); names decide if
+/// another joint fits nearly as well.
+///
+/// Hinges next to the middle one that bend the limb at the same place (two-hinge knees and elbows)
+/// count as part of it. A toe of up to three joints at the end of a leg is excluded. An arm whose
+/// joints beyond the elbow all pass it has no wrist: a body fixed to its last body marks its end,
+/// otherwise its masses do, otherwise the twist axis gives the direction and human proportions give
+/// the forearm's length.
+///
+/// Legs bend in one plane: their hip and ankle points are moved onto the hinge there that is most
+/// parallel to the knee. Forearms whose joints beyond the elbow all twist the forearm end at the
+/// farthest body fixed to the last of them.
+/// @param reference  the configuration of `posed`.
+/// @param forward    the facing direction, or its opposite.
+/// @param at         the middle joint, if known: index into the chain.
+[[nodiscard]] std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
+                                                  const std::vector<double>& reference,
+                                                  const std::vector<int>& chain, bool is_leg,
+                                                  const Eigen::Vector3d& forward,
+                                                  std::optional<int> at = std::nullopt);
+
+/// Returns the points of a moving body and the bodies fixed to it, in the world frame of `posed`:
+/// body origins and corners of the boxes around geoms.
+[[nodiscard]] std::vector<Eigen::Vector3d> outline_points(const Robot& robot,
+                                                          const TreeState& posed, int body);
+
+}  // namespace retarget

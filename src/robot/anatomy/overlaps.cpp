@@ -1,0 +1,170 @@
+#include "robot/anatomy/overlaps.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+
+#include "robot/anatomy/neighbours.h"
+#include "robot/model/collision.h"
+#include "robot/model/shape_distance.h"
+
+namespace retarget {
+namespace {
+
+using BodyPair = std::pair<int, int>;
+
+constexpr int kSamples = 1024;
+constexpr double kTouching = 1e-3;  // Metres: shallower overlaps are rounding errors.
+constexpr double kAlways = 0.9;     // Fraction of the samples.
+// Fraction of the samples for forearms and hands: a hanging arm is free in nearly all other poses.
+constexpr double kOften = 0.1;
+
+std::vector<int> first_primes(std::size_t count) {
+  std::vector<int> primes;
+  for (int number = 2; primes.size() < count; ++number) {
+    const auto divides = [number](int prime) { return number % prime == 0; };
+    if (std::ranges::none_of(primes, divides)) primes.push_back(number);
+  }
+  return primes;
+}
+
+struct Interval {
+  double lower = 0.0, upper = 0.0;
+};
+
+// Samples an unlimited hinge over a full turn and an unlimited slide over 1 m, or over half of that
+// from its limit if it has one.
+Interval sampled_range(const Robot& robot, std::size_t joint) {
+  const bool slides = robot.joints()[joint].type == RobotJoint::Type::kSlide;
+  const double reach = slides ? 0.5 : std::numbers::pi;
+  const double lower = robot.model_limits().lower[joint];
+  const double upper = robot.model_limits().upper[joint];
+  if (std::isfinite(lower) && std::isfinite(upper)) return {lower, upper};
+  if (std::isfinite(lower)) return {lower, lower + reach};
+  if (std::isfinite(upper)) return {upper - reach, upper};
+  return {-reach, reach};
+}
+
+// Penetration depths of touching body pairs.
+class OverlapMeter {
+ public:
+  explicit OverlapMeter(const Robot& robot)
+      : robot_(robot),
+        collision_(robot),
+        world_from_body_(robot.bodies().size()),
+        placed_(collision_.shapes().size()) {}
+
+  const std::map<BodyPair, double>& measure(std::span<const double> qpos) {
+    depths_.clear();
+    forward_kinematics(robot_, qpos, world_from_body_);
+    collision_.place(world_from_body_, placed_);
+    collision_.near_pairs(placed_, 0.0, near_);
+    for (const ShapePair& pair : near_) {
+      const double depth = -shape_distance(placed_[pair.a], placed_[pair.b]).distance;
+      if (depth <= kTouching) continue;
+      const auto bodies =
+          std::minmax(collision_.shapes()[pair.a].body, collision_.shapes()[pair.b].body);
+      double& deepest = depths_[bodies];
+      deepest = std::max(deepest, depth);
+    }
+    return depths_;
+  }
+
+ private:
+  const Robot& robot_;
+  const CollisionModel collision_;
+  std::vector<Pose> world_from_body_;
+  std::vector<RoundedShape> placed_;
+  std::vector<ShapePair> near_;
+  std::map<BodyPair, double> depths_;
+};
+
+// By body: true for forearms and everything that they carry.
+std::vector<bool> beyond_elbows(const Robot& robot, const RobotAnatomy& limbs) {
+  std::vector<bool> beyond(robot.bodies().size(), false);
+  for (const Limb& arm : limbs.arms) {
+    beyond[static_cast<std::size_t>(robot.joints()[arm.joints[arm.middle]].body)] = true;
+  }
+  // Parents precede children.
+  for (std::size_t body = 1; body < beyond.size(); ++body) {
+    if (beyond[static_cast<std::size_t>(robot.bodies()[body].parent)]) beyond[body] = true;
+  }
+  return beyond;
+}
+
+// Counts the configurations in which each pair overlaps.
+std::map<BodyPair, int> sample_overlaps(const Robot& robot, OverlapMeter& meter) {
+  const std::vector<int> primes = first_primes(robot.joints().size());
+  std::map<BodyPair, int> counts;
+  std::vector<double> qpos = robot.zero_configuration();
+  for (int sample = 1; sample <= kSamples; ++sample) {
+    for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+      const double turns = sample * std::sqrt(static_cast<double>(primes[j]));
+      const auto [lower, upper] = sampled_range(robot, j);
+      qpos[robot.joints()[j].qpos_address] = lower + (turns - std::floor(turns)) * (upper - lower);
+    }
+    for (const auto& [bodies, depth] : meter.measure(qpos)) ++counts[bodies];
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::vector<ModelOverlap> model_overlaps(const Robot& robot, const RobotAnatomy& limbs,
+                                         std::span<const std::vector<double>> poses) {
+  OverlapMeter meter(robot);
+  std::map<BodyPair, double> depths;
+  for (const std::vector<double>& qpos : poses) {
+    for (const auto& [bodies, depth] : meter.measure(qpos)) {
+      depths[bodies] = std::max(depths[bodies], depth);
+    }
+  }
+  std::map<BodyPair, int> counts = sample_overlaps(robot, meter);
+  for (const auto& [bodies, depth] : depths) counts.try_emplace(bodies, 0);
+  const std::vector<bool> beyond = beyond_elbows(robot, limbs);
+  std::vector<ModelOverlap> overlaps;
+  for (const auto& [bodies, count] : counts) {
+    const double share = static_cast<double>(count) / kSamples;
+    const auto [a, b] = bodies;
+    const auto in_pose = depths.find(bodies);
+    const bool stands_so = in_pose != depths.end();
+    const bool is_hand = beyond[static_cast<std::size_t>(a)] || beyond[static_cast<std::size_t>(b)];
+    if (share < (!stands_so ? kAlways : is_hand ? kOften : 0.0)) continue;
+    overlaps.push_back({a, b, stands_so ? in_pose->second : 0.0, share});
+  }
+  return overlaps;
+}
+
+std::string overlap_text(const Robot& robot, const ModelOverlap& overlap) {
+  const std::string at_rest =
+      overlap.depth > 0.0 ? fmt::format("by {:.1f} cm at rest and ", 100.0 * overlap.depth) : "";
+  return fmt::format("\"{}\" and \"{}\" overlap {}in {:.0f} % of poses",
+                     robot.bodies()[overlap.a].name, robot.bodies()[overlap.b].name, at_rest,
+                     100.0 * overlap.share);
+}
+
+AllowedContacts find_allowed_contacts(const Robot& robot, const RobotAnatomy& limbs,
+                                      std::span<const std::pair<std::string, std::string>> excluded,
+                                      std::span<const std::vector<double>> poses) {
+  AllowedContacts allowed{neighbours(robot), {}};
+  for (const auto& [first, second] : excluded) {
+    const auto a = robot.find_body(first), b = robot.find_body(second);
+    if (a && b) allowed.pairs.emplace_back(*a, *b);
+  }
+  RobotProfile profile = robot.profile();
+  profile.allowed_self_contact = allowed.pairs;
+  Robot so_far(ModelPtr(mj_copyModel(nullptr, robot.model())), std::move(profile));
+  so_far.set_collision_shapes(robot.collision_shapes());
+  allowed.overlaps = model_overlaps(so_far, limbs, poses);
+  for (const ModelOverlap& overlap : allowed.overlaps) {
+    allowed.pairs.emplace_back(overlap.a, overlap.b);
+  }
+  return allowed;
+}
+
+}  // namespace retarget

@@ -1,0 +1,287 @@
+#include "robot/anatomy/shapes.h"
+
+#include <mujoco/mujoco.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/math/so3.h"
+#include "retarget/pose.h"
+#include "robot/anatomy/capsules.h"
+#include "robot/model/core_points.h"
+#include "robot/model/kinematic_tree.h"
+#include "robot/model/model_values.h"
+
+namespace retarget {
+namespace {
+
+using Type = CollisionShape::Type;
+
+// Human proportions relative to leg length (hip to ankle).
+constexpr double kAnkleHeight = 0.085;
+constexpr double kFootLength = 0.29;
+constexpr double kHeelShare = 0.25;  // Fraction of the foot's length behind the ankle.
+constexpr double kFootWidth = 0.11;
+// Radius of a limb segment relative to its length.
+constexpr double kRadius = 0.15;
+
+// Replaces each corner of the bounding box by the nearest touching point: feet are not rectangles,
+// and corners outside them would touch the floor first. Keeps the corners if two of them share a
+// point.
+void take_touching_points(const std::vector<Eigen::Vector3d>& touching,
+                          std::vector<Eigen::Vector3d>& corners) {
+  std::vector<std::size_t> taken;
+  for (const Eigen::Vector3d& corner : corners) {
+    const auto nearest = std::ranges::min_element(touching, {}, [&](const Eigen::Vector3d& point) {
+      const double x = point.x() - corner.x(), right = point.z() - corner.z();
+      return x * x + right * right;
+    });
+    taken.push_back(static_cast<std::size_t>(nearest - touching.begin()));
+  }
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (std::ranges::count(taken, taken[i]) > 1) return;
+  }
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    corners[i].x() = touching[taken[i]].x();
+    corners[i].z() = touching[taken[i]].z();
+  }
+}
+
+// Returns the bounding box of points with the given axes.
+CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
+                          const Eigen::Matrix3d& axes) {
+  Eigen::AlignedBox3d around;
+  for (const Eigen::Vector3d& point : points) around.extend(axes.transpose() * point);
+  CollisionShape box;
+  box.type = Type::kBox;
+  box.body = body;
+  box.half_size = 0.5 * around.sizes().cwiseMax(2e-3);
+  box.body_from_shape = {Eigen::Quaterniond(axes), axes * around.center()};
+  return box;
+}
+
+class ShapeFinder {
+ public:
+  ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh)
+      : robot_(robot), limbs_(limbs), mesh_(mesh.bodies), mesh_files_(mesh), tree_(robot.tree()) {}
+
+  RobotShapes find();
+
+ private:
+  void keep_model_shapes();
+  void fit_meshes();
+  void estimate_segments();
+  void find_sole(std::size_t side);
+  [[nodiscard]] bool has_shape(int body) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> foot_points(const LimbPart& foot) const;
+  [[nodiscard]] double leg_length() const {
+    return limbs_.legs[0].upper_length + limbs_.legs[0].lower_length;
+  }
+
+  const Robot& robot_;
+  const RobotAnatomy& limbs_;
+  const BodyPoints& mesh_;
+  const MeshPoints& mesh_files_;
+  const KinematicTree& tree_;
+  RobotShapes found_;
+};
+
+bool ShapeFinder::has_shape(int body) const {
+  return std::ranges::any_of(found_.shapes,
+                             [&](const RoughShape& rough) { return rough.shape.body == body; });
+}
+
+void ShapeFinder::keep_model_shapes() {
+  for (const CollisionShape& shape : robot_.collision_shapes()) {
+    found_.shapes.push_back({shape, ShapeSource::kModel});
+  }
+  const mjModel* model = robot_.model();
+  for (int g = 0; g < model->ngeom; ++g) {
+    const bool touches = model->geom_contype[g] != 0 || model->geom_conaffinity[g] != 0;
+    const int body = model->geom_bodyid[g];
+    const bool of_robot = model->body_rootid[body] == robot_.root_body();
+    if (!touches || !of_robot || model->geom_type[g] != mjGEOM_CYLINDER) continue;
+    CollisionShape capsule;
+    capsule.type = Type::kCapsule;
+    capsule.body = body;
+    capsule.radius = model->geom_size[3 * g];
+    capsule.half_length = std::max(model->geom_size[3 * g + 1] - capsule.radius, 0.0);
+    if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
+    capsule.body_from_shape = pose_at(model->geom_pos, model->geom_quat, g);
+    found_.shapes.push_back({capsule, ShapeSource::kModel});
+  }
+}
+
+void ShapeFinder::fit_meshes() {
+  constexpr double kFinest = 0.005, kCoarser = 1.3;  // Cell size in metres; growth factor.
+  constexpr std::size_t kEnough = 1000;
+  for (std::size_t b = 1; b < mesh_.size(); ++b) {
+    const int body = static_cast<int>(b);
+    if (mesh_[b].size() < 4 || has_shape(body)) continue;
+    const auto add = [&](const CollisionShape& shape) {
+      found_.shapes.push_back({shape, ShapeSource::kMesh});
+    };
+    const auto foot = std::ranges::find_if(
+        limbs_.legs, [&](const Limb& leg) { return leg.end && body == leg.end->body; });
+    if (foot != limbs_.legs.end()) {
+      add(box_around(body, mesh_[b], foot->end->body_from_bone));
+      continue;
+    }
+    double cell = kFinest;
+    std::vector<Eigen::Vector3d> points = thinned(mesh_[b], cell);
+    while (points.size() > kEnough) points = thinned(points, cell *= kCoarser);
+    const auto capsules = capsules_around(body, points);
+    double sum = 0.0;
+    for (const CollisionShape& capsule : capsules) sum += volume(capsule);
+    const bool is_trunk = body == limbs_.pelvis || body == limbs_.torso;
+    const CollisionShape box = box_around(
+        body, mesh_[b], body == limbs_.pelvis ? limbs_.pelvis_from_hips : limbs_.torso_from_spine2);
+    if (is_trunk && volume(box) < sum) {
+      add(box);
+    } else {
+      for (const CollisionShape& capsule : capsules) add(capsule);
+    }
+  }
+}
+
+// Adds capsules along limb segments whose bodies have no shape.
+void ShapeFinder::estimate_segments() {
+  const auto add = [&](const LimbPart& part, double length) {
+    if (has_shape(part.body)) return;
+    const Eigen::Vector3d along = part.body_from_bone.col(0);
+    CollisionShape capsule;
+    capsule.type = Type::kCapsule;
+    capsule.body = part.body;
+    capsule.radius = kRadius * length;
+    capsule.half_length = 0.5 * length - capsule.radius;
+    capsule.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), along).normalized(),
+                               part.joint + 0.5 * length * along};
+    found_.shapes.push_back({capsule, ShapeSource::kEstimated});
+  };
+  for (const auto* pair : {&limbs_.legs, &limbs_.arms}) {
+    for (const Limb& limb : *pair) {
+      if (limb.joints.empty()) continue;
+      add(limb.upper, limb.upper_length);
+      add(limb.lower, limb.lower_length);
+    }
+  }
+}
+
+// Returns the known points of the foot's surface, in its frame, including bodies fixed to it.
+std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) const {
+  const Eigen::Vector3d up = foot.body_from_bone.col(1);
+  std::vector<Eigen::Vector3d> points;
+  const TreeState posed(tree_, reference_configuration(robot_));
+  const Pose foot_from_world = posed.world_from_body(foot.body).inverse();
+  for (const int part : tree_.rigid_group(foot.body)) {
+    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
+    for (const RoughShape& rough : found_.shapes) {
+      if (rough.shape.body != part || rough.source != ShapeSource::kModel) continue;
+      for (const Eigen::Vector3d& point : core_points(rough.shape)) {
+        points.push_back(foot_from_part * point - rough.shape.radius * up);
+      }
+    }
+  }
+  if (!points.empty()) return points;
+  for (const int part : tree_.rigid_group(foot.body)) {
+    if (static_cast<std::size_t>(part) >= mesh_.size()) continue;
+    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
+    for (const Eigen::Vector3d& point : mesh_[part]) points.push_back(foot_from_part * point);
+  }
+  return points;
+}
+
+void ShapeFinder::find_sole(std::size_t side) {
+  const LimbPart& foot = *limbs_.legs[side].end;
+  const Eigen::Matrix3d& axes = foot.body_from_bone;  // Forward, up, right.
+  std::vector<Eigen::Vector3d> points = foot_points(foot);
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY);
+  Eigen::Vector3d upper = -lower;
+  double lowest = INFINITY;
+  const double level = 0.01 * leg_length();
+  std::vector<Eigen::Vector3d> touching;  // Forward, up, right.
+  for (const Eigen::Vector3d& point : points) {
+    lowest = std::min(lowest, (axes.transpose() * (point - foot.joint)).y());
+  }
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d local = axes.transpose() * (point - foot.joint);
+    if (local.y() > lowest + level) continue;
+    touching.push_back(local);
+    lower = lower.cwiseMin(local);
+    upper = upper.cwiseMax(local);
+  }
+  const bool is_area = points.size() >= 3 && upper.x() - lower.x() > 0.05 * leg_length();
+  if (!is_area) {
+    // The foot is unknown, or touches the floor in a point or a line.
+    const double length = kFootLength * leg_length();
+    if (points.empty()) lowest = -kAnkleHeight * leg_length();
+    lower = {-kHeelShare * length, lowest, -0.5 * kFootWidth * leg_length()};
+    upper = {(1.0 - kHeelShare) * length, lowest, 0.5 * kFootWidth * leg_length()};
+    found_.sole_source = ShapeSource::kEstimated;
+  } else if (found_.sole_source == ShapeSource::kModel &&
+             std::ranges::none_of(found_.shapes, [&](const RoughShape& rough) {
+               return tree_.carrier(rough.shape.body) == foot.body &&
+                      rough.source == ShapeSource::kModel;
+             })) {
+    found_.sole_source = ShapeSource::kMesh;
+  }
+  Sole sole;
+  sole.side = side == 0 ? "left" : "right";
+  sole.body = foot.body;
+  sole.labels = {"heel_left", "heel_right", "toe_left", "toe_right"};
+  std::vector<Eigen::Vector3d> corners;
+  for (const double x : {lower.x(), upper.x()}) {
+    for (const double right : {lower.z(), upper.z()}) corners.emplace_back(x, lowest, right);
+  }
+  if (is_area) take_touching_points(touching, corners);
+  for (const Eigen::Vector3d& corner : corners) {
+    sole.points.emplace_back(foot.joint + axes * corner);
+  }
+  found_.ankle_height += 0.5 * -lowest;
+  found_.soles.push_back(sole);
+  if (!has_shape(foot.body)) {
+    const double top = std::max(0.5 * -lowest, 1e-3);
+    std::vector<Eigen::Vector3d> box = sole.points;
+    for (const Eigen::Vector3d& point : sole.points) box.emplace_back(point + top * axes.col(1));
+    found_.shapes.push_back({box_around(foot.body, box, axes), ShapeSource::kEstimated});
+  }
+}
+
+RobotShapes ShapeFinder::find() {
+  keep_model_shapes();
+  fit_meshes();
+  estimate_segments();
+  for (std::size_t side = 0; side < 2 && limbs_.has_legs; ++side) find_sole(side);
+  found_.sole_note = limbs_.has_legs ? source_text(found_.sole_source) : "none (fixed base)";
+  if (found_.sole_source == ShapeSource::kEstimated && mesh_files_.absent > 0) {
+    found_.sole_note +=
+        fmt::format(" ({} of {} mesh files of the model {} missing or unreadable, such as {})",
+                    mesh_files_.absent, mesh_files_.named, mesh_files_.absent == 1 ? "is" : "are",
+                    mesh_files_.example);
+  }
+  std::ranges::stable_sort(found_.shapes, {},
+                           [](const RoughShape& rough) { return rough.shape.body; });
+  return found_;
+}
+
+}  // namespace
+
+std::string source_text(ShapeSource source) {
+  switch (source) {
+    case ShapeSource::kModel:
+      return "the model's contact geoms";
+    case ShapeSource::kMesh:
+      return "mesh vertices";
+    case ShapeSource::kEstimated:
+      return "estimated from the limbs' lengths";
+  }
+  return {};
+}
+
+RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const MeshPoints& mesh) {
+  return ShapeFinder(robot, limbs, mesh).find();
+}
+
+}  // namespace retarget

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/robot.h"
+#include "robot/anatomy/limbs.h"
+
+namespace retarget {
+
+/// Surface points of bodies, by body index, in the body's frame; empty if unknown.
+using BodyPoints = std::vector<std::vector<Eigen::Vector3d>>;
+
+/// Surface points of bodies, from a model's meshes.
+struct MeshPoints {
+  /// Vertices, and points inside triangles whose vertices are far apart. Empty if files are
+  /// missing.
+  BodyPoints bodies;
+  std::size_t named = 0;   ///< Number of mesh files that the model names.
+  std::size_t absent = 0;  ///< Number of those that are missing or unreadable.
+  std::string example;     ///< The first of those, as the model names it.
+};
+
+/// Source of a robot's soles and shapes.
+enum class ShapeSource : unsigned char {
+  kModel,      ///< Primitive geoms of the model that take part in contacts.
+  kMesh,       ///< Fitted to the vertices of its meshes.
+  kEstimated,  ///< Estimated from the lengths of the limbs.
+};
+
+/// Returns the human-readable name of a source, such as `mesh vertices`.
+[[nodiscard]] std::string source_text(ShapeSource source);
+
+/// An approximate shape of a body.
+struct RoughShape {
+  CollisionShape shape;
+  ShapeSource source = ShapeSource::kModel;
+};
+
+/// The soles and shapes of a robot.
+struct RobotShapes {
+  std::vector<RoughShape> shapes;
+  /// Left, right; points are heel left, heel right, toe left, toe right. Empty without legs.
+  std::vector<Sole> soles;
+  ShapeSource sole_source = ShapeSource::kModel;
+  /// Human-readable source of the soles: source_text, with the reason if they are estimated.
+  std::string sole_note;
+  double ankle_height = 0.0;  ///< Height of the ankles (LimbPart::joint) above the soles, metres.
+};
+
+/// Samples a model's meshes, as far as the files exist: STL, OBJ and COLLADA files
+/// (read_body_surfaces), and the formats that only MuJoCo reads.
+[[nodiscard]] MeshPoints mesh_points(const Robot& robot, const std::string& model_path);
+
+/// Finds soles and shapes. The model's own contact primitives are kept (cylinders become capsules).
+/// A body without any gets up to three capsules around its mesh, a foot a box, the trunk whichever
+/// has less volume. Without meshes, limb segments and feet get shapes of human proportions. A sole
+/// is the lowest part of a level foot, as four points: the touching points nearest to its corners.
+[[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
+                                      const MeshPoints& mesh);
+
+}  // namespace retarget

@@ -1,0 +1,55 @@
+#include "robot/model/collision.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+// Returns true if contact between two bodies does not count as self-collision.
+bool is_exempt(const Robot& robot, int a, int b) {
+  const mjModel& model = *robot.model();
+  // MuJoCo treats rigidly connected bodies as one, identified by the first of them.
+  const int rigid_a = model.body_weldid[a], rigid_b = model.body_weldid[b];
+  const int parent_of_a = model.body_weldid[model.body_parentid[rigid_a]];
+  const int parent_of_b = model.body_weldid[model.body_parentid[rigid_b]];
+  if (rigid_a == rigid_b || parent_of_a == rigid_b || parent_of_b == rigid_a) return true;
+  const auto& allowed = robot.profile().allowed_self_contact;
+  return std::ranges::any_of(allowed, [a, b](const std::pair<int, int>& pair) {
+    return pair == std::pair(a, b) || pair == std::pair(b, a);
+  });
+}
+
+}  // namespace
+
+CollisionModel::CollisionModel(const Robot& robot) : shapes_(robot.collision_shapes()) {
+  for (const CollisionShape& shape : shapes_) in_body_.push_back(rounded(shape));
+  const int count = static_cast<int>(shapes_.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      if (!is_exempt(robot, shapes_[a].body, shapes_[b].body)) pairs_.push_back({a, b});
+    }
+  }
+}
+
+void CollisionModel::place(std::span<const Pose> world_from_body,
+                           std::span<RoundedShape> in_world) const {
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    in_world[i] = placed(in_body_[i], world_from_body[shapes_[i].body]);
+  }
+}
+
+void CollisionModel::near_pairs(std::span<const RoundedShape> placed, double margin,
+                                std::vector<ShapePair>& near) const {
+  near.clear();
+  for (const ShapePair& pair : pairs_) {
+    const RoundedShape& a = placed[pair.a];
+    const RoundedShape& b = placed[pair.b];
+    const double reach = a.bounding_radius + b.bounding_radius + margin;
+    if (reach > 0.0 && (a.centre - b.centre).squaredNorm() < reach * reach) near.push_back(pair);
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,301 @@
+#include "robot/model/load_model.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
+#include "robot/model/check_model.h"
+#include "robot/model/mend_spec.h"
+#include "robot/model/mesh_geoms.h"
+#include "robot/model/mujoco_messages.h"
+#include "robot/model/urdf_couplings.h"
+#include "version_numbers.h"
+
+namespace retarget {
+namespace {
+
+struct SpecDeleter {
+  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
+};
+
+// MuJoCo reports through process-wide handlers and keeps the last XML in a global.
+std::mutex load_mutex;
+
+bool is_named(const mjString* text) {
+  return *mjs_getString(text) != '\0';
+}
+
+// The remaining elements have the same kinematics and need no files other than the MJCF.
+void keep_kinematics(mjSpec* spec, bool keep_meshes) {
+  for (mjsElement* element : elements_of(spec, mjOBJ_GEOM)) {
+    const mjsGeom* geom = mjs_asGeom(element);
+    mjs_setString(geom->material, "");
+    if (keep_meshes && geom->type == mjGEOM_MESH) continue;
+    if (is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
+        geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF) {
+      mjs_delete(spec, element);
+    }
+  }
+  for (mjsElement* e : elements_of(spec, mjOBJ_SITE)) mjs_setString(mjs_asSite(e)->material, "");
+  constexpr std::array kDropped = {mjOBJ_SENSOR,   mjOBJ_ACTUATOR, mjOBJ_TENDON,  mjOBJ_EQUALITY,
+                                   mjOBJ_KEY,      mjOBJ_PAIR,     mjOBJ_EXCLUDE, mjOBJ_SKIN,
+                                   mjOBJ_FLEX,     mjOBJ_TUPLE,    mjOBJ_MESH,    mjOBJ_HFIELD,
+                                   mjOBJ_MATERIAL, mjOBJ_TEXTURE};
+  for (const mjtObj kind : kDropped) {
+    if (keep_meshes && kind == mjOBJ_MESH) continue;
+    for (mjsElement* element : elements_of(spec, kind)) mjs_delete(spec, element);
+  }
+  // Retargeting configurations may name bodies that are fixed to their parent.
+  spec->compiler.fusestatic = 0;
+  // Bodies whose mass came from a mesh now have none; wrong inertias do not affect kinematics.
+  spec->compiler.boundmass = 1e-6;
+  spec->compiler.boundinertia = 1e-9;
+  spec->compiler.balanceinertia = 1;
+}
+
+bool has_free_joint(mjSpec* spec) {
+  return std::ranges::any_of(elements_of(spec, mjOBJ_JOINT),
+                             [](mjsElement* e) { return mjs_asJoint(e)->type == mjJNT_FREE; });
+}
+
+// A base that has joints of its own is left unchanged.
+void float_base(mjSpec* spec, LoadedModel& loaded) {
+  if (has_free_joint(spec)) return;
+  loaded.sliding = free_sliding_root(spec);
+  mjsBody* base = robot_base(spec);
+  if (base == nullptr || mjs_firstChild(base, mjOBJ_JOINT, 0) != nullptr) return;
+  mjs_addFreeJoint(base);
+  const std::string name = mjs_getString(mjs_getName(base->element));
+  loaded.floated_body = name.empty() ? "the topmost body" : name;
+}
+
+// Names unnamed elements with the word for their kind and a number.
+void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
+  int number = 0;
+  for (mjsElement* e : elements_of(spec, kind)) {
+    if (is_named(mjs_getName(e))) continue;
+    std::string name;
+    do {
+      name = word + "_" + std::to_string(++number);
+    } while (mjs_findElement(spec, kind, name.c_str()) != nullptr);
+    mjs_setName(e, name.c_str());
+  }
+}
+
+// Records the joint couplings given by equality constraints.
+void note_couplings(mjSpec* spec, LoadedModel& loaded) {
+  for (mjsElement* e : elements_of(spec, mjOBJ_EQUALITY)) {
+    const mjsEquality* equality = mjs_asEquality(e);
+    const std::string first = mjs_getString(equality->name1);
+    const std::string second = mjs_getString(equality->name2);
+    // y - y0 = a0 + a1 (x - x0) + ...; add_references adds the reference positions x0 and y0.
+    if (equality->type != mjEQ_JOINT || second.empty()) continue;
+    loaded.couplings[first] = {second, equality->data[1], equality->data[0]};
+  }
+}
+
+// MuJoCo measures coupled joint positions from the joints' reference positions.
+void add_references(const mjModel& model, std::map<std::string, JointCoupling>& couplings) {
+  const auto reference = [&](const std::string& name) {
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, name.c_str());
+    return joint < 0 ? 0.0 : model.qpos0[model.jnt_qposadr[joint]];
+  };
+  for (auto& [name, coupling] : couplings) {
+    coupling.offset += reference(name) - coupling.ratio * reference(coupling.leader);
+  }
+}
+
+// Compiles the model. Replaces masses and inertias that MuJoCo rejects and adds a warning, because
+// they affect the dynamics metrics.
+ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
+                 std::size_t& errors) {
+  ModelPtr model(mj_compile(spec, nullptr));
+  if (model) return model;
+  const std::string said = mjs_getError(spec);
+  if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
+    return model;
+  }
+  std::vector<std::string> bodies = mend_inertias(spec);
+  if (bodies.empty()) return model;
+  errors = guard.errors().size();
+  model.reset(mj_compile(spec, nullptr));
+  for (std::string& body : bodies) body = "\"" + body + "\"";
+  loaded.warnings.push_back("invalid mass or inertia of " + list_names(bodies, 4) +
+                            ": replaced by a negligible value");
+  return model;
+}
+
+// MuJoCo's own messages for a missing file or a file that is not XML are less clear.
+Result<void> check_file(const std::string& path) {
+  if (path == "-") return config_failure("", "a model cannot come from standard input");
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  // Reading a pipe would consume it here, and MuJoCo would then wait for ever.
+  if (std::filesystem::is_other(status)) {
+    return config_failure(path, "a model must be a regular file");
+  }
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::string_view rest = text.view();
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+  if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");
+  if (!rest.starts_with('<')) {
+    return config_failure(path, "the file is not XML: expected an MJCF model");
+  }
+  return {};
+}
+
+// The layout of mjModel differs between MuJoCo versions.
+Result<void> check_version() {
+  if (mj_version() == mjVERSION_HEADER) return {};
+  const std::string built_with = mujoco_version_text(mjVERSION_HEADER);
+  return run_failure("",
+                     "built with MuJoCo " + built_with + ", but the loaded library is " +
+                         mujoco_version_text(mj_version()),
+                     "make the program find MuJoCo " + built_with + ", or rebuild it");
+}
+
+std::string quoted_name(const mjModel& model, mjtObj kind, int index) {
+  const char* name = mj_id2name(&model, kind, index);
+  return "\"" + std::string(name == nullptr ? "" : name) + "\"";
+}
+
+bool all_finite(const mjtNum* values, int count) {
+  return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
+}
+
+Result<void> check_numbers(const mjModel& model, const std::string& path) {
+  const std::string not_finite = " has a number that is not finite";
+  for (int b = 0; b < model.nbody; ++b) {
+    if (!all_finite(model.body_pos + 3 * b, 3) || !all_finite(model.body_quat + 4 * b, 4)) {
+      return config_failure(path, "the body " + quoted_name(model, mjOBJ_BODY, b) + not_finite);
+    }
+  }
+  for (int j = 0; j < model.njnt; ++j) {
+    const bool finite = all_finite(model.jnt_pos + 3 * j, 3) &&
+                        all_finite(model.jnt_axis + 3 * j, 3) &&
+                        (model.jnt_limited[j] == 0 || all_finite(model.jnt_range + 2 * j, 2)) &&
+                        std::isfinite(model.qpos0[model.jnt_qposadr[j]]);
+    if (!finite) {
+      return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) + not_finite);
+    }
+    // MuJoCo treats such a joint as unlimited.
+    if (model.jnt_range[2 * j] > model.jnt_range[2 * j + 1]) {
+      return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                      " has a range with lower above upper");
+    }
+  }
+  for (int g = 0; g < model.ngeom; ++g) {
+    if (!all_finite(model.geom_pos + 3 * g, 3) || !all_finite(model.geom_quat + 4 * g, 4) ||
+        !all_finite(model.geom_size + 3 * g, 3)) {
+      const int body = model.geom_bodyid[g];
+      return config_failure(
+          path, "a geom of the body " + quoted_name(model, mjOBJ_BODY, body) + not_finite);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
+  TRY(check_version());
+  TRY(check_file(path));
+  TRY(check_model(path, changes.keep_meshes || changes.find_meshes));
+
+  const std::lock_guard lock(load_mutex);
+  const MessageGuard guard;
+  std::array<char, 2000> text{};
+  const std::unique_ptr<mjSpec, SpecDeleter> spec(
+      mj_parseXML(path.c_str(), nullptr, text.data(), static_cast<int>(text.size())));
+  if (!spec) return model_failure(path, text.data());
+  LoadedModel loaded;
+  for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
+    const mjsExclude* exclude = mjs_asExclude(e);
+    loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),
+                                 mjs_getString(exclude->bodyname2));
+  }
+  if (changes.name_all) {
+    name_elements(spec.get(), mjOBJ_BODY, "body");
+    name_elements(spec.get(), mjOBJ_JOINT, "joint");
+  }
+  loaded.tied = tied_bodies(spec.get());
+  note_couplings(spec.get(), loaded);
+  MeshGeoms mesh_geoms;
+  if (changes.find_meshes) mesh_geoms.replace(spec.get());
+  keep_kinematics(spec.get(), changes.keep_meshes);
+  if (changes.float_base) {
+    loaded.held = hold_loose_balls(spec.get());
+    float_base(spec.get(), loaded);
+  }
+  std::size_t errors = 0;  // Number of errors that were repaired.
+  loaded.model = compile(spec.get(), guard, loaded, errors);
+  if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
+  if (guard.errors().size() > errors) return model_failure(path, guard.errors()[errors]);
+  TRY(check_numbers(*loaded.model, path));
+  add_references(*loaded.model, loaded.couplings);
+  // MuJoCo ignores <mimic> elements.
+  for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
+  loaded.meshes = mesh_geoms.find(*loaded.model);
+  loaded.warnings.insert(loaded.warnings.end(), guard.warnings().begin(), guard.warnings().end());
+  // MuJoCo versions report a warning here, through the handler, or both.
+  const std::string warning =
+      mjs_isWarning(spec.get()) != 0 ? one_line(mjs_getError(spec.get())) : std::string();
+  if (!warning.empty() && std::ranges::find(loaded.warnings, warning) == loaded.warnings.end()) {
+    loaded.warnings.push_back(warning);
+  }
+  return loaded;
+}
+
+Result<void> check_robot_joints(const mjModel_& model, const std::string& path) {
+  const int* types = model.jnt_type;
+  const auto free_joints = std::count(types, types + model.njnt, mjJNT_FREE);
+  if (free_joints == 0) {
+    return config_failure(
+        path, "the model has no free joint: its base cannot move",
+        std::filesystem::path(path).extension() == ".urdf"
+            ? "convert the URDF to MJCF and add <freejoint/> to the root body; for a fixed base, "
+              "use " OPTION("base") " fixed"
+            : "add <freejoint/> to the root body; for a fixed base, use " OPTION("base") " fixed");
+  }
+  if (free_joints > 1) {
+    return config_failure(path, "the model has " + std::to_string(free_joints) +
+                                    " free joints: expected one robot without loose objects");
+  }
+  if (types[0] != mjJNT_FREE) {
+    return config_failure(path,
+                          "the free joint must be the model's first joint, found " +
+                              quoted_name(model, mjOBJ_JOINT, 0) + " before it",
+                          "move the robot to the top of <worldbody>");
+  }
+  // body_rootid is the topmost body of the tree below the world.
+  const int tree = model.body_rootid[model.jnt_bodyid[0]];
+  for (int j = 0; j < model.njnt; ++j) {
+    if (types[j] == mjJNT_BALL) {
+      return config_failure(path,
+                            "the ball joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                " is not supported: joints must be hinges or slides",
+                            "write it as three hinges");
+    }
+    if (model.body_rootid[model.jnt_bodyid[j]] != tree) {
+      return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                      " is not below the body with the free joint: expected one "
+                                      "robot without other moving bodies");
+    }
+  }
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,130 @@
+#include "robot/model/model_meshes.h"
+
+#include <tinyxml2.h>
+
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "base/math/so3.h"
+#include "base/parse_xml.h"
+#include "base/try.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
+#include "robot/model/check_model.h"
+#include "robot/model/load_model.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+using tinyxml2::XMLElement;
+
+std::string attribute_of(const XMLElement* element, const char* name) {
+  const char* text = element == nullptr ? nullptr : element->Attribute(name);
+  return text == nullptr ? std::string() : text;
+}
+
+// Parses three numbers; returns `otherwise` if the attribute is missing or malformed.
+Vector3d vector_of(const XMLElement* element, const char* name, const Vector3d& otherwise) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  const std::string text = attribute_of(element, name);
+  std::string_view rest = text;
+  Vector3d vector;
+  for (double& value : vector) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find_first_of(kBlank));
+    rest.remove_prefix(word.size());
+    const auto number = number_from_text(word);
+    if (!number) return otherwise;
+    value = *number;
+  }
+  return vector;
+}
+
+// URDF applies roll, pitch and yaw about fixed axes.
+Pose origin_of(const XMLElement& element) {
+  const XMLElement* origin = element.FirstChildElement("origin");
+  const Vector3d angles = vector_of(origin, "rpy", Vector3d::Zero());
+  return {exp_so3(angles.z() * Vector3d::UnitZ()) * exp_so3(angles.y() * Vector3d::UnitY()) *
+              exp_so3(angles.x() * Vector3d::UnitX()),
+          vector_of(origin, "xyz", Vector3d::Zero())};
+}
+
+// Links indexed by the link that they are fixed to.
+class FixedLinks {
+ public:
+  explicit FixedLinks(const XMLElement& robot) {
+    for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
+         joint = joint->NextSiblingElement("joint")) {
+      if (attribute_of(joint, "type") != "fixed") continue;
+      parents_[attribute_of(joint->FirstChildElement("child"), "link")] = {
+          attribute_of(joint->FirstChildElement("parent"), "link"), origin_of(*joint)};
+    }
+  }
+
+  [[nodiscard]] std::vector<ModelMesh::Carrier> carriers(std::string link, Pose pose) const {
+    std::vector<ModelMesh::Carrier> carriers = {{link, pose}};
+    // The bound ends the walk if the file's joints form a cycle.
+    for (auto found = parents_.find(link);
+         found != parents_.end() && carriers.size() <= parents_.size();
+         found = parents_.find(link)) {
+      link = found->second.body;
+      pose = found->second.body_from_mesh * pose;
+      carriers.push_back({link, pose});
+    }
+    return carriers;
+  }
+
+ private:
+  std::map<std::string, ModelMesh::Carrier> parents_;  // Parent link, and the child's pose in it,
+                                                       // by child link.
+};
+
+// Adds the meshes of `<visual>` or `<collision>` elements.
+void add_meshes(const XMLElement& link, const char* kind, const FixedLinks& fixed,
+                std::vector<ModelMesh>& meshes) {
+  for (const XMLElement* shape = link.FirstChildElement(kind); shape != nullptr;
+       shape = shape->NextSiblingElement(kind)) {
+    const XMLElement* geometry = shape->FirstChildElement("geometry");
+    const XMLElement* mesh = geometry == nullptr ? nullptr : geometry->FirstChildElement("mesh");
+    ModelMesh found;
+    found.file = attribute_of(mesh, "filename");
+    if (found.file.empty()) continue;
+    found.scale = vector_of(mesh, "scale", Vector3d::Ones());
+    found.is_visual = std::string_view(kind) == "visual";
+    found.carriers = fixed.carriers(attribute_of(&link, "name"), origin_of(*shape));
+    meshes.push_back(std::move(found));
+  }
+}
+
+// A link without visual meshes uses its collision meshes.
+std::vector<ModelMesh> urdf_meshes(const XMLElement& robot) {
+  const FixedLinks fixed(robot);
+  std::vector<ModelMesh> meshes;
+  for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
+       link = link->NextSiblingElement("link")) {
+    const std::size_t before = meshes.size();
+    add_meshes(*link, "visual", fixed, meshes);
+    if (meshes.size() == before) add_meshes(*link, "collision", fixed, meshes);
+  }
+  return meshes;
+}
+
+}  // namespace
+
+Result<std::vector<ModelMesh>> model_meshes(const std::string& path) {
+  TRY(check_model(path, true));
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
+  tinyxml2::XMLDocument document;
+  static_cast<void>(parse_xml(text.view(), document));
+  const XMLElement* top = document.RootElement();
+  if (top != nullptr && std::string_view(top->Name()) == "robot") return urdf_meshes(*top);
+  ModelChanges changes;
+  changes.find_meshes = true;
+  TRY_ASSIGN(LoadedModel loaded, load_model(path, changes));
+  return std::move(loaded.meshes);
+}
+
+}  // namespace retarget

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "retarget/pose.h"
+
+namespace retarget {
+
+/// Returns the vector of one element in a flat MuJoCo array.
+[[nodiscard]] inline Eigen::Vector3d vector_at(const double* values, int element) {
+  return Eigen::Map<const Eigen::Vector3d>(values + 3 * static_cast<std::ptrdiff_t>(element));
+}
+
+/// Returns the pose of one element in MuJoCo's arrays of positions and quaternions (wxyz).
+[[nodiscard]] inline Pose pose_at(const double* positions, const double* quaternions, int element) {
+  const double* q = quaternions + 4 * static_cast<std::ptrdiff_t>(element);
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), vector_at(positions, element)};
+}
+
+}  // namespace retarget

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// While alive, captures the messages that MuJoCo would print, log to a file or end the process
+/// with.
+///
+/// MuJoCo's handlers are process-wide: use one guard at a time (the caller holds a lock). Messages
+/// of other threads are dropped meanwhile.
+class MessageGuard {
+ public:
+  MessageGuard();
+  ~MessageGuard();
+  MessageGuard(const MessageGuard&) = delete;
+  MessageGuard& operator=(const MessageGuard&) = delete;
+
+  [[nodiscard]] const std::vector<std::string>& errors() const { return errors_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  std::vector<std::string> errors_;
+  std::vector<std::string> warnings_;
+  void (*old_error_)(const char*);
+  void (*old_warning_)(const char*);
+};
+
+/// Joins a multi-line MuJoCo message into one line.
+[[nodiscard]] std::string one_line(const std::string& text);
+
+/// Converts a MuJoCo message about a model to an error: extracts its line and column and replaces
+/// parser error codes with text.
+[[nodiscard]] Failure model_failure(const std::string& path, const std::string& text);
+
+}  // namespace retarget

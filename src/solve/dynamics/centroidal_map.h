@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "robot/model/kinematic_tree.h"
+#include "solve/dynamics/inertias.h"
+
+namespace retarget {
+
+/// Maps the velocities of a robot's degrees of freedom to the velocity of its centre of mass and
+/// the angular momentum about it: the Jacobian of the centre of mass, and the angular part of the
+/// centroidal momentum matrix (Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot",
+/// 2013). Ignores rotors. Owns its scratch memory; update() does not allocate.
+class CentroidalMap {
+ public:
+  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+  CentroidalMap(const KinematicTree& tree, const Inertias& inertias);
+
+  void update(const TreeState& state);
+
+  [[nodiscard]] const Eigen::Vector3d& com() const { return com_; }  ///< World, metres.
+  /// By degree of freedom: velocity of the centre of mass, m/s (first three rows), and angular
+  /// momentum, kg m^2/s; world axes.
+  [[nodiscard]] const Rows& rows() const { return rows_; }
+
+ private:
+  // A link and everything that it carries, relative to the base's origin.
+  struct Carried {
+    double mass;
+    Eigen::Vector3d first_moment;
+    Eigen::Matrix3d inertia;
+  };
+
+  const KinematicTree* tree_;
+  const Inertias* inertias_;
+  std::vector<Carried> carried_;
+  Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
+  Rows rows_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "solve/dynamics/inverse_dynamics.h"
+#include "solve/dynamics/support_points.h"
+#include "solve/ik/box_qp.h"
+
+namespace retarget {
+
+/// Finds forces at support points that come closest to the wrench that a movement needs. The forces
+/// lie within friction pyramids with four edges inside the friction cone. Solves a non-negative
+/// least-squares problem: the residuals are the needed wrench about the centre of mass (torques
+/// divided by a lever) and, with a small weight that selects among equal solutions, the joint
+/// torques relative to their limits. Owns its scratch memory.
+class ContactForces {
+ public:
+  static constexpr std::size_t kMaxPoints = 10;
+  static constexpr double kFriction = 0.8;
+  static constexpr double kLever = 0.3;         ///< Metres, for a G1: a torque of weight times
+                                                ///< lever counts as the weight.
+  static constexpr double kJointWeight = 0.02;  ///< Weight of a joint torque at its limit.
+
+  /// @param torque_limits  by link of the tree, N m (N for slides); infinity if unknown.
+  /// @param weight         of the robot, N.
+  /// @param lever          length by which torques are divided, metres.
+  ContactForces(const KinematicTree& tree, std::span<const double> torque_limits, double weight,
+                double lever = kLever);
+
+  /// @param points  support points, at most kMaxPoints.
+  /// @param places  world positions of the points, metres.
+  void solve(const InverseDynamics& dynamics, const TreeState& state,
+             std::span<const SupportPoint* const> points, std::span<const Eigen::Vector3d> places);
+
+  /// The wrench that no force explains, about the centre of mass: N, N m.
+  [[nodiscard]] const Wrench& unexplained() const { return unexplained_; }
+  /// Forces at the points, world, N.
+  [[nodiscard]] std::span<const Eigen::Vector3d> forces() const { return forces_; }
+  /// Joint torques under these forces, by link; 0 for the base. N m (N for slides).
+  [[nodiscard]] std::span<const double> joint_torques() const { return joint_torques_; }
+
+ private:
+  using RowsOfJoints = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+  void build_system(const InverseDynamics& dynamics);
+  void fill_jacobian(const TreeState& state, const SupportPoint& point,
+                     const Eigen::Vector3d& place, RowsOfJoints& jacobian) const;
+
+  const KinematicTree* tree_;
+  double weight_, lever_;
+  std::size_t count_ = 0;
+  std::vector<Eigen::Vector3d> levers_;  // Vectors from the centre of mass to the points.
+  std::vector<RowsOfJoints> jacobians_;  // By point: joint torque per unit of force, rows by link.
+  std::vector<RowsOfJoints> scaled_jacobians_;  // In units of limits and body weight.
+  Eigen::VectorXd scale_, scaled_torques_;      // By link.
+  Eigen::MatrixXd hessian_;
+  Eigen::VectorXd gradient_, lower_, upper_, amounts_;
+  BoxQp qp_;
+  Wrench unexplained_;
+  std::vector<Eigen::Vector3d> forces_;
+  std::vector<double> joint_torques_;
+};
+
+}  // namespace retarget

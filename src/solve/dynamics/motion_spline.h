@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/math/rotation_spline.h"
+#include "retarget/motion.h"
+#include "retarget/robot.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+
+/// A configuration with its first two derivatives, in the degrees of freedom of Robot::tree().
+struct MotionState {
+  /// A state at rest.
+  MotionState(const KinematicTree& tree, std::vector<double> at);
+  explicit MotionState(const Robot& robot)
+      : MotionState(robot.tree(), robot.zero_configuration()) {}
+
+  std::vector<double> qpos;  ///< In the layout of Robot.
+  /// Per second: linear velocity of the root in the world, angular velocity in its own axes, joint
+  /// velocities.
+  std::vector<double> velocity;
+  std::vector<double> acceleration;  ///< Time derivatives of `velocity`, per second squared.
+};
+
+/// Interpolates a motion with continuous accelerations: cubic splines with not-a-knot ends for the
+/// root's position and the joints, and a RotationSpline for the root's rotation.
+class MotionSpline {
+ public:
+  /// @param frames  contiguous, each in the layout of Robot, at least one. The memory must outlive
+  ///     the spline.
+  MotionSpline(const KinematicTree& tree, std::span<const double> frames, int frame_size,
+               double fps);
+  /// Keeps a reference to the clip's memory.
+  /// @pre the clip has frames.
+  explicit MotionSpline(const RobotClip& clip);
+
+  /// @param index  first frame of the piece, less than the last frame (0 for a single frame).
+  /// @param s      fraction of the piece, in [0, 1].
+  void sample(int index, double s, MotionState& state) const;
+
+ private:
+  [[nodiscard]] std::span<const double> frame(int index) const {
+    return frames_.subspan(static_cast<std::size_t>(index) * frame_size_, frame_size_);
+  }
+
+  std::span<const double> frames_;
+  std::size_t frame_size_;
+  int frame_count_;
+  double fps_;
+  std::vector<int> addresses_;      // Addresses in qpos: 0-2, then by link.
+  std::vector<double> velocities_;  // Frame-major, by address; change per frame.
+  RotationSpline rotation_;
+};
+
+}  // namespace retarget

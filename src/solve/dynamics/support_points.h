@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "retarget/robot.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+
+/// A point of a robot that may touch the floor: a point of a sole, or of another collision shape.
+struct SupportPoint {
+  int link = 0;  ///< Link of Robot::tree().
+  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();
+  double radius = 0.0;  ///< Distance of the surface below the point, metres.
+  bool of_sole = false;
+};
+
+/// The points of the soles, followed by the ends of capsules, spheres and the corners of boxes of
+/// all bodies without a sole.
+[[nodiscard]] std::vector<SupportPoint> make_support_points(const Robot& robot);
+
+/// The lowest point of its surface, world, metres.
+[[nodiscard]] Eigen::Vector3d lowest_of(const SupportPoint& point, const TreeState& state);
+
+/// Reduces a selection to at most `most` points: the outermost ones in equally spaced horizontal
+/// directions. The others lie approximately between them.
+/// @param chosen  indices into `points`; receives the remaining ones in ascending order.
+void keep_outermost(std::span<const Eigen::Vector3d> points, std::size_t most,
+                    std::vector<int>& chosen);
+
+}  // namespace retarget

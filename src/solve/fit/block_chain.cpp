@@ -1,0 +1,85 @@
+#include "solve/fit/block_chain.h"
+
+#include <algorithm>
+
+#include "solve/fit/simd.h"
+#include "solve/fit/symmetric_inverse.h"
+
+namespace retarget {
+namespace {
+
+// Computes y = sign * a x.
+RETARGET_INLINE void multiply_plain(const double* __restrict a, const double* __restrict x,
+                                    double sign, int size, double* __restrict y) {
+  for (int j = 0; j < size; ++j) y[j] = 0.0;
+  for (int i = 0; i < size; ++i) {
+    const double* const row = a + static_cast<std::ptrdiff_t>(i) * size;
+    const double factor = sign * x[i];
+    for (int j = 0; j < size; ++j) y[j] += factor * row[j];
+  }
+}
+RETARGET_AVX2(multiply)
+
+// Adds c n c to h, with c diagonal. Covers the lower triangle rounded up to whole blocks.
+RETARGET_INLINE void add_coupled_plain(const double* __restrict n, const double* __restrict c,
+                                       int size, double* __restrict h) {
+  for (int i = 0; i < size; ++i) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * size;
+    const int end = (i / kInverseBlock + 1) * kInverseBlock;
+    const double factor = c[i];
+    for (int j = 0; j < end; ++j) h[row + j] += factor * n[row + j] * c[j];
+  }
+}
+RETARGET_AVX2(add_coupled)
+
+}  // namespace
+
+BlockChain::BlockChain(int size, bool wide)
+    : size_(size),
+      stride_((size + kInverseBlock - 1) / kInverseBlock * kInverseBlock),
+      wide_(wide) {
+  scratch_.resize(index(2 * kInverseBlock) * index(stride_));
+}
+
+void BlockChain::begin(int blocks) {
+  blocks_ = blocks;
+  const std::size_t rows = index(blocks) * index(stride_);
+  inverse_.resize(index(blocks) * block_size());
+  right_.assign(rows, 0.0);
+  coupling_.assign(rows, 0.0);
+  solution_.assign(rows, 0.0);
+}
+
+bool BlockChain::eliminate(int t) {
+  double* const h = block(t);
+  for (int i = size_; i < stride_; ++i) {
+    std::fill_n(h + static_cast<std::ptrdiff_t>(i) * stride_, stride_, 0.0);
+    h[static_cast<std::ptrdiff_t>(i) * stride_ + i] = 1.0;
+  }
+  if (t > 0) {
+    const double* const c = coupling(t);
+    add_coupled(wide_, block(t - 1), c, stride_, h);
+    // The previous block contributes its partial solution, computed without this block.
+    const double* const before = solution_.data() + index(t - 1) * index(stride_);
+    double* const b = right(t);
+    for (int j = 0; j < size_; ++j) b[j] -= c[j] * before[j];
+  }
+  if (!negative_inverse(h, stride_, scratch_.data(), wide_)) return false;
+  multiply(wide_, h, right(t), -1.0, stride_, solution_.data() + index(t) * index(stride_));
+  return true;
+}
+
+void BlockChain::substitute() {
+  std::vector<double>& coupled = scratch_;
+  for (int t = blocks_ - 2; t >= 0; --t) {
+    double* const x = solution_.data() + index(t) * index(stride_);
+    const double* const next = x + stride_;
+    const double* const c = coupling(t + 1);
+    double* const correction = coupled.data() + stride_;
+    for (int j = 0; j < stride_; ++j) coupled[index(j)] = c[j] * next[j];
+    multiply(wide_, block(t), coupled.data(), 1.0, stride_, correction);
+    for (int j = 0; j < size_; ++j) x[j] += correction[j];
+  }
+}
+
+}  // namespace retarget

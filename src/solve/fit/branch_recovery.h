@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "retarget/options.h"
+#include "retarget/report.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// A limb that was moved to another branch, i.e. another solution of its inverse kinematics.
+struct RecoveredLimb {
+  std::string limb;                            ///< For example `left arm`.
+  int begin = 0, end = 0;                      ///< Frames [begin, end).
+  double cost_before = 0.0, cost_after = 0.0;  ///< Tracking cost of the limb, summed over the
+                                               ///< frames.
+};
+
+/// The changes made to a clip.
+struct BranchRecovery {
+  std::vector<RecoveredLimb> limbs;  ///< Grouped by limb, in order of time.
+  bool stopped = false;              ///< The caller stopped the search; the clip is partly
+                                     ///< processed.
+  /// Frames in which a solver step was not finite; these frames are left unchanged.
+  std::vector<SolverFailure> failures;
+
+  /// One sentence per recovered limb.
+  [[nodiscard]] std::vector<std::string> notes() const;
+};
+
+/// Searches a fitted clip for arms and legs on the wrong branch and moves them to another branch if
+/// that clearly lowers the total cost of all terms (docs/fit.md). All other frames stay bitwise
+/// unchanged.
+/// @param keep_going  called periodically; returning false stops the search.
+[[nodiscard]] BranchRecovery recover_branches(const FitModel& model, const FitOptions& options,
+                                              FitClip& clip,
+                                              const std::function<bool()>& keep_going);
+
+}  // namespace retarget

@@ -1,0 +1,514 @@
+#include "solve/fit/clip_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "base/math/so3.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/block_chain.h"
+#include "solve/fit/contact_places.h"
+#include "solve/fit/fit_dynamics.h"
+#include "solve/fit/joint_speeds.h"
+#include "solve/fit/shorthand.h"
+#include "solve/ik/active_set.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kBase = KinematicTree::kBaseDofs;
+
+// Constant damping on the diagonal: joints and root rotation; root position.
+constexpr double kDamping = 1.0, kPositionDamping = 100.0;
+// Adaptive damping per frame, relative to the diagonal. It grows when a step raised the frame's
+// cost. With a faster decay, frames oscillate between two states.
+constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7, kMaxDamping = 2.0,
+                 kMinDamping = 1e-3;
+constexpr double kCostRise = 1.02, kCostNoise = 0.1;
+// Largest change of a variable per step: joints and root rotation (rad), root position (m).
+constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
+constexpr int kPairsEvery = 4;         // Steps between two updates of the near pairs.
+constexpr double kPairsWithin = 0.04;  // Metres.
+// Initial share of the weight of contact anchors. An anchor is the mean position of the feet that
+// it holds; at full weight, neither would move.
+constexpr double kFirstHold = 0.12;
+// Metres, including the self-collision margin. Deeper overlaps make a motion unusable on a robot.
+constexpr double kDeepOverlap = 0.015;
+
+// The solver of one window.
+class WindowFitter final : public MovingFit {
+ public:
+  WindowFitter(const FitModel& model, const FitOptions& options, const FitWindow& window,
+               FitClip& clip);
+
+  FitStatus run(const std::function<bool()>& keep_going);
+
+  void move(int begin, int forgotten) override;
+  bool step() override;
+
+ private:
+  // A variable held at its limit. Its row of the frame's Hessian is in held_rows_.
+  struct Held {
+    int frame, dof;
+    double gradient, before, after;
+  };
+
+  // All state that the steps change.
+  struct Before {
+    std::vector<double> qpos;
+    std::vector<Eigen::Vector2d> anchors;  // Of the phases that the window owns.
+    std::vector<double> damping, cost;
+    std::vector<BoundSide> held;
+    std::vector<Eigen::Vector2d> anchor_pushes;
+    std::vector<std::vector<std::uint32_t>> pairs;
+    FitStatus status;
+  };
+
+  [[nodiscard]] Before state() const;
+  void restore(const Before& before);
+  bool steps(int begin, int end, const std::function<bool()>& keep_going);
+  bool finish(const std::function<bool()>& keep_going);
+  void add_dynamics(int first_step, const std::function<bool()>& keep_going);
+  void iterate(bool move_anchors, bool look_for_pairs);
+  std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
+  double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
+  [[nodiscard]] bool is_finite(int local, double cost);
+  [[nodiscard]] bool has_finite_solution() const;
+  void adapt_damping(int local, double cost);
+  void add_steps(int frame, double* h, double* g);
+  void hold_limits(int frame, double* h, double* g);
+  void release_limits();
+  void move_base(std::span<const double> x, std::span<double> qpos);
+  void apply(int frame);
+  [[nodiscard]] bool owns(std::size_t phase) const {
+    return window_.owns(clip_.feet.phases[phase]);
+  }
+  [[nodiscard]] double hold_after(int steps) const {
+    const double left = options_.anchor_iterations - steps;
+    return left <= 0.0 ? 1.0 : 1.0 - (1.0 - kFirstHold) * left / options_.anchor_iterations;
+  }
+  [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
+  BoundSide& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
+  bool is_held(int frame, int dof) { return held(frame, dof) != BoundSide::kFree; }
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  FitWindow window_;
+  FitClip& clip_;
+  int dofs_;
+  bool before_, after_;  // Whether a fixed frame precedes or follows the window.
+  FrameTerms terms_;
+  std::optional<FitDynamics> dynamics_;
+  bool with_dynamics_ = false;  // Whether the current step includes the dynamics terms.
+  TreeState pose_;
+  JointSpeeds speeds_;
+  BlockChain chain_;
+  std::vector<std::vector<std::uint32_t>> pairs_;  // By frame.
+  std::vector<double> damping_, cost_;             // By frame.
+  std::vector<BoundSide> held_;                    // By frame and degree of freedom.
+  std::vector<Held> rows_;
+  std::vector<double> held_rows_;
+  std::vector<int> ages_;  // By frame: number of steps so far; only for a sliding window.
+  std::vector<StepTerm> steps_before_, steps_after_;  // Step terms before and after the current
+                                                      // frame, by dof.
+  std::vector<double> applied_;                       // Change applied to the current frame, by
+                                                      // dof.
+  double anchor_hold_ = 1.0;
+  double worst_overlap_ = 0.0;  // Largest over all frames of the last step, including the margin;
+                                // square metres.
+  ContactPlaces places_;
+  FitStatus status_;
+};
+
+WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
+                           const FitWindow& window, FitClip& clip)
+    : model_(model),
+      options_(options),
+      window_(window),
+      clip_(clip),
+      dofs_(model.dof_count()),
+      before_(window.fixed_ends && window.begin > 0),
+      after_(window.fixed_ends && window.end < clip.frame_count),
+      terms_(model, options),
+      pose_(model.tree),
+      speeds_(model, options, clip.frame_time),
+      chain_(dofs_),
+      pairs_(at(window.end - window.begin)),
+      damping_(pairs_.size(), 0.0),
+      cost_(pairs_.size(), 1e300),
+      held_(pairs_.size() * at(dofs_), BoundSide::kFree),
+      steps_before_(at(dofs_)),
+      steps_after_(at(dofs_)),
+      applied_(at(dofs_)),
+      places_(model, clip),
+      status_{.begin = window.begin, .end = window.end} {
+  for (int frame = window.begin; model.base_is_held && frame < window.end; ++frame) {
+    for (int i = 0; i < kBase; ++i) held(frame, i) = BoundSide::kLower;
+  }
+  if (options.dynamics && FitDynamics::possible(model)) {
+    dynamics_.emplace(model, options, window, clip);
+  }
+}
+
+FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
+  const int first_with_dynamics =
+      dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
+                : options_.iterations;
+  bool go_on = steps(0, first_with_dynamics, keep_going);
+  if (!dynamics_) {
+    finish(keep_going);
+  } else if (go_on) {
+    add_dynamics(first_with_dynamics, keep_going);
+  }
+  status_.converged = !status_.failed && status_.predicted_decrease <= kFitTolerance;
+  return status_;
+}
+
+// Runs the last steps with dynamics. If dynamics do not help or cannot be computed, restores the
+// state and runs these steps without dynamics.
+void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& keep_going) {
+  constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
+  const Before before = state();
+  const double unexplained = dynamics_->begin(clip_);
+  bool failed = !std::isfinite(unexplained), go_on = !failed;
+  if (!failed) {
+    with_dynamics_ = true;
+    go_on = steps(first_step, options_.iterations, keep_going) && finish(keep_going);
+    with_dynamics_ = false;
+    status_.distrusted_frames = dynamics_->distrusted_frames();
+    failed = status_.failed;
+  }
+  if (!failed && !go_on) return;
+  const double left = failed ? unexplained : dynamics_->measure(clip_);
+  failed = failed || !std::isfinite(left);
+  if (!failed && left <= kWorse * unexplained + kNoise) return;
+  restore(before);
+  if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
+  status_.distrusted_frames = 0;
+  status_.dynamics_failed = failed;
+  status_.dynamics_taken_back = !failed;
+}
+
+// @return false if keep_going stopped the fit or a value is not finite.
+bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_going) {
+  for (int i = begin; i < end; ++i) {
+    if (keep_going && !keep_going()) return false;
+    const bool move_anchors = i < options_.anchor_iterations;
+    anchor_hold_ = 1.0;
+    if (move_anchors) {
+      places_.place(window_);
+      anchor_hold_ = hold_after(i);
+    }
+    if (with_dynamics_ && !dynamics_->plan(clip_)) {
+      status_.failed = true;
+      return false;
+    }
+    iterate(move_anchors, i % kPairsEvery == 0);
+  }
+  return true;
+}
+
+// Runs extra steps while the predicted decrease is large, for example for overlapping bodies or a
+// body that rises from the floor. With dynamics, the goals change in every step; only windows with
+// deep overlaps continue.
+bool WindowFitter::finish(const std::function<bool()>& keep_going) {
+  if (with_dynamics_ && worst_overlap_ <= square(kDeepOverlap)) return true;
+  const int most = options_.iterations + options_.extra_iterations;
+  for (int i = options_.iterations; i < most; ++i) {
+    if (status_.steps == 0 || status_.predicted_decrease <= kFitTolerance) break;
+    if (!steps(i, i + 1, keep_going)) return false;
+  }
+  return true;
+}
+
+WindowFitter::Before WindowFitter::state() const {
+  const auto size = at(model_.configuration_size);
+  const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
+  const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
+  Before before{{begin, end}, {}, damping_, cost_, held_, places_.pushes(), pairs_, status_};
+  // The other anchors belong to windows that may run concurrently.
+  for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
+    if (owns(i)) before.anchors.push_back(clip_.anchors[i]);
+  }
+  return before;
+}
+
+void WindowFitter::restore(const Before& before) {
+  const auto size = at(model_.configuration_size);
+  std::ranges::copy(before.qpos,
+                    clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size));
+  auto anchor = before.anchors.begin();
+  for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
+    if (owns(i)) clip_.anchors[i] = *anchor++;
+  }
+  damping_ = before.damping;
+  cost_ = before.cost;
+  held_ = before.held;
+  places_.set_pushes(before.anchor_pushes);
+  pairs_ = before.pairs;
+  status_ = before.status;
+}
+
+void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
+  const int first = std::max(window_.begin - (before_ ? 1 + window_.context : 0), 0);
+  const int last = std::min(window_.end + (after_ ? 1 + window_.context : 0), clip_.frame_count);
+  speeds_.update(model_, clip_, first, last);
+  chain_.begin(window_.end - window_.begin);
+  rows_.clear();
+  held_rows_.clear();
+  if (before_) speeds_.terms(window_.begin - 1, steps_after_);
+  const auto decrease = eliminate(move_anchors, look_for_pairs);
+  status_.predicted_decrease = decrease.value_or(1.0);
+  if (!decrease) return;
+  chain_.substitute();
+  if (!has_finite_solution()) {
+    status_.failed = true;
+    status_.predicted_decrease = 1.0;
+    return;
+  }
+  ++status_.steps;
+  release_limits();
+  for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
+}
+
+// Returns the predicted decrease as a share of the cost. Returns nothing if a block is not positive
+// definite; that frame then gets the maximum damping in the next step.
+std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_pairs) {
+  double cost = 0.0, decrease = 0.0;
+  worst_overlap_ = 0.0;
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const int t = local(frame);
+    cost += fill_frame(frame, move_anchors, look_for_pairs);
+    const bool finite = is_finite(t, cost);
+    status_.failed = status_.failed || !finite;
+    const bool positive = finite && chain_.eliminate(t);
+    // Accumulates b' H^-1 b block by block, from each block's reduced right side and partial
+    // solution.
+    for (int i = 0; positive && i < dofs_; ++i) {
+      decrease += chain_.right(t)[i] * chain_.solution(t)[at(i)];
+    }
+    if (positive && std::isfinite(decrease)) continue;
+    ++status_.failed_blocks;
+    damping_[at(t)] = kMaxDamping;
+    return std::nullopt;
+  }
+  return cost > 0.0 ? decrease / cost : 0.0;
+}
+
+// @return the cost of the frame, including the step to the next frame.
+double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
+  const int t = local(frame);
+  pose_.update(clip_.frame(frame, model_.configuration_size));
+  const int age = ages_.empty() ? -1 : ages_[at(t)];
+  if (options_.self_collision && (age < 0 ? look_for_pairs : age % kPairsEvery == 0)) {
+    terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
+  }
+  double* const h = chain_.block(t);
+  double* const g = chain_.right(t);
+  TermCosts costs{};
+  FrameGoals goals = clip_.goals(frame, model_.tasks.size());
+  goals.anchor_hold = age < 0 ? anchor_hold_ : hold_after(age);
+  terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
+  worst_overlap_ =
+      std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
+  if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());
+  // The contact anchors and their weight change between steps, so their cost says nothing about the
+  // step.
+  double cost = -costs[kTermContactPlace];
+  for (const double part : costs) cost += part;
+  // With dynamics, frames may leave their targets to satisfy the forces; this does not mean that
+  // the step was too long.
+  if (with_dynamics_) cost -= costs[kTermPosition] + costs[kTermRotation];
+  adapt_damping(t, cost);
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
+  }
+  // The goals of the dynamics rows change in every step, so their cost is excluded from the damping
+  // as well.
+  double asked = 0.0;
+  if (with_dynamics_) asked = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
+  add_steps(frame, h, g);
+  hold_limits(frame, h, g);
+  for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
+  if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
+  return std::accumulate(costs.begin(), costs.end(), asked);
+}
+
+// Checks the system of a frame. The diagonal suffices for the Hessian: each diagonal entry is a sum
+// of squares and is not finite if any entry of its row is not.
+bool WindowFitter::is_finite(int t, double cost) {
+  const double* const h = chain_.block(t);
+  const double* const g = chain_.right(t);
+  bool finite = std::isfinite(cost);
+  for (int i = 0; i < dofs_; ++i) {
+    const double diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    finite = finite && std::isfinite(g[i]) && std::isfinite(diagonal);
+  }
+  return finite;
+}
+
+bool WindowFitter::has_finite_solution() const {
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const auto x = chain_.solution(local(frame));
+    if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); })) return false;
+  }
+  return true;
+}
+
+void WindowFitter::adapt_damping(int t, double cost) {
+  double& damping = damping_[at(t)];
+  if (cost > kCostRise * cost_[at(t)] + kCostNoise) {
+    damping = std::min(kMaxDamping, std::max(damping, kDampingStart) * kDampingGrowth);
+  } else {
+    damping = damping < kMinDamping ? 0.0 : damping * kDampingDecay;
+  }
+  cost_[at(t)] = cost;
+}
+
+// Adds the terms of the steps to this frame and from it.
+void WindowFitter::add_steps(int frame, double* h, double* g) {
+  std::swap(steps_before_, steps_after_);
+  const bool from = frame > window_.begin || before_;
+  const bool to = frame + 1 < window_.end || after_;
+  if (to) speeds_.terms(frame, steps_after_);
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    if (from) {
+      diagonal += steps_before_[at(i)].weight;
+      g[i] += steps_before_[at(i)].force;
+    }
+    if (to) {
+      diagonal += steps_after_[at(i)].weight;
+      g[i] -= steps_after_[at(i)].force;
+    }
+    if (frame > window_.begin) coupling[i] = -steps_before_[at(i)].weight;
+  }
+}
+
+// Holds variables at their limits for this step and saves their rows; release_limits() uses them to
+// compute the multipliers. Entries that an earlier held variable has already cleared do not count.
+void WindowFitter::hold_limits(int frame, double* h, double* g) {
+  const int stride = chain_.stride();
+  const bool from = frame > window_.begin, to = frame + 1 < window_.end;
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = model_.base_is_held ? 0 : kBase; i < dofs_; ++i) {
+    if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
+    if (!is_held(frame, i)) continue;
+    Held row{frame, i, g[i], 0.0, 0.0};
+    for (int j = 0; j < dofs_; ++j) {
+      held_rows_.push_back(
+          h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)]);
+    }
+    row.before = from ? -steps_before_[at(i)].weight : 0.0;
+    row.after = to ? -steps_after_[at(i)].weight : 0.0;
+    rows_.push_back(row);
+    double* const own = h + static_cast<std::ptrdiff_t>(i) * stride;
+    std::fill_n(own, i, 0.0);
+    for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
+    own[i] = 1.0;
+    g[i] = coupling[i] = 0.0;
+  }
+}
+
+// Releases held variables that the solved step pulls back inside; the gradient before the step does
+// not decide. ActiveSet uses the same rule, but its loop would factorise the whole clip again for
+// each of the many bounds that change. Here each step is one round.
+void WindowFitter::release_limits() {
+  const double* of_row = held_rows_.data();
+  for (const Held& row : rows_) {
+    const auto x = chain_.solution(local(row.frame));
+    double force = row.gradient;
+    for (int j = 0; j < dofs_; ++j) force += *of_row++ * x[at(j)];
+    if (row.before != 0.0) {
+      force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
+    }
+    if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
+    BoundSide& side = held(row.frame, row.dof);
+    const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
+    if (inward_pull(side, force) > 0.0 && !fixed) side = BoundSide::kFree;
+  }
+}
+
+void WindowFitter::move_base(std::span<const double> x, std::span<double> qpos) {
+  for (int k = 0; k < 3; ++k) {
+    applied_[at(k)] = std::clamp(x[at(k)], -kMaxMove, kMaxMove);
+    qpos[at(k)] += applied_[at(k)];
+  }
+  Vector3d turn(x[3], x[4], x[5]);
+  const double angle = turn.norm();
+  if (angle > kMaxTurn) turn *= kMaxTurn / angle;
+  for (int k = 0; k < 3; ++k) applied_[at(3 + k)] = turn[k];
+  const Quaterniond rotation =
+      (Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) * exp_so3(turn)).normalized();
+  qpos[3] = rotation.w();
+  qpos[4] = rotation.x();
+  qpos[5] = rotation.y();
+  qpos[6] = rotation.z();
+}
+
+void WindowFitter::apply(int frame) {
+  const auto x = chain_.solution(local(frame));
+  const auto qpos = clip_.frame(frame, model_.configuration_size);
+  if (!model_.base_is_held) move_base(x, qpos);
+  for (int i = kBase; i < dofs_; ++i) {
+    applied_[at(i)] = 0.0;
+    if (is_held(frame, i)) continue;
+    double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
+    const double before = value;
+    value += std::clamp(x[at(i)], -kMaxTurn, kMaxTurn);
+    held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
+    applied_[at(i)] = value - before;
+  }
+  if (with_dynamics_) dynamics_->moved(frame, applied_);
+}
+
+void WindowFitter::move(int begin, int forgotten) {
+  const auto gone = std::min(at(begin + forgotten - window_.begin), damping_.size());
+  const std::size_t kept = damping_.size() - gone, size = at(clip_.frame_count - begin);
+  window_.begin = begin;
+  window_.end = clip_.frame_count;
+  before_ = begin > 0;
+  const auto take = [&](auto& values, std::size_t each, const auto& value) {
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(gone * each));
+    values.resize(size * each, value);
+  };
+  take(damping_, 1, 0.0);
+  take(cost_, 1, 1e300);
+  take(held_, at(dofs_), BoundSide::kFree);
+  take(ages_, 1, 0);
+  // Rotating instead of erasing keeps the memory of the lists.
+  std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
+  pairs_.resize(size);
+  for (std::size_t i = kept; i < size; ++i) pairs_[i].clear();
+  places_.resize();
+}
+
+bool WindowFitter::step() {
+  status_.failed = false;
+  iterate(true, false);
+  for (int& age : ages_) ++age;
+  places_.place(window_);
+  return !status_.failed;
+}
+
+}  // namespace
+
+std::unique_ptr<MovingFit> make_moving_fit(const FitModel& model, const FitOptions& options,
+                                           FitClip& clip, int context) {
+  return std::make_unique<WindowFitter>(model, options, FitWindow{0, 0, true, context}, clip);
+}
+
+FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                     FitClip& clip, const std::function<bool()>& keep_going) {
+  return WindowFitter(model, options, window, clip).run(keep_going);
+}
+
+}  // namespace retarget

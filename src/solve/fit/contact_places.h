@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+#include "solve/fit/frame_terms.h"
+
+namespace retarget {
+
+/// Chooses where the contacts of a window stand: each at the mean position of its foot end or body
+/// over the frames of the contact. Writes only the anchors of contacts that lie inside the window.
+class ContactPlaces {
+ public:
+  ContactPlaces(const FitModel& model, FitClip& clip)
+      : model_(model), clip_(clip), pose_(model.tree) {
+    resize();
+  }
+
+  /// Resets all pushes. Call it after the contacts of the clip have changed.
+  void resize();
+  /// Places the window's contacts according to its current frames, and adds the pushes collected
+  /// since the last call.
+  void place(const FitWindow& window);
+  /// Pushes the anchors of two overlapping feet apart. The mean positions alone would separate too
+  /// slowly, because the frames in which one foot stands alone hold them back.
+  void push_apart(const FitWindow& window, int frame, const FootOverlap& overlap);
+
+  /// Pushes for the next place(), metres, by contact. This is the only state kept between calls.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& pushes() const { return pushes_; }
+  void set_pushes(const std::vector<Eigen::Vector2d>& pushes) { pushes_ = pushes; }
+
+ private:
+  const FitModel& model_;
+  FitClip& clip_;
+  TreeState pose_;
+  std::vector<Eigen::Vector2d> sums_, pushes_;
+  std::vector<int> counts_;
+};
+
+}  // namespace retarget

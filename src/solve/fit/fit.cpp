@@ -1,0 +1,413 @@
+#include "solve/fit/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/located.h"
+#include "base/math/so3.h"
+#include "base/math/statistics.h"
+#include "base/math/step_bounds.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "human/gait/source_feet.h"
+#include "retarget/pose.h"
+#include "retarget/text.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/branch_recovery.h"
+#include "solve/fit/clip_fitter.h"
+#include "solve/fit/fit_dynamics.h"
+#include "solve/fit/fit_model.h"
+#include "solve/fit/fit_setup.h"
+#include "solve/fit/fit_status_report.h"
+#include "solve/fit/fit_windows.h"
+#include "solve/fit/foot_plan.h"
+#include "solve/fit/frame_terms.h"
+#include "solve/fit/shorthand.h"
+#include "solve/fit/start_frames.h"
+#include "solve/fit/window_solver.h"
+#include "solve/targets/targets.h"
+
+namespace retarget {
+
+PathScales path_scales(const TargetBuilder& targets) {
+  HumanPose low, high, all;
+  for (Pose& pose : all) pose.translation.z() = 1.0;
+  int foot = targets.target_of(Bone::kLeftFootMod);
+  // A model with one leg uses the foot that it has.
+  const Bone foot_bone = foot < 0 ? Bone::kRightFootMod : Bone::kLeftFootMod;
+  foot = targets.target_of(foot_bone);
+  std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
+  targets.build(low, at_rest);
+  targets.build(all, raised);
+  const auto rise = [&](int target) {
+    return (raised[at(target)].translation - at_rest[at(target)].translation).z();
+  };
+  // Raising all bones raises the feet by the root's scale; raising only the foot gives its own
+  // scale.
+  PathScales scales{rise(0), rise(0)};
+  // A fixed base does not travel.
+  if (foot >= 0 && !targets.base_is_held()) {
+    high[foot_bone].translation.z() = 1.0;
+    targets.build(high, raised);
+    scales.foot = rise(foot);
+  }
+  return scales;
+}
+
+FitOptions options_for(const Robot& robot, FitOptions options) {
+  if (!robot.fixed_base()) return options;
+  options.contact = options.floor = options.foot_height = options.dynamics = false;
+  return options;
+}
+
+LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
+  LimitSet result = limits;
+  const auto own = load_limits(robot, robot.limits_for("gmr"));
+  if (!own) return result;
+  for (std::size_t i = 0; i < result.lower.size(); ++i) {
+    const double lower = std::max(limits.lower[i], own->lower[i]);
+    const double upper = std::min(limits.upper[i], own->upper[i]);
+    if (lower > upper) continue;
+    result.lower[i] = lower;
+    result.upper[i] = upper;
+  }
+  return result;
+}
+
+FitOptions sized_options(FitOptions options, double leg) {
+  const double size = kUsualLeg / leg;
+  TrackingWeights& w = options.weights;
+  for (double* weight :
+       {&w.hips_position, &w.thigh_position, &w.shank_position, &w.foot_position,
+        &w.upper_arm_position, &w.forearm_position, &w.hand_position, &w.other_position,
+        &options.foot_height_near, &options.foot_height_far, &options.smoothness_root_position}) {
+    *weight *= size;
+  }
+  for (double* weight :
+       {&options.contact_weight, &options.contact_height_weight, &options.body_contact_weight,
+        &options.body_contact_height_weight, &options.sole_floor_weight, &options.body_floor_weight,
+        &options.self_collision_weight}) {
+    *weight *= std::max(size, 1.0);
+  }
+  return options;
+}
+
+SourceSides sides_with_feet(const HumanClipInfo& info) {
+  const auto has_foot = [&](Side side) {
+    return std::ranges::all_of(
+        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
+        [&](LimbBone part) { return info.has(side_bone(side, part)); });
+  };
+  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
+}
+
+namespace {
+
+// A fit of one clip, through all stages.
+class Fit {
+ public:
+  Fit(const Clip& clip, const Calibration& calibration, const std::shared_ptr<const Robot>& robot,
+      const ResolvedConfig& config, const LimitSet& limits, const FitOptions& options,
+      const FitRun& run)
+      : source_(clip),
+        calibration_(calibration),
+        robot_(robot),
+        config_(config),
+        limits_(limits),
+        options_(options_for(*robot, options)),
+        run_(run) {}
+
+  Result<FitResult> run();
+
+ private:
+  bool read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made);
+  double floor_height(const StandingHeights& standing, double scale) const;
+  Result<void> solve(const MadeTargets& made, FitResult& result);
+  [[nodiscard]] Result<void> check_finite() const;
+  Result<void> recover_limbs(FitReport& report);
+  void hold_joints();
+  void keep_bounds(FitReport& report);
+  void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                    FitReport& report) const;
+
+  const Clip& source_;
+  const Calibration& calibration_;
+  const std::shared_ptr<const Robot>& robot_;
+  const ResolvedConfig& config_;
+  const LimitSet& limits_;
+  FitOptions options_;
+  const FitRun& run_;
+
+  SourceSides sides_;
+  FitModel model_;
+  FitClip clip_;
+  SourceFeet feet_;
+  std::vector<Eigen::Vector3d> path_;  // By frame: offset added to the published targets.
+};
+
+// Notes why foot terms are missing.
+void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
+  if (robot.fixed_base()) {
+    report.notes.emplace_back("fixed base: no feet, no floor");
+  } else if (robot.profile().soles.empty()) {
+    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
+  } else if (!sides.left && !sides.right) {
+    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
+  } else if (!sides.left || !sides.right) {
+    report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
+                              " foot: contacts of the other foot only");
+  }
+}
+
+// Notes why the dynamics term is missing.
+void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
+  if (!options.dynamics || FitDynamics::possible(model)) return;
+  report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
+}
+
+// @return true if all targets are finite and small enough to compute with.
+bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
+  constexpr double kTooLarge = 1e50;  // Metres.
+  const PathScales scales = path_scales(made.targets);
+  bool usable = true;
+  HumanPose bones;
+  const std::size_t count = at(made.targets.target_count());
+  made.world_from_target.resize(at(info.frame_count) * count);
+  feet_ = SourceFeet(info);
+  clip_.frame_time = info.rate.frame_time();
+  clip_.frame_count = info.frame_count;
+  for (int frame = 0; frame < info.frame_count; ++frame) {
+    const auto world_from_target =
+        std::span(made.world_from_target).subspan(at(frame) * count, count);
+    poser.pose(frame, bones);
+    made.targets.build(bones, world_from_target);
+    feet_.add(bones);
+    // The whole robot moves at the scale of its feet, so that standing feet stay in place.
+    path_.emplace_back((scales.foot - scales.root) * bones[config_.root_bone].translation);
+    for (const FitTask& task : model_.tasks) {
+      const Pose& pose = world_from_target[at(task.target)];
+      clip_.targets.push_back({pose.translation + path_.back(),
+                               pose.rotation.normalized() * task.link_from_body.conjugate()});
+    }
+    for (const Pose& pose : world_from_target) {
+      usable = usable && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
+               pose.translation.cwiseAbs().maxCoeff() < kTooLarge;
+    }
+  }
+  return usable;
+}
+
+// Height of the soles of standing feet, from the targets; metres.
+double Fit::floor_height(const StandingHeights& standing, double scale) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    if (task.foot < 0) continue;
+    const int side = source_foot(model_.feet[at(task.foot)]);
+    // The target is the scaled ankle plus the configuration's offset.
+    std::vector<double> offsets;
+    offsets.reserve(at(clip_.frame_count));
+    for (int frame = 0; frame < clip_.frame_count; ++frame) {
+      offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
+                        scale * feet_.at(frame, side).ankle.z());
+    }
+    sum += scale * standing.ankle + median(std::move(offsets)) -
+           model_.feet[at(task.foot)].body_height;
+    ++count;
+  }
+  return count == 0 ? 0.0 : sum / count;
+}
+
+// Runs the first stage and the windows concurrently. A window starts once all frames that it reads
+// have their start.
+Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
+  const FitWindows plan = plan_windows(clip_, options_);
+  const int threads = options_.threads > 0 ? options_.threads
+                                           : static_cast<int>(std::thread::hardware_concurrency());
+  StartFrames starts(model_, path_, options_.floor, clip_);
+  WindowSolver windows(model_, options_, plan, clip_, threads);
+  SolveFramesOptions options = run_.retarget;
+  options.settle = true;
+  options.frame_solved = [&](int frame, std::span<const double> qpos) {
+    starts.take(frame, qpos);
+    windows.starts_are_there(frame + 1);
+  };
+  TRY_ASSIGN(const auto first,
+             solve_frames(made, robot_, config_, first_limits(*robot_, limits_), options));
+  result.steps = first.steps;
+  windows.starts_are_there(clip_.frame_count);
+  if (!windows.finish(run_.keep_going)) return interrupted_failure();
+  TRY(recover_limbs(result.report));
+  TRY(check_finite());
+  keep_bounds(result.report);
+  const std::vector<TermCosts> costs = windows.costs_now();
+  report_terms(windows.costs_before(), costs, result.report);
+  report_status(windows.statuses(), windows.costs_before(), costs, result.report);
+  return {};
+}
+
+// No step with a non-finite value is applied, so frames can only be non-finite from the start.
+Result<void> Fit::check_finite() const {
+  const auto bad = std::ranges::find_if(clip_.qpos, [](double x) { return !std::isfinite(x); });
+  if (bad == clip_.qpos.end()) return {};
+  const auto frame = (bad - clip_.qpos.begin()) / model_.configuration_size;
+  return config_failure(
+      config_.file, fmt::format("frame {}: the fit leads to values that are not finite", frame));
+}
+
+Result<void> Fit::recover_limbs(FitReport& report) {
+  if (!run_.recover_limbs) return {};
+  const BranchRecovery recovery = recover_branches(
+      model_, options_, clip_, [this] { return !run_.keep_going || run_.keep_going(1.0); });
+  if (recovery.stopped) return interrupted_failure();
+  for (std::string& note : recovery.notes()) report.notes.push_back(std::move(note));
+  std::ranges::copy(recovery.failures, std::back_inserter(report.failures));
+  return {};
+}
+
+void Fit::hold_joints() {
+  if (run_.held.empty()) return;
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    if (model_.lower[dof] != model_.upper[dof]) continue;
+    const KinematicTree::Link& held = model_.tree.links()[link];
+    model_.lower[dof] = model_.upper[dof] = run_.held[at(held.qpos_address)];
+  }
+}
+
+void Fit::keep_bounds(FitReport& report) {
+  constexpr double kNoChange = 1e-4;  // Smaller changes are not reported; rad or m.
+  std::vector<double> before, now(at(clip_.frame_count));
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    const auto address = at(model_.tree.links()[link].qpos_address);
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      now[at(t)] = clip_.frame(t, model_.configuration_size)[address];
+    }
+    before = now;
+    double step = model_.speed_limit[dof] * clip_.frame_time;
+    if (!model_.tree.links()[link].slides) {
+      step = std::min({step, options_.max_joint_speed * clip_.frame_time, options_.max_joint_step});
+    }
+    const StepBounds bounds =
+        bounds_for_rounding({model_.lower[dof], model_.upper[dof], step}, options_.decimals);
+    if (bound_steps(now, bounds.lower, bounds.upper, bounds.step) == 0.0) continue;
+    FitBoundReport bound{robot_->joints()[at(model_.tree.links()[link].joint)].name, 0, 0, 0.0};
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      const double change = std::abs(now[at(t)] - before[at(t)]);
+      clip_.frame(t, model_.configuration_size)[address] = now[at(t)];
+      if (change > kNoChange) ++bound.frames;
+      if (change > bound.largest) {
+        bound.largest = change;
+        bound.worst_frame = t;
+      }
+    }
+    if (bound.frames > 0) report.bounded.push_back(bound);
+  }
+}
+
+void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                       FitReport& report) const {
+  constexpr std::array kNames = {"position",       "rotation",       "foot-height",
+                                 "contact",        "contact-height", "floor",
+                                 "self-collision", "smoothness",     "speed"};
+  static_assert(kNames.size() == kTermCount);
+  constexpr std::size_t kWorst = 5;
+  const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));
+  for (std::size_t term = 0; term < kTermCount; ++term) {
+    FitTermReport entry;
+    entry.name = kNames[term];
+    std::vector<int> order;
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      entry.before += before[at(t)][term] / clip_.frame_count;
+      entry.after += after[at(t)][term] / clip_.frame_count;
+      if (after[at(t)][term] > 0.0) order.push_back(t);
+    }
+    std::ranges::stable_sort(order,
+                             [&](int a, int b) { return after[at(a)][term] > after[at(b)][term]; });
+    for (const int t : order) {
+      if (entry.worst.size() == kWorst) break;
+      const bool near =
+          std::ranges::any_of(entry.worst, [&](int other) { return std::abs(other - t) < apart; });
+      if (!near) entry.worst.push_back(t);
+    }
+    report.terms.push_back(std::move(entry));
+  }
+}
+
+Result<FitResult> Fit::run() {
+  FitResult result;
+  HumanPoser poser(source_, calibration_);
+  const HumanClipInfo info = poser.info();
+  const HumanPoseSource poses = poses_of(poser);
+  TRY_ASSIGN(const TargetBuilder targets,
+             make_targets(info, poses, *robot_, config_, run_.retarget.scale, TrunkRule::kLines,
+                          &limits_));
+  const auto limbs = robot_limbs(*robot_, config_);
+  if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
+  BoneArray<int> target_of_bone;
+  for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
+  sides_ = sides_with_feet(info);
+  model_ = make_fit_model(*robot_, config_, limits_, target_of_bone, options_, sides_);
+  if (limbs) model_.leg = limbs->lengths.leg;
+  hold_joints();
+  FitReport& report = result.report;
+  note_missing_feet(*robot_, sides_, report);
+  note_dynamics(options_, model_, report);
+  if (model_.shapes.empty()) {
+    report.notes.emplace_back("the robot has no collision shapes: no self-collision");
+  }
+  MadeTargets made{targets, info.rate, {}};
+  if (!read_source(info, poser, made)) {
+    // The first stage names the frame in its error. It accepts larger positions than this one.
+    TRY(solve_frames(source_, calibration_, robot_, config_, first_limits(*robot_, limits_),
+                     run_.retarget));
+    return input_failure(source_.name(), "target positions are too large or not finite",
+                         "is " OPTION("unit") " right?");
+  }
+  result.contacts = find_contacts(feet_, contact_options(options_));
+  if (!model_.feet.empty()) {
+    const double scale = path_scales(targets).foot;
+    report.floor_found = result.contacts.standing.found;
+    report.floor_height = floor_height(result.contacts.standing, scale);
+    std::vector<int> source_feet;
+    for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
+    plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
+    plan_supports(result.contacts, model_.supports, clip_.frame_count, clip_.frame_time,
+                  clip_.feet);
+  }
+  for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
+  for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;
+  report.contact_phases = static_cast<int>(clip_.feet.phases.size());
+  TRY(solve(made, result));
+  result.clip = RobotClip(robot_, info.rate, info.frame_count);
+  Eigen::Vector4d before = Eigen::Vector4d::UnitX();  // Identity, w first.
+  for (int t = 0; t < clip_.frame_count; ++t) {
+    const auto now = clip_.frame(t, model_.configuration_size);
+    Eigen::Map<Eigen::Vector4d> root(now.data() + 3);
+    align_sign(before, root);
+    before = root;
+    std::ranges::copy(now, result.clip.qpos(t).begin());
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<FitResult> fit(const Clip& clip, const Calibration& calibration,
+                      const std::shared_ptr<const Robot>& robot, const ResolvedConfig& config,
+                      const LimitSet& limits, const FitOptions& options, const FitRun& run) {
+  return located(Fit(clip, calibration, robot, config, limits, options, run).run(), clip.name());
+}
+
+}  // namespace retarget

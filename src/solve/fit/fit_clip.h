@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "solve/fit/foot_plan.h"
+#include "solve/fit/frame_terms.h"
+
+namespace retarget {
+
+/// The working data of a fit.
+struct FitClip {
+  double frame_time = 1.0 / 30.0;
+  int frame_count = 0;
+  std::vector<TaskTarget> targets;  ///< Frame-major, one per task of the model.
+  FootPlan feet;
+  std::vector<Eigen::Vector2d> anchors;  ///< By contact phase.
+  std::vector<double> qpos;              ///< Frame-major, laid out as in RobotClip.
+
+  [[nodiscard]] std::span<double> frame(int t, int size) {
+    return {qpos.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(size),
+            static_cast<std::size_t>(size)};
+  }
+  [[nodiscard]] std::span<const double> frame(int t, int size) const {
+    return {qpos.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(size),
+            static_cast<std::size_t>(size)};
+  }
+  [[nodiscard]] FrameGoals goals(int t, std::size_t tasks) const {
+    return {{targets.data() + static_cast<std::size_t>(t) * tasks, tasks},
+            feet.ends_of(t),
+            feet.upright_of(t),
+            anchors,
+            1.0,
+            feet.supports_of(t)};
+  }
+};
+
+/// Frames that are solved together.
+struct FitWindow {
+  int begin = 0, end = 0;   ///< Frames [begin, end).
+  bool fixed_ends = false;  ///< The frames before and after stay fixed and enter the cost.
+  int context = 0;          ///< Number of fixed frames on either side used for smoothing.
+
+  /// Whether the window contains the whole contact. Only then may it move the contact's anchor.
+  [[nodiscard]] bool owns(const PlantedPhase& phase) const {
+    return phase.begin >= begin && phase.end <= end;
+  }
+};
+
+}  // namespace retarget

@@ -1,0 +1,304 @@
+#include "solve/fit/fit_dynamics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Unit of length for torques, for a G1; scaled by leg length. Metres.
+constexpr double kLength = 0.3;
+constexpr double kUsualMass = 35.0;  // Kilograms.
+
+// By frame: mean over the frames at most `reach` away.
+template <typename T>
+std::vector<T> means_around(const std::vector<T>& values, int reach, T sum) {
+  const auto count = static_cast<int>(values.size());
+  std::vector<T> means;
+  means.reserve(values.size());
+  int frames = 0;
+  for (int t = -reach; t < count; ++t) {
+    if (t + reach < count) {
+      sum += values[at(t + reach)];
+      ++frames;
+    }
+    if (t - reach - 1 >= 0) {
+      sum -= values[at(t - reach - 1)];
+      --frames;
+    }
+    if (t >= 0) means.push_back(sum / static_cast<double>(frames));
+  }
+  return means;
+}
+
+}  // namespace
+
+FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                         const FitClip& clip)
+    : model_(model),
+      options_(options),
+      window_(window),
+      count_(window.end - window.begin),
+      scale_{model.inertias.mass, kLength * model.leg / kUsualLeg, clip.frame_time},
+      inverse_(model.tree, model.inertias),
+      map_(model.tree, model.inertias),
+      pose_(model.tree),
+      frames_(at(count_)),
+      contacts_(at(count_)),
+      contact_places_(at(count_)),
+      com_(at(count_), Vector3d::Zero()),
+      first_com_(com_),
+      goals_(at(count_), Vector6d::Zero()),
+      rest_before_(at(count_), 0.0),
+      share_(at(count_), 1.0),
+      spin_rows_(3, count_ * model.dof_count()) {}
+
+double FitDynamics::begin(const FitClip& clip) {
+  read_frames(clip);
+  find_trust();
+  begun_ = true;
+  return missing_share();
+}
+
+double FitDynamics::measure(const FitClip& clip) {
+  read_frames(clip);
+  return missing_share();
+}
+
+double FitDynamics::missing_share() const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    // std::min would hide NaN.
+    double missing = step_.unexplained()[t].norm();
+    if (missing > 1.0) missing = 1.0;
+    sum += frames_[t].trust * missing;
+  }
+  return sum / count_;
+}
+
+bool FitDynamics::plan(const FitClip& clip) {
+  constexpr int kFirstSteps = 4, kLaterSteps = 2;  // Of the centroidal step.
+  if (planned_) read_frames(clip);
+  std::vector<Vector6d> moves = step_.solve(frames_, scale_, planned_ ? kLaterSteps : kFirstSteps);
+  if (step_.has_failed()) return false;
+  restrain(moves);
+  for (int t = 0; t < count_; ++t) {
+    goals_[at(t)].head<3>() = com_[at(t)] + moves[at(t)].head<3>();
+    goals_[at(t)].tail<3>() = moves[at(t)].tail<3>();
+  }
+  planned_ = true;
+  return true;
+}
+
+int FitDynamics::distrusted_frames() const {
+  return static_cast<int>(std::ranges::count_if(
+      frames_, [](const CentroidalFrame& frame) { return frame.trust <= 0.0; }));
+}
+
+// Computes the wrenches, the contacts and the unexplained wrench of the current clip.
+void FitDynamics::read_frames(const FitClip& clip) {
+  // Reads no farther than the smoothing context, because frames beyond it may belong to another
+  // seam.
+  constexpr int kContext = 10;
+  const int beside = window_.fixed_ends ? std::min(kContext, window_.context) : 0;
+  const int first = std::max(window_.begin - beside, 0);
+  const int last = std::min(window_.end + beside, clip.frame_count);
+  const auto size = at(model_.configuration_size);
+  const MotionSpline spline(model_.tree,
+                            std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
+                            model_.configuration_size, 1.0 / clip.frame_time);
+  const auto begin = clip.frame(first, model_.configuration_size);
+  MotionState state(model_.tree, {begin.begin(), begin.end()});
+  for (int t = 0; t < count_; ++t) {
+    const int index = window_.begin + t - first;
+    const bool at_end = index + 1 == last - first && index > 0;
+    spline.sample(at_end ? index - 1 : index, at_end ? 1.0 : 0.0, state);
+    read_frame(state, t, clip);
+  }
+  if (!begun_) {
+    first_com_ = com_;
+    lend_contacts();
+  }
+  for (int t = 0; t < count_; ++t) fill_cone(t);
+  step_.find_unexplained(frames_, scale_);
+}
+
+void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
+  pose_.update(state.qpos);
+  inverse_.compute(pose_, state.velocity, state.acceleration);
+  CentroidalFrame& frame = frames_[at(t)];
+  const double weight = scale_.mass * kGravity;
+  frame.needed.head<3>() = inverse_.needed().force / weight;
+  frame.needed.tail<3>() = inverse_.needed().torque / (weight * scale_.length);
+  com_[at(t)] = inverse_.com();
+  if (!begun_) {
+    find_contacts(t, clip, contacts_[at(t)]);
+    frame.moved.setZero();
+  } else {
+    frame.moved.head<3>() = com_[at(t)] - first_com_[at(t)];
+  }
+  std::vector<Vector3d>& places = contact_places_[at(t)];
+  places.clear();
+  for (const SupportPoint& point : contacts_[at(t)]) places.push_back(lowest_of(point, pose_));
+}
+
+bool FitDynamics::touches(const SupportPoint& point, double height, double speed) const {
+  const Vector3d place = lowest_of(point, pose_);
+  return place.z() < height && inverse_.velocity_of(point.link, place, pose_).norm() < speed;
+}
+
+// Collects the planned foot ends and all points of feet or other bodies that are slow and near the
+// floor.
+void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts) {
+  constexpr double kSoleHeight = 0.012, kBodyHeight = 0.02, kSpeed = 0.35;
+  constexpr double kLooseHeight = 0.04, kLooseSpeed = 1.5, kHeld = 0.35;
+  contacts.clear();
+  add_feet(t, clip, kSoleHeight, kSpeed, contacts);
+  add_bodies(kBodyHeight, kSpeed, contacts);
+  // A body that is not falling must be supported, so this looser search accepts faster, higher
+  // points.
+  if (contacts.empty() && frames_[at(t)].needed.z() > kHeld) {
+    add_feet(t, clip, kLooseHeight, kLooseSpeed, contacts);
+  }
+  places_.clear();
+  chosen_.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    places_.push_back(lowest_of(contacts[i], pose_));
+    chosen_.push_back(static_cast<int>(i));
+  }
+  keep_outermost(places_, ForceCone::kMaxPoints, chosen_);
+  for (std::size_t i = 0; i < chosen_.size(); ++i) contacts[i] = contacts[at(chosen_[i])];
+  contacts.resize(chosen_.size());
+}
+
+void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
+                           std::vector<SupportPoint>& contacts) const {
+  const auto goals = clip.feet.ends_of(window_.begin + t);
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    const FitFoot& foot = model_.feet[f];
+    const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
+    for (std::size_t e = 0; e < foot.ends.size(); ++e) {
+      const bool planned = goals[2 * f + e].phase >= 0;
+      for (const Vector3d& corner : foot.ends[e].points) {
+        const SupportPoint point{foot.link, corner, 0.0, true};
+        if (!planned && !touches(point, height, speed)) continue;
+        contacts.push_back(point);
+        contacts.back().in_link += options_.sole_shrink * (middle - corner);
+      }
+    }
+  }
+}
+
+void FitDynamics::add_bodies(double height, double speed,
+                             std::vector<SupportPoint>& contacts) const {
+  for (std::size_t link = 0; link < model_.floor_points.size(); ++link) {
+    if (model_.is_foot[link] != 0) continue;
+    if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
+    for (const FloorPoint& floor : model_.floor_points[link]) {
+      const SupportPoint point{static_cast<int>(link), floor.position, floor.radius, false};
+      if (touches(point, height, speed)) contacts.push_back(point);
+    }
+  }
+}
+
+// A contact may supply forces up to 1/30 s before and after its frames, as in the metric, because
+// contacts begin and end between frames. A frame without contacts takes those of the nearest frame
+// in reach.
+void FitDynamics::lend_contacts() {
+  const int reach = frames_within(1.0 / 30.0);
+  std::vector<char> empty;
+  for (const auto& contacts : contacts_) empty.push_back(contacts.empty() ? 1 : 0);
+  for (int t = 0; t < count_; ++t) {
+    for (int away = 1; away <= reach && contacts_[at(t)].empty(); ++away) {
+      for (const int beside : {t - away, t + away}) {
+        if (beside < 0 || beside >= count_ || empty[at(beside)] != 0) continue;
+        if (!contacts_[at(t)].empty()) continue;
+        contacts_[at(t)] = contacts_[at(beside)];
+        contact_places_[at(t)] = contact_places_[at(beside)];
+      }
+    }
+  }
+}
+
+void FitDynamics::fill_cone(int t) {
+  CentroidalFrame& frame = frames_[at(t)];
+  frame.cone.clear();
+  for (const Vector3d& place : contact_places_[at(t)]) {
+    frame.cone.add_point((place - com_[at(t)]) / scale_.length, options_.support_friction);
+  }
+}
+
+// A human's movement is physically possible. A brief lack of force is due to the differences
+// between robot and human; a lasting one is due to an unknown contact (a box, a hand on a wall) and
+// is no reason to change the motion.
+void FitDynamics::find_trust() {
+  constexpr double kReach = 0.3;                   // Seconds.
+  constexpr double kDoubtful = 0.1, kWrong = 0.3;  // Mean unexplained wrench, share of body weight.
+  const std::vector<Vector6d> mean =
+      means_around(step_.unexplained(), frames_within(kReach), Vector6d(Vector6d::Zero()));
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    frames_[t].trust = std::clamp((kWrong - mean[t].norm()) / (kWrong - kDoubtful), 0.0, 1.0);
+  }
+}
+
+int FitDynamics::frames_within(double seconds) const {
+  return std::max(1, static_cast<int>(std::lround(seconds / scale_.frame_time)));
+}
+
+// Shortens the next step where the last one left more unexplained than before. Fast motions would
+// otherwise diverge.
+void FitDynamics::restrain(std::vector<Vector6d>& moves) {
+  constexpr double kWorse = 1.02, kNoise = 1e-5, kShorter = 0.4, kReach = 0.3;  // kReach: s.
+  std::vector<double> now;
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    now.push_back(std::min(1.0, frames_[t].trust * step_.unexplained()[t].norm()));
+  }
+  if (planned_) {
+    const int reach = frames_within(kReach);
+    const std::vector<double> before = means_around(rest_before_, reach, 0.0);
+    const std::vector<double> after = means_around(now, reach, 0.0);
+    std::vector<double> share(now.size(), 1.0);
+    for (std::size_t t = 0; t < now.size(); ++t) {
+      if (after[t] > kWorse * before[t] + kNoise) share[t] = kShorter;
+    }
+    // Averages over the same time, so that the shorter steps cause no jump.
+    share = means_around(share, reach, 0.0);
+    for (std::size_t t = 0; t < now.size(); ++t) share_[t] *= share[t];
+  }
+  rest_before_ = now;
+  for (std::size_t t = 0; t < moves.size(); ++t) moves[t] *= share_[t];
+}
+
+double FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, double* hessian,
+                             int stride) {
+  const int t = frame - window_.begin, dofs = model_.dof_count();
+  map_.update(pose);
+  const CentroidalMap::Rows& rows = map_.rows();
+  spin_rows_.middleCols(t * dofs, dofs) = rows.bottomRows<3>();
+  const double com = options_.com_weight * kLength / scale_.length;
+  const double spin = options_.spin_weight * kUsualMass * kLength * kLength /
+                      (scale_.mass * scale_.length * scale_.length);
+  Vector6d weights, residual;
+  weights << Vector3d::Constant(com * com), Vector3d::Constant(spin * spin);
+  weights *= frames_[at(t)].trust;
+  residual << map_.com() - goals_[at(t)].head<3>(), -goals_[at(t)].tail<3>();
+  for (int i = 0; i < dofs; ++i) {
+    const Vector6d weighted = weights.cwiseProduct(rows.col(i));
+    gradient[i] += weighted.dot(residual);
+    double* const row = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    for (int j = 0; j <= i; ++j) row[j] += weighted.dot(rows.col(j));
+  }
+  return weights.dot(residual.cwiseAbs2());
+}
+
+void FitDynamics::moved(int frame, std::span<const double> step) {
+  const int t = frame - window_.begin, dofs = model_.dof_count();
+  const Eigen::Map<const Eigen::VectorXd> by(step.data(), dofs);
+  frames_[at(t)].moved.tail<3>() += spin_rows_.middleCols(t * dofs, dofs) * by;
+}
+
+}  // namespace retarget

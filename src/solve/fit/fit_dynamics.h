@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "retarget/options.h"
+#include "solve/dynamics/centroidal_map.h"
+#include "solve/dynamics/centroidal_step.h"
+#include "solve/dynamics/inverse_dynamics.h"
+#include "solve/dynamics/motion_spline.h"
+#include "solve/dynamics/support_points.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// The dynamics part of a fit's last steps, for one window. Where the contacts cannot supply the
+/// forces of the movement, it moves the centre of mass and the angular momentum as little as
+/// necessary (CentroidalStep) and adds six rows per frame that make the robot follow
+/// (docs/dynamics.md).
+class FitDynamics {
+ public:
+  FitDynamics(const FitModel& model, const FitOptions& options, const FitWindow& window,
+              const FitClip& clip);
+
+  /// Whether the model has mass and feet.
+  [[nodiscard]] static bool possible(const FitModel& model) {
+    return model.inertias.mass > 0.0 && !model.feet.empty();
+  }
+
+  /// Finds the contacts and how far they can be trusted. Call it first.
+  /// @return measure(clip); NaN if the movement is too large to compute with.
+  double begin(const FitClip& clip);
+  /// Mean over the frames of the wrench that the contacts cannot supply for the current clip, in
+  /// body weights. Each frame counts at most 1, scaled by the trust in its contacts.
+  double measure(const FitClip& clip);
+  /// Number of frames that stay unchanged because their contacts are unknown.
+  [[nodiscard]] int distrusted_frames() const;
+  /// Computes how the current clip should change. Call it before each step that uses dynamics.
+  /// @return false if a value is not finite.
+  [[nodiscard]] bool plan(const FitClip& clip);
+  /// Adds the rows of a frame to the system of a step.
+  /// @param gradient, hessian  as in FrameTerms::assemble.
+  /// @return the cost of the rows.
+  double add_rows(int frame, const TreeState& pose, double* gradient, double* hessian, int stride);
+  /// Reports the change that a step applied to a frame, by degree of freedom.
+  void moved(int frame, std::span<const double> step);
+
+ private:
+  void read_frames(const FitClip& clip);
+  [[nodiscard]] double missing_share() const;
+  [[nodiscard]] int frames_within(double seconds) const;
+  void read_frame(const MotionState& state, int t, const FitClip& clip);
+  void find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts);
+  void add_feet(int t, const FitClip& clip, double height, double speed,
+                std::vector<SupportPoint>& contacts) const;
+  void add_bodies(double height, double speed, std::vector<SupportPoint>& contacts) const;
+  [[nodiscard]] bool touches(const SupportPoint& point, double height, double speed) const;
+  void lend_contacts();
+  void fill_cone(int t);
+  void find_trust();
+  void restrain(std::vector<Vector6d>& moves);
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  const FitWindow& window_;
+  int count_;  // Number of frames in the window.
+  CentroidalScale scale_;
+  InverseDynamics inverse_;
+  CentroidalMap map_;
+  TreeState pose_;
+  CentroidalStep step_;
+  std::vector<CentroidalFrame> frames_;
+  std::vector<std::vector<SupportPoint>> contacts_;
+  std::vector<std::vector<Eigen::Vector3d>> contact_places_;
+  std::vector<Eigen::Vector3d> com_, first_com_;
+  std::vector<Vector6d> goals_;  // Centre of mass, world, metres; rotation still to be made.
+  std::vector<double> rest_before_, share_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // All frames side by side.
+  bool begun_ = false, planned_ = false;
+  std::vector<Eigen::Vector3d> places_;
+  std::vector<int> chosen_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "human/gait/source_feet.h"
+#include "retarget/human.h"
+#include "retarget/options.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "robot/model/kinematic_tree.h"
+#include "robot/model/shape_distance.h"
+#include "solve/dynamics/inertias.h"
+#include "solve/targets/support_bodies.h"
+
+namespace retarget {
+
+/// Leg length (hip to knee to ankle) of a G1, metres. Weights per metre are tuned for this size.
+inline constexpr double kUsualLeg = 0.632;
+
+/// A robot body that follows a target.
+struct FitTask {
+  int link = 0;
+  int target = 0;                                      ///< Index into the targets of a frame.
+  Bone bone = Bone::kHips;                             ///< The bone that the body follows.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Position of the body in the link frame,
+                                                       ///< metres.
+  Eigen::Quaterniond link_from_body = Eigen::Quaterniond::Identity();
+  double horizontal_weight = 0.0, height_weight = 0.0;  ///< Per metre.
+  double rotation_weight = 0.0;                         ///< Per radian.
+  int foot = -1;                                        ///< Index into FitModel::feet if the body
+                                                        ///< is a foot; else -1.
+  std::string body;
+};
+
+/// A sphere, in the link frame, that must stay above the floor; metres.
+struct FloorPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+/// A foot and the points of its sole, in the link frame, metres.
+struct FitFoot {
+  /// One end of a sole: heel or toe.
+  struct End {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Middle of the corners; contacts pin this
+                                                       ///< point.
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the middle line.
+    std::vector<Eigen::Vector3d> points;               ///< All points of this end.
+    double half_width = 0.0;                           ///< Distance from the middle line to the
+                                                       ///< corners.
+    std::vector<FloorPoint> shape_points;  ///< Points of the foot's shapes nearer to this end.
+  };
+  int link = 0;
+  bool left = true;
+  std::array<End, 2> ends;                              ///< Heel, toe.
+  Eigen::Vector3d sideways = Eigen::Vector3d::UnitY();  ///< In the plane of the sole, perpendicular
+                                                        ///< to its length.
+  double body_height = 0.0;                             ///< Height of the body's origin above the
+                                                        ///< sole.
+  int body = 0;
+};
+
+/// A collision shape in its link's frame.
+struct FitShape : RoundedShape {
+  int link = 0;
+};
+
+/// Two shapes that must stay apart; indices into FitModel::shapes.
+struct FitPair {
+  int a = 0, b = 0;
+};
+
+/// The pairs [begin, end) between the shapes of two links.
+struct FitPairGroup {
+  int link_a = 0, link_b = 0;
+  std::uint32_t begin = 0, end = 0;
+};
+
+/// A bounding sphere of all shapes of a link, in the link frame, metres.
+struct BoundingSphere {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+/// Everything that a fit takes from robot, configuration and options; the same for every frame.
+/// Immutable. Indices of links and degrees of freedom are those of the tree.
+struct FitModel {
+  KinematicTree tree;  ///< Contains all joints.
+  /// Limits by degree of freedom; infinite for a moving root, 0 for a fixed base.
+  std::vector<double> lower, upper;
+  bool base_is_held = false;
+  std::vector<double> speed_limit;  ///< By degree of freedom, rad/s or m/s; infinite if unlimited.
+  std::vector<double> smoothness;   ///< Weight by degree of freedom, per rad/s or m/s.
+  std::vector<FitTask> tasks;
+  std::vector<FitFoot> feet;
+  std::vector<SupportBody> supports;                  ///< Other bodies that may support the robot.
+  std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
+  std::vector<double> floor_reach;  ///< By link: largest distance of a floor point from the link's
+                                    ///< origin, metres.
+  std::vector<char> is_foot;        ///< By link.
+  std::vector<int> foot_of_link;    ///< Index of the foot that the link is or carries next; -1 if
+                                    ///< none.
+  std::vector<FitShape> shapes;
+  std::vector<FitPair> pairs;  ///< Sorted by links.
+  std::vector<FitPairGroup> pair_groups;
+  std::vector<BoundingSphere> link_spheres;  ///< By link.
+  int configuration_size = 0;
+  Inertias inertias;
+  double leg = kUsualLeg;  ///< Hip to knee to ankle, metres; the G1's if unknown.
+
+  [[nodiscard]] int dof_count() const { return tree.dof_count(); }
+};
+
+/// The sides on which the source has a whole leg with a foot.
+struct SourceSides {
+  bool left = true, right = true;
+};
+
+/// @param target_of_bone  index of a bone's target; -1 if none.
+/// @param sides           robot feet on the other sides follow nothing and are left out of the
+///     model.
+[[nodiscard]] FitModel make_fit_model(const Robot& robot, const ResolvedConfig& config,
+                                      const LimitSet& limits, const BoneArray<int>& target_of_bone,
+                                      const FitOptions& options, const SourceSides& sides = {});
+
+}  // namespace retarget

@@ -1,0 +1,103 @@
+#include "solve/fit/fit_status_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "retarget/text.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+double sum_of(const std::vector<TermCosts>& costs, int begin, int end) {
+  double sum = 0.0;
+  for (int t = begin; t < end; ++t) {
+    sum = std::accumulate(costs[at(t)].begin(), costs[at(t)].end(), sum);
+  }
+  return sum;
+}
+
+std::string not_converged(const FitStatus& window) {
+  const std::string frames = fmt::format("frames {} to {}", window.begin, window.end - 1);
+  const std::string steps = count_text(window.steps, "step");
+  if (window.predicted_decrease >= 1.0 && window.failed_blocks > 0) {
+    return fmt::format("not converged after {}: {} of {} could not be factorised", steps,
+                       count_text(window.failed_blocks, "block"), frames);
+  }
+  if (window.steps == 0) return "not converged: no step was taken in " + frames;
+  return fmt::format(
+      "not converged after {}: the last step predicted a further cost decrease in {} by {} %",
+      steps, frames, number_text(100.0 * window.predicted_decrease, 1));
+}
+
+// Notes the windows in which dynamics were reverted.
+void note_taken_back(const std::vector<FitStatus>& parts, FitReport& report) {
+  for (const FitStatus& part : parts) {
+    if (!part.dynamics_taken_back) continue;
+    report.notes.push_back(
+        fmt::format("dynamics: no improvement in frames {} to {}; they remain unchanged",
+                    part.begin, part.end - 1));
+  }
+}
+
+// Adds the windows in which a step failed; the motion's verdict reports them.
+void add_failures(const std::vector<FitStatus>& parts, FitReport& report) {
+  for (const FitStatus& part : parts) {
+    if (part.failed) report.failures.push_back({"fit", part.begin, part.end});
+    if (part.dynamics_failed) {
+      report.failures.push_back({"fit with dynamics", part.begin, part.end});
+    }
+  }
+}
+
+void note_distrust(FitReport& report) {
+  constexpr double kWorthTelling = 0.02;
+  const FitStatus& all = report.status;
+  const double share = static_cast<double>(all.distrusted_frames) / (all.end - all.begin);
+  if (share < kWorthTelling) return;
+  report.notes.push_back(
+      fmt::format("dynamics: contacts unknown in {} % of the frames (hands on an object, steps, a "
+                  "wall?); they remain unchanged",
+                  number_text(100.0 * share, 1)));
+}
+
+}  // namespace
+
+void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
+                   const std::vector<TermCosts>& after, FitReport& report) {
+  FitStatus& all = report.status;
+  all = {0, static_cast<int>(after.size()), true, 0, 0, 0.0};
+  for (FitStatus& part : parts) {
+    part.cost_before = sum_of(before, part.begin, part.end);
+    part.cost_after = sum_of(after, part.begin, part.end);
+  }
+  all.cost_before = sum_of(before, all.begin, all.end);
+  all.cost_after = sum_of(after, all.begin, all.end);
+  for (const FitStatus& part : parts) {
+    all.converged = all.converged && part.converged;
+    all.steps = std::max(all.steps, part.steps);
+    all.failed_blocks += part.failed_blocks;
+    all.failed = all.failed || part.failed;
+    all.dynamics_failed = all.dynamics_failed || part.dynamics_failed;
+    all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
+  }
+  // Windows come first and cover all frames; seams overlap them and are skipped.
+  int counted = 0;
+  for (const FitStatus& part : parts) {
+    if (part.begin != counted) continue;
+    counted = part.end;
+    all.distrusted_frames += part.distrusted_frames;
+  }
+  add_failures(parts, report);
+  note_taken_back(parts, report);
+  note_distrust(report);
+  const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
+  if (!all.converged) report.notes.push_back(not_converged(*worst));
+  report.windows = std::move(parts);
+}
+
+}  // namespace retarget

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "retarget/options.h"
+#include "solve/fit/fit_clip.h"
+
+namespace retarget {
+
+/// The division of a clip into windows. It depends only on the clip and the options, not on the
+/// number of threads.
+struct FitWindows {
+  std::vector<FitWindow> windows;  ///< Contiguous; every frame is in one.
+  std::vector<FitWindow> seams;    ///< One over each window border; may be empty.
+  /// By window: number of leading frames that must have their start before the window can be
+  /// solved. These include all frames of the contacts that it sees.
+  std::vector<int> frames_needed;
+};
+
+/// Plans windows of about `options.window` seconds. Their borders avoid contacts, because the
+/// anchor of a contact that a border cuts cannot move.
+[[nodiscard]] FitWindows plan_windows(const FitClip& clip, const FitOptions& options);
+
+}  // namespace retarget

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "human/gait/contact_plan.h"
+#include "human/gait/source_feet.h"
+#include "retarget/options.h"
+#include "solve/fit/frame_terms.h"
+#include "solve/targets/support_bodies.h"
+
+namespace retarget {
+
+/// A phase in which one foot end, or another supporting body, stays in place.
+struct PlantedPhase {
+  int begin = 0, end = 0;  ///< Frames [begin, end).
+  int foot = 0;            ///< Index of the robot's foot; -1 for a SupportBody.
+  int foot_end = kHeelEnd;
+  int support = -1;  ///< Index of the SupportBody; -1 for a foot.
+};
+
+/// The goals of the robot's feet and support bodies for a whole clip.
+struct FootPlan {
+  int foot_count = 0, support_count = 0;
+  std::vector<FootEndGoal> ends;      ///< Frame-major, two per foot.
+  std::vector<double> upright;        ///< Frame-major, one per foot.
+  std::vector<SupportGoal> supports;  ///< Frame-major, one per SupportBody.
+  std::vector<PlantedPhase> phases;
+
+  [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
+  [[nodiscard]] std::span<const double> upright_of(int frame) const;
+  [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
+  /// Allocates memory for a plan of `frames` frames.
+  void reserve(int frames, std::size_t feet, std::size_t bodies);
+  /// Whether anything is held in place in this frame.
+  [[nodiscard]] bool plants(int frame) const;
+  /// Calls visit(phase index) for everything held in place in this frame.
+  template <typename Visit>
+  void for_each_planted(int frame, const Visit& visit) const {
+    for (const FootEndGoal& goal : ends_of(frame)) {
+      if (goal.phase >= 0) visit(goal.phase);
+    }
+    for (const SupportGoal& goal : supports_of(frame)) {
+      if (goal.place > 0.0) visit(goal.phase);
+    }
+  }
+};
+
+/// The point that a phase holds in place: the middle of a foot end or of a SupportBody, world x and
+/// y, metres.
+[[nodiscard]] Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
+                                            const TreeState& pose);
+
+/// The contact detection thresholds from a fit's options.
+[[nodiscard]] ContactOptions contact_options(const FitOptions& options);
+
+/// Plans the goals of the robot's feet: the contacts of the source, and clearances between them.
+/// @param source_feet  source foot of each robot foot: 0 left, 1 right.
+/// @param scale        scale from the source's to the robot's foot paths.
+/// @param plan         overwritten; its memory is reused.
+void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+               std::span<const int> source_feet, double scale, FootPlan& plan);
+
+/// Adds the phases in which the source rests on body parts that correspond to these support bodies.
+void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,
+                   double frame_time, FootPlan& plan);
+
+}  // namespace retarget

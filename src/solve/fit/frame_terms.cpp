@@ -1,0 +1,341 @@
+#include "solve/fit/frame_terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/math/so3.h"
+#include "retarget/pose.h"
+#include "robot/model/shape_distance.h"
+#include "solve/fit/one_sided.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Up to this slope, a foot's middle line counts as its lowest line; beyond it, its edge does.
+constexpr double kLevelLean = 0.1;
+// Depth by which a foot's shapes may extend below its sole, metres.
+constexpr double kShapeBelowSole = 0.005;
+// Half-width of the band around the floor margin in which the floor term sets in, metres.
+constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
+
+ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitShape& b) {
+  const auto in_world = [&](const FitShape& shape) {
+    return placed(shape, pose.world_from_link[at(shape.link)]);
+  };
+  return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
+}
+
+// How much a foot lies on the floor, 0 to 1; not 0 only for a foot in contact of which neither end
+// has a prescribed height.
+double lying_share(const FrameGoals& goals, std::size_t foot) {
+  const auto ends = goals.ends.subspan(2 * foot, 2);
+  const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
+  const bool level = std::ranges::any_of(ends, [](const auto& end) { return end.level; });
+  return in_contact && !level ? 1.0 - goals.upright[foot] : 0.0;
+}
+
+}  // namespace
+
+Vector3d position_weights(const FitTask& task, const FrameGoals& goals) {
+  const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
+  const double horizontal = square(task.horizontal_weight);
+  return {horizontal, horizontal, square(task.height_weight) * lying};
+}
+
+Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
+  return log_so3(world_from_link.rotation * target.world_from_link.conjugate());
+}
+
+FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
+    : model_(model),
+      options_(options),
+      composites_(model.tree.links().size()),
+      tree_hessian_(at(model.tree.row_begin().back())),
+      centres_(model.shapes.size()),
+      sphere_centres_(model.tree.links().size()),
+      row_(at(model.dof_count()), 0.0) {
+  row_dofs_.reserve(row_.size());
+}
+
+// Adds the residual r of world coordinate `axis` of a point of a link. Its Jacobian is
+// n.(v + w x d), where d is `from_root`, the vector from the root's origin to the point, and v and
+// w are the linear and angular velocity.
+void FrameTerms::add_row(int link, int axis, const Vector3d& from_root, double weight,
+                         double residual) {
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  // d x n has two non-zero entries.
+  const double at_next = from_root[last], at_last = -from_root[next];
+  Composite& sum = composites_[at(link)];
+  const double w_next = weight * at_next, w_last = weight * at_last, force = weight * residual;
+  sum.linear(axis, axis) += weight;
+  sum.mixed(axis, next) += w_next;
+  sum.mixed(axis, last) += w_last;
+  sum.angular(next, next) += w_next * at_next;
+  sum.angular(last, last) += w_last * at_last;
+  sum.angular(next, last) += w_next * at_last;
+  sum.angular(last, next) += w_next * at_last;
+  sum.force[axis] += force;
+  sum.torque[next] += force * at_next;
+  sum.torque[last] += force * at_last;
+}
+
+void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    const TaskTarget& target = goals.targets[k];
+    const Pose& world = pose.world_from_link[at(task.link)];
+    if (task.horizontal_weight > 0.0 || task.height_weight > 0.0) {
+      const Vector3d point = world * task.position, weights = position_weights(task, goals);
+      const Vector3d error = point - target.position, arm = point - origin;
+      for (int axis = 0; axis < 3; ++axis) {
+        add_row(task.link, axis, arm, weights[axis], error[axis]);
+        costs[kTermPosition] += weights[axis] * square(error[axis]);
+      }
+    }
+    if (task.rotation_weight > 0.0) {
+      const double weight = square(task.rotation_weight);
+      const Vector3d error = rotation_error(world, target);
+      composites_[at(task.link)].angular.diagonal().array() += weight;
+      composites_[at(task.link)].torque += weight * error;
+      costs[kTermRotation] += weight * error.squaredNorm();
+    }
+  }
+}
+
+void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
+                              const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs) {
+  const Pose& world = pose.world_from_link[at(foot.link)];
+  const Vector3d& origin = pose.origin();
+  const Matrix3d rotation = world.rotation.toRotationMatrix();
+  const auto place = [&](const Vector3d& point) -> Vector3d {
+    return world.translation + rotation * point;
+  };
+  const Vector3d middle = place(end.middle), tip = place(end.tip);
+  // A rolling foot stands on its tip, beyond the corners.
+  const Vector3d& low = tip.z() < middle.z() ? tip : middle;
+  const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
+  if (pinned) {
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
+    const double weight = square(goals.anchor_hold * options_.contact_weight);
+    for (int axis = 0; axis < 2; ++axis) {
+      add_row(foot.link, axis, middle - origin, weight, error[axis]);
+    }
+    costs[kTermContactPlace] += weight * error.squaredNorm();
+  }
+  if (level) {
+    // A foot on its edge stands on its corners.
+    const Vector3d sideways = rotation * foot.sideways;
+    Vector3d stands = low;
+    double error = low.z();
+    if (std::abs(sideways.z()) > kLevelLean) {
+      stands -= std::copysign(end.half_width, sideways.z()) * sideways;
+      error = stands.z() + kLevelLean * end.half_width;
+    }
+    // Where a shape extends beyond the sole, it touches first when the foot rolls.
+    for (const FloorPoint& point : end.shape_points) {
+      const Vector3d touching = place(point.position);
+      const double height = touching.z() - point.radius + kShapeBelowSole;
+      if (height >= error) continue;
+      error = height;
+      stands = touching;
+    }
+    error -= goal.support;
+    const double weight = square(options_.contact_height_weight);
+    add_row(foot.link, 2, stands - origin, weight, error);
+    costs[kTermContactHeight] += weight * square(error);
+  } else if (options_.foot_height && goal.importance > 0.0) {
+    const double error = low.z() - goal.clearance;
+    const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
+    const double near = options_.foot_height_near;
+    const double weight =
+        square(goal.importance * (near + far * (options_.foot_height_far - near)));
+    add_row(foot.link, 2, low - origin, weight, error);
+    costs[kTermFootHeight] += weight * square(error);
+  }
+  if (!options_.floor) return;
+  const double weight = square(options_.sole_floor_weight);
+  for (const Vector3d& point : end.points) {
+    const Vector3d touching = place(point);
+    const double depth = touching.z() - (level ? 0.0 : options_.sole_margin);
+    const OneSidedRow row = one_sided(depth, kSoleBand);
+    if (row.weight <= 0.0) continue;
+    add_row(foot.link, 2, touching - origin, weight * row.weight, row.residual);
+    costs[kTermFloor] += weight * row.cost;
+  }
+}
+
+// A kneeling foot touches the floor with its instep or toes, so the lowest point of a lying foot is
+// pulled to the floor.
+void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const FrameGoals& goals,
+                                TermCosts& costs) {
+  const double lying = lying_share(goals, f);
+  if (lying <= 0.0) return;
+  const FitFoot& foot = model_.feet[f];
+  const Pose& world = pose.world_from_link[at(foot.link)];
+  Vector3d touching = world.translation;
+  double height = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](const Vector3d& point, double radius) {
+    const Vector3d place = world * point;
+    if (place.z() - radius >= height) return;
+    height = place.z() - radius;
+    touching = place;
+  };
+  for (const FitFoot::End& end : foot.ends) {
+    for (const Vector3d& point : end.points) look_at(point, 0.0);
+    for (const FloorPoint& point : end.shape_points) look_at(point.position, point.radius);
+  }
+  const double weight = square(lying * options_.body_contact_height_weight);
+  add_row(foot.link, 2, touching - pose.origin(), weight, height);
+  costs[kTermContactHeight] += weight * square(height);
+}
+
+void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    const FitFoot& foot = model_.feet[f];
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
+      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals, costs);
+    }
+    if (options_.contact) add_lying_foot(pose, f, goals, costs);
+  }
+}
+
+// Pulls the lowest point of each support body to the floor and holds the body in place.
+void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  for (std::size_t i = 0; i < goals.supports.size(); ++i) {
+    const SupportGoal& goal = goals.supports[i];
+    if (goal.phase < 0) continue;
+    const SupportBody& body = model_.supports[i];
+    const Vector3d middle = body.world_middle(pose);
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
+    const double place = square(goals.anchor_hold * goal.place * options_.body_contact_weight);
+    for (int axis = 0; axis < 2; ++axis) {
+      add_row(body.link, axis, middle - origin, place, error[axis]);
+    }
+    costs[kTermContactPlace] += place * error.squaredNorm();
+    const SupportBody::Touch touch = body.lowest(pose);
+    const double height = touch.height - options_.body_margin;
+    const double level = square(goal.height * options_.body_contact_height_weight);
+    add_row(touch.link, 2, touch.place - origin, level, height);
+    costs[kTermContactHeight] += level * square(height);
+  }
+}
+
+void FrameTerms::add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
+    // The bottom of a foot's shapes is its sole, which has its own rows.
+    const bool is_foot = model_.is_foot[link] != 0;
+    const double margin = is_foot ? -options_.sole_margin : options_.body_margin;
+    const bool stands = is_foot && lying_share(goals, at(model_.foot_of_link[link])) <= 0.0;
+    const double weight = square(stands ? options_.sole_floor_weight : options_.body_floor_weight);
+    const Pose& world = pose.world_from_link[link];
+    if (model_.floor_points[link].empty() ||
+        world.translation.z() > model_.floor_reach[link] + margin + kBodyBand) {
+      continue;
+    }
+    const Matrix3d rotation = world.rotation.toRotationMatrix();
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      const double depth =
+          world.translation.z() + rotation.row(2).dot(point.position) - point.radius - margin;
+      const OneSidedRow row = one_sided(depth, kBodyBand);
+      if (row.weight <= 0.0) continue;
+      add_row(static_cast<int>(link), 2, world * point.position - origin, weight * row.weight,
+              row.residual);
+      costs[kTermFloor] += weight * row.cost;
+    }
+  }
+}
+
+void FrameTerms::find_near_pairs(const TreeState& pose, double within,
+                                 std::vector<std::uint32_t>& pairs) {
+  for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
+    const FitShape& shape = model_.shapes[i];
+    centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
+  }
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
+    sphere_centres_[link] = pose.world_from_link[link] * model_.link_spheres[link].centre;
+  }
+  pairs.clear();
+  for (const FitPairGroup& group : model_.pair_groups) {
+    const double apart = model_.link_spheres[at(group.link_a)].radius +
+                         model_.link_spheres[at(group.link_b)].radius + within;
+    if ((sphere_centres_[at(group.link_a)] - sphere_centres_[at(group.link_b)]).squaredNorm() >
+        square(apart)) {
+      continue;
+    }
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+      const FitShape& a = model_.shapes[at(model_.pairs[i].a)];
+      const FitShape& b = model_.shapes[at(model_.pairs[i].b)];
+      const Vector3d between = centres_[at(model_.pairs[i].a)] - centres_[at(model_.pairs[i].b)];
+      if (between.squaredNorm() < square(a.bounding_radius + b.bounding_radius + within) &&
+          distance_of(pose, a, b).distance < within) {
+        pairs.push_back(i);
+      }
+    }
+  }
+}
+
+// The row covers the two chains below the common carrier of the two links.
+void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
+                          double* hessian, int stride, TermCosts& costs) {
+  const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
+  const ShapeDistance found = distance_of(pose, a, b);
+  const double apart = found.distance - options_.self_collision_margin;
+  const OneSidedRow row = one_sided(apart, kOverlapBand);
+  if (row.weight <= 0.0) return;
+  const double weight = square(options_.self_collision_weight) * row.weight;
+  costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
+  const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
+  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
+    foot_overlap_ = {-apart, foot_a, foot_b, -found.normal.head<2>()};
+  }
+  const Vector3d& origin = pose.origin();
+  // The torque is the same about both nearest points, because they lie on one line along the
+  // normal.
+  const Vector3d torque = (found.on_a - origin).cross(found.normal);
+  const auto chain_a = model_.tree.carriers(KinematicTree::dof_of(a.link));
+  const auto chain_b = model_.tree.carriers(KinematicTree::dof_of(b.link));
+  const auto parting = std::ranges::mismatch(chain_a, chain_b);
+  row_dofs_.assign(parting.in1, chain_a.end());
+  for (const int i : row_dofs_) {
+    row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]));
+  }
+  for (const int i : std::span(parting.in2, chain_b.end())) {
+    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]);
+    row_dofs_.push_back(i);
+  }
+  for (const int i : row_dofs_) {
+    const double scaled = weight * row_[at(i)];
+    gradient[i] += scaled * row.residual;
+    double* const out = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    for (const int j : row_dofs_) {
+      if (j <= i) out[j] += scaled * row_[at(j)];
+    }
+  }
+}
+
+void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
+                          std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
+                          int stride, TermCosts& costs) {
+  std::ranges::fill(composites_, Composite{});
+  foot_overlap_ = {};
+  add_targets(pose, goals, costs);
+  add_feet(pose, goals, costs);
+  if (options_.contact) add_supports(pose, goals, costs);
+  if (options_.floor) add_floor(pose, goals, costs);
+  retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
+  write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
+  if (!options_.self_collision) return;
+  for (const std::uint32_t pair : pairs) {
+    add_pair(pose, model_.pairs[pair], gradient, hessian, stride, costs);
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "retarget/options.h"
+#include "robot/model/composite.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// The terms of the fit's cost; see docs/fit.md.
+enum FitTerm : unsigned char {
+  kTermPosition,
+  kTermRotation,
+  kTermFootHeight,
+  kTermContactPlace,
+  kTermContactHeight,
+  kTermFloor,
+  kTermSelfCollision,
+  kTermSmoothness,
+  kTermSpeed,
+  kTermCount
+};
+
+using TermCosts = std::array<double, kTermCount>;
+
+/// Target position of a task's body (world, metres) and target rotation of its link.
+struct TaskTarget {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
+};
+
+/// The goal of one foot end (heel or toe) in a frame.
+struct FootEndGoal {
+  double clearance = 0.0;   ///< Height above the floor, metres.
+  double importance = 1.0;  ///< Factor for the clearance weight; larger in flight, 0 for a lying
+                            ///< foot.
+  int phase = -1;           ///< Contact phase; -1 if none.
+  bool level = false;       ///< Whether the contact also prescribes the height.
+  double support = 0.0;     ///< Height of the contact surface, metres; 0: the floor.
+};
+
+/// The goal of a support body in a frame.
+struct SupportGoal {
+  int phase = -1;       ///< Contact phase; -1 if none.
+  double place = 0.0;   ///< Factor for the anchor weight, 0 to 1; small at the ends of a phase.
+  double height = 0.0;  ///< Factor for the height weight, 0 to 1; small at the ends of a phase.
+};
+
+/// The goals of a frame.
+struct FrameGoals {
+  std::span<const TaskTarget> targets;  ///< By task.
+  std::span<const FootEndGoal> ends;    ///< Two per foot: heel, toe.
+  std::span<const double> upright;      ///< By foot, 0 to 1; 0 for feet that lie or kneel.
+  std::span<const Eigen::Vector2d>
+      anchors;                            ///< Held position of each contact phase, world x and y,
+                                          ///< metres.
+  double anchor_hold = 1.0;               ///< Factor for the weight of the anchors.
+  std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.
+};
+
+/// Squared-error weights of a task's position along the world axes. The height of an upright foot
+/// is left to the clearances of heel and toe.
+[[nodiscard]] Eigen::Vector3d position_weights(const FitTask& task, const FrameGoals& goals);
+/// Rotation vector from the target rotation of a link to its actual rotation, world axes, radians.
+[[nodiscard]] Eigen::Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target);
+
+/// Half-width of the band around the self-collision margin in which the term sets in, metres.
+inline constexpr double kOverlapBand = 0.002;
+
+/// The deepest overlap between two feet.
+struct FootOverlap {
+  double depth = 0.0;  ///< Metres; 0 if the feet are apart.
+  int foot_a = 0, foot_b = 0;
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< Moving foot a along it separates the feet.
+};
+
+/// Cost, gradient and Gauss-Newton Hessian of the terms that depend on a single frame. Owns its
+/// scratch memory.
+class FrameTerms {
+ public:
+  FrameTerms(const FitModel& model, const FitOptions& options);
+
+  /// Assembles one frame.
+  /// @param pairs     indices of the model's shape pairs that may be near.
+  /// @param gradient  dof_count() values, overwritten.
+  /// @param hessian   rows of `stride` values; the whole lower triangle is overwritten.
+  /// @param costs     the costs are added to it.
+  void assemble(const TreeState& pose, const FrameGoals& goals,
+                std::span<const std::uint32_t> pairs, double* gradient, double* hessian, int stride,
+                TermCosts& costs);
+
+  /// The deepest overlap between two feet in the last assembled frame.
+  [[nodiscard]] const FootOverlap& foot_overlap() const { return foot_overlap_; }
+
+  /// Finds the pairs of shapes that are less than `within` metres apart.
+  void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
+
+ private:
+  void add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
+                    const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs);
+  void add_lying_foot(const TreeState& pose, std::size_t foot, const FrameGoals& goals,
+                      TermCosts& costs);
+  void add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_pair(const TreeState& pose, const FitPair& pair, double* gradient, double* hessian,
+                int stride, TermCosts& costs);
+  void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,
+               double residual);
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  std::vector<Composite> composites_;  // By link.
+  std::vector<double> tree_hessian_;   // Laid out as in assemble().
+  // World positions of the shapes, and of the bounding spheres of links.
+  std::vector<Eigen::Vector3d> centres_, sphere_centres_;
+  std::vector<double> row_;
+  std::vector<int> row_dofs_;
+  FootOverlap foot_overlap_;
+};
+
+}  // namespace retarget

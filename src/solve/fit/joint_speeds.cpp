@@ -1,0 +1,99 @@
+#include "solve/fit/joint_speeds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/math/so3.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+// The speed term sets in slightly below the limit, so that the limit is seldom reached.
+constexpr double kLimitShare = 0.9;
+
+// The change from one configuration to the next, by degree of freedom: root translation in metres,
+// rotation vector in the root's axes, joint positions.
+void configuration_step(const FitModel& model, std::span<const double> from,
+                        std::span<const double> to, double* step) {
+  for (std::size_t k = 0; k < 3; ++k) step[k] = to[k] - from[k];
+  const Eigen::Quaterniond a(from[3], from[4], from[5], from[6]), b(to[3], to[4], to[5], to[6]);
+  const Eigen::Vector3d turn = log_so3(a.conjugate() * b);
+  for (int k = 0; k < 3; ++k) step[3 + k] = turn[k];
+  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
+    const auto address = static_cast<std::size_t>(model.tree.links()[link].qpos_address);
+    step[KinematicTree::kBaseDofs - 1 + link] = to[address] - from[address];
+  }
+}
+
+}  // namespace
+
+JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
+    : speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
+      smoothing_(square(options.smoothing_time / frame_time)),
+      stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
+  for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
+    smooth_weight_.push_back(options.smoothness ? square(model.smoothness[i] / frame_time) : 0.0);
+    const bool hinge = i >= KinematicTree::kBaseDofs &&
+                       !model.tree.links()[i - KinematicTree::kBaseDofs + 1].slides;
+    const double own = kLimitShare * model.speed_limit[i];
+    const double soft = hinge ? std::min(own, options.soft_joint_speed) : own;
+    soft_step_.push_back(soft * frame_time);
+    if (hinge)
+      soft_step_.back() = std::min(soft_step_.back(), kLimitShare * options.max_joint_step);
+  }
+}
+
+void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, int last) {
+  first_ = first;
+  const int count = last - 1 - first;
+  if (count < 1) return;
+  const std::size_t dofs = smooth_weight_.size();
+  steps_.resize(static_cast<std::size_t>(count) * dofs);
+  smooth_.resize(steps_.size());
+  factors_.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    configuration_step(model, clip.frame(first + i, model.configuration_size),
+                       clip.frame(first + i + 1, model.configuration_size),
+                       steps_.data() + static_cast<std::size_t>(i) * dofs);
+  }
+  // The tridiagonal matrix is the same for every degree of freedom.
+  for (int i = 0; i < count; ++i) {
+    const double diagonal = 1.0 + smoothing_ * ((i > 0 ? 1 : 0) + (i < count - 1 ? 1 : 0));
+    const double before = i > 0 ? factors_[static_cast<std::size_t>(i) - 1] : 0.0;
+    const double inverse = 1.0 / (diagonal + smoothing_ * before);
+    factors_[static_cast<std::size_t>(i)] = -smoothing_ * inverse;
+    double* const s = smooth_.data() + static_cast<std::size_t>(i) * dofs;
+    const double* const v = steps_.data() + static_cast<std::size_t>(i) * dofs;
+    for (std::size_t j = 0; j < dofs; ++j) {
+      s[j] = (v[j] + (i > 0 ? smoothing_ * *(s + j - dofs) : 0.0)) * inverse;
+    }
+  }
+  for (int i = count - 2; i >= 0; --i) {
+    double* const s = smooth_.data() + static_cast<std::size_t>(i) * dofs;
+    const double factor = factors_[static_cast<std::size_t>(i)];
+    for (std::size_t j = 0; j < dofs; ++j) s[j] -= factor * s[j + dofs];
+  }
+}
+
+void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
+  const double *v = row(steps_, frame), *s = row(smooth_, frame);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    terms[i] = {stiffness_ * smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
+    const double soft = soft_step_[i];
+    if (std::abs(v[i]) <= soft) continue;
+    terms[i].weight += speed_weight_;
+    terms[i].force += speed_weight_ * (v[i] > 0.0 ? v[i] - soft : v[i] + soft);
+  }
+}
+
+void JointSpeeds::add_costs(int frame, TermCosts& costs) const {
+  const double *v = row(steps_, frame), *s = row(smooth_, frame);
+  for (std::size_t i = 0; i < smooth_weight_.size(); ++i) {
+    costs[kTermSmoothness] += smooth_weight_[i] * square(v[i] - s[i]);
+    costs[kTermSpeed] += speed_weight_ * square(std::max(0.0, std::abs(v[i]) - soft_step_[i]));
+  }
+}
+
+}  // namespace retarget

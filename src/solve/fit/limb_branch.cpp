@@ -1,0 +1,253 @@
+#include "solve/fit/limb_branch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "base/math/spline.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+constexpr int kSeeds = 24;
+constexpr double kBetter = 0.5;  // Share of the cost.
+// Largest joint speed when the limb changes branches, rad/s.
+constexpr double kBlendingSpeed = 7.0;
+constexpr double kMeet = 0.02;      // Branches closer than this are the same; rad.
+constexpr double kLookAhead = 3.0;  // Seconds searched beyond the best frame to end at.
+constexpr double kEndsEvery = 0.1;  // Seconds between candidate frames to end at.
+
+// The i-th element of the van der Corput sequence in base `base`, in [0, 1).
+double scattered(int i, int base) {
+  double number = 0.0, digit = 1.0;
+  for (; i > 0; i /= base) {
+    digit /= base;
+    number += digit * (i % base);
+  }
+  return number;
+}
+
+// Share of the other branch in frame `index` of a path that leaves the branch after `frames`
+// frames.
+double share_of_other(int index, int frames, int blended) {
+  if (blended == 0) return index < frames ? 1.0 : 0.0;
+  return 1.0 - smooth_step(0.0, 2.0 * blended, index - (frames - blended) + 0.5);
+}
+
+}  // namespace
+
+BranchFinder::BranchFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
+                           const FitLimb& limb)
+    : model_(model),
+      options_(options),
+      clip_(clip),
+      limb_(limb),
+      solver_(model, limb),
+      terms_(model, options),
+      pose_(model.tree),
+      qpos_(at(model.configuration_size)),
+      gradient_(at(model.dof_count())),
+      hessian_(gradient_.size() * gradient_.size()) {}
+
+void BranchFinder::set_frame(int frame) {
+  frame_ = frame;
+  std::ranges::copy(clip_.frame(frame, model_.configuration_size), qpos_.begin());
+  pose_.update(qpos_);
+}
+
+void BranchFinder::place(const LimbJoints& joints) {
+  for (std::size_t i = 0; i < count(); ++i) joint_value(model_, limb_.links[i], qpos_) = joints[i];
+  pose_.update_subtree(limb_.link, qpos_);
+}
+
+LimbJoints BranchFinder::placed() const {
+  LimbJoints joints{};
+  for (std::size_t i = 0; i < count(); ++i) {
+    joints[i] = qpos_[at(model_.tree.links()[at(limb_.links[i])].qpos_address)];
+  }
+  return joints;
+}
+
+// Cost of all terms that depend on a single frame.
+double BranchFinder::frame_cost() {
+  TermCosts costs{};
+  if (options_.self_collision) {
+    terms_.find_near_pairs(pose_, options_.self_collision_margin + kOverlapBand, pairs_);
+  }
+  terms_.assemble(pose_, clip_.goals(frame_, model_.tasks.size()), pairs_, gradient_.data(),
+                  hessian_.data(), model_.dof_count(), costs);
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+double BranchFinder::farthest(const LimbJoints& a, const LimbJoints& b) const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < count(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+double BranchFinder::cost(int frame) {
+  set_frame(frame);
+  return solver_.cost(pose_, clip_.goals(frame, model_.tasks.size()));
+}
+
+double BranchFinder::stuck_cost(int frame) {
+  set_frame(frame);
+  return solver_.solve(clip_.goals(frame, model_.tasks.size()), solver_.limits(), pose_, qpos_);
+}
+
+std::optional<LimbJoints> BranchFinder::other_configuration(int frame, double least) {
+  constexpr std::array kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  static_assert(kPrimes.size() == kMaxLimbJoints);
+  constexpr double kTurn = std::numbers::pi;  // Search range of joints without limits, rad.
+  const FrameGoals goals = clip_.goals(frame, model_.tasks.size());
+  const LimbRange& limits = solver_.limits();
+  const double stuck = stuck_cost(frame);
+  double min = std::min(kBetter * stuck, stuck - least);
+  // The negated comparison also rejects NaN.
+  if (!(min > 0.0)) return std::nullopt;
+  std::optional<LimbJoints> best;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    LimbJoints joints{};
+    for (std::size_t i = 0; i < count(); ++i) {
+      const double lower = std::max(limits.lower[i], -kTurn);
+      const double upper = std::max(lower, std::min(limits.upper[i], kTurn));
+      joints[i] = lower + scattered(seed, kPrimes[i]) * (upper - lower);
+    }
+    place(joints);
+    const double left = solver_.solve(goals, limits, pose_, qpos_);
+    if (!(left < min)) continue;
+    constexpr double kClearlyBetter = 0.95;
+    min = kClearlyBetter * left;
+    best = placed();
+  }
+  return best;
+}
+
+// Joint ranges that a step to the next frame can reach.
+LimbRange BranchFinder::within_reach(const LimbJoints& joints) const {
+  constexpr double kMaxSpeed = 10.0;  // Radians per second.
+  const double step = kMaxSpeed * clip_.frame_time;
+  LimbRange range = solver_.limits();
+  for (std::size_t i = 0; i < count(); ++i) {
+    range.lower[i] = std::max(range.lower[i], joints[i] - step);
+    range.upper[i] = std::min(range.upper[i], joints[i] + step);
+  }
+  return range;
+}
+
+// Follows the branch from `frame` until the branches meet or no further gain is likely.
+std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
+                                                    const LimbJoints& joints) {
+  const int look_ahead = static_cast<int>(kLookAhead / clip_.frame_time) + 1;
+  std::vector<Step> steps;
+  LimbJoints last = joints;
+  double gain = 0.0, best_gain = 0.0;
+  // Allowed loss beyond the best gain: the cost of one second of frames like the first one.
+  double hopeless = 0.0;
+  int best = 0;
+  for (int t = frame; t >= 0 && t < clip_.frame_count; t += direction) {
+    const auto index = static_cast<int>(steps.size());
+    if (index > best + look_ahead) break;
+    Step step;
+    set_frame(t);
+    step.own = placed();
+    step.own_cost = frame_cost();
+    place(last);
+    solver_.solve(clip_.goals(t, model_.tasks.size()), within_reach(last), pose_, qpos_);
+    step.other = placed();
+    step.other_cost = frame_cost();
+    steps.push_back(step);
+    if (index == 0) hopeless = std::max(0.0, step.own_cost) / clip_.frame_time;
+    last = step.other;
+    if (farthest(step.other, step.own) < kMeet) break;
+    gain += step.own_cost - step.other_cost;
+    if (gain > best_gain) {
+      best_gain = gain;
+      best = index;
+    } else if (best_gain - gain > best_gain + hopeless) {
+      break;
+    }
+  }
+  return steps;
+}
+
+LimbJoints BranchFinder::blended(const Step& step, double share) const {
+  LimbJoints joints{};
+  for (std::size_t i = 0; i < count(); ++i) {
+    joints[i] = step.own[i] + share * (step.other[i] - step.own[i]);
+  }
+  return joints;
+}
+
+// Extra cost of the blended frames compared with a jump between the branches.
+double BranchFinder::blending_cost(int frame, int direction, const std::vector<Step>& steps,
+                                   const Reach& reach) {
+  double cost = 0.0;
+  for (int i = reach.frames - reach.blended; i < reach.frames + reach.blended; ++i) {
+    const Step& step = steps[at(i)];
+    set_frame(frame + direction * i);
+    place(blended(step, share_of_other(i, reach.frames, reach.blended)));
+    cost += frame_cost() - (i < reach.frames ? step.other_cost : step.own_cost);
+  }
+  return cost;
+}
+
+BranchFinder::Reach BranchFinder::best_reach(int frame, int direction,
+                                             const std::vector<Step>& steps) {
+  const auto size = static_cast<int>(steps.size());
+  const int every = std::max(1, static_cast<int>(std::lround(kEndsEvery / clip_.frame_time)));
+  Reach best{0, 0, -1e300};
+  // Staying on the branch to the end of the clip must keep this share of the best gain. Otherwise
+  // it would be a way to avoid the cost of changing back.
+  constexpr double kKept = 0.5;
+  double gain = 0.0, most = 0.0;
+  for (int frames = 1; frames <= size; ++frames) {
+    const Step& step = steps[at(frames) - 1];
+    gain += step.own_cost - step.other_cost;
+    most = std::max(most, gain);
+    const int last = frame + direction * (frames - 1);
+    const bool clip_ends = last == (direction > 0 ? clip_.frame_count - 1 : 0);
+    if (gain <= best.gain) continue;
+    if (clip_ends) {
+      if (gain >= kKept * most) best = {frames, 0, gain};
+      continue;
+    }
+    if (frames % every != 0 && frames < size) continue;
+    Reach reach{frames, 0, gain};
+    constexpr double kSteepest = 0.75;  // Half of the steepest slope of smooth_step.
+    const double turn = farthest(step.own, step.other);
+    if (turn >= kMeet) {
+      reach.blended =
+          static_cast<int>(std::ceil(kSteepest * turn / (kBlendingSpeed * clip_.frame_time)));
+    }
+    if (frames < reach.blended || frames + reach.blended > size) continue;
+    reach.gain -= blending_cost(frame, direction, steps, reach);
+    if (reach.gain > best.gain) best = reach;
+  }
+  return best;
+}
+
+std::optional<LimbBranch> BranchFinder::follow(int frame, const LimbJoints& joints) {
+  const std::vector<Step> after = steps(frame, 1, joints);
+  const std::vector<Step> before = steps(frame, -1, joints);
+  if (after.empty() || before.empty()) return std::nullopt;
+  const Reach on = best_reach(frame, 1, after), back = best_reach(frame, -1, before);
+  const double twice = after.front().own_cost - after.front().other_cost;
+  if (on.frames == 0 || back.frames == 0 || on.gain + back.gain - twice <= 0.0) return std::nullopt;
+  LimbBranch branch;
+  branch.begin = frame - (back.frames + back.blended - 1);
+  branch.end = frame + on.frames + on.blended;
+  for (int t = branch.begin; t < branch.end; ++t) {
+    const bool late = t >= frame;
+    const Reach& reach = late ? on : back;
+    const int index = late ? t - frame : frame - t;
+    branch.joints.push_back(blended((late ? after : before)[at(index)],
+                                    share_of_other(index, reach.frames, reach.blended)));
+  }
+  return branch;
+}
+
+}  // namespace retarget

@@ -1,0 +1,210 @@
+#include "solve/fit/limb_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/math/least_squares.h"
+#include "retarget/human.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLimbJoints, 1>;
+using Matrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLimbJoints, kMaxLimbJoints>;
+
+bool is_of_arm(LimbBone part) {
+  return part == LimbBone::kShoulder || part == LimbBone::kArm || part == LimbBone::kForeArm ||
+         part == LimbBone::kHand;
+}
+
+// Collects the chain from the last body that follows one of the limb's bones up to the first link
+// that also carries other tasks.
+FitLimb find_limb(const FitModel& model, Side side, bool arm) {
+  FitLimb limb;
+  limb.name = std::string(side == Side::kLeft ? "left " : "right ") + (arm ? "arm" : "leg");
+  const auto is_own = [&](const FitTask& task) {
+    const auto part = limb_bone(task.bone);
+    return part && side_of(task.bone) == side && is_of_arm(*part) == arm;
+  };
+  int last = 0;
+  for (const FitTask& task : model.tasks) {
+    if (is_own(task)) last = std::max(last, task.link);
+  }
+  for (int link = last; link > 0; link = model.tree.links()[at(link)].parent) {
+    const bool others = std::ranges::any_of(model.tasks, [&](const FitTask& task) {
+      return !is_own(task) && model.tree.carries(link, task.link);
+    });
+    if (others) break;
+    limb.link = link;
+    const std::size_t dof = at(KinematicTree::dof_of(link));
+    if (model.lower[dof] < model.upper[dof]) limb.links.push_back(link);
+  }
+  std::ranges::reverse(limb.links);
+  for (std::size_t k = 0; limb.link > 0 && k < model.tasks.size(); ++k) {
+    if (model.tree.carries(limb.link, model.tasks[k].link)) limb.tasks.push_back(k);
+  }
+  return limb;
+}
+
+}  // namespace
+
+std::vector<FitLimb> find_limbs(const FitModel& model) {
+  std::vector<FitLimb> limbs;
+  for (const Side side : kSides) {
+    for (const bool arm : {true, false}) {
+      FitLimb limb = find_limb(model, side, arm);
+      if (limb.links.empty() || at(kMaxLimbJoints) < limb.links.size()) continue;
+      limbs.push_back(std::move(limb));
+    }
+  }
+  return limbs;
+}
+
+LimbSolver::LimbSolver(const FitModel& model, const FitLimb& limb) : model_(model), limb_(limb) {
+  for (std::size_t i = 0; i < limb.links.size(); ++i) {
+    const std::size_t dof = at(KinematicTree::dof_of(limb.links[i]));
+    limits_.lower[i] = model.lower[dof];
+    limits_.upper[i] = model.upper[dof];
+  }
+}
+
+double LimbSolver::cost(const TreeState& pose, const FrameGoals& goals) const {
+  double cost = 0.0;
+  for (const std::size_t k : limb_.tasks) {
+    const FitTask& task = model_.tasks[k];
+    const TaskTarget& target = goals.targets[k];
+    const Pose& world = pose.world_from_link[at(task.link)];
+    const Vector3d error = world * task.position - target.position;
+    cost += position_weights(task, goals).dot(error.cwiseAbs2());
+    if (task.rotation_weight > 0.0) {
+      cost += square(task.rotation_weight) * rotation_error(world, target).squaredNorm();
+    }
+  }
+  return cost;
+}
+
+namespace {
+
+// The problem of a limb in one frame. Its point is in `pose` and `qpos`.
+class LimbDescent {
+ public:
+  LimbDescent(const LimbSolver& solver, const FitModel& model, const FitLimb& limb,
+              const FrameGoals& goals, const LimbRange& range, TreeState& pose,
+              std::span<double> qpos)
+      : solver_(solver),
+        model_(model),
+        limb_(limb),
+        goals_(goals),
+        range_(range),
+        pose_(pose),
+        qpos_(qpos),
+        joints_(count()) {}
+
+  [[nodiscard]] double cost() const { return solver_.cost(pose_, goals_); }
+  void linearise();
+  std::optional<double> solve(double damping);
+  double try_step(double length) {
+    place(joints_ + length * step_);
+    return cost();
+  }
+  void accept() {}
+  void reject() { place(joints_); }
+
+ private:
+  [[nodiscard]] int count() const { return static_cast<int>(limb_.links.size()); }
+  void hold_limits();
+  void place(const Vector& joints);
+
+  const LimbSolver& solver_;
+  const FitModel& model_;
+  const FitLimb& limb_;
+  const FrameGoals& goals_;
+  const LimbRange& range_;
+  TreeState& pose_;
+  std::span<double> qpos_;
+  Vector joints_, gradient_, held_, step_;
+  Matrix hessian_, damped_;
+};
+
+void LimbDescent::linearise() {
+  hessian_.setZero(count(), count());
+  gradient_.setZero(count());
+  std::array<Vector3d, kMaxLimbJoints> moves, turns;
+  for (const std::size_t k : limb_.tasks) {
+    const FitTask& task = model_.tasks[k];
+    const Pose& world = pose_.world_from_link[at(task.link)];
+    const Vector3d point = world * task.position;
+    const Vector3d weights = position_weights(task, goals_);
+    const double turn_weight = square(task.rotation_weight);
+    const Vector3d force = weights.cwiseProduct(point - goals_.targets[k].position);
+    Vector3d torque = Vector3d::Zero();
+    if (turn_weight > 0.0) torque = turn_weight * rotation_error(world, goals_.targets[k]);
+    for (int i = 0; i < count() && model_.tree.carries(limb_.links[at(i)], task.link); ++i) {
+      const int dof = KinematicTree::dof_of(limb_.links[at(i)]);
+      moves[at(i)] = pose_.velocity_at(dof, point);
+      turns[at(i)] = pose_.angular[at(dof)];
+      gradient_[i] += moves[at(i)].dot(force) + turns[at(i)].dot(torque);
+      for (int j = 0; j <= i; ++j) {
+        hessian_(i, j) += moves[at(i)].dot(weights.cwiseProduct(moves[at(j)])) +
+                          turn_weight * turns[at(i)].dot(turns[at(j)]);
+      }
+    }
+  }
+}
+
+std::optional<double> LimbDescent::solve(double damping) {
+  constexpr double kConstant = 1.0;  // Damping in addition to that relative to the diagonal.
+  for (int i = 0; i < count(); ++i) joints_[i] = joint_value(model_, limb_.links[at(i)], qpos_);
+  damped_ = hessian_;
+  damped_.diagonal() *= 1.0 + damping;
+  damped_.diagonal().array() += kConstant;
+  held_ = gradient_;
+  hold_limits();
+  step_ = -Eigen::LLT<Matrix, Eigen::Lower>(damped_).solve(held_);
+  return step_.allFinite() ? step_.cwiseAbs().maxCoeff() : NAN;
+}
+
+// Holds joints at a limit that the gradient would move beyond it: one round of an active set.
+void LimbDescent::hold_limits() {
+  for (int i = 0; i < count(); ++i) {
+    const bool below = joints_[i] <= range_.lower[at(i)] && held_[i] > 0.0;
+    const bool above = joints_[i] >= range_.upper[at(i)] && held_[i] < 0.0;
+    if (!below && !above) continue;
+    damped_.row(i).head(i).setZero();
+    damped_.col(i).tail(count() - i).setZero();
+    damped_(i, i) = 1.0;
+    held_[i] = 0.0;
+  }
+}
+
+void LimbDescent::place(const Vector& joints) {
+  for (int i = 0; i < count(); ++i) {
+    joint_value(model_, limb_.links[at(i)], qpos_) =
+        std::clamp(joints[i], range_.lower[at(i)], range_.upper[at(i)]);
+  }
+  pose_.update_subtree(limb_.link, qpos_);
+}
+
+}  // namespace
+
+double LimbSolver::solve(const FrameGoals& goals, const LimbRange& range, TreeState& pose,
+                         std::span<double> qpos) const {
+  constexpr LeastSquaresPolicy kPolicy{.max_steps = 25,
+                                       .initial_damping = 0.01,
+                                       .shrink = 0.3,
+                                       .growth = 4.0,
+                                       .min_increased = 4e-3,
+                                       .max_damping = 1e4,
+                                       .max_step = 0.6,  // Radians.
+                                       .relative_change = 1e-3,
+                                       .absolute_change = 1e-3};
+  LimbDescent problem(*this, model_, limb_, goals, range, pose, qpos);
+  return damped_least_squares(problem, kPolicy).cost;
+}
+
+}  // namespace retarget

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/fit_model.h"
+#include "solve/fit/frame_terms.h"
+
+namespace retarget {
+
+/// An arm or a leg: a chain of joints and the tasks that only this chain serves.
+struct FitLimb {
+  std::string name;                ///< For example `left arm`.
+  int link = 0;                    ///< First link of the chain; it carries the whole limb.
+  std::vector<int> links;          ///< Links of the movable joints, from the first one outwards.
+  std::vector<std::size_t> tasks;  ///< Indices into FitModel::tasks.
+};
+
+/// Largest number of joints of a limb.
+inline constexpr int kMaxLimbJoints = 12;
+
+/// Joint positions of a limb, in the order of FitLimb::links; rad or m.
+using LimbJoints = std::array<double, kMaxLimbJoints>;
+
+/// Range of each joint.
+struct LimbRange {
+  LimbJoints lower{}, upper{};
+};
+
+/// The arms and legs of a model that follow something, without limbs of more than kMaxLimbJoints
+/// joints.
+[[nodiscard]] std::vector<FitLimb> find_limbs(const FitModel& model);
+
+/// The position of a limb's joint in a configuration.
+[[nodiscard]] inline double& joint_value(const FitModel& model, int link, std::span<double> qpos) {
+  return qpos[static_cast<std::size_t>(
+      model.tree.links()[static_cast<std::size_t>(link)].qpos_address)];
+}
+
+/// Solves for one limb while the rest of the robot stays fixed. Does not allocate.
+class LimbSolver {
+ public:
+  /// Keeps references to both arguments.
+  LimbSolver(const FitModel& model, const FitLimb& limb);
+
+  /// The joint limits.
+  [[nodiscard]] const LimbRange& limits() const { return limits_; }
+
+  /// Tracking cost of the limb, as in FrameTerms.
+  [[nodiscard]] double cost(const TreeState& pose, const FrameGoals& goals) const;
+
+  /// Takes damped Gauss-Newton steps inside `range` until they lower the tracking cost only a
+  /// little.
+  /// @param pose, qpos  start and result; `pose` must be the pose of `qpos`.
+  /// @return the remaining cost. If it is not finite, no step was taken.
+  double solve(const FrameGoals& goals, const LimbRange& range, TreeState& pose,
+               std::span<double> qpos) const;
+
+ private:
+  const FitModel& model_;
+  const FitLimb& limb_;
+  LimbRange limits_;
+};
+
+}  // namespace retarget

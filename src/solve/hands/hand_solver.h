@@ -1,0 +1,93 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "robot/anatomy/robot_hands.h"
+#include "solve/hands/hand_posture.h"
+#include "solve/hands/hand_target.h"
+#include "solve/ik/dense_least_squares.h"
+
+namespace retarget {
+
+/// Weights of the residuals of a hand; they enter the cost squared.
+struct HandWeights {
+  double direction = 1.0;  ///< For a whole finger, per unit of a unit vector's error.
+  /// For the thumb. Lower, because a robot's thumb is placed differently in the palm than a
+  /// human's.
+  double thumb_direction = 0.35;
+  double gap = 0.4;     ///< For fingers far from the thumb, per finger length.
+  double touch = 8.0;   ///< For fingers that touch the thumb, per finger length.
+  double rest = 0.07;   ///< Distance to the relaxed hand, per joint range.
+  double still = 0.15;  ///< Distance to the previous frame, per joint range.
+};
+
+/// Solves for the joint positions of a hand, one frame at a time. Minimises the sum of squares of
+///
+/// * the direction errors of finger parts relative to the human's, at the same shares of the
+///   finger's length;
+/// * the errors of the distances between the thumb's tip and the other tips, relative to the
+///   finger's length; the smaller the distance, the larger the weight, so that touching fingers
+///   touch;
+/// * the distances of the joints to the relaxed hand and to the previous frame,
+///
+/// inside the joint ranges. Takes Gauss-Newton steps with Levenberg damping, each of which is a box
+/// QP. The terms are those of DexPilot (Handa et al. 2020) and AnyTeleop (Qin et al. 2023), with
+/// directions instead of vectors.
+///
+/// A solver belongs to one hand and one thread. It does not allocate after construction.
+class HandSolver {
+ public:
+  /// @param hand   must outlive the solver.
+  /// @param lower  ranges of hand.variables, rad or m; may be infinite; lower <= upper.
+  HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper,
+             const HandWeights& weights = {});
+
+  [[nodiscard]] int variable_count() const { return static_cast<int>(lower_.size()); }
+  /// Variables of the relaxed hand.
+  [[nodiscard]] const Eigen::VectorXd& relaxed() const { return relaxed_; }
+
+  /// Forgets the previous frame; the next one is solved from several starts.
+  void reset() { has_previous_ = false; }
+  /// Solves a frame. The result stays valid until the next call.
+  const Eigen::VectorXd& solve(const HandTarget& target);
+  /// Whether values of the frame were not finite. The result is then that of the previous frame or
+  /// the relaxed hand.
+  [[nodiscard]] bool has_failed() const { return failed_; }
+
+  /// Computes the cost (half the sum of squares), its gradient and its Gauss-Newton matrix.
+  /// @param previous  variables of the previous frame; nullptr if there is none.
+  double evaluate(const HandTarget& target, const Eigen::VectorXd& variables,
+                  const Eigen::VectorXd* previous, Eigen::VectorXd& gradient,
+                  Eigen::MatrixXd& matrix);
+
+ private:
+  struct Descent;
+  using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+  void add_jacobian(int joint, const Eigen::Vector3d& point, double sign);
+  void add_rows(const Eigen::Vector3d& residual, double weight, Eigen::VectorXd& gradient,
+                Eigen::MatrixXd& matrix);
+  double add_directions(const HandTarget& target, std::size_t index, Eigen::VectorXd& gradient,
+                        Eigen::MatrixXd& matrix);
+  double add_gap(const HandTarget& target, const RobotFinger& finger, Eigen::VectorXd& gradient,
+                 Eigen::MatrixXd& matrix);
+  /// @return the cost; NaN if a value is not finite.
+  double descend(const HandTarget& target, const Eigen::VectorXd* previous, int steps,
+                 Eigen::VectorXd& variables);
+  /// Solves from several starts and keeps the best result.
+  /// @return the cost; if it is not finite, the result is the relaxed hand.
+  double search(const HandTarget& target, Eigen::VectorXd& variables);
+
+  const RobotHand& hand_;
+  HandMatch match_;
+  HandWeights weights_;
+  Eigen::VectorXd lower_, upper_, range_, relaxed_, open_;
+  HandPosture posture_;
+  PointJacobian jacobian_;
+  Eigen::VectorXd current_, previous_, tried_, best_, tried_gradient_;
+  Eigen::MatrixXd tried_matrix_;
+  DenseLeastSquares system_;
+  bool has_previous_ = false, failed_ = false;
+};
+
+}  // namespace retarget

@@ -1,0 +1,147 @@
+#include "solve/hands/hand_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/math/step_bounds.h"
+#include "solve/hands/hand_solver.h"
+#include "solve/hands/hand_target.h"
+
+namespace retarget {
+namespace {
+
+// Bounds of a variable, from its own joint and the joints coupled to it.
+struct VariableBounds {
+  Eigen::VectorXd lower, upper, step;
+};
+
+VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitSet& limits,
+                         double frame_time, const HandBounds& bounds) {
+  const auto count = static_cast<Eigen::Index>(hand.variables.size());
+  VariableBounds found{Eigen::VectorXd::Constant(count, -HUGE_VAL),
+                       Eigen::VectorXd::Constant(count, HUGE_VAL),
+                       Eigen::VectorXd::Constant(count, HUGE_VAL)};
+  for (const HandJoint& joint : hand.joints) {
+    double step = robot.speed_limit(joint.joint) * frame_time;
+    if (!joint.slides) step = std::min({step, bounds.max_speed * frame_time, bounds.max_step});
+    if (joint.ratio == 0.0) continue;
+    const StepBounds rounded = bounds_for_rounding(
+        {limits.lower[joint.joint], limits.upper[joint.joint], step}, bounds.decimals);
+    double first = (rounded.lower - joint.offset) / joint.ratio;
+    double last = (rounded.upper - joint.offset) / joint.ratio;
+    if (first > last) std::swap(first, last);
+    const Eigen::Index v = joint.variable;
+    // The ranges of coupled joints may be incompatible. The leading joint then takes precedence.
+    const bool leads = hand.variables[joint.variable] == joint.joint;
+    if (leads || (first <= found.upper[v] && last >= found.lower[v])) {
+      found.lower[v] = std::max(found.lower[v], first);
+      found.upper[v] = std::min(found.upper[v], last);
+    }
+    if (found.lower[v] > found.upper[v]) {
+      found.lower[v] = first;
+      found.upper[v] = last;
+    }
+    found.step[v] = std::min(found.step[v], rounded.step / std::abs(joint.ratio));
+  }
+  return found;
+}
+
+// Smooths with a width in time that corresponds to three taps at 30 frames per second. The ends
+// stay fixed.
+void smooth(std::vector<double>& values, double fps) {
+  constexpr double kTime = 0.0236;  // Standard deviation of the filter, seconds.
+  const int passes = static_cast<int>(std::lround(2.0 * kTime * kTime * fps * fps));
+  if (values.size() < 3) return;
+  constexpr int kMostPasses = 400;
+  for (int pass = 0; pass < std::min(passes, kMostPasses); ++pass) {
+    double before = values.front();
+    for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+      const double here = values[i];
+      values[i] = 0.25 * (before + 2.0 * here + values[i + 1]);
+      before = here;
+    }
+  }
+}
+
+}  // namespace
+
+HandsRule hands_rule(HandsRule rule, Method method) {
+  if (rule != HandsRule::kAuto) return rule;
+  // The published method ignores fingers.
+  return method == Method::kGmr ? HandsRule::kOff : HandsRule::kFollow;
+}
+
+SourceHands followed_hands(const Clip& clip, const BoneMap& map, const RobotHands& robot,
+                           HandsRule rule, const FrameRange& part) {
+  if (rule != HandsRule::kFollow) return {};
+  SourceHands hands = find_source_hands(clip.skeleton(), map);
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    const bool follows = robot[side] && hands[side] && fingers_move(clip, *hands[side], part);
+    if (!follows) hands[side].reset();
+  }
+  return hands;
+}
+
+HandTrack::HandTrack(const Clip& source, const SourceHands& followed, const Robot& robot,
+                     const RobotHands& hands, const LimitSet& limits, const HandBounds& bounds) {
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    if (!hands[side]) continue;
+    add(source, followed[side] ? &*followed[side] : nullptr, robot, *hands[side], limits, bounds);
+  }
+}
+
+void HandTrack::add(const Clip& source, const SourceHand* followed, const Robot& robot,
+                    const RobotHand& hand, const LimitSet& limits, const HandBounds& bounds) {
+  const auto frames = static_cast<std::size_t>(source.frame_count());
+  const VariableBounds may = bounds_of(robot, hand, limits, source.rate().frame_time(), bounds);
+  HandSolver solver(hand, may.lower, may.upper);
+  std::vector<std::vector<double>> variables(hand.variables.size());
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    variables[v].assign(frames, solver.relaxed()[static_cast<Eigen::Index>(v)]);
+  }
+  if (followed != nullptr) {
+    const HandMatch match(hand);
+    HandPoser poser(source, *followed);
+    HandShape shape = relaxed_hand();
+    HandTarget target;
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      poser.shape(static_cast<int>(frame), shape);
+      match.target(shape, target);
+      const Eigen::VectorXd& solved = solver.solve(target);
+      if (solver.has_failed()) note_failure(hand.side, static_cast<int>(frame));
+      for (std::size_t v = 0; v < variables.size(); ++v) {
+        variables[v][frame] = solved[static_cast<Eigen::Index>(v)];
+      }
+    }
+  }
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    const auto i = static_cast<Eigen::Index>(v);
+    if (followed != nullptr) smooth(variables[v], source.rate().fps());
+    bound_steps(variables[v], may.lower[i], may.upper[i], may.step[i]);
+  }
+  for (const HandJoint& joint : hand.joints) {
+    addresses_.push_back(robot.joints()[joint.joint].qpos_address);
+    std::vector<double>& positions =
+        positions_.emplace_back(variables[static_cast<std::size_t>(joint.variable)]);
+    if (joint.ratio == 1.0 && joint.offset == 0.0) continue;
+    for (double& position : positions) position = joint.ratio * position + joint.offset;
+  }
+}
+
+void HandTrack::note_failure(Side side, int frame) {
+  const char* const hand = side == Side::kLeft ? "left hand" : "right hand";
+  if (!failures_.empty() && failures_.back().end == frame && failures_.back().solver == hand) {
+    failures_.back().end = frame + 1;
+  } else {
+    failures_.push_back({hand, frame, frame + 1});
+  }
+}
+
+void HandTrack::write(int frame, std::span<double> qpos) const {
+  for (std::size_t i = 0; i < addresses_.size(); ++i) {
+    qpos[static_cast<std::size_t>(addresses_[i])] = positions_[i][static_cast<std::size_t>(frame)];
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "robot/model/kinematic_tree.h"
+#include "solve/ik/active_set.h"
+
+namespace retarget {
+
+/// A symmetric system with the sparsity of a kinematic tree: entry (i, j) can be non-zero only if
+/// one of the two joints carries the other. Satisfies the requirements of ActiveSet.
+///
+/// Rows are ordered as in KinematicTree. Because carriers come first, row j has the same layout as
+/// the beginning of every row below it. The factorisation H = L'DL (Featherstone, "Rigid Body
+/// Dynamics Algorithms", section 6.5 and table 6.3) is then a chain of updates of contiguous values
+/// and keeps the sparsity. A bound variable is masked: its row and column count as zero and its
+/// diagonal as one, which also keeps the sparsity.
+/// its diagonal as one, which keeps it too.
+class TreeSystem {
+ public:
+  /// @param tree  must outlive the system and stay at its address.
+  explicit TreeSystem(const KinematicTree& tree);
+
+  [[nodiscard]] int size() const { return tree_.dof_count(); }
+  /// Rows over the carriers of each variable, one after the other, with the diagonal entry last.
+  [[nodiscard]] std::span<double> hessian() { return H_; }
+  [[nodiscard]] Eigen::VectorXd& linear() { return g_; }
+  void add_to_diagonal(double value);
+
+  /// For ActiveSet. Variables whose side is not kFree are held at their value in x.
+  bool minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
+                Eigen::VectorXd& minimum);
+  [[nodiscard]] double gradient(int i, const Eigen::VectorXd& x) const;
+  [[nodiscard]] double gradient_scale() const { return g_.cwiseAbs().maxCoeff(); }
+
+ private:
+  void mask(int i, double value, Eigen::VectorXd& right);
+  bool factorise();
+  void solve(Eigen::VectorXd& x) const;
+  [[nodiscard]] int last_descendant(int i) const;
+  /// Number of variables that carry variable i, and their column indices.
+  [[nodiscard]] int depth(int i) const { return begin_[i + 1] - begin_[i] - 1; }
+  [[nodiscard]] const int* carriers(int i) const { return tree_.carriers(i).data(); }
+
+  const KinematicTree& tree_;
+  const std::vector<int>& begin_;  // Start of each row, plus the end of the last one.
+  std::vector<double> H_, L_;      // Rows as in hessian(); L_ holds D on the diagonal.
+  std::vector<double> inverse_d_;
+  std::vector<char> masked_;  // Rows of bound variables: zero except for a 1 on the diagonal.
+  Eigen::VectorXd g_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "human/gait/source_feet.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "robot/model/kinematic_tree.h"
+
+namespace retarget {
+
+/// The part of a robot that rests on the floor where its human rests on a knee, elbow, hand, the
+/// seat or the back.
+struct SupportBody {
+  /// The end of a collision shape.
+  struct Point {
+    int link = 0;  ///< Link of Robot::tree().
+    Eigen::Vector3d in_link = Eigen::Vector3d::Zero();
+    double radius = 0.0;  ///< Distance of the surface below the point, metres.
+  };
+  std::size_t support = 0;                           ///< Index into kSupportBones.
+  int link = 0;                                      ///< Link of the body that follows the bone.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Point held in place, in the link frame,
+                                                     ///< metres.
+  std::vector<Point> points;                         ///< Candidate contact points; the lowest one
+                                                     ///< touches.
+
+  /// The lowest point in a pose of the robot.
+  struct Touch {
+    int link = 0;
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< The end of the shape, world, metres.
+    double height = 0.0;                              ///< Height of the surface below it, metres.
+  };
+  [[nodiscard]] Touch lowest(const TreeState& pose) const;
+  /// Position of `middle`, world, metres.
+  [[nodiscard]] Eigen::Vector3d world_middle(const TreeState& pose) const {
+    return pose.world_from_link[static_cast<std::size_t>(link)] * middle;
+  }
+};
+
+/// The support bodies that have collision shapes, in the order of kSupportBones. A knee is the
+/// upper half of a shank, an elbow the upper half of a forearm, a hand everything beyond the
+/// forearm. The seat is the pelvis and the nearby part of the links that lead to the thighs.
+[[nodiscard]] std::vector<SupportBody> support_bodies(const Robot& robot,
+                                                      const ResolvedConfig& config);
+
+}  // namespace retarget

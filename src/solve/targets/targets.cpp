@@ -1,0 +1,205 @@
+#include "solve/targets/targets.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "solve/targets/limb_aim.h"
+#include "solve/targets/scale_human.h"
+
+namespace retarget {
+namespace {
+
+using enum LimbBone;
+
+// Vector from the right hip to the left one.
+Eigen::Vector3d hip_line(const HumanPose& world_from_bone) {
+  return world_from_bone[Bone::kLeftUpLeg].translation -
+         world_from_bone[Bone::kRightUpLeg].translation;
+}
+
+bool is_of_leg(std::optional<LimbBone> part) {
+  return part == kUpLeg || part == kLeg || part == kFoot || part == kToe || part == kFootMod;
+}
+
+}  // namespace
+
+TargetBuilder::TargetBuilder(const ResolvedConfig& config, double height, ScaleRule scale) {
+  constexpr double kPublishedHeight = 1.75;
+  const double ratio =
+      scale == ScaleRule::kTable
+          ? height / config.human_height_assumption
+          : kPublishedHeight / config.human_height_assumption * (kPublishedHeight / height);
+  add_rules(config);
+  for (Rule& rule : rules_) rule.scale = config.scales[rule.bone] * ratio;
+}
+
+TargetBuilder::TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot,
+                             const LimbLengths& human, std::optional<TrunkAim> trunk)
+    : by_limbs_(true),
+      leg_scale_(robot.lengths.leg / human.leg),
+      trunk_scale_(robot.lengths.trunk / human.trunk),
+      trunk_(std::move(trunk)) {
+  constexpr double kAnkleHeightPerLeg = 0.039 / 0.491;
+  const double human_ankle = kAnkleHeightPerLeg * human.leg * leg_scale_;
+  lift_ = robot.ankle_height.value_or(human_ankle) - human_ankle;
+  add_rules(config);
+  const Eigen::Vector3d ground(0.0, 0.0, config.ground_height);
+  for (Rule& rule : rules_) {
+    // The table's position offsets compensate for its scales, which are not used here.
+    rule.position_offset = -ground - robot.body_from_joint[rule.bone];
+    const std::optional<LimbBone> part = limb_bone(rule.bone);
+    if (is_of_leg(part)) {
+      rule.scale = leg_scale_;
+    } else if (part == kForeArm || part == kHand) {
+      rule.scale = robot.lengths.arm / human.arm;
+      rule.pivot = side_bone(side_of(rule.bone), kArm);
+    } else {
+      rule.scale = trunk_scale_;
+    }
+  }
+  if (trunk_) aim_limbs(config);
+}
+
+void TargetBuilder::aim_limbs(const ResolvedConfig& config) {
+  const ConfigTask* const torso = torso_task(config);
+  find_parts(torso == nullptr ? std::nullopt : std::optional(torso->bone));
+}
+
+// Determines which rules belong to parts of the body that are aimed along lines.
+void TargetBuilder::find_parts(std::optional<Bone> torso) {
+  for (Rule& rule : rules_) {
+    const Side side = side_of(rule.bone);
+    const std::optional<LimbBone> part = limb_bone(rule.bone);
+    rule.of_arm = part == kArm || part == kForeArm || part == kHand;
+    if (is_of_leg(part)) rule.leg_side = side == Side::kLeft ? 1.0 : -1.0;
+    if (rule.bone == Bone::kHips) rule.part = Part::kPelvis;
+    if (rule.bone == torso) rule.part = Part::kTorso;
+    for (const auto& [upper, lower, end] :
+         {std::array{kArm, kForeArm, kHand}, std::array{kUpLeg, kLeg, kFoot}}) {
+      if (part != upper && part != lower) continue;
+      rule.part = part == upper ? Part::kUpperLimb : Part::kLowerLimb;
+      rule.limb = {side_bone(side, upper), side_bone(side, lower), side_bone(side, end)};
+    }
+  }
+}
+
+Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule, const HumanPose& world_from_bone,
+                                              const std::optional<TrunkAim::Aimed>& aimed) const {
+  if (aimed && rule.part == Part::kPelvis) return aimed->world_from_pelvis;
+  if (aimed && rule.part == Part::kTorso) return aimed->world_from_torso;
+  if (aims_limbs_ && (rule.part == Part::kUpperLimb || rule.part == Part::kLowerLimb)) {
+    const auto& [upper, lower, end] = rule.limb;
+    if (const auto limb =
+            aim_limb(world_from_bone[upper], world_from_bone[lower], world_from_bone[end])) {
+      const bool is_upper = rule.part == Part::kUpperLimb;
+      return ((is_upper ? limb->upper : limb->lower) * rule.bone_from_target).normalized();
+    }
+  }
+  return offset_rotation(world_from_bone[rule.bone].rotation, rule.bone_from_target);
+}
+
+void TargetBuilder::add_rules(const ResolvedConfig& config) {
+  const Eigen::Vector3d ground(0.0, 0.0, config.ground_height);
+  const auto add = [&](Bone bone) {
+    if (target_of(bone) >= 0) return;
+    Rule rule{.bone = bone,
+              .scale = 1.0,
+              .position_offset = -ground,
+              .bone_from_target = Eigen::Quaterniond::Identity()};
+    // Table 1 comes first, even if it is not used.
+    if (const ConfigTask* task = config.find_task(bone); task != nullptr && task->has_weight()) {
+      rule.position_offset += task->position_offset;
+      rule.bone_from_target = task->rotation_offset;
+    }
+    rules_.push_back(rule);
+  };
+  add(config.root_bone);
+  for (const auto& [used, tasks] : config.match_tables) {
+    if (!used) continue;
+    for (const ConfigTask& task : tasks) {
+      if (task.has_weight()) add(task.bone);
+    }
+  }
+}
+
+std::vector<Bone> TargetBuilder::bones() const {
+  std::vector<Bone> bones;
+  for (const Rule& rule : rules_) bones.push_back(rule.bone);
+  return bones;
+}
+
+int TargetBuilder::target_of(Bone bone) const {
+  const auto found = std::ranges::find(rules_, bone, &Rule::bone);
+  return found == rules_.end() ? -1 : static_cast<int>(found - rules_.begin());
+}
+
+Eigen::Vector3d TargetBuilder::scaled_limb(const Rule& rule,
+                                           const HumanPose& world_from_bone) const {
+  const Eigen::Vector3d hips = 0.5 * (world_from_bone[Bone::kLeftUpLeg].translation +
+                                      world_from_bone[Bone::kRightUpLeg].translation);
+  Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
+  const Eigen::Vector3d& bone = world_from_bone[rule.bone].translation;
+  if (&rule == &rules_.front()) return scaled_hips;
+  if (!rule.pivot) return scaled_hips + rule.scale * (bone - hips);
+  const Eigen::Vector3d& pivot = world_from_bone[*rule.pivot].translation;
+  return scaled_hips + trunk_scale_ * (pivot - hips) + rule.scale * (bone - pivot);
+}
+
+void TargetBuilder::build(const HumanPose& world_from_bone,
+                          std::span<Pose> world_from_target) const {
+  const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
+  const Eigen::Vector3d scaled_root = rules_.front().scale * root;
+  const auto aimed = trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
+  Eigen::Vector3d shoulders_moved = Eigen::Vector3d::Zero(), left_hip_moved = shoulders_moved;
+  if (aimed) {
+    shoulders_moved = aimed->chord - trunk_scale_ * trunk_lines(world_from_bone).chord;
+    left_hip_moved = 0.5 * (aimed->hip_line - leg_scale_ * hip_line(world_from_bone));
+  }
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    const Rule& rule = rules_[i];
+    const Pose& bone = world_from_bone[rule.bone];
+    Eigen::Vector3d scaled = scaled_root;
+    if (by_limbs_) {
+      scaled = scaled_limb(rule, world_from_bone);
+    } else if (i > 0) {
+      scaled = scaled_about_root(bone.translation, rule.scale, root, scaled_root);
+    }
+    const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
+    if (rule.of_arm) scaled += shoulders_moved;
+    scaled += rule.leg_side * left_hip_moved;
+    world_from_target[i] = offset_target(rotation, scaled, rule.position_offset);
+  }
+  if (!held_) return;
+  const Eigen::Quaterniond turn = held_->turn(world_from_bone);
+  const Eigen::Vector3d from = world_from_target[0].translation;
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    Pose& target = world_from_target[i];
+    target = {(turn * target.rotation).normalized(),
+              held_->place() + turn * (target.translation - from)};
+  }
+}
+
+std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
+                                              const ResolvedConfig& config,
+                                              const TargetBuilder& targets,
+                                              const LimitSet& limits) {
+  auto problem = std::make_shared<IkProblem>();
+  for (const auto& [used, tasks] : config.match_tables) {
+    if (!used) continue;
+    IkPass pass;
+    for (const ConfigTask& task : tasks) {
+      if (!task.has_weight()) continue;
+      pass.push_back(
+          {task.body, targets.target_of(task.bone), task.position_weight, task.rotation_weight});
+    }
+    problem->passes.push_back(std::move(pass));
+  }
+  const auto joints = static_cast<Eigen::Index>(robot->joints().size());
+  problem->lower = Eigen::Map<const Eigen::VectorXd>(limits.lower.data(), joints);
+  problem->upper = Eigen::Map<const Eigen::VectorXd>(limits.upper.data(), joints);
+  problem->robot = std::move(robot);
+  return problem;
+}
+
+}  // namespace retarget

@@ -1,0 +1,78 @@
+#include "base/parse_xml.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string attributes(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += " a" + std::to_string(i) + "=\"1\"";
+  return text;
+}
+
+// the error's message; empty: the text is parsed
+std::string message_of(const std::string& text) {
+  tinyxml2::XMLDocument document;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto parsed = parse_xml(text, document);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_EQ(parsed.has_value(), !document.Error() && document.RootElement() != nullptr);
+  return parsed ? std::string() : parsed.error().message;
+}
+
+TEST(ParseXml, TakesElementsOfUpToAHundredAttributes) {
+  EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "/>"), "");
+  EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "><b" +
+                       attributes(kMaxXmlAttributes) + "/></a>"),
+            "");
+}
+
+TEST(ParseXml, RefusesMoreWithTheLine) {
+  tinyxml2::XMLDocument document;
+  const auto parsed =
+      parse_xml("<a>\n<b/>\n<c\n" + attributes(kMaxXmlAttributes + 1) + "/></a>", document);
+  ASSERT_FALSE(parsed);
+  EXPECT_EQ(parsed.error().message, "an element has more than 100 attributes");
+  EXPECT_EQ(parsed.error().location.line, 3U);
+  EXPECT_FALSE(document.Error());
+}
+
+TEST(ParseXml, ManyAttributesTakeNoTime) {
+  const std::string many = attributes(200'000);
+  for (const std::string& text :
+       {"<a" + many + "/>", "<a" + many, "<?xml version='1.0'?><!-- < \" --><a><b " + many + "/>",
+        "<a x='>'" + many + "/>", "<a x=\"'\"" + many + "/>", "text<a" + many + "/>",
+        "<a/><![CDATA[ <b ]]><c" + many + "/>", "<!DOCTYPE a><a" + many + "/>"}) {
+    EXPECT_THAT(message_of(text), HasSubstr("attributes")) << text.substr(0, 40);
+  }
+}
+
+TEST(ParseXml, LongFilesOfManyAttributesAreRead) {
+  std::string text = "<a>";
+  for (int i = 0; i < 2000; ++i) text += "<b" + attributes(kMaxXmlAttributes) + "/>";
+  EXPECT_EQ(message_of(text + "</a>"), "");
+}
+
+TEST(ParseXml, QuotesInTextAndCommentsAreNotAttributes) {
+  std::string quotes;
+  for (int i = 0; i < 1000; ++i) quotes += "a=\"1\" ";
+  EXPECT_EQ(message_of("<a>" + quotes + "</a>"), "");
+  EXPECT_EQ(message_of("<a><!-- <b " + quotes + "> --></a>"), "");
+  EXPECT_EQ(message_of("<a><![CDATA[<b " + quotes + ">]]></a>"), "");
+  EXPECT_EQ(message_of("<?xml " + quotes + "?><a/>"), "");
+}
+
+TEST(ParseXml, NamesTheMalformedPart) {
+  EXPECT_EQ(message_of("<a><b></a>"), "XML_ERROR_MISMATCHED_ELEMENT");
+  EXPECT_EQ(message_of(""), "XML_ERROR_EMPTY_DOCUMENT");
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,126 @@
+#include "batch/split_groups.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "batch/manifest.h"
+#include "batch/motion_signature.h"
+
+namespace retarget {
+namespace {
+
+ManifestEntry clip(const std::string& name, const std::string& hash) {
+  ManifestEntry entry;
+  entry.relative = name;
+  entry.robot = "g1";
+  entry.done = true;
+  entry.input.hash = hash;
+  return entry;
+}
+
+// ten seconds of limbs that swing, each number at its own pace
+MotionSignature swinging(int pace) {
+  MotionSignature of;
+  of.seconds = 10.0;
+  for (int i = 0; i < 50; ++i) {
+    for (std::size_t j = 0; j < kSignatureNumbers; ++j) {
+      const int at = (i * pace + static_cast<int>(j) * 5) % 40;
+      of.samples.push_back(static_cast<std::int8_t>((at < 20 ? at : 40 - at) * 4 - 40));
+    }
+  }
+  return of;
+}
+
+MotionSignature motionless() {
+  MotionSignature of = swinging(1);
+  for (std::size_t i = 0; i < of.samples.size(); ++i)
+    of.samples[i] = of.samples[i % kSignatureNumbers];
+  return of;
+}
+
+std::vector<std::string> keys_of(const std::vector<ManifestEntry>& entries) {
+  std::vector<const ManifestEntry*> pointers;
+  for (const ManifestEntry& entry : entries) pointers.push_back(&entry);
+  return split_groups(pointers).keys;
+}
+
+TEST(SplitGroups, AreTheNamesWhereAllInputsDiffer) {
+  const std::vector<std::string> keys =
+      keys_of({clip("a/walk.bvh", "1"), clip("walk1_subject5.bvh", "2"),
+               clip("run1_subject5.bvh", "3"), clip("a/walk_mirrored.bvh", "4")});
+  EXPECT_EQ(keys, (std::vector<std::string>{"a/walk", "subject 5", "subject 5", "a/walk"}));
+}
+
+TEST(SplitGroups, ClipsOfTheSameInputAreOne) {
+  const auto keys = keys_of({clip("copy.bvh", "1"), clip("a/walk.bvh", "1"), clip("run.bvh", "2")});
+  EXPECT_EQ(keys, (std::vector<std::string>{"a/walk", "a/walk", "run"}));
+}
+
+TEST(SplitGroups, InputsOfUnknownHashAreNotOne) {
+  EXPECT_EQ(keys_of({clip("a.bvh", ""), clip("b.bvh", "")}), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(SplitGroups, ACopyJoinsAllOfTwoPersons) {
+  const auto keys = keys_of({clip("walk1_subject1.bvh", "1"), clip("run1_subject1.bvh", "2"),
+                             clip("walk1_subject2.bvh", "3"), clip("copy_subject2.bvh", "2"),
+                             clip("walk1_subject3.bvh", "4")});
+  EXPECT_EQ(keys, (std::vector<std::string>{"subject 1", "subject 1", "subject 1", "subject 1",
+                                            "subject 3"}));
+}
+
+TEST(SplitGroups, PartsAndMirrorImagesOfCopiesAreOne) {
+  ManifestEntry part = clip("b/one.bvh", "1");
+  part.variant = {"b/take.bvh", "f0:f10", ""};
+  ManifestEntry image = clip("c_mirrored.bvh", "1");
+  image.variant = {"c.bvh", "", "c.bvh"};
+  ManifestEntry image_of_part = clip("b/two_mirrored.bvh", "1");
+  image_of_part.variant = {"b/take.bvh", "f10:f20", "b/two.bvh"};
+  const auto keys = keys_of({part, image, image_of_part, clip("d.bvh", "2")});
+  EXPECT_EQ(keys, (std::vector<std::string>{"b/take", "b/take", "b/take", "d"}));
+}
+
+TEST(SplitGroups, DoNotDependOnTheOrder) {
+  std::vector<ManifestEntry> entries = {clip("e.bvh", "3"), clip("d.bvh", "2"), clip("c.bvh", "2"),
+                                        clip("b.bvh", "1"), clip("a.bvh", "1")};
+  entries[1].signature = signature_bytes(swinging(3));
+  entries[3].signature = signature_bytes(mirrored(swinging(3)));
+  const auto keys = keys_of(entries);
+  EXPECT_EQ(keys, (std::vector<std::string>{"e", "a", "a", "a", "a"}));
+  do {
+    auto of_order = keys_of(entries);
+    std::ranges::sort(of_order);
+    EXPECT_EQ(of_order, (std::vector<std::string>{"a", "a", "a", "a", "e"}));
+  } while (std::ranges::next_permutation(entries, {}, &ManifestEntry::relative).found);
+}
+
+TEST(SplitGroups, MirroredFilesOfAnyNameAreOneWhereTheMotionIsKnown) {
+  std::vector<ManifestEntry> entries = {clip("x.bvh", "1"), clip("y.bvh", "2"), clip("z.bvh", "3")};
+  entries[0].signature = signature_bytes(mirrored(swinging(3)));
+  entries[1].signature = signature_bytes(swinging(3));
+  entries[2].signature = signature_bytes(swinging(7));
+  EXPECT_EQ(keys_of(entries), (std::vector<std::string>{"x", "x", "z"}));
+}
+
+TEST(SplitGroups, DoNotJoinStandingClips) {
+  std::vector<ManifestEntry> entries = {clip("tpose_subject1.bvh", "1"),
+                                        clip("tpose_subject2.bvh", "2")};
+  for (ManifestEntry& entry : entries) entry.signature = signature_bytes(motionless());
+  EXPECT_EQ(keys_of(entries), (std::vector<std::string>{"subject 1", "subject 2"}));
+}
+
+TEST(SplitGroups, CountGroupsAndJoinedClips) {
+  const std::vector<ManifestEntry> entries = {clip("walk1_subject1.bvh", "1"), clip("b.bvh", "1"),
+                                              clip("c.bvh", "2"), clip("d.bvh", "3")};
+  std::vector<const ManifestEntry*> pointers;
+  for (const ManifestEntry& entry : entries) pointers.push_back(&entry);
+  const SplitGroups groups = split_groups(pointers);
+  EXPECT_EQ(groups.by_subject, 1U);
+  EXPECT_EQ(groups.by_file, 2U);
+  EXPECT_EQ(groups.joined, 1U);
+}
+
+}  // namespace
+}  // namespace retarget

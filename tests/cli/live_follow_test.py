@@ -1,0 +1,142 @@
+"""--follow arms: the operator of a stream walks and turns, the robot's legs and base stand, its arms do as before."""
+
+import json
+import math
+import socket
+import struct
+import time
+import unittest
+
+from live_test import LiveTest, product, turned
+from tool import read_rows, sample, short_clip
+
+ARMS = [f"{side}_{joint}_joint" for side in ("left", "right") for joint in (
+    "shoulder_pitch", "shoulder_roll", "shoulder_yaw", "elbow", "wrist_roll", "wrist_pitch", "wrist_yaw")]
+FRAMES = 90
+
+
+def walk_at(seconds):
+    """Where an operator is who walks in a circle: turn about the vertical, metres ahead and to the left."""
+    return 0.8 * seconds, 1.5 * math.sin(0.6 * seconds), 1.5 - 1.5 * math.cos(0.6 * seconds)
+
+
+def walking_smpl(text):
+    """Lines of `smplx` of an operator who walks while doing the same; z up."""
+    lines = text.splitlines()
+    for i, line in enumerate(lines):
+        frame = json.loads(line)
+        if "transl" not in frame:
+            continue
+        turn, ahead, left = walk_at(frame["time"])
+        q = [math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
+        vector = frame["global_orient"]
+        angle = math.sqrt(sum(x * x for x in vector))
+        scale = math.sin(angle / 2) / angle if angle > 1e-9 else 0.5
+        w, *rest = product(q, [math.cos(angle / 2), *(scale * x for x in vector)])
+        sine = math.sqrt(sum(x * x for x in rest))
+        factor = 2 * math.atan2(sine, w) / sine if sine > 1e-9 else 2
+        frame["global_orient"] = [factor * x for x in rest]
+        moved = turned(q, frame["transl"])
+        frame["transl"] = [moved[0] + ahead, moved[1] + left, moved[2]]
+        lines[i] = json.dumps(frame)
+    return "\n".join(lines) + "\n"
+
+
+def walking_vmc(packet, seconds):
+    """A packet of VMC with the avatar's root moved; Unity's axes, y up."""
+    root = b"/VMC/Ext/Root/Pos\0\0\0,sfffffff\0\0\0root\0\0\0\0"
+    begin = packet.index(root) + len(root)
+    turn, ahead, left = walk_at(seconds)
+    pose = struct.pack(">7f", -left, 0, ahead, 0, math.sin(turn / 2), 0, math.cos(turn / 2))
+    return packet[:begin] + pose + packet[begin + len(pose):]
+
+
+class Follow(LiveTest):
+    def assert_arms_alone(self, rows, names):
+        """Base and all joints but the arms' stand; the arms move."""
+        held = [i for i, name in enumerate(names) if name not in ARMS]
+        self.assertEqual(len(held), len(names) - len(ARMS))
+        for row in rows:
+            self.assertEqual(row["root_position"], rows[0]["root_position"])
+            self.assertEqual(row["root_rotation"], [1, 0, 0, 0])
+            self.assertEqual([row["joints"][i] for i in held], [0] * len(held))
+        spans = [max(row["joints"][i] for row in rows) - min(row["joints"][i] for row in rows)
+                 for i, name in enumerate(names) if name in ARMS]
+        self.assertGreater(max(spans), 0.3)
+
+    def test_smpl(self):
+        found = []
+        text = self.played("smplx")
+        for lines in (text, walking_smpl(text)):
+            result = self.live(lines, "--input", "stdin?format=smplx", "--follow", "arms", "--height", "1.75",
+                               "-o", "live.jsonl")
+            self.assert_done(result)
+            self.assertIn("0 malformed", result.stderr)
+            self.assertIn("14 joints of the arms", result.stderr)
+            header, *rows = map(json.loads, (self.folder / "live.jsonl").read_text().splitlines())
+            self.assertEqual(header["held"][:2], ["root_position", "root_rotation"])
+            self.assertEqual(set(header["held"][2:]), set(header["joints"]) - set(ARMS))
+            self.assert_arms_alone(rows, header["joints"])
+            found.append([row["joints"] for row in rows])
+        self.assertEqual(len(found[0]), len(found[1]))
+        # Robot frames between those of a turning human are interpolated along chords.
+        for standing, walking in zip(*found):
+            self.assertLess(max(abs(a - b) for a, b in zip(standing, walking)), 1e-3)
+
+    def vmc(self, packets):
+        """Times of the human and joint positions, of packets 30 times a second."""
+        process, port = self.listen("--follow", "arms", "--plain", "--fps", "30", "-o", "live.jsonl",
+                                    extras="?format=vmc")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            begin = time.monotonic()
+            for i, packet in enumerate(packets):
+                time.sleep(max(0.0, begin + i / 30 - time.monotonic()))
+                sender.sendto(packet, ("127.0.0.1", port))
+        _, messages = self.end(process)
+        self.assertIn("0 malformed", messages)
+        header, *rows = map(json.loads, (self.folder / "live.jsonl").read_text().splitlines())
+        self.assert_arms_alone(rows, header["joints"])
+        return [(row["time"], row["joints"]) for row in rows if row["state"] == "following"]
+
+    def test_vmc(self):
+        taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.addCleanup(taken.close)
+        taken.bind(("127.0.0.1", 0))
+        taken.settimeout(30)
+        self.write("short.bvh", short_clip("wave", FRAMES))
+        # read while it plays: a socket holds fewer packets
+        self.start("-q", "--play", "short.bvh", "--to", f"udp:{taken.getsockname()[1]}?format=vmc", "--speed", "4")
+        packets = [taken.recv(65536) for _ in range(FRAMES)]
+        standing = self.vmc(packets)
+        walking = self.vmc([walking_vmc(packet, i / 30) for i, packet in enumerate(packets)])
+        compared = 0
+        for (begin, before), (end, after) in zip(walking, walking[1:]):
+            for seconds, expected in standing:
+                if not begin <= seconds < end:
+                    continue
+                share = (seconds - begin) / (end - begin)
+                found = [a + share * (b - a) for a, b in zip(before, after)]
+                # both are sampled thirty times a second, at times of their own
+                self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), 0.03, seconds)
+                compared += 1
+        self.assertGreater(compared, FRAMES // 2)
+
+    def test_offline(self):
+        for method in ("fit", "gmr"):
+            result = self.run_tool("--bvh", sample("walk"), "--robot", "unitree_g1", "--follow", "arms", "--method",
+                                   method, "-o", f"{method}.csv")
+            self.assert_done(result)
+            self.assertIn("14 joints of the arms", result.stderr)
+            rows = read_rows((self.folder / f"{method}.csv").read_text())
+            self.assertGreater(len(rows), 100)
+            # 7 columns of the root, 12 of the legs, 3 of the waist
+            self.assertEqual({tuple(row[:7]) for row in rows}, {tuple(rows[0][:7])})
+            self.assertEqual({tuple(row[7:22]) for row in rows}, {(0.0,) * 15})
+            self.assertGreater(max(row[22] for row in rows) - min(row[22] for row in rows), 0.2)
+
+    def test_usage(self):
+        self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "--follow", "hands"), 2, "arms")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,217 @@
+"""retarget live: permitted senders. Strangers change nothing for the sender; addresses that cannot be are refused."""
+
+import contextlib
+import re
+import socket
+import time
+import unittest
+
+from live_test import LiveTest, free_port
+from tool import sample
+
+SILENCE = 1.3  # seconds after which the next one is the sender
+
+
+class SendersTest(LiveTest):
+    def setUp(self):
+        super().setUp()
+        self.lines = [line.encode() + b"\n" for line in self.played("lines", "walk").splitlines()]
+
+    @contextlib.contextmanager
+    def sender(self, host="127.0.0.1", port=0):
+        """A UDP socket with an address of its own."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
+            made.bind((host, port))
+            yield made
+
+    def send(self, sender, port, lines):
+        for line in lines:
+            sender.sendto(line, ("127.0.0.1", port))
+            time.sleep(0.01)
+
+    def packets(self, process):
+        """How many packets the run took, how many of them it could not read, and all it told."""
+        _, told = self.end(process)
+        found = re.search(r"packets +(\d+), (\d+) malformed", told)
+        return int(found[1]), int(found[2]), told
+
+
+class Connections(SendersTest):
+    def connect(self, port):
+        connection = socket.create_connection(("127.0.0.1", port))
+        self.addCleanup(connection.close)
+        return connection
+
+    def test_strangers_do_not_displace_the_sender(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp")
+        sender = self.connect(port)
+        for i, line in enumerate(self.lines[:120]):
+            sender.sendall(line)
+            if i % 20 == 10:
+                self.connect(port).close()
+            if i == 30:
+                self.connect(port)
+            if i == 40:
+                self.connect(port).sendall(b"GET / HTTP/1.0\r\n\r\n")
+            time.sleep(0.01)
+        time.sleep(0.3)
+        taken, malformed, told = self.packets(process)
+        self.assertEqual((taken, malformed), (120, 0), told)
+        self.assertEqual(told.count("ignoring 127.0.0.1:"), 1, told)
+
+    def test_many_strangers(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp")
+        sender = self.connect(port)
+        sender.sendall(self.lines[0])
+        time.sleep(0.3)
+        for line in self.lines[1:40]:
+            self.connect(port).sendall(b"{}\n")
+            sender.sendall(line)
+            time.sleep(0.01)
+        time.sleep(0.3)
+        self.assertEqual(self.packets(process)[:2], (40, 0))
+
+    def test_the_next_one_takes_the_place_of_a_sender_that_ends(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp")
+        first, second = self.connect(port), None
+        first.sendall(b"".join(self.lines[:60]))
+        time.sleep(0.3)
+        second = self.connect(port)
+        second.sendall(b"".join(self.lines[:50]))
+        time.sleep(0.3)
+        first.sendall(self.lines[60])
+        first.close()
+        time.sleep(0.5)
+        self.assertEqual(self.packets(process)[:2], (111, 0))
+
+    def test_a_sender_that_pauses_has_its_place_back(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp")
+        sender = self.connect(port)
+        sender.sendall(b"".join(self.lines[:60]))
+        time.sleep(SILENCE)
+        # A silent connection does not become the sender.
+        self.connect(port)
+        time.sleep(0.3)
+        sender.sendall(b"".join(self.lines[60:80]))
+        time.sleep(SILENCE)
+        with socket.create_connection(("127.0.0.1", port)) as other:
+            other.sendall(b"".join(self.lines[:10]))
+            time.sleep(0.5)
+        sender.sendall(b"".join(self.lines[80:90]))
+        time.sleep(0.5)
+        self.assertEqual(self.packets(process)[:2], (100, 0))
+
+    def test_an_address_that_may_not_connect(self):
+        process, port = self.listen("-o", "live.csv", transport="tcp", extras="?from=127.0.0.2")
+        with socket.create_connection(("127.0.0.1", port)) as other:
+            other.sendall(self.lines[0])
+            time.sleep(0.3)
+            with self.assertRaises(OSError):
+                for line in self.lines[1:20]:
+                    other.sendall(line)
+                    time.sleep(0.02)
+        with socket.create_connection(("127.0.0.1", port), source_address=("127.0.0.2", 0)) as sender:
+            sender.sendall(b"".join(self.lines[:30]))
+            time.sleep(0.5)
+        self.assertEqual(self.packets(process)[:2], (30, 0))
+
+
+class Datagrams(SendersTest):
+    def test_the_first_address_is_kept_while_it_sends(self):
+        process, port = self.listen("-o", "live.csv")
+        with self.sender() as first, self.sender() as other, self.sender("127.0.0.2") as far:
+            self.send(first, port, self.lines[:5])
+            for line in self.lines[5:60]:
+                self.send(first, port, [line])
+                other.sendto(b"{}\n", ("127.0.0.1", port))
+                far.sendto(b"{}\n", ("127.0.0.1", port))
+            # once it is silent the next one has the place
+            time.sleep(SILENCE)
+            self.send(other, port, self.lines[60:70])
+            self.send(first, port, [b"{}\n"])
+        taken, malformed, told = self.packets(process)
+        self.assertEqual((taken, malformed), (70, 0), told)
+        self.assertEqual(told.count("ignoring 127.0.0."), 1, told)
+
+    def test_another_machine_takes_the_place(self):
+        process, port = self.listen("-o", "live.csv")
+        with self.sender() as first, self.sender("127.0.0.2") as other:
+            self.send(first, port, self.lines[:30])
+            time.sleep(SILENCE)
+            self.send(other, port, self.lines[:20])
+        self.assertEqual(self.packets(process)[:2], (50, 0))
+
+    def test_a_port_for_every_datagram(self):
+        process, port = self.listen("-o", "live.csv")
+        for line in self.lines[:60]:
+            with self.sender() as sender:
+                self.send(sender, port, [line])
+        self.assertEqual(self.packets(process)[:2], (60, 0))
+
+    def test_two_programs_of_one_machine(self):
+        process, port = self.listen("-o", "live.csv")
+        with self.sender() as first, self.sender() as second:
+            for line in self.lines[:40]:
+                self.send(first, port, [line])
+                self.send(second, port, [line])
+        taken, malformed, told = self.packets(process)
+        # one of them, and the other's first one
+        self.assertLessEqual(abs(taken - 41), 1, told)
+        self.assertEqual(malformed, 0, told)
+
+    def test_an_address_that_may_send(self):
+        process, port = self.listen("-o", "live.csv", extras="?from=127.0.0.2")
+        with self.sender() as other, self.sender("127.0.0.2") as sender:
+            for line in self.lines[:30]:
+                other.sendto(b"{}\n", ("127.0.0.1", port))
+                self.send(sender, port, [line])
+        self.assertEqual(self.packets(process)[:2], (30, 0))
+
+    def test_an_address_with_a_port(self):
+        own = free_port()
+        process, port = self.listen("-o", "live.csv", extras=f"?from=127.0.0.1:{own}")
+        with self.sender() as other, self.sender(port=own) as sender:
+            for line in self.lines[:30]:
+                other.sendto(b"{}\n", ("127.0.0.1", port))
+                self.send(sender, port, [line])
+        self.assertEqual(self.packets(process)[:2], (30, 0))
+
+    def test_everybody(self):
+        process, port = self.listen("-o", "live.csv", extras="?from=any")
+        with self.sender() as first, self.sender("127.0.0.2") as second:
+            for line in self.lines[:20]:
+                self.send(first, port, [line])
+                self.send(second, port, [line])
+        self.assertEqual(self.packets(process)[:2], (40, 0))
+
+
+class Usage(LiveTest):
+    def refused(self, address, *messages):
+        self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "--input", address), 2, *messages)
+
+    def test_unknown_parts_of_an_input(self):
+        self.refused("udp:0?format=bvh&fsp=30", "no option fsp=30", 'did you mean "fps"')
+        self.refused("udp:0?format=vmc&actor=2", "no option actor=2")
+        self.refused("tcp:0?form=127.0.0.1", 'did you mean "from"')
+        self.refused("stdin?format=bvh&from=127.0.0.1", "no option from")
+        self.refused("tcp:0?format=natnet&multicast=239.255.42.99", "no option multicast")
+        self.refused("motion.bvh", "udp:PORT")
+
+    def test_values_of_an_input(self):
+        self.refused("udp:0?format=bvh&fps=fast", "fps=")
+        self.refused("udp:0?format=mvn&actor=Anna", "actor=")
+        self.refused("udp:0?format=natnet&version=2.7", "version=")
+        self.refused("udp:0?format=natnet&coordinates=world", "local or global")
+        self.refused("udp:0?from=motive", "from=ADDRESS")
+        self.refused("udp:0?from=127.0.0.1:0", "from=ADDRESS")
+
+    def test_unknown_parts_of_outputs_and_of_a_player(self):
+        g1 = ("live", "--robot", "unitree_g1", "--input", "udp:0", "-o")
+        self.assert_fails(self.run_tool(*g1, "udp:9000?fromat=csv"), 2, 'did you mean "format"')
+        self.assert_fails(self.run_tool(*g1, "live.csv?frames=5"), 2, "no option frames=5")
+        player = self.run_tool("live", "--play", sample("walk"), "--to", "udp:9000?fps=30")
+        self.assert_fails(player, 2, "no option fps=30")
+
+
+if __name__ == "__main__":
+    unittest.main()

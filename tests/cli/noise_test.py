@@ -1,0 +1,146 @@
+"""--clean: noise of video estimates and IMU suits is removed, clean clips keep every byte."""
+
+import json
+import math
+import unittest
+
+import noise
+from tool import SAMPLES, ToolTest, sample
+
+KEYPOINT_RATE = ("--source-fps", "30")
+
+
+class Clean(ToolTest):
+    def noisy(self, name, *changes):
+        """A sample with noise, as a file."""
+        motion = noise.Motion(sample(name))
+        for change in changes:
+            change(motion)
+        return self.write("noisy.bvh", motion.text())
+
+    def run_on(self, source, *options, output="out.csv"):
+        result = self.run_tool(source, "unitree_g1", "-o", output, *options)
+        self.assert_done(result)
+        return result.stderr
+
+    def figures(self, name, output="out.csv", *options):
+        """Figures of a motion, compared with the clean sample."""
+        result = self.run_tool("evaluate", output, "--robot", "unitree_g1", "--bvh", sample(name),
+                               "--gate", "none", "--json", "-", *options)
+        self.assert_done(result)
+        return json.loads(result.stdout)["motions"][0]
+
+    def test_clean_clips_keep_every_byte(self):
+        for name in SAMPLES:
+            said = self.run_on(sample(name), output="auto.csv")
+            self.assertNotIn("cleaned", said, name)
+            self.run_on(sample(name), "--clean", "off", output="off.csv")
+            auto, off = ((self.folder / f"{how}.csv").read_bytes() for how in ("auto", "off"))
+            self.assertEqual(auto, off, name)
+
+    def test_noise_of_the_root_is_undone(self):
+        cases = {
+            "depth and height": lambda m: noise.root_noise(m, 0.15, 0.06),
+            "sway": lambda m: noise.sway(m, 0.2),
+            "floor drift": lambda m: noise.floor_drift(m, 0.3),
+        }
+        self.run_on(sample("walk"), output="clean.csv")
+        clean = self.figures("walk", "clean.csv", "--dynamics")
+        for what, change in cases.items():
+            with self.subTest(what):
+                said = self.run_on(self.noisy("walk", change))
+                self.assertIn("cleaned  the root moved by up to", said)
+                self.assertIn("--clean off uses the clip unchanged", said)
+                found = self.figures("walk", "out.csv", "--dynamics")
+                self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+                self.assertLess(found["contact_slip_p95"], 0.01)
+                self.assertLess(found["float_planted_pct"], 2.0)
+                self.assertLess(found["dynamics_bad_pct"], 1.2 * clean["dynamics_bad_pct"])
+                self.assertLess(found["limb_angle_deg"][0], clean["limb_angle_deg"][0] + 1.0)
+
+    def test_without_it_feet_hover_and_slide(self):
+        self.run_on(self.noisy("walk", lambda m: noise.root_noise(m, 0.15, 0.06)),
+                    "--clean", "off")
+        found = self.figures("walk")
+        self.assertGreater(found["sole_height_p50_cm"], 4.0)
+        self.assertGreater(found["contact_slip_p95"], 0.3)
+
+    def test_jitter_of_joints_is_smoothed(self):
+        said = self.run_on(self.noisy("squat", lambda m: noise.rotation_noise(m, 3.0),
+                                      lambda m: noise.root_noise(m, 0.05, 0.02)))
+        self.assertIn("cleaned  jitter of 1.", said)
+        found = self.figures("squat", "out.csv", "--dynamics")
+        self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+        self.assertLess(found["contact_slip_p95"], 0.01)
+        self.assertLess(found["dynamics_bad_pct"], 5.0)
+        # The noise floor: signals below the frequencies of the movement remain.
+        self.assertLess(found["limb_angle_deg"][0], 5.0)
+
+    def test_feet_are_held_where_joints_jitter(self):
+        clean = {}
+        for name in ("walk", "get_up", "turn_in_place"):
+            self.run_on(sample(name), output="clean.csv")
+            clean[name] = self.figures(name, "clean.csv", "--dynamics")
+        # limb angle: the limbs' own slow noise; off: how much more bad frames, percent
+        cases = (("walk", 3.0, 0.01, 5.5, 0.0), ("get_up", 3.0, 0.01, 9.5, 0.0),
+                 ("turn_in_place", 3.0, 0.01, 6.0, 6.0), ("get_up", 7.0, 0.05, 15.0, 0.0))
+        for name, degrees, slip, angle, more in cases:
+            with self.subTest(name=name, degrees=degrees):
+                said = self.run_on(self.noisy(name, lambda m: noise.rotation_noise(m, degrees)))
+                self.assertRegex(said, r"\d+ stances of feet held: the legs turn")
+                found = self.figures(name, "out.csv", "--dynamics")
+                self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+                self.assertLess(found["contact_slip_p95"], slip)
+                self.assertLess(found["limb_angle_deg"][0], angle)
+                self.assertLess(found["dynamics_bad_pct"],
+                                2.0 * clean[name]["dynamics_bad_pct"] + more)
+
+    def test_strong_noise_of_keypoints(self):
+        for name, angle in (("walk", 10.0), ("squat", 11.5), ("get_up", 13.5)):
+            with self.subTest(name):
+                motion = noise.Motion(sample(name))
+                names = self.write("names.txt",
+                                   "".join(f"{joint['name']}\n" for joint in motion.joints))
+                source = self.write("points.npy", noise.npy(
+                    noise.keypoints(motion, white=0.03, slow=0.03)))
+                self.run_on(source, "--joint-names", names, *KEYPOINT_RATE)
+                found = self.figures(name)
+                self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+                self.assertLess(found["contact_slip_p95"], 0.01)
+                self.assertLess(found["limb_angle_deg"][0], angle)
+
+    def test_frozen_frames_and_lost_joints_are_bridged(self):
+        said = self.run_on(self.noisy("walk", noise.frozen_frames))
+        self.assertIn("cleaned  20 frozen frames bridged", said)
+        said = self.run_on(self.noisy("walk", lambda m: noise.lost_joint(m, "LeftForeArm")))
+        self.assertRegex(said, r"cleaned  LeftForeArm was lost in \d+ frames: bridged")
+
+    def test_keypoints(self):
+        motion = noise.Motion(sample("squat"))
+        names = self.write("names.txt", "".join(f"{joint['name']}\n" for joint in motion.joints))
+        for lost in (0.0, math.nan):
+            with self.subTest(lost=lost):
+                frames = noise.keypoints(motion, white=0.01, slow=0.01, dropouts=0.03, lost=lost)
+                source = self.write("points.npy", noise.npy(frames))
+                said = self.run_on(source, "--joint-names", names, *KEYPOINT_RATE)
+                self.assertRegex(said, r"22 joints without a place|21 joints without a place")
+                self.assertRegex(said, r"cleaned  jitter of [\d.]+ % of the body size per frame")
+                found = self.figures("squat")
+                self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+                self.assertLess(found["contact_slip_p95"], 0.05)
+
+    def test_the_published_method_takes_clips_as_they_are(self):
+        source = self.noisy("squat", lambda m: noise.sway(m, 0.2))
+        said = self.run_on(source, "--method", "gmr", output="auto.csv")
+        self.assertNotIn("cleaned", said)
+        self.run_on(source, "--method", "gmr", "--clean", "off", output="off.csv")
+        auto, off = ((self.folder / f"{how}.csv").read_bytes() for how in ("auto", "off"))
+        self.assertEqual(auto, off)
+
+    def test_other_commands_have_no_such_option(self):
+        result = self.run_tool("inspect", sample("wave"), "--clean", "off")
+        self.assertEqual(result.returncode, 2, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,176 @@
+// Clips whose angles or root translations are in other units than the rest of the file, made of the
+// samples.
+
+#include "human/skeleton/clip_units.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/bvh/euler_angles.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/hand_made_maps.h"
+#include "human/skeleton/recognise.h"
+#include "human/tiny_skeleton.h"
+#include "human/twins.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::vector<std::string> kSamples = {"walk", "squat", "turn_in_place", "wave", "get_up"};
+
+// A sample with LAFAN1's axes, whose zero pose is impossible for a body, or with a T-pose as zero
+// pose.
+Clip sample_of(const std::string& name, bool with_t_pose) {
+  Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+  return with_t_pose ? with_t_pose_as_zero(clip) : clip;
+}
+
+std::vector<std::string> mend(Clip& clip) {
+  std::vector<std::string> messages;
+  for (const Warning& warning : mend_clip_units(clip, lafan1_map(clip.skeleton(), "test"))) {
+    messages.push_back(warning.message);
+  }
+  return messages;
+}
+
+// The clip of a reader that mistakes radians for degrees.
+Clip with_radians_read_as_degrees(Clip clip) {
+  constexpr std::array<int, 3> kAxes = {2, 1, 0};
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (Eigen::Quaterniond& rotation : clip.rotations(frame)) {
+      std::array<double, 3> none{}, angles{};
+      euler_angles(rotation, kAxes, none, angles);
+      rotation = Eigen::Quaterniond::Identity();
+      for (std::size_t i = 0; i < 3; ++i) {
+        rotate_about(rotation, kAxes[i], angles[i] * M_PI / 180.0);
+      }
+    }
+  }
+  return clip;
+}
+
+Clip with_root(Clip clip, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& change) {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0] = change(clip.translations(frame)[0]);
+  }
+  return clip;
+}
+
+void expect_same(const Clip& found, const Clip& wanted) {
+  for (int frame = 0; frame < wanted.frame_count(); ++frame) {
+    for (int joint = 0; joint < wanted.skeleton().joint_count(); ++joint) {
+      ASSERT_LT(found.rotations(frame)[joint].angularDistance(wanted.rotations(frame)[joint]), 1e-6)
+          << frame << " " << joint;
+    }
+    ASSERT_LT((found.translations(frame)[0] - wanted.translations(frame)[0]).norm(), 1e-6) << frame;
+  }
+}
+
+TEST(ClipUnits, CleanClipsStayAsTheyAre) {
+  for (const std::string& name : kSamples) {
+    for (const bool t_pose : {false, true}) {
+      const Clip clip = sample_of(name, t_pose);
+      Clip mended = clip;
+      EXPECT_THAT(mend(mended), IsEmpty()) << name;
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        ASSERT_EQ(mended.translations(frame)[0], clip.translations(frame)[0]);
+        ASSERT_EQ(mended.rotations(frame)[5].coeffs(), clip.rotations(frame)[5].coeffs());
+      }
+    }
+  }
+}
+
+TEST(ClipUnits, ConvertsRadians) {
+  for (const std::string& name : kSamples) {
+    const Clip clip = sample_of(name, false);
+    Clip mended = with_radians_read_as_degrees(clip);
+    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
+    expect_same(mended, clip);
+  }
+  // where a zero pose is one of a body, the feet must show it
+  for (const std::string name : {"walk", "squat", "get_up"}) {
+    const Clip clip = sample_of(name, true);
+    Clip mended = with_radians_read_as_degrees(clip);
+    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
+    expect_same(mended, clip);
+  }
+}
+
+TEST(ClipUnits, ConvertsTheRootsTranslation) {
+  for (const std::string name : {"walk", "squat", "get_up"}) {
+    for (const double factor : {0.001, 0.01, 0.1, 1.0 / 2.54, 2.54, 10.0, 100.0}) {
+      const Clip clip = sample_of(name, true);
+      Clip mended = with_root(clip, [&](const Eigen::Vector3d& at) { return at * factor; });
+      EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("unit of the root translation differs")))
+          << name << factor;
+      expect_same(mended, clip);
+    }
+  }
+}
+
+TEST(ClipUnits, WarnsAboutARatioBetweenNoTwoUnits) {
+  const Clip clip = sample_of("walk", true);
+  for (const double factor : {0.2, 5.0}) {
+    const Clip changed = with_root(clip, [&](const Eigen::Vector3d& at) { return at * factor; });
+    Clip mended = changed;
+    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("multiplied by"))) << factor;
+    expect_same(mended, changed);
+  }
+}
+
+TEST(ClipUnits, WarnsOfFeetThatMoveUnderARootThatDoesNot) {
+  const Clip walk = sample_of("walk", true);
+  const Eigen::Vector3d first = walk.translations(0)[0];
+  const std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d&)>> changes = {
+      [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, 0); },
+      [&](const Eigen::Vector3d&) { return first; },
+      [](const Eigen::Vector3d& at) { return Eigen::Vector3d(0, at.y(), 0); }};
+  for (const auto& change : changes) {
+    const Clip centred = with_root(walk, change);
+    Clip mended = centred;
+    EXPECT_THAT(mend(mended),
+                ElementsAre(HasSubstr("the planted feet move and the root does not")));
+    expect_same(mended, centred);
+  }
+  // A standing body needs no movement of the root.
+  const Clip wave = sample_of("wave", true);
+  Clip still = with_root(wave, changes[1]);
+  EXPECT_THAT(mend(still), IsEmpty());
+}
+
+// A body that is carried, skates or sits in a vehicle moves without planted feet.
+TEST(ClipUnits, LeavesACarriedBodyAsItIs) {
+  Clip clip = sample_of("wave", true);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0] += Eigen::Vector3d(6.0 * frame, 0.0, 0.0);
+  }
+  const Clip before = clip;
+  EXPECT_THAT(mend(clip), IsEmpty());
+  expect_same(clip, before);
+}
+
+TEST(ClipUnits, FindsNothingInRecordings) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  for (const char* name :
+       {"lafan1_cuts/run2_subject4_run.bvh", "lafan1_cuts/jumps1_subject5_big.bvh",
+        "dialects/cmu_motionbuilder_12_01_walk.bvh", "dialects/xsens_boxing_120fps.bvh"}) {
+    Clip clip = load_bvh((*shared_folder() / "data" / name).string()).value().clip;
+    const BoneMap map = recognise_skeleton(clip, shipped_profiles()).value();
+    EXPECT_THAT(mend_clip_units(clip, map), IsEmpty()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace retarget

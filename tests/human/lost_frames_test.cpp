@@ -1,0 +1,117 @@
+#include "human/gait/lost_frames.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "base/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr int kJoints = 4, kFrames = 60;
+
+// a chain that bends to and fro, never near its zero pose, on a root that goes along x
+Clip bending_chain() {
+  std::vector<Joint> joints(kJoints);
+  for (int i = 0; i < kJoints; ++i) {
+    joints[static_cast<std::size_t>(i)] = {
+        "joint" + std::to_string(i), i - 1, Vector3d::UnitY(), {}, {}};
+  }
+  joints[0].channels = {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition};
+  Clip clip(std::make_shared<const Skeleton>(joints), FrameRate{30, 1}, kFrames);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.translations(frame)[0] = Vector3d(0.02 * frame, 1.0, 0.0);
+    for (int joint = 0; joint < kJoints; ++joint) {
+      const double angle = 1.0 + 0.3 * std::sin(0.15 * frame + joint);
+      clip.rotations(frame)[static_cast<std::size_t>(joint)] = exp_so3(Vector3d(angle, 0.0, 0.0));
+    }
+  }
+  return clip;
+}
+
+bool same_clips(const Clip& a, const Clip& b) {
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      if (a.rotations(frame)[joint].coeffs() != b.rotations(frame)[joint].coeffs()) return false;
+    }
+    if (a.translations(frame)[0] != b.translations(frame)[0]) return false;
+  }
+  return true;
+}
+
+constexpr FrameRange kWhole{0, kFrames};
+
+TEST(LostFrames, CompleteClipsDoNotChange) {
+  const Clip clip = bending_chain();
+  Clip bridged = clip;
+  EXPECT_THAT(bridge_lost_joints(bridged, kWhole), IsEmpty());
+  EXPECT_EQ(bridge_frozen_frames(bridged, kWhole), 0);
+  EXPECT_TRUE(same_clips(clip, bridged));
+}
+
+TEST(LostFrames, ALostJointIsBridged) {
+  const Clip clip = bending_chain();
+  Clip lost = clip;
+  for (const int frame : {20, 21, 22, 40}) lost.rotations(frame)[2] = Quaterniond::Identity();
+  EXPECT_THAT(bridge_lost_joints(lost, kWhole), ElementsAre("joint2 was lost in 4 frames"));
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const auto& found = std::as_const(lost).rotations(frame)[2];
+    EXPECT_LT(found.angularDistance(clip.rotations(frame)[2]), 0.03) << frame;
+  }
+}
+
+TEST(LostFrames, AcceptsAZeroPose) {
+  Clip clip = bending_chain();
+  for (auto& rotation : clip.rotations(30)) rotation = Quaterniond::Identity();
+  const Clip before = clip;
+  EXPECT_THAT(bridge_lost_joints(clip, kWhole), IsEmpty());
+  EXPECT_TRUE(same_clips(before, clip));
+}
+
+TEST(LostFrames, AcceptsAJointThatPassesZero) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.rotations(frame)[2] = exp_so3(Vector3d(0.05 * (frame - 30), 0.0, 0.0));
+  }
+  EXPECT_THAT(bridge_lost_joints(clip, kWhole), IsEmpty());
+}
+
+TEST(LostFrames, FrozenFramesAreBridged) {
+  const Clip clip = bending_chain();
+  Clip frozen = clip;
+  for (int frame = 21; frame < 27; ++frame) copy_frame(clip, 20, frozen, frame);
+  EXPECT_EQ(bridge_frozen_frames(frozen, kWhole), 6);
+  for (int frame = 20; frame < 28; ++frame) {
+    EXPECT_NEAR(std::as_const(frozen).translations(frame)[0].x(), 0.02 * frame, 1e-9);
+  }
+}
+
+TEST(LostFrames, RestsAreNotFrozen) {
+  // The body rests for six frames and then continues the movement.
+  const Clip clip = bending_chain();
+  Clip resting = clip;
+  for (int frame = 21; frame < 27; ++frame) copy_frame(clip, 20, resting, frame);
+  for (int frame = 27; frame < kFrames; ++frame) copy_frame(clip, frame - 6, resting, frame);
+  EXPECT_EQ(bridge_frozen_frames(resting, kWhole), 0);
+}
+
+TEST(LostFrames, RepeatedFramesOfASlowerClipAreNotFrozen) {
+  const Clip clip = bending_chain();
+  Clip repeated = clip;
+  for (int frame = 0; frame < kFrames; ++frame) copy_frame(clip, frame / 4 * 4, repeated, frame);
+  const Clip before = repeated;
+  EXPECT_EQ(bridge_frozen_frames(repeated, kWhole), 0);
+  EXPECT_TRUE(same_clips(before, repeated));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,138 @@
+// The up axis of people who lie, crawl, swim or stand on their hands for a whole clip.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/option_name.h"
+#include "formats/bvh/read_bvh.h"
+#include "formats/smpl/smpl_body.h"
+#include "human/posture_targets.h"
+#include "human/postures.h"
+#include "human/skeleton/recognise.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string& source_folder() {
+  static const std::string folder = RETARGET_SOURCE_DIR;
+  return folder;
+}
+
+const std::vector<SkeletonProfile>& profiles() {
+  static const auto all = load_skeleton_profiles(source_folder() + "/configs/skeletons").value();
+  return all;
+}
+
+const Clip& walk() {
+  static const Clip clip = load_bvh(source_folder() + "/data/walk.bvh").value().clip;
+  return clip;
+}
+
+bool names_up_option(const Calibration& calibration) {
+  return std::ranges::any_of(calibration.doubts, [](const Warning& doubt) {
+    return doubt.message.find(OPTION("up")) != std::string::npos;
+  });
+}
+
+enum class Demand : unsigned char { kRight, kRightOrWarned };
+
+// the axis is right, or the user is warned; of upright bodies it is right without a warning
+void expect_up(const PostureTarget& target, Posture posture, double heading, Demand demand) {
+  SCOPED_TRACE(target.name + ", " + posture_name(posture) + ", " + std::to_string(heading));
+  static const PostureClips postures(walk());
+  Clip clip = transfer(postures.make(posture, heading, 60), postures.calibration(), target.target);
+  clip.set_origin(target.origin);
+  const auto map = recognise_skeleton(clip, profiles());
+  ASSERT_TRUE(map) << describe(map.error());
+  const auto found = calibrate(clip, *map, {});
+  ASSERT_TRUE(found) << describe(found.error());
+  const bool is_right = found->up == target.target.calibration.up;
+  EXPECT_TRUE(is_right || (demand == Demand::kRightOrWarned && names_up_option(*found)))
+      << to_text(found->up);
+}
+
+void expect_up_in_all_postures(const PostureTarget& target, Demand demand) {
+  for (const Posture posture : kPostures) {
+    for (const double heading : {0.0, 90.0, 180.0, 270.0, 30.0}) {
+      expect_up(target, posture, heading, is_upright(posture) ? Demand::kRight : demand);
+    }
+  }
+}
+
+PostureTarget smpl_target() {
+  const auto skeleton = smpl_skeleton(generic_smpl_rest_body(1.7));
+  Clip clip(skeleton, FrameRate{}, 1);
+  clip.rotations(0)[0] = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX());
+  clip.translations(0)[0] = {0.0, 0.0, 0.95};
+  ClipOrigin origin;
+  origin.name = "AMASS";
+  origin.up = Eigen::Vector3d::UnitZ();
+  clip.set_origin(origin);
+  BoneMap map = recognise_skeleton(clip, profiles()).value();
+  Calibration calibration = calibrate(clip, map, {}).value();
+  return {"AMASS", {skeleton, std::move(map), std::move(calibration)}, origin};
+}
+
+// by the kind where the profile names its axis, by the zero pose where it does not
+TEST(LyingBodies, KeepTheUpAxisOfEveryKindOfSkeleton) {
+  for (const SkeletonProfile& profile : profiles()) {
+    if (profile.name == "slimevr") continue;  // its root is the head
+    const SignedAxis up = nearest_axis(profile.facts.up.value_or(Eigen::Vector3d::UnitY()));
+    expect_up_in_all_postures(posture_target(profile, walk(), up), Demand::kRight);
+  }
+}
+
+// files that were turned away from the axis of their kind
+TEST(LyingBodies, AreRightOrWarnedAboutInTurnedFiles) {
+  for (const char* name : {"mixamo", "lafan1", "cmu_daz", "vicon", "smpl", "biped"}) {
+    const auto profile = std::ranges::find(profiles(), name, &SkeletonProfile::name);
+    ASSERT_NE(profile, profiles().end());
+    const bool is_z = profile->facts.up && profile->facts.up->z() > 0.5;
+    expect_up_in_all_postures(posture_target(*profile, walk(), SignedAxis{is_z ? 1 : 2, false}),
+                              Demand::kRightOrWarned);
+  }
+}
+
+TEST(LyingBodies, KeepTheUpAxisThatTheFileStates) {
+  expect_up_in_all_postures(smpl_target(), Demand::kRight);
+  for (const char* file : {"walk.glb", "walk.fbx", "wave_z_up.fbx"}) {
+    const auto target = posture_target(fs::path(source_folder()) / "tests/scene/data" / file);
+    ASSERT_TRUE(target) << file;
+    for (const Posture posture : kPostures) {
+      // the zero poses of FBX files here are no T-poses, and who lies on the side shows no facing
+      if (posture == Posture::kOnSide && std::string(file).ends_with("fbx")) continue;
+      for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
+        expect_up(*target, posture, heading, Demand::kRight);
+      }
+    }
+  }
+}
+
+TEST(LyingBodies, AreRightInEveryKindOfFile) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  int count = 0;
+  for (const char* folder : {"dialects", "smpl", "formats"}) {
+    for (const auto& entry : fs::directory_iterator(*shared_folder() / "data" / folder)) {
+      const auto target = posture_target(entry.path());
+      if (!target) continue;
+      ++count;
+      for (const Posture posture : kPostures) {
+        if (posture == Posture::kOnSide) continue;
+        for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
+          expect_up(*target, posture, heading,
+                    is_upright(posture) ? Demand::kRight : Demand::kRightOrWarned);
+        }
+      }
+    }
+  }
+  EXPECT_GE(count, 15);
+}
+
+}  // namespace
+}  // namespace retarget

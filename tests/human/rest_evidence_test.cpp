@@ -1,0 +1,154 @@
+// Rest poses are compared by what the whole movement shows.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include "base/option_name.h"
+#include "formats/bvh/read_bvh.h"
+#include "human/hand_made_maps.h"
+#include "human/rest_twins.h"
+#include "human/skeleton/calibrate.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+const std::vector<Bone> kLegBones = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftLeg,
+                                     Bone::kRightLeg};
+const std::vector<Bone> kFootBones = {Bone::kLeftFootMod, Bone::kRightFootMod};
+const std::vector<Bone> kBodyBones = {Bone::kHips,        Bone::kSpine2,       Bone::kLeftUpLeg,
+                                      Bone::kRightUpLeg,  Bone::kLeftLeg,      Bone::kRightLeg,
+                                      Bone::kLeftFootMod, Bone::kRightFootMod, Bone::kLeftArm,
+                                      Bone::kRightArm,    Bone::kLeftForeArm,  Bone::kRightForeArm};
+
+Clip window_of(const std::string& name, int begin, int end) {
+  return cut(load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip,
+             begin, end);
+}
+
+HumanClip true_human(const Clip& clip) {
+  return to_human(clip, lafan1_calibration(clip.skeleton()));
+}
+
+Calibration rest_found(const Clip& clip) {
+  CalibrationOptions options;
+  options.up = SignedAxis{};
+  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options);
+  EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
+  return found.value_or(Calibration{});
+}
+
+bool names_rest_option(const Calibration& calibration) {
+  return std::ranges::any_of(calibration.doubts, [](const Warning& doubt) {
+    return doubt.message.find(OPTION("rest")) != std::string::npos;
+  });
+}
+
+Clip with_axes_of_no_meaning(const Clip& clip) {
+  std::srand(7);
+  std::vector<Eigen::Quaterniond> turns;
+  for (int i = 0; i < clip.skeleton().joint_count(); ++i) {
+    turns.push_back(Eigen::Quaterniond::UnitRandom());
+  }
+  return with_other_axes(clip, turns);
+}
+
+// No frame is upright, and no foot stands: the lower trunk and the knees show how the body is built.
+TEST(RestEvidence, LyingBodiesAreLearnedByTheirBuild) {
+  for (const auto& [begin, end] : {std::pair(0, 30), std::pair(0, 60), std::pair(120, 150)}) {
+    SCOPED_TRACE(begin);
+    const Clip clip = window_of("get_up", begin, end);
+    const Calibration found = rest_found(with_axes_of_no_meaning(clip));
+    EXPECT_EQ(found.rest_pose, "learned");
+    const HumanClip human = to_human(with_axes_of_no_meaning(clip), found);
+    const HumanClip expected = true_human(clip);
+    EXPECT_LT(mean_turn(human, expected, kBodyBones), 9.0);
+    EXPECT_LT(mean_turn(human, expected, {Bone::kHips}), 20.0);
+    EXPECT_LT(mean_turn(human, expected, kFootBones), 15.0);
+  }
+}
+
+TEST(RestEvidence, ASeatedZeroPoseThatFitsTheMovementIsTaken) {
+  ZeroShape seated;
+  seated.thigh = seated.knee = 85.0;
+  seated.arms_down = 70.0;
+  seated.elbow = 40.0;
+  const Clip clip = window_of("get_up", 0, 260);
+  const Clip twin = with_zero_shape(clip, seated);
+  const Calibration found = rest_found(twin);
+  EXPECT_EQ(found.rest_pose, "zero pose");
+  EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kBodyBones), 1.0);
+  // the winner and by how much
+  EXPECT_THAT(found.description, testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees "
+                                                        "off; expected error [0-9.]+ degrees, the "
+                                                        "whole movement [0-9.]+\\)"));
+}
+
+TEST(RestEvidence, AZeroPoseThatContradictsTheMovementIsNot) {
+  ZeroShape crouch;
+  crouch.lean = 30.0;
+  crouch.thigh = 60.0;
+  crouch.knee = 90.0;
+  crouch.arms_down = 80.0;
+  crouch.arms_ahead = 50.0;
+  const Clip clip = window_of("squat", 0, 90);
+  const Calibration found = rest_found(with_zero_shape(clip, crouch));
+  EXPECT_EQ(found.rest_pose, "learned");
+  EXPECT_FALSE(names_rest_option(found));
+  EXPECT_THAT(found.description,
+              testing::ContainsRegex("learned from the movement \\(expected error [0-9.]+ "
+                                     "degrees, [a-z0-9 ]+ [0-9.]+\\)"));
+}
+
+// a body with straight limbs that leans forward and keeps still, and a zero pose of no meaning
+TEST(RestEvidence, AClipThatShowsTooLittleIsDoubted) {
+  ZeroShape leaning;
+  leaning.lean = 40.0;
+  leaning.arms_down = 80.0;
+  const Clip built = with_zero_shape(window_of("walk", 0, 1), leaning);
+  const Clip clip(built.shared_skeleton(), built.rate(), 30);
+  const Calibration found = rest_found(with_axes_of_no_meaning(clip));
+  EXPECT_TRUE(names_rest_option(found)) << found.description;
+}
+
+TEST(RestEvidence, CleanStandingClipsAreNotDoubted) {
+  for (const char* name : {"squat", "turn_in_place", "walk", "wave"}) {
+    const Clip clip = window_of(name, 0, 60);
+    EXPECT_TRUE(rest_found(clip).doubts.empty()) << name;
+    EXPECT_TRUE(rest_found(with_zero_shape(clip, {})).doubts.empty()) << name;
+  }
+}
+
+// Rotations that were made for another skeleton: legs point as they should and bend about another
+// axis than the zero pose says.
+TEST(RestEvidence, KneesThatBendAboutAnotherAxisAreLearned) {
+  for (const char* name : {"get_up", "squat", "walk"}) {
+    const Clip clip = window_of(name, 0, 90);
+    const Clip twin = with_zero_shape(clip, {}, 50.0);
+    const Calibration found = rest_found(twin);
+    EXPECT_EQ(found.rest_pose, "zero pose");
+    EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kLegBones), 5.0) << name;
+  }
+}
+
+// Crawling people never stand; learned axes were 30 degrees off.
+TEST(RestEvidence, CrawlingPeopleAreLearned) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  const auto file = *shared_folder() / "data" / "lafan1" / "ground1_subject1.bvh";
+  const Clip clip = load_bvh(file.string()).value().clip;
+  double sum = 0.0;
+  int count = 0;
+  for (int begin = 400; begin + 90 <= clip.frame_count(); begin += 400) {
+    const Clip window = cut(clip, begin, begin + 90);
+    const Calibration found = rest_found(window);
+    sum += mean_turn(to_human(window, found), true_human(window), kBodyBones);
+    ++count;
+  }
+  EXPECT_LT(sum / count, 10.0);
+}
+
+}  // namespace
+}  // namespace retarget

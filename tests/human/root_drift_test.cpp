@@ -1,0 +1,194 @@
+#include "human/gait/root_drift.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFrameTime = 1.0 / 30.0;
+constexpr double kPi = std::numbers::pi;
+
+// feet and hips of a body by frame
+struct Body {
+  SourceFeet feet;
+  std::vector<Vector3d> hips;
+};
+
+using Path = std::function<Vector3d(double seconds)>;
+
+Vector3d nowhere(double) {
+  return Vector3d::Zero();
+}
+
+// The hips and a foot of a person who walks along x, in steps of 0.6 m that take 0.4 s.
+Vector3d foot_of_walker(int foot, double seconds) {
+  constexpr double kStep = 0.4, kStride = 1.2;
+  const double phase = seconds / (2.0 * kStep) + 0.5 * foot;
+  const double whole = std::floor(phase), part = phase - whole;
+  // it stands for a little more than half of the time
+  constexpr double kStands = 0.55;
+  const double swing = std::max(0.0, (part - kStands) / (1.0 - kStands));
+  const double along = kStride * (whole + swing - std::sin(2.0 * kPi * swing) / (2.0 * kPi));
+  const double up = 0.1 * std::pow(std::sin(kPi * swing), 2.0);
+  return {along - 0.5 * foot * kStride, foot == 0 ? 0.1 : -0.1, up};
+}
+
+Body body_of(int frames, const Path& off, const std::function<Vector3d(int, double)>& foot_at) {
+  Body body;
+  body.feet.frame_time = kFrameTime;
+  body.feet.foot_count = 2;
+  body.feet.legs = {kUsualSourceLeg};
+  for (int frame = 0; frame < frames; ++frame) {
+    const double seconds = frame * kFrameTime;
+    Vector3d middle = Vector3d::Zero();
+    for (const int foot : {0, 1}) {
+      const Vector3d place = foot_at(foot, seconds);
+      middle += 0.5 * place;
+      SourceFoot& made = body.feet.feet.emplace_back();
+      made.ankle = place + off(seconds) + Vector3d(0.0, 0.0, 0.08);
+      made.toe = place + off(seconds) + Vector3d(0.14, 0.0, 0.02);
+    }
+    body.hips.push_back(Vector3d(middle.x(), 0.0, 0.9) + off(seconds));
+  }
+  return body;
+}
+
+Vector3d standing_foot(int foot, double) {
+  return {0.0, foot == 0 ? 0.1 : -0.1, 0.0};
+}
+
+// stairs: every step 0.15 m higher than the last one
+Vector3d foot_on_stairs(int foot, double seconds) {
+  Vector3d place = foot_of_walker(foot, seconds);
+  place.z() += 0.15 * place.x() / 0.6;
+  return place;
+}
+
+Vector3d sway(double seconds) {
+  return {0.0, 0.2 * std::sin(2.0 * kPi * seconds / 4.0), 0.0};
+}
+
+double farthest_left(const Body& body, const Path& off, const RootDrift& found) {
+  // where the body is as a whole is not known
+  const Vector3d first = found.drift.front() - off(0.0);
+  double far = 0.0;
+  for (std::size_t i = 0; i < body.hips.size(); ++i) {
+    const Vector3d left = found.drift[i] - off(static_cast<double>(i) * kFrameTime) - first;
+    far = std::max(far, left.norm());
+  }
+  return far;
+}
+
+TEST(RootDrift, FeetThatStandSayThatTheRootIsRight) {
+  const RootEvidence standing = measure_root(body_of(90, nowhere, standing_foot).feet);
+  EXPECT_NEAR(standing.seconds, 3.0, 1e-9);
+  EXPECT_EQ(standing.speed, 0.0);
+  EXPECT_FALSE(standing.moves());
+  const RootEvidence walking = measure_root(body_of(150, nowhere, foot_of_walker).feet);
+  EXPECT_GT(walking.single_seconds, 1.0);
+  EXPECT_LT(walking.single_speed, 0.05);
+  EXPECT_FALSE(walking.moves());
+}
+
+TEST(RootDrift, IgnoresStairs) {
+  const RootEvidence stairs = measure_root(body_of(300, nowhere, foot_on_stairs).feet);
+  EXPECT_FALSE(stairs.climbs_steadily);
+  EXPECT_FALSE(stairs.moves());
+}
+
+TEST(RootDrift, IgnoresJumps) {
+  const auto jumping = [](double seconds) {
+    const double part = seconds - std::floor(seconds);
+    return Vector3d(0.0, 0.0, std::max(0.0, 4.905 * part * (0.5 - part)));
+  };
+  EXPECT_FALSE(measure_root(body_of(300, jumping, standing_foot).feet).moves());
+}
+
+TEST(RootDrift, SwayIsMeasured) {
+  const RootEvidence evidence = measure_root(body_of(240, sway, standing_foot).feet);
+  // The speed of a sine exceeds this value during 65 % of the time.
+  EXPECT_NEAR(evidence.speed, 0.2 * 2.0 * kPi / 4.0 * std::sin(0.35 * kPi / 2.0), 0.02);
+  EXPECT_TRUE(evidence.moves());
+}
+
+TEST(RootDrift, ASlowClimbOfTheFloorIsMeasured) {
+  const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.03 * seconds); };
+  const RootEvidence evidence = measure_root(body_of(300, climb, standing_foot).feet);
+  EXPECT_NEAR(evidence.climb, 0.3, 0.01);
+  EXPECT_TRUE(evidence.moves());
+  EXPECT_TRUE(evidence.climbs());
+}
+
+TEST(RootDrift, BodiesWithoutToesAreLeftAlone) {
+  Body body = body_of(90, sway, standing_foot);
+  body.feet.has_toe = {false, false};
+  EXPECT_FALSE(measure_root(body.feet).moves());
+  EXPECT_TRUE(find_root_drift(body.feet, body.hips).drift.empty());
+}
+
+TEST(RootDrift, IgnoresFeetOfALyingBody) {
+  Body body = body_of(240, sway, standing_foot);
+  body.feet.hips.assign(240, 0.15);
+  EXPECT_EQ(measure_root(body.feet).seconds, 0.0);
+  EXPECT_FALSE(measure_root(body.feet).moves());
+}
+
+TEST(RootDrift, SwayIsFound) {
+  const Body body = body_of(240, sway, foot_of_walker);
+  const RootDrift found = find_root_drift(body.feet, body.hips);
+  EXPECT_TRUE(found.helps());
+  EXPECT_GT(found.speed_before, 0.1);
+  EXPECT_LT(found.speed_after, 0.02);
+  EXPECT_GT(found.farthest, 0.15);
+  EXPECT_LT(farthest_left(body, sway, found), 0.06);
+}
+
+TEST(RootDrift, DoesNotChangeACorrectRoot) {
+  const Body body = body_of(240, nowhere, foot_of_walker);
+  const RootDrift found = find_root_drift(body.feet, body.hips);
+  EXPECT_LT(farthest_left(body, nowhere, found), 0.05);
+}
+
+TEST(RootDrift, AStepAboveTheFloorStaysAbove) {
+  // up to a box 0.3 m high after half of the clip, in a sway
+  const auto foot_at = [](int foot, double seconds) {
+    Vector3d place = standing_foot(foot, seconds);
+    const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);
+    place.x() = 0.3 * rise;
+    place.z() = 0.3 * rise * rise * (3.0 - 2.0 * rise);
+    return place;
+  };
+  const Body body = body_of(270, sway, foot_at);
+  const RootEvidence evidence = measure_root(body.feet);
+  EXPECT_TRUE(evidence.moves());
+  EXPECT_FALSE(evidence.climbs());
+  const RootDrift found = find_root_drift(body.feet, body.hips, {false, evidence.climbs()});
+  const double rise = body.feet.at(269, 0).toe.z() - found.drift[269].z() -
+                      (body.feet.at(0, 0).toe.z() - found.drift[0].z());
+  EXPECT_NEAR(rise, 0.3, 1e-9);
+  EXPECT_LT(found.speed_after, 0.02);
+}
+
+TEST(RootDrift, ScalesLengthsWithTheBody) {
+  Body body = body_of(240, sway, foot_of_walker);
+  const RootDrift usual = find_root_drift(body.feet, body.hips);
+  for (SourceFoot& foot : body.feet.feet) {
+    foot.ankle *= 0.5;
+    foot.toe *= 0.5;
+  }
+  for (Vector3d& hips : body.hips) hips *= 0.5;
+  body.feet.legs = {0.5 * kUsualSourceLeg};
+  const RootDrift small = find_root_drift(body.feet, body.hips);
+  EXPECT_NEAR(small.farthest, 0.5 * usual.farthest, 1e-9);
+}
+
+}  // namespace
+}  // namespace retarget

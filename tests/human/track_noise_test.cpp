@@ -1,0 +1,168 @@
+#include "human/gait/track_noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "base/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kFrameTime = 1.0 / 30.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// a joint that swings, by 20 degrees every two seconds
+std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double hertz = 0.5) {
+  std::vector<Quaterniond> rotations;
+  for (int i = 0; i < frames; ++i) {
+    const double angle =
+        degrees * kDegree * std::sin(2.0 * std::numbers::pi * hertz * i * kFrameTime);
+    rotations.push_back(exp_so3(Vector3d(0.8 * angle, 0.0, 0.6 * angle)));
+  }
+  return rotations;
+}
+
+// errors that are forgotten over 0.3 s, so many degrees about each axis
+std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
+  std::mt19937 random(7);
+  const double keep = std::exp(-kFrameTime / 0.3);
+  // sums of uniform numbers are the same with every standard library
+  const auto gauss = [&] {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
+    return sum;
+  };
+  Vector3d error = Vector3d::Zero();
+  for (Quaterniond& rotation : rotations) {
+    const Vector3d fresh(gauss(), gauss(), gauss());
+    error = keep * error + std::sqrt(1.0 - keep * keep) * degrees * kDegree * fresh;
+    rotation = rotation * exp_so3(error);
+  }
+  return rotations;
+}
+
+double mean_change(const std::vector<Quaterniond>& rotations) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 2 < rotations.size(); ++i) {
+    sum += (log_so3(rotations[i + 1].conjugate() * rotations[i + 2]) -
+            log_so3(rotations[i].conjugate() * rotations[i + 1]))
+               .norm();
+  }
+  return sum / static_cast<double>(rotations.size() - 2);
+}
+
+TEST(TrackNoise, IgnoresMovement) {
+  const TrackNoise noise = measure_noise(swing(), kFrameTime);
+  EXPECT_TRUE(noise.moves);
+  EXPECT_GT(noise.correlation, 0.5);
+  EXPECT_LT(noise.step, 1e-3);
+  EXPECT_FALSE(noise.exceeds(kLargeStep));
+  EXPECT_FALSE(noise.may_exceed(kSmallStep));
+}
+
+double rms_error(const std::vector<Quaterniond>& a, const std::vector<Quaterniond>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += log_so3(a[i].conjugate() * b[i]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// A knee in walking bends with harmonics of the step's frequency.
+TEST(TrackNoise, SmoothingDoesNotTakeTheStepsFromAKnee) {
+  std::vector<Quaterniond> knee;
+  for (int i = 0; i < 300; ++i) {
+    const double phase = 2.0 * std::numbers::pi * i * kFrameTime;
+    const double angle = 20.0 * std::sin(phase) + 15.0 * std::sin(2.0 * phase + 1.0) +
+                         8.0 * std::sin(3.0 * phase + 2.0);
+    knee.push_back(exp_so3(Vector3d(0.0, 0.0, angle * kDegree)));
+  }
+  const auto noisy = with_noise(knee, 5.0);
+  const TrackNoise noise = measure_noise(noisy, kFrameTime);
+  const auto smooth = smoothed(noisy, cutoff_for(noise, kFrameTime, 1.5), kFrameTime);
+  EXPECT_LT(rms_error(knee, smooth), rms_error(knee, noisy));
+  EXPECT_LT(mean_change(smooth), 0.7 * mean_change(noisy));
+}
+
+TEST(TrackNoise, FastMovementsHideIt) {
+  const auto fast = with_noise(swing(300, 40.0, 1.0), 1.0);
+  const TrackNoise noise = measure_noise(fast, kFrameTime);
+  EXPECT_FALSE(noise.exceeds(kLargeStep));
+  EXPECT_TRUE(noise.may_exceed(kLargeStep));
+  EXPECT_FALSE(measure_noise(swing(300, 40.0, 1.0), kFrameTime).may_exceed(kSmallStep));
+}
+
+TEST(TrackNoise, PlacesHaveIt) {
+  std::vector<Vector3d> places;
+  std::mt19937 random(3);
+  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
+  for (int i = 0; i < 300; ++i) {
+    const double along = 0.3 * std::sin(0.1 * i);
+    places.push_back(Vector3d(along, 0.0, 1.0) + 0.02 * Vector3d(uniform(), uniform(), uniform()));
+  }
+  const TrackNoise noise = measure_noise(places, kFrameTime);
+  EXPECT_TRUE(noise.exceeds(0.005));
+  double before = 0.0, after = 0.0;
+  const auto smooth = smoothed(places, cutoff_for(noise, kFrameTime, 2.5), kFrameTime);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d place(0.3 * std::sin(0.1 * i), 0.0, 1.0);
+    before += (places[i] - place).norm();
+    after += (smooth[i] - place).norm();
+  }
+  EXPECT_LT(after, 0.6 * before);
+}
+
+TEST(TrackNoise, StillJointsAndShortTracksHaveNone) {
+  const std::vector<Quaterniond> still(100, Quaterniond::Identity());
+  EXPECT_FALSE(measure_noise(still, kFrameTime).moves);
+  EXPECT_FALSE(measure_noise(with_noise(swing(8), 5.0), kFrameTime).moves);
+}
+
+TEST(TrackNoise, IsMeasured) {
+  const TrackNoise noise = measure_noise(with_noise(swing(), 2.0), kFrameTime);
+  EXPECT_TRUE(noise.exceeds(kLargeStep));
+  EXPECT_LT(noise.correlation, -0.35);
+  // three axes, each of which changes by sqrt(2 (1 - keep)) of the error
+  const double step = std::sqrt(6.0 * (1.0 - std::exp(-kFrameTime / 0.3))) * 2.0 * kDegree;
+  EXPECT_NEAR(noise.step, step, 0.25 * step);
+}
+
+TEST(TrackNoise, SmallNoiseStaysUnlessOthersHaveMuch) {
+  const TrackNoise noise = measure_noise(with_noise(swing(), 0.3), kFrameTime);
+  EXPECT_FALSE(noise.exceeds(kLargeStep));
+}
+
+TEST(TrackNoise, SmoothingFollowsTheMovement) {
+  const std::vector<Quaterniond> clean = swing(300, 40.0, 1.0), noisy = with_noise(clean, 2.0);
+  const TrackNoise noise = measure_noise(noisy, kFrameTime);
+  const double cutoff = cutoff_for(noise, kFrameTime, 1.5);
+  EXPECT_GT(cutoff, 1.5);
+  EXPECT_LT(cutoff, 6.0);
+  const std::vector<Quaterniond> smooth = smoothed(noisy, cutoff, kFrameTime);
+  double before = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    before += clean[i].angularDistance(noisy[i]);
+    after += clean[i].angularDistance(smooth[i]);
+  }
+  EXPECT_LT(after, before);
+  EXPECT_LT(mean_change(smooth), 1.2 * mean_change(clean));
+  EXPECT_GT(mean_change(noisy), 1.8 * mean_change(clean));
+}
+
+TEST(TrackNoise, StrongerNoiseIsSmoothedMore) {
+  const auto cutoff = [](double degrees) {
+    return cutoff_for(measure_noise(with_noise(swing(300, 40.0, 1.0), degrees), kFrameTime),
+                      kFrameTime, 1.5);
+  };
+  EXPECT_LT(cutoff(4.0), cutoff(1.0));
+}
+
+}  // namespace
+}  // namespace retarget

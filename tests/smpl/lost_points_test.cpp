@@ -1,0 +1,88 @@
+#include "formats/smpl/joint_orders.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kFrames = 20;
+
+// three joints that go along x
+JointMotion going() {
+  JointMotion motion;
+  motion.frame_count = kFrames;
+  motion.joint_count = 3;
+  motion.names = {"hips", "elbow", "wrist"};
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (int joint = 0; joint < 3; ++joint) {
+      motion.positions.emplace_back(0.01 * frame, 0.2 * joint, 1.0);
+    }
+  }
+  return motion;
+}
+
+void lose(JointMotion& motion, int frame, int joint, double value) {
+  motion.positions[motion.index(frame, joint)] = Vector3d::Constant(value);
+}
+
+TEST(LostPoints, CompleteMotionsDoNotChange) {
+  JointMotion motion = going();
+  bridge_lost_points(motion);
+  EXPECT_EQ(motion.positions, going().positions);
+  EXPECT_THAT(motion.warnings, IsEmpty());
+}
+
+TEST(LostPoints, AreBridgedAndReported) {
+  for (const double lost : {0.0, kNan}) {
+    JointMotion motion = going();
+    for (const int frame : {5, 6, 7, 12}) lose(motion, frame, 2, lost);
+    bridge_lost_points(motion);
+    for (int frame = 0; frame < kFrames; ++frame) {
+      EXPECT_LT((motion.position(frame, 2) - going().position(frame, 2)).norm(), 1e-12) << frame;
+    }
+    ASSERT_EQ(motion.warnings.size(), 1U);
+    EXPECT_THAT(motion.warnings[0].message, HasSubstr("4 of 20 frames"));
+    EXPECT_THAT(motion.warnings[0].message, HasSubstr("wrist"));
+  }
+}
+
+TEST(LostPoints, NothingIsBridgedAtTheEnds) {
+  JointMotion motion = going();
+  lose(motion, 0, 1, 0.0);
+  lose(motion, kFrames - 1, 1, 0.0);
+  bridge_lost_points(motion);
+  EXPECT_EQ(motion.position(0, 1), Vector3d::Zero());
+  EXPECT_EQ(motion.position(kFrames - 1, 1), Vector3d::Zero());
+  EXPECT_THAT(motion.warnings, IsEmpty());
+}
+
+TEST(LostPoints, AJointThatBelongsAtTheOriginStays) {
+  JointMotion motion = going();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    if (frame % 3 != 0) lose(motion, frame, 0, 0.0);
+  }
+  const auto before = motion.positions;
+  bridge_lost_points(motion);
+  EXPECT_EQ(motion.positions, before);
+}
+
+TEST(LostPoints, AJointThatPassesTheOriginStays) {
+  JointMotion motion = going();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    motion.positions[motion.index(frame, 2)] = Vector3d(0.1 * (frame - 10), 0.0, 0.0);
+  }
+  const auto before = motion.positions;
+  bridge_lost_points(motion);
+  EXPECT_EQ(motion.positions, before);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,223 @@
+// The parts that bytes of streams go through: lines, queues, writers, senders.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "live/stream/frame_bytes_queue.h"
+#include "live/stream/line_cutter.h"
+#include "live/stream/sender_lock.h"
+#include "live/stream/writer_thread.h"
+
+namespace retarget {
+namespace {
+
+std::vector<std::string> lines_of(LineCutter& cutter) {
+  std::vector<std::string> lines;
+  for (std::string_view line; cutter.next(line);) lines.emplace_back(line);
+  return lines;
+}
+
+using Lines = std::vector<std::string>;
+
+TEST(LineCutter, JoinsPiecesToWholeLines) {
+  LineCutter cutter(64);
+  cutter.add("a\n\n  \nb");
+  EXPECT_EQ(lines_of(cutter), (Lines{"a"}));
+  cutter.add("c\nd");
+  EXPECT_EQ(lines_of(cutter), (Lines{"bc"}));
+  cutter.end();
+  EXPECT_EQ(lines_of(cutter), (Lines{"d"}));
+  EXPECT_EQ(cutter.dropped(), 0);
+}
+
+TEST(LineCutter, DropsLinesWithoutAnEnd) {
+  LineCutter cutter(64);
+  const std::string piece(1000, 'x');
+  for (int i = 0; i < 5000; ++i) {
+    cutter.add(piece);
+    EXPECT_TRUE(lines_of(cutter).empty());
+  }
+  EXPECT_EQ(cutter.dropped(), 1);
+  cutter.add("x\nnext\n");
+  EXPECT_EQ(lines_of(cutter), (Lines{"next"}));
+  EXPECT_EQ(cutter.dropped(), 1);
+}
+
+// a line that comes byte by byte is looked through once
+TEST(LineCutter, TakesTimeByTheBytes) {
+  LineCutter cutter(64);
+  const auto begin = std::chrono::steady_clock::now();
+  std::string_view line;
+  for (int i = 0; i < 1'000'000; ++i) {
+    cutter.add("x");
+    ASSERT_FALSE(cutter.next(line));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+}
+
+TEST(LineCutter, BoundsTheLinesOfADatagram) {
+  LineCutter cutter(3);
+  std::string datagram;
+  for (int i = 0; i < 20000; ++i) datagram += "{}\n";
+  cutter.add_datagram(datagram);
+  EXPECT_EQ(lines_of(cutter).size(), 3U);
+  EXPECT_EQ(cutter.dropped(), 1);
+  cutter.add_datagram("1\n2\n3");
+  EXPECT_EQ(lines_of(cutter), (Lines{"1", "2", "3"}));
+}
+
+TEST(FrameBytesQueue, IsBoundedByFramesAndBytes) {
+  FrameBytesQueue queue({3, 10});
+  EXPECT_TRUE(queue.has_room(100)) << "an empty queue takes any frame";
+  queue.push("1234");
+  queue.push("5678");
+  EXPECT_FALSE(queue.has_room(4));
+  ASSERT_TRUE(queue.has_room(2));
+  queue.push("90");
+  EXPECT_FALSE(queue.has_room(0));
+  std::string frame;
+  queue.take(frame);
+  EXPECT_EQ(frame, "1234");
+  queue.drop_oldest();
+  queue.take(frame);
+  EXPECT_EQ(frame, "90");
+  EXPECT_TRUE(queue.empty());
+}
+
+class Writer : public testing::Test {
+ protected:
+  Writer() {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    reader_ = Descriptor(ends[0]);
+    to_ = Descriptor(ends[1]);
+  }
+  std::string read_all() {
+    std::string all;
+    std::array<char, 65536> room;
+    for (ssize_t count = 1; count > 0;) {
+      count = ::read(reader_.number(), room.data(), room.size());
+      if (count > 0) all.append(room.data(), static_cast<std::size_t>(count));
+    }
+    return all;
+  }
+  Descriptor reader_, to_;
+  const std::string piece_ = std::string(1000, 'x');
+};
+
+TEST_F(Writer, ASleepingReaderDoesNotBlockTheWriter) {
+  const auto begin = std::chrono::steady_clock::now();
+  int taken = 0;
+  {
+    WriterThread writer(std::move(to_), {100, 1 << 20});
+    for (int i = 0; i < 2000; ++i) taken += writer.put(piece_) ? 1 : 0;
+    EXPECT_FALSE(writer.finish(false, {}));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_LT(taken, 400);
+  EXPECT_EQ(read_all().size() % piece_.size(), 0U) << "no piece is cut";
+}
+
+TEST_F(Writer, WaitsForASlowReaderIfItIsPatient) {
+  std::string all;
+  std::thread slow([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    all = read_all();
+  });
+  {
+    WriterThread writer(std::move(to_), {10, 1 << 20});
+    for (int i = 0; i < 500; ++i) EXPECT_TRUE(writer.put_in_time(piece_, [] { return false; }));
+    EXPECT_TRUE(writer.finish(true, [] { return false; }));
+    EXPECT_EQ(writer.progress().written, 500);
+  }
+  slow.join();
+  EXPECT_EQ(all.size(), 500 * piece_.size());
+}
+
+TEST_F(Writer, PatienceEndsWhenItIsStopped) {
+  WriterThread writer(std::move(to_), {200, 1 << 20});
+  // more than a pipe holds
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(writer.put(piece_));
+  const auto stopped = [] { return true; };
+  EXPECT_FALSE(writer.put_in_time(std::string(1 << 20, 'x'), stopped));
+  EXPECT_FALSE(writer.finish(true, stopped));
+}
+
+TEST_F(Writer, AReaderThatHasGoneIsAnError) {
+  reader_.close();
+  WriterThread writer(std::move(to_), {10, 1 << 20});
+  EXPECT_TRUE(writer.put(piece_));
+  EXPECT_FALSE(writer.finish(false, {}));
+  EXPECT_EQ(writer.progress().error, EPIPE);
+  EXPECT_FALSE(writer.put(piece_));
+}
+
+class Senders : public testing::Test {
+ protected:
+  using Verdict = SenderLock::Verdict;
+  static Endpoint at(std::uint32_t host, std::uint16_t port) { return {host, port}; }
+};
+
+TEST_F(Senders, TheFirstOneIsKeptUntilItIsSilent) {
+  SenderLock lock;
+  EXPECT_EQ(lock.judge(at(1, 5), 0.0), Verdict::kSender);
+  EXPECT_EQ(lock.judge(at(1, 5), 0.1), Verdict::kSender);
+  EXPECT_EQ(lock.judge(at(1, 6), 0.2), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(2, 5), 1.0), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(2, 5), 1.2), Verdict::kNewSender);
+  EXPECT_EQ(lock.judge(at(1, 5), 1.3), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(2, 9), 2.5), Verdict::kSender) << "the same machine";
+}
+
+TEST_F(Senders, APortForEveryDatagramIsOneSender) {
+  SenderLock lock;
+  for (std::uint16_t i = 0; i < 1000; ++i) {
+    EXPECT_EQ(lock.judge(at(1, i), 0.01 * i), Verdict::kSender);
+    EXPECT_EQ(lock.judge(at(2, i), 0.01 * i), Verdict::kStranger);
+  }
+}
+
+TEST_F(Senders, OfTwoProgramsOfAMachineOneIsFollowed) {
+  SenderLock lock;
+  int first = 0, second = 0;
+  for (int i = 0; i < 100; ++i) {
+    first += lock.judge(at(1, 5), 0.02 * i) == Verdict::kSender ? 1 : 0;
+    second += lock.judge(at(1, 6), 0.02 * i + 0.01) == Verdict::kSender ? 1 : 0;
+  }
+  EXPECT_EQ(first, 100);
+  EXPECT_EQ(second, 1);
+}
+
+TEST_F(Senders, AcceptsOnlyPermittedSenders) {
+  SenderLock lock(SenderFilter::parse("10.0.0.2").value());
+  EXPECT_EQ(lock.judge(at(0x0A000003, 5), 0.0), Verdict::kStranger);
+  EXPECT_EQ(lock.judge(at(0x0A000002, 5), 0.0), Verdict::kSender);
+  SenderLock with_port(SenderFilter::parse("10.0.0.2:7").value());
+  EXPECT_EQ(with_port.judge(at(0x0A000002, 5), 0.0), Verdict::kStranger);
+  EXPECT_EQ(with_port.judge(at(0x0A000002, 7), 0.0), Verdict::kSender);
+  SenderLock everybody(SenderFilter::parse("any").value());
+  EXPECT_EQ(everybody.judge(at(1, 1), 0.0), Verdict::kSender);
+  EXPECT_EQ(everybody.judge(at(2, 2), 0.0), Verdict::kSender);
+  for (const char* bad : {"motive", "10.0.0", "10.0.0.2:", "10.0.0.2:0", "10.0.0.2:99999", ":7"}) {
+    EXPECT_FALSE(SenderFilter::parse(bad)) << bad;
+  }
+}
+
+TEST_F(Senders, AServerSendsFromSeveralPorts) {
+  SenderLock lock({}, true);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(lock.judge(at(1, 1510), 0.02 * i), Verdict::kSender);
+    EXPECT_EQ(lock.judge(at(1, 1511), 0.02 * i), Verdict::kSender);
+    EXPECT_EQ(lock.judge(at(2, 1511), 0.02 * i), Verdict::kStranger);
+  }
+}
+
+}  // namespace
+}  // namespace retarget
