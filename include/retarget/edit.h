@@ -240,7 +240,7 @@ enum class SeamBlend : std::uint8_t {
   kInertial,   ///< Switches at once; the difference at the seam fades out in the second clip.
 };
 
-/// Limits of joints at a seam or on a path, as multiples of their 99.9th percentile in the clips.
+/// Joint speed and acceleration limits at a seam or on a path, as multiples of their 99.9th percentile in the clips.
 struct MotionLimits {
   double speed = 3.0;
   double acceleration = 3.0;
@@ -430,7 +430,7 @@ struct FollowPathOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
-  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break count as one, seconds.
+  double same_stand = 0.1;  ///< Shorter breaks of a foot contact are ignored, seconds.
   MotionLimits limits;      ///< Limits of the joints.
 };
 

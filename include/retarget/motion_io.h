@@ -183,7 +183,7 @@ struct TrackingMotion {
 
 /// Formats an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
 /// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which trainers ignore: `flavour`,
-/// the names of joints and bodies and, if known, `contacts` (frames, 4) bool and `contact_names`.
+/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`.
 ///
 /// kNpzHolosoma: `joint_pos` starts with the root's position and quaternion wxyz, `joint_vel` with
 /// its linear and angular velocity in the world frame.

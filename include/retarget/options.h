@@ -44,7 +44,7 @@ enum class Interpolation : unsigned char {
             ///< Shoemake's spherical form.
 };
 
-/// File formats of robot motions; docs/formats.md describes each.
+/// File formats for robot motions; see docs/formats.md.
 enum class MotionFormat : unsigned char {
   kCsv,       ///< Unitree's layout: root position, quaternion, joints; SI units.
   kCsvSoma,   ///< SOMA and BONES-SEED: header, frame number, centimetres, degrees, Euler angles.

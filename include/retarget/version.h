@@ -9,7 +9,7 @@ namespace RETARGET_API retarget {
 /// The version of this library and tool, `major.minor.patch`.
 [[nodiscard]] std::string version_number();
 
-/// What `--version` prints, one fact per line, no final newline: version and git commit (where
+/// The output of `--version`, one fact per line, no final newline: version and git commit (where
 /// built from a git checkout), compiler and whether it compiled for the building machine alone
 /// (RETARGET_NATIVE), MuJoCo's header and library, Eigen.
 ///

@@ -1,4 +1,4 @@
-"""What the tests of the package share."""
+"""Fixtures of the package tests."""
 
 from __future__ import annotations
 

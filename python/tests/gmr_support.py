@@ -1,4 +1,4 @@
-"""What tests of retarget.gmr share: sample frames, the tool, the shared data."""
+"""Helpers for tests of retarget.gmr: sample frames, the tool, the shared data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DATA = ROOT / "data"
 
 
 def shared_folder() -> pathlib.Path:
-    """The folder with reference results; skips the test where there is none."""
+    """The folder with reference results; skips the test if it is missing."""
     folder = os.environ.get("RETARGET_SHARED")
     if not folder:
         pytest.skip("RETARGET_SHARED does not name a folder with reference data")

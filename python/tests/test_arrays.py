@@ -1,4 +1,4 @@
-"""Arrays: what they hold, whose memory they are, what is taken for one."""
+"""Arrays: contents, memory ownership, accepted inputs."""
 
 from __future__ import annotations
 

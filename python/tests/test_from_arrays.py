@@ -1,4 +1,4 @@
-"""Clips from arrays: the same motion as from a file, and clear words for what is no motion."""
+"""Clips from arrays: the same motion as from a file, and clear errors for invalid motions."""
 
 from __future__ import annotations
 

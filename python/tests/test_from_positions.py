@@ -1,4 +1,4 @@
-"""Clips from positions alone: joints stay, robots move alike, clear words for what is no motion."""
+"""Clips from positions: joints are kept, robots move alike, invalid motions raise clear errors."""
 
 from __future__ import annotations
 

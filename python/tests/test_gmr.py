@@ -58,7 +58,7 @@ def test_arguments_of_all_published_forms_give_the_same() -> None:
                                    err_msg=form)
     single = {name: (p.astype("f4"), q.astype("f4")) for name, (p, q) in frame.items()}
     np.testing.assert_allclose(make_retargeter().retarget(single), expected, atol=1e-4)
-    assert all(isinstance(pose, list) for pose in frame.values())  # what was given stays as it was
+    assert all(isinstance(pose, list) for pose in frame.values())  # the input is unchanged
 
 
 def test_integers_count_as_numbers() -> None:

@@ -1,4 +1,4 @@
-"""What is none of the published forms is a clear exception, never a crash, and changes nothing."""
+"""Invalid input raises a clear exception, never crashes and changes no state."""
 
 from __future__ import annotations
 
@@ -281,7 +281,7 @@ def _resident_kib() -> int:
     for line in pathlib.Path("/proc/self/status").read_text().splitlines():
         if line.startswith("VmRSS:"):
             return int(line.split()[1])
-    pytest.skip("the system does not tell how much memory is resident")
+    pytest.skip("the system does not report resident memory")
 
 
 def test_calls_do_not_make_memory_grow() -> None:

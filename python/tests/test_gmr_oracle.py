@@ -56,7 +56,7 @@ def test_files_of_the_reference() -> None:
     assert compared >= 18
 
 
-# SMPL-X's names for LAFAN1's bodies: what matters is that both sides get the same frames
+# SMPL-X names for LAFAN1's bodies; both implementations only have to get the same frames.
 SMPLX = {"pelvis": "Hips", "left_hip": "LeftUpLeg", "left_knee": "LeftLeg",
          "left_ankle": "LeftFoot", "left_foot": "LeftToe", "right_hip": "RightUpLeg",
          "right_knee": "RightLeg", "right_ankle": "RightFoot", "right_foot": "RightToe",

@@ -72,7 +72,7 @@ def test_source_options_need_a_path(walk: retarget.Clip, g1: retarget.Robot, dat
 
 
 def test_every_option_of_the_command_is_a_keyword() -> None:
-    """docs/options.md has the command's; what is left out is said here."""
+    """docs/options.md lists the command's options; `elsewhere` lists the exceptions."""
     page = (SOURCE / "docs/options.md").read_text()
     section = page.split("\n## ")[1]
     names = {name.replace("-", "_") for name in re.findall(r"`--([a-z-]+)", section)}
@@ -80,7 +80,7 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
                  "png", "strip", "write_map", "verbose", "help", "help_all", "version",
                  "mirror",  # retarget.edit.mirror()
                  "dynamics", "gate"}  # those of retarget.evaluate()
-    # words of the language have a line behind them
+    # keywords of Python get a trailing underscore
     keywords = {name.rstrip("_") for name in inspect.signature(retarget.to_robot).parameters}
     assert names - keywords <= elsewhere
     assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords

@@ -120,7 +120,7 @@ TEST(BareRobot, KeepsShapesOfTheModel) {
   EXPECT_EQ(completed->shapeless, 7);
 }
 
-// feet are no rectangles: a corner beyond the spheres of a narrow heel would touch before they do
+// Feet are not rectangles: a corner beyond the spheres of a narrow heel would touch first.
 TEST(BareRobot, SolesMatchTheFootContacts) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);

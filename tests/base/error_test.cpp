@@ -25,8 +25,8 @@ TEST(Describe, OmitsUnknownParts) {
 }
 
 TEST(Describe, PutsTheHintOnItsOwnLine) {
-  EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "what", {}, "do this"}),
-            "error: what\n  hint: do this");
+  EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "fault", {}, "do this"}),
+            "error: fault\n  hint: do this");
 }
 
 TEST(Describe, ListsDetails) {

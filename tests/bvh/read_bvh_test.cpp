@@ -327,8 +327,8 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "file tells them apart\n"
       "test.bvh:19:1: warning: 1 End Site with CHANNELS: ignored\n"
       "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
-      "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and what "
-      "follows\n");
+      "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and the "
+      "rest\n");
   EXPECT_EQ(file->clip.frame_count(), 2);
 }
 
@@ -472,7 +472,7 @@ TEST(ReadBvh, LenientKeepsCompleteFramesOfWrappedRows) {
       read_exactly(motion("4", wrapped + "2 2 nan 10 20\n30 40 50 60\n" + wrapped), lenient());
   ASSERT_TRUE(file.has_value());
   EXPECT_THAT(first_values(file->clip), ElementsAre(0, 1));
-  EXPECT_THAT(warnings_of(*file), HasSubstr("what follows them was dropped"));
+  EXPECT_THAT(warnings_of(*file), HasSubstr("the rest of the file was dropped"));
 
   const Result<BvhFile> shared = read_exactly(
       motion("4", "0 2 3 10 20 30 40 50 60 1 2 3 10 20 30 40 50 60 2 2 nan"), lenient());

@@ -35,7 +35,7 @@ class StandingStraight(DefaultMotion):
                 self.assertLess(abs(lean["robot_deg"] - lean["human_deg"]), allowed)
 
     def test_a_human_who_has_got_up_stands_straight(self):
-        # most of the clip is no standing; the last frame is
+        # Only the last frame of the clip is standing.
         self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",
                                        "whole.csv"))
         self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",

@@ -84,7 +84,7 @@ class SceneFiles(ToolTest):
         second = self.run_tool("two.glb", "g1", "-o", "second.csv", "--root", told[1], "--take",
                                told[2])
         self.assert_done(second)
-        # A requested skeleton is no reason for a note.
+        # A requested skeleton needs no note.
         self.assertNotIn("another skeleton", second.stderr)
         self.assertEqual(*(((self.folder / name).read_bytes()) for name in
                            ("first.csv", "second.csv")))

@@ -188,7 +188,7 @@ class OnePython(Setup):
                 self.assertRegex(result.stderr, f"lacks: .*{lack}")
         result = self.setup_python(RETARGET_PYTHON=str(self.tree / "nothing"))
         self.assertEqual(result.returncode, 1)
-        self.assertIn("which is no Python", result.stderr)
+        self.assertIn("which is not a Python interpreter", result.stderr)
 
     def test_pip_is_not_needed_where_the_tools_are(self):
         self.unpack()

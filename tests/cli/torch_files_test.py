@@ -167,7 +167,7 @@ class TorchFiles(ToolTest):
             ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera's axes"),
             ("bomb.pt", torch_bytes({"poses": numpy.zeros((100000, 66), "f4"), **motion}, True),
              "but its storage has"),
-            ("wide.pt", torch_bytes(numpy.zeros((3, 591), "f4")), "no unit quaternion"),
+            ("wide.pt", torch_bytes(numpy.zeros((3, 591), "f4")), "not a unit quaternion"),
         )
         for name, content, words in cases:
             with self.subTest(name):

@@ -58,7 +58,7 @@ TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
     EXPECT_TRUE(joined->check.faults.empty());
     EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-12) << name;
   }
-  // A clip with missing frames is no continuation of the first one.
+  // A clip with missing frames cannot continue the first one.
   const EditSample& walk = data_sample("walk");
   const auto later =
       concatenate(cut(walk.clip, 0, 150), cut(walk.clip, 153, 301), walk.calibration, {}, "a", "b");

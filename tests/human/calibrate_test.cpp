@@ -143,7 +143,7 @@ TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->metres_per_unit, 0.0127);
   EXPECT_EQ(found->rest_pose, "zero pose");
-  // 2 m of hips are no person's: the file was converted
+  // Hips at 2 m are not human: the file was converted.
   map.facts.metres_per_unit = 0.0254;
   found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());

@@ -125,7 +125,7 @@ TEST_F(CsvMotion, RejectsUnknownHeaders) {
                HasSubstr("did you mean \"left_shoulder\"?"));
   expect_fault(std::string(kRoot) + kJoints + ",left_elbow_vel,foo\n" +
                    std::string("1,2,3,0,0,0,1,.1,.2,.3,.04,.5,0,0\n"),
-               HasSubstr("\"left_elbow_vel\", \"foo\", which are no joint"));
+               HasSubstr("\"left_elbow_vel\", \"foo\", which are not joints of the robot"));
   expect_fault("x,y,z,w,qx,qy,qz,left_elbow,left_elbow\n0,0,1,1,0,0,0,0,0\n",
                HasSubstr("a joint twice"));
   expect_fault("x,y,z,qx,qy,qz,qw,base_x,left_elbow\n0,0,1,0,0,0,1,0,0\n",

@@ -126,7 +126,7 @@ TEST(RetargetingConfig, RejectsTwoBodiesOnOneBone) {
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("\"LeftArm\" drives two bodies, \"left_upper\" and "
                                         "\"right_upper\""));
-  // a row without weight is no task
+  // A row without weight is not a task.
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 0, 0, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_EQ(fault_of(json), "no fault");
 }

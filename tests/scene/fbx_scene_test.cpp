@@ -112,7 +112,7 @@ TEST(FbxSceneTest, ReadsUnitAxesAndRate) {
   EXPECT_DOUBLE_EQ(metres.metres_per_unit, 1.0);
 }
 
-// a helper above the root moves what hangs from it; a mesh is no joint
+// A helper above the root moves its children; a mesh is not a joint.
 TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
   FbxText file;
   const int helper =

@@ -179,12 +179,13 @@ TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
   const std::string name = (folder.path() / "scene" / "test.gltf").string();
   moved.uri = "my%20buffer.bin";
   EXPECT_EQ(message_of(moved.text(), name), "");
-  EXPECT_THAT(message_of(moved.text(), "standard input"), HasSubstr("standard input has none"));
+  EXPECT_THAT(message_of(moved.text(), "standard input"),
+              HasSubstr("standard input cannot provide"));
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("link.bin"), outside, "file://" + outside,
         std::string("http://example.com/a.bin"), std::string("%2e%2e/outside.bin")}) {
     moved.uri = uri;
-    EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not a file of its own folder")) << uri;
+    EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not in the folder of the file")) << uri;
   }
 }
 
@@ -258,7 +259,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   for (const char* uri : {"pipe.bin", "missing.bin"}) {
     const auto refused = read_gltf(text(uri), name, kMemory);
     ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().message, HasSubstr("is no file beside it"));
+    EXPECT_THAT(refused.error().message, HasSubstr("is missing or not a regular file"));
     EXPECT_THAT(refused.error().location.file, HasSubstr("test.gltf"));
   }
 }
@@ -295,7 +296,7 @@ TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
   EXPECT_THAT(with_leaves(60000), HasSubstr("60001 joints; 5000 are allowed"));
 }
 
-// many samplers of the same numbers are no way to fill the memory
+// Many samplers that share numbers must not exhaust the memory.
 TEST(GltfSceneTest, ReadsTheSameBytesNotWithoutEnd) {
   Animated moved;
   moved.times.resize(20000);

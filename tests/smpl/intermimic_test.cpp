@@ -153,7 +153,7 @@ TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
   EXPECT_THAT(with(591 + 20, std::nanf("")), HasSubstr("NaN in frame 1, column 20"));
   EXPECT_THAT(with(162 + 3, HUGE_VALF), HasSubstr("infinity in frame 0, column 165"));
   EXPECT_THAT(with(3 * 591 + 6, 3.0F),
-              HasSubstr("columns 3 to 6 of frame 3 are no unit quaternion"));
+              HasSubstr("columns 3 to 6 of frame 3 are not a unit quaternion"));
   EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bones change their place by up to"));
   EXPECT_THAT(with(0, 4.0F), HasSubstr("bones change their place by up to"));
   EXPECT_THAT(error_of(intermimic_file({})), HasSubstr("has no frames"));
@@ -205,10 +205,10 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
               HasSubstr("rest_offsets\": expected numbers of shape (22 or more, 3), found (2, 3)"));
   for (double& value : offsets) value *= 100.0;
   EXPECT_THAT(error_of(with("rest_offsets", npy_doubles({24, 3}, offsets))),
-              HasSubstr("no offsets of a body's joints"));
+              HasSubstr("the offsets do not form a body"));
   offsets[4] = std::nan("");
   EXPECT_THAT(error_of(with("rest_offsets", npy_doubles({24, 3}, offsets))),
-              HasSubstr("no offsets of a body's joints"));
+              HasSubstr("the offsets do not form a body"));
 }
 
 // the sample of InterMimic's form: the clip's joints are where the file has them

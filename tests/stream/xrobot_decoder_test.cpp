@@ -196,7 +196,7 @@ TEST(Xrobot, FramesWithoutABodyAreRefused) {
     const auto taken = decoder->take(line.dump(), kept);
     return taken ? std::string() : taken.error().message;
   };
-  // all joints at one place, as before tracking begins, are no body to remember
+  // Before tracking begins, all joints are at one position: not a body to remember.
   EXPECT_THAT(refusal(line_of(std::vector<Pose>(24), 0)), HasSubstr("not tracked yet"));
   EXPECT_TRUE(kept.skeletons.empty());
   EXPECT_EQ(refusal(line_of(poses, 0)), "");

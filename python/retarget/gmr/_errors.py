@@ -34,7 +34,7 @@ def missing_bodies(missing: list[str], config: str, human_data: Mapping[str, obj
 
 
 def unknown_name(what: str, name: object, known: Iterable[str], hint: str = "") -> UnknownNameError:
-    """The error of a name that is none of the known ones."""
+    """Returns the error for a name that is not among the known ones."""
     names = [str(each) for each in known]
     near = difflib.get_close_matches(str(name), names, n=1)
     meant = f", did you mean {near[0]!r}?" if near else f": there are {_listed(names)}"

@@ -12,8 +12,8 @@ import numpy as np
 
 from retarget._errors import InputError
 
-# what arrays of numpy are made of in a pickle; nothing else is called
-# numpy 2 calls its core so, which pickles of either name want
+# Pickles of numpy arrays need only these modules and names; nothing else is called. numpy 2 renamed its
+# core, and a pickle may contain either name.
 _CORE = "numpy._core" if int(np.__version__.split(".")[0]) >= 2 else "numpy.core"
 _MODULES = {"numpy", "numpy.core.multiarray", "numpy._core.multiarray", "numpy.core.numeric",
             "numpy._core.numeric"}

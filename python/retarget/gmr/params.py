@@ -119,8 +119,8 @@ def _find_published_files() -> None:
             raise UsageError(f"RETARGET_GMR_ROOT: no folder ik_configs in {folders[0]} or {root}")
     else:
         try:
-            spec = importlib.util.find_spec(package)  # looks, and imports nothing
-        except (ImportError, ValueError):  # an importer of somebody's fails, a module without a spec
+            spec = importlib.util.find_spec(package)  # does not import it
+        except (ImportError, ValueError):  # a foreign importer fails, or a module has no spec
             spec = None
         folders = tuple(pathlib.Path(place) for place in
                         (spec.submodule_search_locations or () if spec else ()))

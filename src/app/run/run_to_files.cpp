@@ -133,7 +133,7 @@ Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion
 Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
                                              const RunRequest& request, const Observer& observer) {
   // A verdict for the summary alone must not make the run fail. After a solver failure the motion
-  // is always measured, so that nobody takes it for good.
+  // is always measured, so that the summary shows its defects.
   const bool asked = request.measure || request.dynamics || request.sidecar ||
                      !request.report.empty() || !request.html.empty() ||
                      request.gates.has_value() || !motion.solver_failures.empty();
@@ -257,7 +257,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   const auto start = std::chrono::steady_clock::now();
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
   observer.lines(plan.robot_lines());
-  // From here on, an interrupt stops the run between two frames and leaves no files behind.
+  // An interrupt now stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));

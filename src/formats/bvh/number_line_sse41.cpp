@@ -31,7 +31,7 @@ namespace {
 constexpr std::size_t kBlock = 64;
 // Digits and point. A mantissa of at most 15 digits is exact.
 constexpr std::size_t kMaxLength = 15;
-// Index of the point in the 16 bytes when there is none.
+// Index of the point in 16 bytes without one.
 constexpr std::size_t kNoPoint = 16;
 
 struct alignas(16) Bytes : std::array<std::uint8_t, 16> {};

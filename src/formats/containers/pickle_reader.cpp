@@ -40,7 +40,7 @@ Failure PickleReader::fault(const std::string& message, std::string hint) const 
 Result<std::string_view> PickleReader::take(std::uint64_t size) {
   if (size > bytes_.size() - at_) {
     return fault("the pickle is cut off: " + std::to_string(size) + " bytes should follow, " +
-                 std::to_string(bytes_.size() - at_) + " are there");
+                 std::to_string(bytes_.size() - at_) + " remain");
   }
   const std::string_view taken = bytes_.substr(at_, static_cast<std::size_t>(size));
   at_ += taken.size();

@@ -282,7 +282,7 @@ Result<void> find_units(const Robot& robot, const std::string& file,
 
 Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,
                                   std::vector<std::string>& warnings) {
-  // The height of a fixed base comes from the model and is no evidence for the unit.
+  // The height of a fixed base comes from the model and does not indicate the unit.
   if (clip.frame_count() == 0 || clip.robot().fixed_base()) return {};
   const auto doubt = [&](const std::string& what, const std::string& remedy) {
     warnings.push_back(

@@ -234,7 +234,7 @@ Result<Scene> read_fbx(std::string_view bytes, const std::string& file_name,
   for (const ufbx_node* node : file->nodes) {
     scene.nodes.push_back(node_of(*node));
     if (scene.nodes.back().parent >= static_cast<int>(scene.nodes.size()) - 1) {
-      return input_failure(file_name, "the FBX file's nodes are no tree");
+      return input_failure(file_name, "the nodes of the FBX file do not form a tree");
     }
   }
   add_bind_poses(*file, scene);

@@ -124,7 +124,7 @@ Result<void> GltfDocument::split(std::string_view bytes) {
     return failure(std::move(parsed).error());
   }
   json_ = *std::move(parsed);
-  if (!json_.is_object()) return fault("it is no JSON object");
+  if (!json_.is_object()) return fault("its JSON is not an object");
   buffers_.resize(list("buffers").size());
   return {};
 }
@@ -144,7 +144,7 @@ const GltfJson* GltfDocument::element(const char* name, const GltfJson& number) 
 
 Result<void> GltfDocument::take_bytes(std::size_t bytes) {
   if (bytes > max_bytes_ - std::min(kept_, max_bytes_)) {
-    return fault("its numbers need more memory than they may take", kLargeFileHint);
+    return fault("its numbers exceed the memory limit", kLargeFileHint);
   }
   kept_ += bytes;
   return {};
@@ -153,7 +153,7 @@ Result<void> GltfDocument::take_bytes(std::size_t bytes) {
 Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJson& buffer) {
   const auto uri = buffer.find("uri");
   if (uri == buffer.end() || !uri->is_string()) {
-    return fault("its buffer has no bytes, as that of a compressed file",
+    return fault("its buffer has no bytes; the file is probably compressed",
                  "export it without compression of meshes (meshopt, Draco)");
   }
   const auto& text = uri->get_ref<const std::string&>();
@@ -163,27 +163,27 @@ Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJ
         comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
     auto bytes = is_base64 ? bytes_from_base64(std::string_view(text).substr(comma + 1))
                            : std::optional<std::string>();
-    if (!bytes) return fault("a buffer in the text is no base64");
+    if (!bytes) return fault("a data URI of a buffer is not valid base64");
     TRY(take_bytes(bytes->size()));
     available_ += bytes->size();
     return std::make_shared<const std::string>(*std::move(bytes));
   }
   if (file_name_ == "standard input") {
-    return fault("its buffer is in a file beside it, and standard input has none",
+    return fault("its buffer is in a separate file, which standard input cannot provide",
                  "give the file by its name, or as GLB");
   }
   const std::string name = unescaped(text);
   const auto file = file_inside(fs::path(file_name_).parent_path(), name);
   if (!file) {
-    return fault("its buffer \"" + printable(name) + "\" is not a file of its own folder",
-                 "no other is opened: export it as GLB, which is one file");
+    return fault("its buffer \"" + printable(name) + "\" is not in the folder of the file",
+                 "files elsewhere are not opened: export it as GLB, which is one file");
   }
   auto& kept = files_[file->string()];
   if (kept) return kept;
   // Opening a pipe could block forever.
   if (!is_file(*file)) {
-    return fault("its buffer \"" + printable(name) + "\" is no file beside it",
-                 "copy the files that belong to it too, or export it as GLB, which is one file");
+    return fault("its buffer \"" + printable(name) + "\" is missing or not a regular file",
+                 "copy its accompanying files too, or export it as GLB, which is one file");
   }
   TRY_ASSIGN(const FileContent content,
              read_file(file->string(), ErrorKind::kInput, max_bytes_ - kept_, kLargeFileHint));
@@ -310,7 +310,7 @@ Result<void> GltfDocument::replace_sparse(const GltfJson& sparse, const GltfJson
   for (std::size_t i = 0; i < *count; ++i) {
     const double at = gltf_number(indices.bytes.substr(i * indices.stride), *kind);
     const double before = static_cast<double>(numbers.size()) / width;
-    if (!(at >= 0.0 && at < before)) return fault("a sparse accessor replaces what is not there");
+    if (!(at >= 0.0 && at < before)) return fault("a sparse accessor replaces missing elements");
     element.clear();
     layout->append(elements.bytes.substr(i * elements.stride), element);
     std::ranges::copy(element, numbers.begin() + static_cast<std::ptrdiff_t>(at) * width);

@@ -83,9 +83,9 @@ class GltfReader {
       const GltfJson* children = gltf_member(nodes[i], "children");
       if (children == nullptr) continue;
       const auto list = value_from<std::vector<std::size_t>>(*children);
-      if (!list) return document_.fault("a node's children are no list of nodes");
+      if (!list) return document_.fault("the children of a node are not a list of nodes");
       for (const std::size_t child : *list) {
-        if (child >= nodes.size()) return document_.fault("a node has a child that is not there");
+        if (child >= nodes.size()) return document_.fault("a node refers to a missing child");
         if (parent_[child] != -1) return document_.fault("a node has two parents");
         parent_[child] = static_cast<int>(i);
       }
@@ -147,7 +147,7 @@ class GltfReader {
       auto found = list == nullptr ? std::nullopt : value_from<std::vector<std::size_t>>(*list);
       if (!found) return document_.fault("a skin has no joints");
       for (const std::size_t joint : *found) {
-        if (joint >= place_.size()) return document_.fault("a skin's joint is not there");
+        if (joint >= place_.size()) return document_.fault("a skin refers to a missing joint");
       }
       joints[i] = *std::move(found);
     }

@@ -110,7 +110,7 @@ class MvnxReader {
       const auto parent = numbers.find(segment_of(each->FirstChildElement("connector1")));
       const auto child = numbers.find(segment_of(each->FirstChildElement("connector2")));
       if (parent == numbers.end() || child == numbers.end()) {
-        return fault("a joint connects segments that are not there",
+        return fault("a joint connects unknown segments",
                      static_cast<std::size_t>(each->GetLineNum()));
       }
       parents_[static_cast<std::size_t>(child->second)] = parent->second;
@@ -162,9 +162,9 @@ class MvnxReader {
     // Fingers and props may follow the body.
     if (!rotations || !positions || rotations->size() < 4 * names_.size() ||
         positions->size() < 3 * names_.size()) {
-      return fault(fmt::format("a frame has no orientation and position of each of its {} segments",
-                               names_.size()),
-                   line);
+      return fault(
+          fmt::format("a frame lacks orientations or positions for its {} segments", names_.size()),
+          line);
     }
     std::vector<Pose> poses;
     poses.reserve(segments_.size());
@@ -173,7 +173,7 @@ class MvnxReader {
       const double* p = positions->data() + 3 * static_cast<std::size_t>(segment);
       const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
       if (!(std::abs(rotation.norm() - 1.0) < 0.1)) {
-        return fault("a frame has an orientation that is no unit quaternion", line);
+        return fault("a frame has an orientation that is not a unit quaternion", line);
       }
       poses.push_back({rotation.normalized(), {p[0], p[1], p[2]}});
     }

@@ -298,7 +298,7 @@ class SceneSampler {
         place = place_below(parent < 0 ? NodePlace() : places_[as_size(parent)], local);
       }
       if (!is_sound(local) || !place.world_from_node.matrix().allFinite()) {
-        return input_failure(file_name_, fmt::format("{} has a place that is no number at {:.4g} s",
+        return input_failure(file_name_, fmt::format("{} has a non-finite pose at {:.4g} s",
                                                      name_of(node), seconds));
       }
       if (is_mirrored(local)) return mirrored(node);

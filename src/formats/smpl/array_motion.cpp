@@ -239,7 +239,7 @@ class Reader {
     const double* q = values_.data() + frame * kInterMimicColumns + kFirstRotation;
     const Eigen::Quaterniond world_from_body(q[3], q[0], q[1], q[2]);
     if (std::abs(world_from_body.norm() - 1.0) > 0.01) {
-      return no_motion(fmt::format("columns 3 to 6 of frame {} are no unit quaternion", frame));
+      return no_motion(fmt::format("columns 3 to 6 of frame {} are not a unit quaternion", frame));
     }
     const Eigen::Quaterniond body_from_smpl(0.5, 0.5, 0.5, 0.5);
     return world_from_body.normalized() * body_from_smpl;

@@ -163,14 +163,14 @@ class PlacesReader {
         OPTION("memory") " allows more; or split the motion");
   }
 
-  // MDM pads motions to one length and stores the valid length of each.
+  // MDM pads motions to one length and stores their valid lengths.
   Result<std::size_t> frames_that_count() const {
     if (!layout_.frames_last || !file_.has("lengths")) return layout_.frames;
     TRY_ASSIGN(const auto lengths, file_.read("lengths"));
     const bool fits = lengths.is_number() && lengths.element_count() == layout_.samples;
     const double length = fits ? lengths.numbers()[sample_] : 0.0;
     if (!(length >= 1.0)) {
-      return file_.array_failure("lengths", "expected the number of frames of each motion");
+      return file_.array_failure("lengths", "expected one frame count per motion");
     }
     return length < static_cast<double>(layout_.frames) ? static_cast<std::size_t>(length)
                                                         : layout_.frames;

@@ -200,7 +200,7 @@ class MotionReader {
       before += part.count / 3;
     }
     if (!std::ranges::all_of(rotations, is_rotation)) {
-      warn("the fingers are left out: their numbers are no rotations in radians");
+      warn("fingers ignored: their values are not rotations in radians");
     } else if (hands_move(rotations)) {
       arrays_.hand_rotations = std::move(rotations);
     }
@@ -370,8 +370,8 @@ class MotionReader {
     arrays_.body = smpl_rest_body_of_offsets(offsets);
     if (arrays_.body) return {};
     return file_.array_failure(kName,
-                               "these are no offsets of a body's joints from their parents, in "
-                               "metres with y up and x to the left");
+                               "the offsets do not form a body: expected joint offsets from "
+                               "parents in metres, y up, x left");
   }
 
   void warn(std::string message) { arrays_.warnings.push_back({0, 0, std::move(message)}); }

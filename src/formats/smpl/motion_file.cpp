@@ -225,8 +225,7 @@ Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_na
   if (document.find(root, kGvhmrCamera) != nullptr) {
     return input_failure(
         file_name,
-        "the file has GVHMR's motion in the camera's axes alone, which do not tell "
-        "where up is",
+        "the file has GVHMR's motion only in camera axes, which do not determine the up axis",
         "save smpl_params_global as well");
   }
   MotionFinder finder(document, file_name, options.take);
@@ -241,8 +240,7 @@ Result<MotionFile> open_pickled_motion(std::string_view bytes, const std::string
                                        const OpenOptions& options) {
   if (is_old_torch_file(bytes)) {
     return input_failure(file_name,
-                         "the file is of PyTorch's form before 1.6, which is not an archive and is "
-                         "not read",
+                         "the file has PyTorch's format before 1.6, which is not supported",
                          "save it again with a newer PyTorch: "
                          "torch.save(torch.load(\"old.pt\"), \"new.pt\")");
   }

@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// A format of robot frames.
+/// A stream format for robot frames.
 struct OutputFormat {
   std::string_view name;         ///< `jsonl`, `sonic`
   std::string_view description;  ///< Human-readable, one line.

@@ -15,7 +15,7 @@ namespace retarget {
 [[nodiscard]] bool is_regular_file(const Descriptor& file);
 
 /// Writes to a file, a pipe or a terminal on a thread of its own, so that a slow disk or an idle
-/// reader delays nobody. Pieces are written completely and in order. A piece that is cut short by a
+/// reader does not delay the caller. Pieces are written completely and in order. A piece that is cut short by a
 /// full disk is removed from the file.
 class WriterThread {
  public:

@@ -17,8 +17,8 @@ struct ModelOverlap {
   double share = 0.0;  ///< Fraction of the sampled configurations in which they overlap, 0 to 1.
 };
 
-/// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: those
-/// that overlap in nearly all configurations, and those that overlap in one of the given poses. A
+/// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: pairs
+/// that overlap in nearly all configurations, and pairs that overlap in one of the given poses. A
 /// pair with a forearm or a hand, which can move anywhere and may hang against a thigh, must also
 /// overlap in a significant fraction of all configurations.
 ///

@@ -114,10 +114,10 @@ def _between(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
 def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
                                 smplx_output: retarget.Clip, tgt_fps: float = 30,
                                 is_smplh: bool = False) -> tuple[list[Frame], float]:
-    """The frames of what load_smplx_file gave, at a lower rate where the file's is higher.
+    """Returns the frames of a clip of load_smplx_file, at most at the given rate.
 
     Every int(fps / tgt_fps) frames become one, interpolated at even distances from the first to the
-    last. A file with fewer frames per second than tgt_fps stays as it is.
+    last. A file with fewer frames per second than tgt_fps keeps its rate.
 
     Returns:
         (frames, fps): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres, Z
