@@ -88,10 +88,10 @@ TEST(PickleTest, NothingIsExecuted) {
   // os.system('id') by GLOBAL and REDUCE
   EXPECT_THAT(error_of("\x80\x02"
                        "cos\nsystem\nX\x02\0\0\0id\x85R."s),
-              HasSubstr("the pickle names os.system, which is refused (byte 2 of the pickle)"));
+              HasSubstr("the pickle names os.system, which is not allowed (byte 2 of the pickle)"));
   // by STACK_GLOBAL
   EXPECT_THAT(error_of("\x80\x04\x8c\x05posix\x8c\x06system\x93\x8c\x02id\x85R."s),
-              HasSubstr("the pickle names posix.system, which is refused"));
+              HasSubstr("the pickle names posix.system, which is not allowed"));
   EXPECT_THAT(error_of("\x80\x02"
                        "c__builtin__\neval\n."s),
               HasSubstr("__builtin__.eval"));
@@ -132,14 +132,14 @@ TEST(PickleTest, ClaimedSizesAllocateNothing) {
 }
 
 TEST(PickleTest, MemoAndStackAreBounded) {
-  EXPECT_THAT(error_of("\x80\x02h\x05."s), HasSubstr("its value 5, which it never kept"));
+  EXPECT_THAT(error_of("\x80\x02h\x05."s), HasSubstr("its value 5, which it never stored"));
   EXPECT_THAT(error_of("\x80\x02j\xff\xff\xff\xff."s), HasSubstr("4294967295"));
-  EXPECT_THAT(error_of("\x80\x02q\x01."s), HasSubstr("never made"));
+  EXPECT_THAT(error_of("\x80\x02q\x01."s), HasSubstr("never created"));
   EXPECT_THAT(error_of("\x80\x02N0."s), HasSubstr("POP"));
-  EXPECT_THAT(error_of("\x80\x02t."s), HasSubstr("never began"));
+  EXPECT_THAT(error_of("\x80\x02t."s), HasSubstr("never started"));
   EXPECT_THAT(error_of("\x80\x02(N\x85."s), HasSubstr(""));
-  EXPECT_THAT(error_of("\x80\x02N(s."s), HasSubstr("never made"));
-  EXPECT_THAT(error_of("\x80\x02."s), HasSubstr("never made"));
+  EXPECT_THAT(error_of("\x80\x02N(s."s), HasSubstr("never created"));
+  EXPECT_THAT(error_of("\x80\x02."s), HasSubstr("never created"));
   EXPECT_THAT(error_of("\x80\x02]]s."s), HasSubstr(""));
   // a large index costs one entry
   EXPECT_TRUE(read_pickle("\x80\x02Nr\xff\xff\xff\x7f."s, "x.pkl").has_value());
@@ -176,7 +176,7 @@ TEST(PickleTest, RejectsManyArraysOfOneBuffer) {
   const std::string again = once.substr(2, data - 2) + "h\x07" + once.substr(data + 9 + 4000);
   std::string bomb = "\x80\x04(" + kept.substr(2);
   for (int i = 0; i < 1000; ++i) bomb += again;
-  EXPECT_THAT(error_of(bomb + "t."), HasSubstr("repeats its arrays without end"));
+  EXPECT_THAT(error_of(bomb + "t."), HasSubstr("repeats its arrays too often"));
 }
 
 TEST(PickleTest, RejectsInconsistentArrays) {
@@ -185,7 +185,7 @@ TEST(PickleTest, RejectsInconsistentArrays) {
   NpyArray array = float64_array(values, {2});
   array.shape = {3};
   pickle.array(array);
-  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("should have 24 bytes and has 16"));
+  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("has an array of 16 bytes, expected 24"));
   PickleWriter overflow;
   array.shape = {std::size_t{1} << 62, 16};
   overflow.array(array);
@@ -209,7 +209,7 @@ TEST(PickleTest, ReadsCompressedJoblibFiles) {
   EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
   EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
   EXPECT_THAT(error_of(compressed("no pickle")),
-              HasSubstr("the compressed file does not hold a pickle"));
+              HasSubstr("the compressed file does not contain a pickle"));
 }
 
 TEST(PickleTest, RejectsDecompressionBombs) {
@@ -217,7 +217,7 @@ TEST(PickleTest, RejectsDecompressionBombs) {
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{9} << 20, '\0'))),
               HasSubstr("unpacked, the file has more than 8388608 bytes"));
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{7} << 20, '\0'))),
-              HasSubstr("does not hold a pickle"));
+              HasSubstr("does not contain a pickle"));
 }
 
 TEST(PickleTest, RejectsOldProtocolsByName) {

@@ -86,7 +86,7 @@ TEST(Conformance, RejectionsNameErrorAndPosition) {
       {"comma_dec", {"19:1", "\"1,5\" with a decimal comma"}},
       {"nan", {"19:1", "expected a finite number (value 1 of 9 in row 1 of 2), found \"nan\""}},
       {"zero_ft", {"18:13", "expected a frame time above 0 seconds, found \"0\""}},
-      {"no_ft", {"18:1", "expected Frame Time: and its seconds, found \"1\""}},
+      {"no_ft", {"18:1", "expected Frame Time: and seconds, found \"1\""}},
       {"two_roots", {"16:1", "found a second: \"Two\" after \"Hips\" on line 2"}},
       {"empty", {"1:1", "expected HIERARCHY, found an empty file"}},
       {"badnum", {"19:10", "found \"2x0\""}},

@@ -323,8 +323,8 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "test.bvh:5:14: warning: 2 OFFSETs with more than three numbers: the first three are used\n"
       "test.bvh:7:12: warning: 1 scale channel ignored\n"
       "test.bvh:8:7: warning: 1 joint without CHANNELS: read as CHANNELS 0\n"
-      "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their place in the "
-      "file tells them apart\n"
+      "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their positions "
+      "in the file distinguish them\n"
       "test.bvh:19:1: warning: 1 End Site with CHANNELS: ignored\n"
       "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
       "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and the "
@@ -339,8 +339,8 @@ TEST(ReadBvh, HierarchyErrorsHaveALocation) {
       {"OFFSET 0 0 0\nOFFSET 0 0 0", ":5:1: error: expected one OFFSET in joint \"Hips\", found"},
       {"CHANNELS 0\nCHANNELS 0", ":5:1: error: expected one CHANNELS"},
       {"CHANNELS 0", ":5:1: error: expected OFFSET before the end of joint \"Hips\" (line 2)"},
-      {"OFFSET 0 0 0\nCHANNELS x", ":5:10: error: expected the number of channels"},
-      {"OFFSET 0 0 0\nCHANNELS -1", ":5:10: error: expected the number of channels"},
+      {"OFFSET 0 0 0\nCHANNELS x", ":5:10: error: expected the channel count"},
+      {"OFFSET 0 0 0\nCHANNELS -1", ":5:10: error: expected the channel count"},
       {"OFFSET 0 0 0\nCHANNELS 1 Xpos", ":5:12: error: expected channel 1 of the 1 of joint"},
       {"CHANNELS 1 Xrotation Yrotation", "hint: CHANNELS lists more names than its count"},
       {"CHANNELS 2 Xposition xposition", ":4:22: error: expected each position channel once"},
@@ -348,7 +348,7 @@ TEST(ReadBvh, HierarchyErrorsHaveALocation) {
       {"OFFSET 0 0 1e999", ":4:12: error: expected a number within the range of double"},
       {"OFFSET 0 0 nan", "expected a finite number"},
       {"OFFSETS 0 0 0", "found \"OFFSETS\" (did you mean \"OFFSET\"?)"},
-      {"JOINT\n{", ":5:1: error: expected the name of a joint, found \"{\""},
+      {"JOINT\n{", ":5:1: error: expected a joint name, found \"{\""},
       {"JOINT a\x01z\n{", "found a control character in \"a\\x01z\""},
       {"JOINT a\nOFFSET 0 0 0", ":5:1: error: expected '{' after joint \"a\", found \"OFFSET\""},
       {"JOINT a { OFFSET 0 0 0 }\nCHANNELS 0", "before its child joints"},
@@ -368,12 +368,12 @@ TEST(ReadBvh, HierarchyErrorsHaveALocation) {
 
 TEST(ReadBvh, MotionHeaderErrorsHaveALocation) {
   const std::vector<std::pair<std::string, std::string>> faults = {
-      {"", ":17:1: error: expected Frames: and their number, found the end of the file"},
-      {"1 2 3", ":17:1: error: expected Frames: and their number, found \"1\""},
+      {"", ":17:1: error: expected Frames: and a count, found the end of the file"},
+      {"1 2 3", ":17:1: error: expected Frames: and a count, found \"1\""},
       {"Frames:\n2",
-       ":17:8: error: expected the number of frames, a whole number, found the end "
+       ":17:8: error: expected the frame count, a whole number, found the end "
        "of the line"},
-      {"Frames: 99999999999999999999", ":17:9: error: expected the number of frames"},
+      {"Frames: 99999999999999999999", ":17:9: error: expected the frame count"},
       {"Frames: 1\nFrame Rate: 30", ":18:7: error: expected Time: after Frame, found \"Rate:\""},
       {"Frames: 1\nFrame Time:\n1 2 3",
        ":18:12: error: expected a number (the frame time in "
@@ -388,7 +388,7 @@ TEST(ReadBvh, MotionHeaderErrorsHaveALocation) {
   const std::string rigid = root("OFFSET 0 0 0\nCHANNELS 0");
   EXPECT_TRUE(read_exactly(rigid).has_value());
   EXPECT_THAT(error_of(std::string(rigid).replace(rigid.find("Frames: 0"), 9, "Frames: 2")),
-              HasSubstr("expected no frames, as no joint has a channel, found \"2\""));
+              HasSubstr("expected no frames, because no joint has a channel, found \"2\""));
 }
 
 TEST(ReadBvh, RowErrorsHaveALocation) {
@@ -428,7 +428,7 @@ TEST(ReadBvh, RecognisesFilesThatAreNotBvh) {
       {" \n\t\n", ":3:1: error: expected HIERARCHY, found the end of the file"},
       {"\xef\xbb\xbf", "found an empty file"},
       {"\x80\xff\x01", "found \"\\x80\\xff\\x01\""},
-      {"HIERARCHY\nJOINT a", ":2:1: error: expected ROOT and its name, found \"JOINT\""},
+      {"HIERARCHY\nJOINT a", ":2:1: error: expected ROOT and a name, found \"JOINT\""},
   };
   for (const auto& [bytes, message] : files) EXPECT_THAT(error_of(bytes), HasSubstr(message));
 }

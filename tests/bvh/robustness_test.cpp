@@ -157,7 +157,7 @@ TEST(BvhRobustness, JointsWithoutChannelsDoNotExhaustMemory) {
   ASSERT_FALSE(file.has_value());
   EXPECT_EQ(
       file.error().message,
-      "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
+      "40000 frames of 2001 joints need 2561.3 MB of memory, at most 33.6 MB are allowed for a "
       "file of this size");
   EXPECT_LT(peak_kilobytes() - before, 80'000);
   // Missing rows are an error unless the reader is lenient.

@@ -48,7 +48,7 @@ class HostileInput(ToolTest):
             self.assert_small(result)
             self.assertEqual(result.returncode, 3)
             self.assertIn("clip.bvh:", result.stderr)
-            self.assertIn("40000 frames of 2001 joints take", " ".join(result.stderr.split()))
+            self.assertIn("40000 frames of 2001 joints need", " ".join(result.stderr.split()))
 
     def test_few_numbers_for_many_frames(self):
         def body(joints, indent=0):

@@ -123,7 +123,7 @@ class Clean(ToolTest):
                 frames = noise.keypoints(motion, white=0.01, slow=0.01, dropouts=0.03, lost=lost)
                 source = self.write("points.npy", noise.npy(frames))
                 said = self.run_on(source, "--joint-names", names, *KEYPOINT_RATE)
-                self.assertRegex(said, r"22 joints without a place|21 joints without a place")
+                self.assertRegex(said, r"22 joints untracked|21 joints untracked")
                 self.assertRegex(said, r"cleaned  jitter of [\d.]+ % of the body size per frame")
                 found = self.figures("squat")
                 self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)

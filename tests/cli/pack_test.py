@@ -62,7 +62,7 @@ class Packs(BatchTest):
         self.assertEqual(self.bytes_of("one/motions.npz"), self.bytes_of("out/motions.npz"))
         # Reading the pack as one motion is an error.
         self.assert_fails(self.run_tool("convert", "out/motions.npz", "x.csv", "--robot", "g1"), 3,
-                          "holds many clips")
+                          "contains many clips")
 
     def test_contacts_go_along(self):
         self.motions()

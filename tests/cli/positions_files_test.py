@@ -204,20 +204,20 @@ class PositionsFiles(ToolTest):
                  ("22 joints", "2 names")),
                 (numpy.zeros((5, 2, 3)), ("--joint-names", "few.txt", "--source-fps", 30),
                  ("no human found in the joints a, b",)),
-                (numpy.zeros((5, 263)), (), ("HumanML3D's features", "new_joints"))):
+                (numpy.zeros((5, 263)), (), ("HumanML3D features", "new_joints"))):
             numpy.save(self.folder / "odd.npy", array)
             self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", *options), 3, *words)
         self.assertNotIn("out.csv", self.files())
         self.write("empty.txt", "\n\n")
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                        "empty.txt"), 4, "names no joints")
+                                        "empty.txt"), 4, "contains no joint names")
         for text, words in (('{"a": 1}', "found an object"), ("a,b,c\n", "one line with commas")):
             self.write("wrong.txt", text)
             self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                            "wrong.txt"), 4, words, "one name a line")
+                                            "wrong.txt"), 4, words, "one name per line")
         self.write("bad.json", '["a", 3]')
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                        "bad.json"), 4, "found something else")
+                                        "bad.json"), 4, "found another value")
         self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
                                         "few.txt"), 2, "--joint-names applies only to joint positions")
 

@@ -74,7 +74,7 @@ class TorchFiles(ToolTest):
         content = torch_bytes({"smpl_params_global": world, "smpl_params_incam": dict(world),
                                "K_fullimg": numpy.zeros((FRAMES, 3, 3), "f4"), "net_outputs": {}})
         rows, result = self.csv_of("hmr4d_results.pt", content)
-        self.assertIn("30 fps, to which GVHMR resamples videos, are assumed", result.stderr)
+        self.assertIn("assuming GVHMR's 30 fps", result.stderr)
         self.assertIn("up +z", result.stderr)
         first = (self.folder / "out.csv").read_bytes()
         self.assert_same(rows, self.npz_rows(motion), 2e-5)
@@ -124,7 +124,7 @@ class TorchFiles(ToolTest):
         expected = self.npz_rows(motion)
         numpy.savez(self.folder / "cm.npz", **{**motion, "trans": 100 * motion["trans"]})
         rows, result = self.csv_of("cm.npz", (self.folder / "cm.npz").read_bytes())
-        self.assertIn("trans was taken as centimetres", result.stderr)
+        self.assertIn("assuming that trans is in centimetres", result.stderr)
         self.assert_same(rows, expected, 2e-6)
 
     def test_other_files_are_reported(self):
@@ -153,18 +153,18 @@ class TorchFiles(ToolTest):
             ("short.pt", whole[:len(whole) // 2], "the file was cut off"),
             ("nan.pt", torch_bytes(nan), 'array "trans": NaN in frame 3, column 1'),
             ("text.pt", torch_bytes({**motion, "poses": "walk"}), "found text of"),
-            ("beyond.pt", view(4, (1, 66), (1, 1)), "reaches beyond its storage of 6 numbers"),
+            ("beyond.pt", view(4, (1, 66), (1, 1)), "exceeds its storage of 6 numbers"),
             ("huge.pt", view(0, (1 << 40, 66), (0, 0)), "but its storage has 24 bytes"),
-            ("overflow.pt", view(0, (3, 66), (1 << 62, 1)), "reaches beyond its storage"),
+            ("overflow.pt", view(0, (3, 66), (1 << 62, 1)), "exceeds its storage"),
             ("strides.pt", view(0, (1, 66), (1,)), "do not match its shape"),
             ("weights.pt", torch_bytes({"conv.weight": numbers}), "a dictionary of conv.weight"),
             ("tensor.pt", torch_bytes(numbers), "one tensor of shape (6,)"),
-            ("robot.pt", torch_bytes({"dof_pos": numbers}), "found one of a robot"),
-            ("robot.pkl", pickle.dumps({"root_pos": 1, "dof_pos": 2}), "found one of a robot"),
+            ("robot.pt", torch_bytes({"dof_pos": numbers}), "found a robot motion"),
+            ("robot.pkl", pickle.dumps({"root_pos": 1, "dof_pos": 2}), "found a robot motion"),
             ("legacy.pt", b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.",
              "torch.save(torch.load("),
             ("two.p", pickle.dumps({0: walking(), 1: walking()}), "the file holds 2 motions: 0, 1"),
-            ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera's axes"),
+            ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera axes"),
             ("bomb.pt", torch_bytes({"poses": numpy.zeros((100000, 66), "f4"), **motion}, True),
              "but its storage has"),
             ("wide.pt", torch_bytes(numpy.zeros((3, 591), "f4")), "not a unit quaternion"),
@@ -209,7 +209,7 @@ class RealFiles(ToolTest):
 
     def test_a_robots_motion_is_reported(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"
-        self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found one of a robot",
+        self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found a robot motion",
                           "dof_pos", "--from-robot NAME", "retarget convert")
 
 

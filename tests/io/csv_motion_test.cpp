@@ -195,10 +195,10 @@ TEST_F(CsvMotion, ReadsRateFromTimes) {
 TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
   const ReadMotionOptions at_60 = with([](auto& o) { o.rate = FrameRate{60, 1}; });
   for (const auto& [text, words] :
-       {std::pair(timed({"0", "1", "2"}, "time"), "gives no rate"),
+       {std::pair(timed({"0", "1", "2"}, "time"), "does not determine the rate"),
         {timed({"0", "4", "8"}), "frame numbers or times"},
         {timed({"0", ".02", ".02", ".04"}, "time"), "does not increase"},
-        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not even"}}) {
+        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not uniform"}}) {
     expect_fault(text, AllOf(HasSubstr(words), HasSubstr("source_fps")));
     const auto given = read(text, at_60);
     ASSERT_TRUE(given) << describe(given.error());

@@ -12,7 +12,7 @@ TEST(GltfTimes, AreAllowedUntilTheyRepeat) {
   EXPECT_TRUE(check_key_times({120, 1}, 10'368'000));
   const auto repeats = check_key_times({120, 1}, 20'000'000);
   ASSERT_FALSE(repeats);
-  EXPECT_THAT(repeats.error().message, testing::HasSubstr("are the same"));
+  EXPECT_THAT(repeats.error().message, testing::HasSubstr("have equal times"));
 }
 
 }  // namespace

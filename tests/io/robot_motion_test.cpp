@@ -170,10 +170,10 @@ TEST_F(RobotMotionTest, ReportsErrors) {
   expect("1,2,nan\n", "out of range");
   expect("HIERARCHY\nROOT Hips\n", "BVH");
   expect("BZh91AY", "bzip2");
-  expect("\x80\x04}.", "not hold a robot motion");
+  expect("\x80\x04}.", "not contain a robot motion");
   std::string row = "0,0,0.8,0,0,0,0";
   for (int i = 0; i < 29; ++i) row += ",0";
-  expect(row + "\n", "length 0 and should have 1");
+  expect(row + "\n", "length 0, expected 1");
 }
 
 TEST_F(RobotMotionTest, ResamplingKeepsTheMotion) {

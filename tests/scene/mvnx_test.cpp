@@ -120,13 +120,13 @@ TEST(MvnxTest, RejectsImpossibleValues) {
   EXPECT_THAT(message(ring), HasSubstr("ring"));
   Document stranger = good;
   stranger.joints += "<joint><connector1>Arm/a</connector1><connector2>Leg/a</connector2></joint>";
-  EXPECT_THAT(message(stranger), HasSubstr("not there"));
+  EXPECT_THAT(message(stranger), HasSubstr("unknown segments"));
   Document short_frame = good;
   short_frame.frames += "<frame type=\"normal\"><orientation>1 0 0 0</orientation></frame>";
-  EXPECT_THAT(message(short_frame), HasSubstr("of each of its 3 segments"));
+  EXPECT_THAT(message(short_frame), HasSubstr("for its 3 segments"));
   Document not_finite = good;
   not_finite.add("normal", {{Quaterniond::Identity(), {NAN, 0, 0}}, {}, {}});
-  EXPECT_THAT(message(not_finite), HasSubstr("of each of its 3 segments"));
+  EXPECT_THAT(message(not_finite), HasSubstr("for its 3 segments"));
   Document not_unit = good;
   not_unit.add("normal", {{Quaterniond(0, 0, 0, 0), {0, 0, 0}}, {}, {}});
   EXPECT_THAT(message(not_unit), HasSubstr("unit quaternion"));

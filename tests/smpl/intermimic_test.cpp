@@ -93,7 +93,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
   const SmplMotion expected = motion_of(parts.npz());
   EXPECT_FALSE(found.approximate_body);
   EXPECT_EQ(found.clip.rate(), (FrameRate{30, 1}));
-  EXPECT_THAT(warnings_of(found), HasSubstr("30 fps, as InterMimic's motions have"));
+  EXPECT_THAT(warnings_of(found), HasSubstr("assuming InterMimic's 30 fps"));
   std::vector<Pose> poses(kSmplJointCount);
   for (int frame = 0; frame < found.clip.frame_count(); ++frame) {
     for (int joint = 0; joint < kSmplJointCount; ++joint) {
@@ -154,13 +154,13 @@ TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
   EXPECT_THAT(with(162 + 3, HUGE_VALF), HasSubstr("infinity in frame 0, column 165"));
   EXPECT_THAT(with(3 * 591 + 6, 3.0F),
               HasSubstr("columns 3 to 6 of frame 3 are not a unit quaternion"));
-  EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bones change their place by up to"));
-  EXPECT_THAT(with(0, 4.0F), HasSubstr("bones change their place by up to"));
+  EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bone offsets vary by up to"));
+  EXPECT_THAT(with(0, 4.0F), HasSubstr("bone offsets vary by up to"));
   EXPECT_THAT(error_of(intermimic_file({})), HasSubstr("has no frames"));
   // Column 320 is not read.
   EXPECT_EQ(with(320, std::nanf("")), "no error");
   std::vector<float> large = intermimic_rows(Parts(), generic_smpl_rest_body(180));
-  EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("make no body in metres"));
+  EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("do not form a body in metres"));
 }
 
 TEST(InterMimicTest, RestOffsetsAreTheBody) {
@@ -183,7 +183,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
   };
   const SmplMotion found = motion_of(with("rest_offsets", npy_doubles({24, 3}, offsets)));
   EXPECT_FALSE(found.approximate_body);
-  EXPECT_THAT(warnings_of(found), HasSubstr("30 fps, as OMOMO has"));
+  EXPECT_THAT(warnings_of(found), HasSubstr("assuming 30 fps, as in OMOMO"));
   const Skeleton& skeleton = found.clip.skeleton();
   for (int joint = 1; joint < kSmplJointCount; ++joint) {
     const Eigen::Vector3d offset = body.joints[joint] - body.joints[kSmplParents[joint]];

@@ -52,7 +52,7 @@ TEST(JointMotionTest, ShapesOfHumanMlAndMdm) {
   EXPECT_EQ(human_ml.joint_count, 22);
   EXPECT_EQ(human_ml.position(1, 2), Eigen::Vector3d(72, 73, 74));
   EXPECT_EQ(to_text(human_ml.rate), "20");
-  EXPECT_THAT(texts_of(human_ml), HasSubstr("20 fps, as HumanML3D and MDM have, are assumed"));
+  EXPECT_THAT(texts_of(human_ml), HasSubstr("assuming 20 fps, as HumanML3D and MDM have"));
   EXPECT_TRUE(human_ml.names.empty());
 
   // samples, joints, axes, frames
@@ -124,7 +124,7 @@ TEST(JointMotionTest, ResultsOfMdmArePickledDictionaries) {
   const std::string evil =
       "\x80\x02"
       "cposix\nsystem\nX\x02\0\0\0id\x85R."s;
-  EXPECT_THAT(joint_error(npy("|O", "()", evil)), HasSubstr("posix.system, which is refused"));
+  EXPECT_THAT(joint_error(npy("|O", "()", evil)), HasSubstr("posix.system, which is not allowed"));
 }
 
 TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
@@ -147,7 +147,7 @@ TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
   EXPECT_EQ(joints_of(bytes, other).names, other.joint_names);
   other.joint_names = {"x"};
   EXPECT_THAT(joint_error(bytes, other),
-              HasSubstr("it has 2 joints, but there is 1 name in the list of --joint-names"));
+              HasSubstr("it has 2 joints, but there is 1 name in the file of --joint-names"));
 }
 
 TEST(JointMotionTest, ReportsAssumedRates) {
@@ -181,10 +181,12 @@ TEST(JointMotionTest, KimodoHasRotations) {
   EXPECT_EQ(to_text(motion.rate), "30");
   EXPECT_EQ(joints_of(kimodo(30)).names.back(), "RightToeBase");
   EXPECT_EQ(joints_of(kimodo(22)).names.front(), "pelvis");
-  EXPECT_THAT(joint_error(kimodo(34)), HasSubstr("found one of a robot: Kimodo's of the G1"));
-  EXPECT_THAT(joint_error(kimodo(27)), HasSubstr("77 or 30 joints of SOMA"));
-  EXPECT_THAT(joint_error(kimodo(22, 1.1)), HasSubstr("no rotation in frame 0, joint 0"));
-  EXPECT_THAT(joint_error(kimodo(22, -1.0)), HasSubstr("no rotation in frame 0, joint 0"));
+  EXPECT_THAT(joint_error(kimodo(34)), HasSubstr("found a robot motion: Kimodo's G1"));
+  EXPECT_THAT(joint_error(kimodo(27)), HasSubstr("77 or 30 SOMA joints"));
+  EXPECT_THAT(joint_error(kimodo(22, 1.1)),
+              HasSubstr("invalid rotation matrix in frame 0, joint 0"));
+  EXPECT_THAT(joint_error(kimodo(22, -1.0)),
+              HasSubstr("invalid rotation matrix in frame 0, joint 0"));
 }
 
 TEST(JointMotionTest, RejectsOtherArrays) {
@@ -200,7 +202,7 @@ TEST(JointMotionTest, RejectsOtherArrays) {
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, counted(132)), little), HasSubstr("memory"));
   SmplReadOptions take;
   take.take = "2";
-  EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("one motion alone"));
+  EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("only one motion"));
 }
 
 TEST(JointMotionTest, OneOfSeveralDictionaries) {

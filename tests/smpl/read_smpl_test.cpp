@@ -197,7 +197,7 @@ TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   // SMPL-X shapes are others: the mean one is taken
   options.body = &*smplx;
   const SmplMotion other = motion_of(Amass().with("betas", betas), options);
-  EXPECT_THAT(warnings_of(other), HasSubstr("betas are those of SMPL or SMPL+H"));
+  EXPECT_THAT(warnings_of(other), HasSubstr("betas belong to SMPL or SMPL+H"));
   EXPECT_EQ(other.clip.skeleton().joint(5).offset,
             motion_of(Amass(), options).clip.skeleton().joint(5).offset);
 }
@@ -330,13 +330,13 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
 
   const SmplMotion changing = motion_of(Amass().with("betas", npy_doubles({2, 2}, {1, 0, 2, 0})));
   EXPECT_DOUBLE_EQ(changing.height, 1.76);
-  EXPECT_THAT(warnings_of(changing), HasSubstr("change from frame to frame"));
+  EXPECT_THAT(warnings_of(changing), HasSubstr("vary over time"));
 
   SmplReadOptions options;
   options.height = 1.9;
   EXPECT_DOUBLE_EQ(motion_of(Amass(), options).height, 1.9);
   const Amass absurd = Amass().with("betas", npy_doubles({1}, {40}));
-  EXPECT_THAT(error_of(absurd), HasSubstr("would make a body 5.66"));
+  EXPECT_THAT(error_of(absurd), HasSubstr("would give a body height of 5.66"));
   EXPECT_THAT(error_of(absurd), HasSubstr("hint: give the height with height"));
   EXPECT_DOUBLE_EQ(motion_of(absurd, options).height, 1.9);
   options.height = -1.0;
@@ -386,7 +386,7 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
               HasSubstr("expected numbers of shape"));
   EXPECT_THAT(with("poses", npy_doubles({0, 72}, {})), HasSubstr("poses\": it has no frames"));
   EXPECT_THAT(with("poses", npy("|O", "(4, 72)", "pickled")),
-              HasSubstr("array \"poses\": it holds Python objects"));
+              HasSubstr("array \"poses\": it contains Python objects"));
   EXPECT_THAT(with("poses", npy_text("none")), HasSubstr("found text of ()"));
   EXPECT_THAT(error_of(Amass().without("trans")), HasSubstr("no array \"trans\""));
 }

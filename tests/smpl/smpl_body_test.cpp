@@ -172,7 +172,7 @@ TEST(SmplBody, RejectsInconsistentArrays) {
   };
   EXPECT_THAT(
       with("J_regressor", npy("|O", "()", "sparse")),
-      HasSubstr("array \"J_regressor\": it holds Python objects (a sparse matrix perhaps)"));
+      HasSubstr("array \"J_regressor\": it contains Python objects (perhaps a sparse matrix)"));
   EXPECT_THAT(with("J_regressor", npy_doubles({24, 2}, std::vector<double>(48))),
               HasSubstr("expected numbers of shape (any, 40), found (24, 2)"));
   EXPECT_THAT(with("v_template", npy_doubles({120}, model.vertices)),
@@ -190,15 +190,15 @@ TEST(SmplBody, RejectsInconsistentArrays) {
               HasSubstr("170.000000 high along y is not in metres"));
   values = model.vertices;
   for (std::size_t i = 0; i < values.size(); i += 3) values[i] = std::abs(values[i]) + 0.1;
-  EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)), HasSubstr("has two sides"));
+  EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)), HasSubstr("on one side of x = 0"));
 }
 
 TEST(SmplBody, RejectsOtherKinematicTrees) {
   MadeUpModel hand(16, 3);
-  EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints are not those of SMPL"));
+  EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints do not match SMPL"));
   MadeUpModel swapped(24, 3);
   std::swap(swapped.tree[4], swapped.tree[5]);
-  EXPECT_THAT(error_of(swapped.bytes()), HasSubstr("joints are not those of SMPL"));
+  EXPECT_THAT(error_of(swapped.bytes()), HasSubstr("joints do not match SMPL"));
 }
 
 TEST(SmplBody, LoadsAFile) {

@@ -62,9 +62,9 @@ class GltfReader {
     const std::size_t takes = document_.list("animations").size();
     if (takes > kMaxTakesTimesNodes / std::max<std::size_t>(scene_.nodes.size(), 1)) {
       return document_.fault(
-          fmt::format("{} of {} are more than can be looked through",
-                      count_text(takes, "animation"), count_text(scene_.nodes.size(), "node")),
-          "export the armature with the animation that you want");
+          fmt::format("{} of {} exceed the limit", count_text(takes, "animation"),
+                      count_text(scene_.nodes.size(), "node")),
+          "export the armature with only the required animation");
     }
     for (const GltfJson& animation : document_.list("animations")) {
       TRY_ASSIGN(SceneTake take, motion->add(document_, animation, place_));
@@ -110,14 +110,13 @@ class GltfReader {
       place_[index] = static_cast<int>(scene_.nodes.size());
       scene_.nodes.push_back(node_of(nodes[index], parent_[index]));
       if (!is_sound(scene_.nodes.back().rest)) {
-        return document_.fault("the place of " + name_of(index) +
-                               " has numbers that are not finite, or no "
-                               "rotation");
+        return document_.fault("the transform of " + name_of(index) +
+                               " is not finite or has a zero rotation");
       }
       for (const std::size_t child : children[index]) waiting.emplace_back(child, depth + 1);
     }
     if (scene_.nodes.size() != nodes.size())
-      return document_.fault("its nodes form a ring and not a tree");
+      return document_.fault("its nodes form a cycle instead of a tree");
     return {};
   }
 

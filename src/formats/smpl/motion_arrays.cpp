@@ -271,7 +271,7 @@ class MotionReader {
 
   Result<void> read_betas() {
     if (!file_.has("betas")) {
-      if (!kind_.has_no_betas) warn("no betas: a body of average shape is assumed");
+      if (!kind_.has_no_betas) warn("no betas: assuming the average body shape");
       return {};
     }
     TRY_ASSIGN(const auto array, file_.read("betas"));
@@ -288,7 +288,7 @@ class MotionReader {
           "betas", "number " + std::to_string(bad - values.begin()) + " is not finite");
     }
     if (values.empty()) {
-      warn("no betas: a body of average shape is assumed");
+      warn("no betas: assuming the average body shape");
       return {};
     }
     // Fits to video give one row per frame, but a body has one shape.
@@ -296,7 +296,7 @@ class MotionReader {
     arrays_.betas.assign(values.begin(), values.begin() + width);
     for (auto row = values.begin(); row != values.end(); row += width) {
       if (std::equal(row, row + width, values.begin())) continue;
-      warn("betas change from frame to frame: those of the first frame are used");
+      warn("betas vary over time: using the first frame");
       break;
     }
     return {};
@@ -311,7 +311,7 @@ class MotionReader {
     TRY_ASSIGN(auto word, read_word("gender"));
     constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
     if (std::ranges::find(kGenders, word) == kGenders.end()) {
-      warn("gender is not the text neutral, female or male, and is ignored");
+      warn("gender is not neutral, female or male: ignored");
       return {};
     }
     arrays_.gender = std::move(word);
