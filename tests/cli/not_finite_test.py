@@ -159,7 +159,7 @@ class FailedSolvers(ToolTest):
     def test_the_verdict_of_a_run_says_so(self):
         result = self.retarget(*self.options, "--report", "r.json", robot="heavy")
         self.assert_done(result)
-        self.assertIn("warning: fit with dynamics: numbers were not finite in frames 0 to 45",
+        self.assertIn("warning: fit with dynamics: non-finite numbers in frames 0 to 45",
                       result.stderr)
         self.assertIn("missed   solver_failures 1 (at most 0)", result.stderr)
         report = json.loads((self.folder / "r.json").read_text())["motions"][0]
@@ -197,7 +197,7 @@ class FailedSolvers(ToolTest):
                 entry = json.loads((self.folder / out / "manifest.jsonl").read_text())
                 self.assertEqual(entry["quality"]["gates_missed"], ["solver_failures"])
                 self.assertEqual(entry["quality"]["figures"]["solver_failures"], 1)
-                self.assertIn("numbers were not finite", entry["warnings"][0])
+                self.assertIn("non-finite numbers", entry["warnings"][0])
 
 
 if __name__ == "__main__":

@@ -404,7 +404,7 @@ class BadFiles(FormatsTest):
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "-", "--format", "csv-sonic"), 2,
                           "standard output")
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "x.csv", "--format", "csv-sonic"), 2,
-                          "makes a folder")
+                          "writes a folder")
 
     def test_what_is_no_motion(self):
         self.write("weights.pt", torch_bytes({"layer.weight": np.zeros((3, 3), np.float32)}))

@@ -47,7 +47,7 @@ OptionTable request_table(RunArguments& arguments) {
           row("png", request.png, kOutputGroup, "FILE",
               "Also write a picture, a strip of poses, as PNG"),
           row("strip", request.strip, kOutputGroup, "N",
-              "Picture: number of poses from the first frame to the last (default: 6)",
+              "Picture: number of poses, first and last frame included (default: 6)",
               {.min = 1.0, .max = 100.0}),
           row("verbose", request.verbose, kGeneralGroup, "",
               "Also print the cost of every fit term, before and after, and its worst frames",
@@ -103,7 +103,7 @@ OptionTable convert_table(ConvertArguments& arguments) {
 
 OptionTable compare_table(CompareArguments& arguments) {
   OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
-                           "Largest difference to accept, in the files' units",
+                           "Maximum accepted difference, in the files' units",
                            {.min = 0.0, .max = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
   append(table, without(robot_table(arguments.robot), {"follow"}));

@@ -122,7 +122,7 @@ class MimicKitRows {
         }
         for (const std::uint32_t number : row.items) {
           const auto value = document_.number(document_.at(number));
-          if (!value) return fault("has values that are not numbers");
+          if (!value) return fault("has non-numeric values");
           rows.values.push_back(*value);
         }
       }
