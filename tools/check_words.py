@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rejects wording that readers have to translate: the patterns of tools/words.txt.
+"""Rejects unidiomatic wording: the patterns of tools/words.txt.
 
     tools/check_words.py                  the whole repository
     tools/check_words.py FILE ...         only these files
