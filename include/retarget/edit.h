@@ -116,9 +116,9 @@ struct Transferred : Edited {
 };
 
 /// Transfers a human's movement to another skeleton, through the T-pose. With the world rotations
-/// S_T and G_T of source and target in their T-poses, each mapped joint has the rotation
-/// R_target = R_source S_T^-1 G_T. Both T-poses are those of the canonical human, so this is the
-/// rotation of the canonical bone times the inverse of the target's joint_from_bone.
+/// S_T and G_T of source and target in their T-poses, each mapped joint has the rotation R_target =
+/// R_source S_T^-1 G_T. Both are the T-pose of the canonical human, so this is the rotation of the
+/// canonical bone times the inverse of the target's joint_from_bone.
 ///
 /// The path of the hips is scaled by the ratio of the body sizes (Calibration::size, which depends
 /// on leg lengths) and raised by the extra distance from hips to soles, so that a standing body

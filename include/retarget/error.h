@@ -24,8 +24,8 @@ enum class ErrorKind {
 /// A place in a file.
 struct Location {
   std::string file;        ///< As the user named it; may be empty.
-  std::size_t line = 0;    ///< 1-based; 0 when no line is meant.
-  std::size_t column = 0;  ///< 1-based, in bytes; 0 when no column is meant.
+  std::size_t line = 0;    ///< 1-based; 0: unknown.
+  std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
 };
 
 /// An error as a value: the problem, its location, and a remedy.
@@ -42,8 +42,8 @@ struct Error {
 
 /// Something odd that did not stop the work, at a place in a file.
 struct Warning {
-  std::size_t line = 0;    ///< 1-based; 0 when no line is meant.
-  std::size_t column = 0;  ///< 1-based, in bytes; 0 when no column is meant.
+  std::size_t line = 0;    ///< 1-based; 0: unknown.
+  std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
   std::string message;
 };
 

@@ -253,7 +253,7 @@ struct FormattedFile {
 [[nodiscard]] Result<std::vector<FormattedFile>> format_motion_files(
     const RobotClip& clip, MotionFormat format, const WriteMotionOptions& options = {});
 
-/// Formats a human motion alone as a GLB; see kGlb.
+/// Formats only a human motion as a GLB; see kGlb.
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
                                                    const std::string& name = {});
 

@@ -10,7 +10,7 @@ namespace RETARGET_API retarget {
 [[nodiscard]] std::string version_number();
 
 /// The output of `--version`, one fact per line, no final newline: version and git commit (where
-/// built from a git checkout), compiler and whether it compiled for the building machine alone
+/// built from a git checkout), compiler and whether it compiled only for the build machine
 /// (RETARGET_NATIVE), MuJoCo's header and library, Eigen.
 ///
 ///     retarget 0.1.0 (git 0123456789ab)

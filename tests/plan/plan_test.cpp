@@ -171,7 +171,7 @@ TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
   EXPECT_FALSE(report.passed());
   report.file = "walk.csv";
   EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("walk.csv: solver_failures is 1, wanted at most 0\n"
+              HasSubstr("walk.csv: solver_failures is 1, expected at most 0\n"
                         "  fit with dynamics: 30 frames, frames 0-29, worst 0\n"));
   const auto json = nlohmann::json::parse(report_json({&report, 1}))["motions"][0];
   EXPECT_EQ(json["solver_failures"], 1.0);

@@ -69,7 +69,7 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
   for (QualityReport& report : reports) gates.judge(report);
   const std::string text = report_text(reports);
   EXPECT_THAT(text, StartsWith("still.csv: 1 of 1 gate kept\njump.csv: 0 of 1 gate kept, 1 missed\n"
-                               "jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
+                               "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
   EXPECT_THAT(text, ContainsRegex("\n +metric +gate +still.csv +jump.csv\n"));
   EXPECT_THAT(text, ContainsRegex("\n +jumps +<=0 +0 [+] +2 x\n"));
   // every figure has its row on request only
@@ -83,7 +83,7 @@ TEST(ReportText, OrdersVerdictMissedGatesAndGroups) {
   report.gates[1].max = 100.0;
   const std::string text = report_text({&report, 1});
   EXPECT_THAT(text, StartsWith("walk.csv: 2 of 3 gates kept, 1 missed (unitree_g1, 300 frames)\n"
-                               "walk.csv: limit_pct is 123.5, wanted at most 100\n"
+                               "walk.csv: limit_pct is 123.5, expected at most 100\n"
                                "  left_knee: 0.5 rad, frames 3-6, worst 5\n"));
   EXPECT_THAT(text, HasSubstr("\nlimits      + solver_failures 123.5 <=200"));
   EXPECT_THAT(text, HasSubstr("x limit_pct 123.5 <=100"));
@@ -145,7 +145,7 @@ TEST(ReportText, ShowsAsManyDigitsAsAMissTakes) {
   gates.set({"fast_3pi_pct", std::nullopt, 0.2});
   gates.judge(report);
   EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("fast_3pi_pct is 0.200001, wanted at most 0.2\n"));
+              HasSubstr("fast_3pi_pct is 0.200001, expected at most 0.2\n"));
 }
 
 TEST_F(MeasureQuality, TextShowsBothLeansIfTheirGateIsMissed) {

@@ -67,7 +67,7 @@ struct LayoutChoice {
   double distance = 0.0;
 };
 
-// The robot and its variants. Variants with bodies of their own are also tried in their older form,
+// The robot and its variants. Variants with their own bodies are also tried in their older form,
 // which was the whole robot without the joints that they lack.
 std::vector<std::shared_ptr<const Robot>> layout_candidates(
     const std::shared_ptr<const Robot>& robot) {

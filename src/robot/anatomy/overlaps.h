@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// Two bodies whose shapes overlap in the model itself, whatever the motion.
+/// Two bodies whose shapes overlap in the model itself, in every motion.
 struct ModelOverlap {
   int a = 0, b = 0;    ///< Body indices, the smaller first.
   double depth = 0.0;  ///< Largest overlap in the given poses, metres; 0 if apart in all of them.
