@@ -32,7 +32,7 @@ class Error(Exception):
         self.hint = hint
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # with all its attributes through queues and pools of processes
+        # Keeps all attributes when pickled, for queues and process pools.
         return type(self), (str(self), self.message, self.file, self.line, self.column,
                             self.details, self.hint)
 

@@ -56,7 +56,7 @@ def command(tool: str):
     """Runs the command, without the messages that it gives people."""
 
     def run(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-        # a sanitizer's library is for the module alone
+        # Only the module needs the sanitizer library.
         environment = {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
         done = subprocess.run([tool, *map(str, arguments)], text=True, capture_output=True,
                               env=environment, timeout=300)

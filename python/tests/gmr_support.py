@@ -43,7 +43,7 @@ def tool_qpos(bvh: pathlib.Path, output: pathlib.Path, robot: str = "unitree_g1"
     tool = os.environ.get("RETARGET_TOOL") or package / "bin/retarget"
     if not pathlib.Path(tool).exists():
         pytest.skip("the command was not built")
-    # a sanitizer's library is for the module alone
+    # Only the module needs the sanitizer library.
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     subprocess.run([str(tool), "--bvh", str(bvh), "--robot", robot, "--method", "gmr",
                     "--fps", "source", "--precision", "17", "--quiet", "-o", str(output)],

@@ -13,7 +13,7 @@ import retarget
 
 
 def evaluated(command, tmp_path: Path, *words: object) -> dict:
-    # a motion that misses a gate is a result, with a code of its own
+    # A missed gate is a result, with its own exit code.
     try:
         command("evaluate", *words, "--json", tmp_path / "report.json")
     except AssertionError:

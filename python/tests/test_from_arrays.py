@@ -44,7 +44,7 @@ def test_float32_lists_and_slices(walk: retarget.Clip) -> None:
     assert wide.positions.tobytes() == exact.positions.tobytes()
     rough = make(lambda array: array.astype(np.float32))
     np.testing.assert_allclose(rough.positions, exact.positions, atol=1e-3)
-    # noise of single precision makes no joint stretch
+    # Single-precision noise must not stretch joints.
     rough.save("/dev/null")
     assert (np.ptp(rough.local_positions[:, 1:], axis=0) == 0).all()
 

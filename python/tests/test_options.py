@@ -94,9 +94,9 @@ def test_a_keyword_has_one_type_in_all_functions() -> None:
         names = [row["name"] for row in rows]
         assert len(names) == len(set(names)), "a keyword is in a table twice"
     several = {name for name, found in types.items() if len(found) > 1}
-    # this list may only shrink: batch's base takes a folder for one release more, its contacts are a flag
-    # as each clip has a file; scale is of a body or of a path; floor and speed are terms of the fit and
-    # numbers of edits
+    # This list may only shrink: batch's base accepts a folder for one more release, its contacts
+    # are a flag because each clip has a file; scale refers to a body or a path; floor and speed are
+    # terms of the fit and numbers of edits.
     assert several == {"base", "contacts", "scale", "floor", "speed"}
 
 
@@ -112,7 +112,7 @@ def test_the_stubs_have_every_option() -> None:
     folder = Path(retarget.__file__).parent
     stub = folder / "_options.pyi"
     if not stub.exists():
-        # a package in a build tree: the files are links into the sources
+        # In a build tree, the package files are links into the sources.
         stub = Path(_retarget.__file__).parent / "_options.pyi"
     if not stub.exists():
         pytest.skip("a build without stubs")

@@ -10,7 +10,7 @@ import pytest
 import retarget
 
 CLIPS = ["walk", "squat", "wave", "turn_in_place", "get_up"]
-# keywords of Python beside words of the command
+# Python keywords and the corresponding command-line words.
 WAYS = {
     "fit": ({}, []),
     "gmr": ({"method": "gmr"}, ["--method", "gmr"]),

@@ -1,4 +1,4 @@
-"""Errors of names, which are KeyErrors too, as in the published package."""
+"""Name errors, which are also KeyErrors, as in the published package."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from retarget._errors import InputError, UsageError
 
 
 class MissingBodyError(InputError, KeyError):
-    """A frame of a human lacks bodies that the tables name."""
+    """A human frame lacks bodies of the tables."""
 
     __str__ = Exception.__str__
 

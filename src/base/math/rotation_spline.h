@@ -21,7 +21,8 @@ struct RotationState {
 /// block-tridiagonal system with a small term that depends on the solution, so the system is
 /// iterated (N. Mayorov, "Spline interpolation of rotations", 2019). About a fixed axis, this is
 /// the cubic spline of the angle. At both ends, the angular velocity follows the parabola through
-/// the last three samples, so a constant angular acceleration about one axis is reproduced exactly.
+/// the three outermost samples, so a constant angular acceleration about one axis is reproduced
+/// exactly.
 ///
 /// The rotations of math/spline.h cost less, but where the axis changes only their velocity is
 /// continuous.
