@@ -60,7 +60,7 @@ TEST(Capsules, FindsATiltedRod) {
 
 // a hip: a thick motor across the top of a slender leg; one shape around all of it would be as wide as the
 // motor all the way down
-TEST(Capsules, TakesAThighApart) {
+TEST(Capsules, SplitsAThigh) {
   Points points;
   add_cylinder({0, -0.12, 0}, {0, 0.12, 0}, 0.06, points);
   add_cylinder({0, 0, 0}, {0, 0, -0.4}, 0.04, points);
@@ -76,7 +76,7 @@ TEST(Capsules, TakesAThighApart) {
   EXPECT_GT(distance_from({0, 0.09, -0.25}, shapes), 0.02);
 }
 
-TEST(Capsules, TakesAnyPoints) {
+TEST(Capsules, AcceptsAnyPoints) {
   for (const Points& points :
        {Points{{0, 0, 0}}, Points{{0, 0, 0}, {0, 0, 0.1}}, Points(20, Vector3d(1, 2, 3))}) {
     const auto shapes = capsules_around(1, points);
@@ -90,7 +90,7 @@ TEST(Capsules, TakesAnyPoints) {
   }
 }
 
-TEST(Capsules, ThinnedKeepsOneOfACell) {
+TEST(Capsules, ThinningKeepsOnePointPerCell) {
   const Points points = {{0, 0, 0}, {0.001, 0, 0}, {0.02, 0, 0}, {0, 0.002, 0}, {0.02, 0, 0}};
   const Points kept = thinned(points, 0.01);
   ASSERT_EQ(kept.size(), 2U);

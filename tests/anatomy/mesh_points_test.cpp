@@ -77,7 +77,7 @@ void expect_mesh_soles(const Robot& robot) {
 }
 
 // the head's file is missing, which MuJoCo would take for an error of the whole model
-TEST(MeshPoints, GiveSolesThoughOtherMeshesAreMissing) {
+TEST(MeshPoints, ProvideSolesIfOtherMeshesAreMissing) {
   const TemporaryFolder folder;
   write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));
   const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
@@ -86,7 +86,7 @@ TEST(MeshPoints, GiveSolesThoughOtherMeshesAreMissing) {
   expect_mesh_soles(*completed.robot);
 }
 
-TEST(MeshPoints, SayWhichFilesTheyLack) {
+TEST(MeshPoints, NameMissingFiles) {
   const TemporaryFolder folder;
   const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
   EXPECT_TRUE(completed.guessed);

@@ -53,7 +53,7 @@ std::string with_thick_thighs() {
   return text;
 }
 
-TEST(ModelOverlaps, FindsThighsThatAreInEachOther) {
+TEST(ModelOverlaps, FindsOverlappingThighs) {
   const auto robot = robot_from_text(with_thick_thighs());
   const auto overlaps = overlaps_of(*robot);
   ASSERT_EQ(names_of(*robot, overlaps), (Names{{"left_thigh", "right_thigh"}}));
@@ -118,7 +118,7 @@ bool boxes_touch(const Pose& a, const Pose& b, const Eigen::Vector3d& half) {
 }
 
 // against many more poses of another kind, and another test of boxes
-TEST(ModelOverlaps, ShareIsThatOfPosesAtRandom) {
+TEST(ModelOverlaps, ShareMatchesRandomPoses) {
   const auto robot = robot_from_text(with_thick_thighs());
   const double share = overlaps_of(*robot).at(0).share;
   unsigned state = 12345;
@@ -145,7 +145,7 @@ TEST(ModelOverlaps, ShareIsThatOfPosesAtRandom) {
   EXPECT_NEAR(share, static_cast<double>(touching) / kPoses, 0.02);
 }
 
-TEST(AllowedContacts, TakesTheModelsOwnExclusions) {
+TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
   const TemporaryFolder folder;
   std::string text = with_thick_thighs();
   text.insert(text.find("</mujoco>"),

@@ -27,7 +27,7 @@ void expect_near(const Eigen::Vector3d& found, const Eigen::Vector3d& expected) 
   EXPECT_LT((found - expected).norm(), 1e-9) << found.transpose();
 }
 
-TEST(RobotHandsTest, ThreeFingersOfTheG1) {
+TEST(RobotHandsTest, FindsTheThreeFingersOfTheG1) {
   const auto robot = load_shipped_robot("unitree_g1_with_hands");
   const RobotHands hands = find_hands(*robot);
   for (std::size_t side = 0; side < 2; ++side) {
@@ -128,7 +128,7 @@ TEST(RobotHandsTest, TwoJawsAreAGripper) {
   }
 }
 
-TEST(RobotHandsTest, OtherRobotsHaveNone) {
+TEST(RobotHandsTest, FindsNoneOnOtherRobots) {
   int looked_at = 0;
   for (const char* const folder : {"robots", "robots/unverified"}) {
     for (const auto& entry :
@@ -154,7 +154,7 @@ TEST(RobotHandsTest, IgnoresHeldFingers) {
   EXPECT_FALSE(hands[0] || hands[1]);
 }
 
-TEST(RobotHandsTest, JointsThatLeadEachOtherInACircleAreFree) {
+TEST(RobotHandsTest, FreesCyclicallyCoupledJoints) {
   const auto loaded = std::const_pointer_cast<Robot>(robot_from_text(six_motor_hands()));
   RobotProfile profile = loaded->profile();
   profile.coupled_joints = {{"left_index_proximal", {"left_index_intermediate", 1.0, 0.0}},

@@ -135,7 +135,7 @@ TEST(TorchFileTest, ExecutesNothing) {
   EXPECT_THAT(plain.error().message, HasSubstr("opcode BINPERSID, which is not allowed"));
 }
 
-TEST(TorchFileTest, RefusesViewsBeyondTheirStorage) {
+TEST(TorchFileTest, RejectsViewsBeyondTheirStorage) {
   for (const View& view :
        {View{{7}, 0, {}}, View{{2, 3}, 1, {}}, View{{2}, 0, {6}}, View{{1}, 6, {}},
         View{{1}, INT64_MAX, {}}, View{{3}, 0, {INT64_MAX}},
@@ -150,7 +150,7 @@ TEST(TorchFileTest, RefusesViewsBeyondTheirStorage) {
               HasSubstr("without a shape or strides"));
 }
 
-TEST(TorchFileTest, BelievesNoClaim) {
+TEST(TorchFileTest, ChecksAllClaimedSizes) {
   TorchBuilder missing;
   const std::string root = missing.floats({2}, {1, 2});
   missing.forget(0);
@@ -185,7 +185,7 @@ TEST(TorchFileTest, BelievesNoClaim) {
   EXPECT_THAT(error_of(wrong.build(wrong.floats({1}, {1}))), HasSubstr("its checksum"));
 }
 
-TEST(TorchFileTest, RefusesOtherReferencesThanStorages) {
+TEST(TorchFileTest, RejectsReferencesToOtherValues) {
   const auto with = [](const std::string& id) { return error_of(TorchBuilder().build(id + "Q")); };
   const std::string of_numbers = "refers to a value that is not a number storage";
   EXPECT_THAT(with(TorchBuilder::text("storage")), HasSubstr(of_numbers));
@@ -201,7 +201,7 @@ TEST(TorchFileTest, RefusesOtherReferencesThanStorages) {
               HasSubstr("names torch.ComplexFloatStorage, which is not allowed"));
 }
 
-TEST(TorchFileTest, KnowsItsFiles) {
+TEST(TorchFileTest, RecognisesItsFiles) {
   const std::string bytes = one_to_six({{6}, 0, {}});
   EXPECT_TRUE(is_torch_file(bytes));
   EXPECT_TRUE(is_torch_file(bytes.substr(0, 200)));

@@ -69,7 +69,7 @@ class DataSetTest : public ::testing::Test {
   std::vector<ManifestEntry> entries_;
 };
 
-TEST_F(DataSetTest, GatesAreHeldAgainstRecordedFigures) {
+TEST_F(DataSetTest, AppliesGatesToRecordedFigures) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 2.0)};
   judge({});
   EXPECT_TRUE(has_passed(entries_[0]));
@@ -117,7 +117,7 @@ TEST_F(DataSetTest, ListsPassedAndFailedClips) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "train.txt"));
 }
 
-TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
+TEST_F(DataSetTest, ListsAndOmitsDuplicates) {
   for (const char* name : {"a.bvh", "b.bvh", "c.bvh"}) entries_.push_back(done(name, 0.0));
   entries_[0].signature = entries_[2].signature = signature(3);
   entries_[1].signature = signature(-9);
@@ -140,7 +140,7 @@ TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
   EXPECT_FALSE(entries_[2].repeated);
 }
 
-TEST_F(DataSetTest, SearchesRepetitionsAmongTheRequestedClips) {
+TEST_F(DataSetTest, SearchesDuplicatesAmongTheRequestedClips) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 0.0)};
   entries_[0].signature = entries_[1].signature = signature(3);
   DataSetRules rules;
@@ -152,7 +152,7 @@ TEST_F(DataSetTest, SearchesRepetitionsAmongTheRequestedClips) {
   EXPECT_FALSE(entries_[1].repeated);
 }
 
-TEST_F(DataSetTest, AClipThatWasLeftOutStaysSo) {
+TEST_F(DataSetTest, KeepsOmittedClipsOmitted) {
   ManifestEntry left_out = done("c.bvh", 0.0);
   left_out.done = false;
   left_out.quality.reset();

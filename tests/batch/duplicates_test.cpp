@@ -53,7 +53,7 @@ Clip with_noise(const Clip& clip, double degrees) {
   return noisy;
 }
 
-TEST(MotionSignature, IsOfTheMovementAlone) {
+TEST(MotionSignature, DependsOnlyOnTheMovement) {
   for (const char* name : {"walk", "wave", "squat", "turn_in_place", "get_up"}) {
     const Sample sample(name);
     const MotionSignature original = sample.signature();
@@ -72,14 +72,14 @@ TEST(MotionSignature, IsOfTheMovementAlone) {
   }
 }
 
-TEST(MotionSignature, MirrorImagesAreKnown) {
+TEST(MotionSignature, RecognisesMirrorImages) {
   const Sample wave("wave");
   const Clip image = mirror(wave.clip, wave.human.calibration).value();
   EXPECT_LT(signature_distance(mirrored(wave.signature()), wave.signature_of(image)), 0.5);
   EXPECT_GT(signature_distance(wave.signature(), wave.signature_of(image)), 20.0);
 }
 
-TEST(MotionSignature, OthersAreFarApart) {
+TEST(MotionSignature, SeparatesOtherMotions) {
   const Sample walk("walk");
   // as fast again as people differ in their walks
   for (const double speed : {0.92, 1.08}) {
@@ -89,7 +89,7 @@ TEST(MotionSignature, OthersAreFarApart) {
   }
 }
 
-TEST(MotionSignature, SurvivesBytes) {
+TEST(MotionSignature, RoundTripsThroughBytes) {
   const MotionSignature original = Sample("walk").signature();
   const MotionSignature read = signature_from_bytes(signature_bytes(original));
   EXPECT_NEAR(read.seconds, original.seconds, 1e-3);
@@ -118,7 +118,7 @@ MotionSignature random_signature(std::mt19937& random) {
   return signature;
 }
 
-TEST(FindDuplicates, FindsThemAmongManyAndNoOthers) {
+TEST(FindDuplicates, FindsExactlyTheDuplicatesAmongMany) {
   constexpr std::size_t kCount = 20000, kTwins = 100;
   std::mt19937 random(7);
   std::vector<MotionSignature> clips;
@@ -148,7 +148,7 @@ TEST(FindDuplicates, FindsThemAmongManyAndNoOthers) {
   }
 }
 
-TEST(FindDuplicates, NamesTheFirstOfSeveral) {
+TEST(FindDuplicates, KeepsTheFirstOfSeveral) {
   std::mt19937 random(3);
   const MotionSignature clip = random_signature(random), other = random_signature(random), empty;
   const auto found = find_duplicates({&empty, &other, &clip, nullptr, &clip, &clip, &empty});

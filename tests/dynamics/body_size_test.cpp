@@ -12,7 +12,7 @@
 namespace retarget {
 namespace {
 
-TEST(BodySize, IsTheLegsInTermsOfAG1s) {
+TEST(BodySize, IsTheLegLengthRelativeToTheG1) {
   EXPECT_EQ(body_size(*load_shipped("unitree_g1")), 1.0);
   EXPECT_EQ(body_size(*load_shipped("unitree_g1_with_hands")), 1.0);
   // legs as reports measure them (docs/quality.md)
@@ -26,7 +26,7 @@ TEST(BodySize, IsTheLegsInTermsOfAG1s) {
 }
 
 // A torque that a G1 hardly notices topples a robot of a third of its size.
-TEST(BodySize, TorquesCountInTermsOfTheSize) {
+TEST(BodySize, ScalesTorques) {
   DynamicsSample sample;
   sample.unexplained_torque << 0.02, 0.0, 0.0;
   EXPECT_FALSE(sample.is_bad());

@@ -92,7 +92,7 @@ TEST(CentroidalStep, DoesNotMoveAStandingBody) {
 }
 
 // a surge of 0.8 g within three frames, as feet that snap into place make it
-TEST(CentroidalStep, ASurgeIsSmoothedAway) {
+TEST(CentroidalStep, SmoothsASurge) {
   auto frames = standing(40);
   for (const int t : {18, 19}) frames[static_cast<std::size_t>(t)].needed[0] += 0.8;
   for (const int t : {20, 21}) frames[static_cast<std::size_t>(t)].needed[0] -= 0.8;
@@ -132,7 +132,7 @@ TEST(CentroidalStep, DoesNotMoveUntrustedFrames) {
   for (const Vector6d& x : step.solve(frames, kScale, 4)) EXPECT_LT(x.norm(), 1e-9);
 }
 
-TEST(CentroidalStep, TheEndsStay) {
+TEST(CentroidalStep, DoesNotMoveTheEnds) {
   auto frames = standing(12);
   for (CentroidalFrame& frame : frames) frame.needed[0] += 0.9;
   CentroidalStep step;

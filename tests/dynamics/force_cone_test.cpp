@@ -40,7 +40,7 @@ TEST(ForceCone, ResidualIsZeroForForcesInTheCone) {
 
 // The residual to the nearest point of a cone is orthogonal to that point and makes no acute angle
 // with any edge.
-TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
+TEST(ForceCone, ResidualSatisfiesTheConditionsOfTheNearestPoint) {
   ConeProjector projector;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -57,7 +57,7 @@ TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
   }
 }
 
-TEST(ForceCone, NothingPulls) {
+TEST(ForceCone, ContactsNeverPull) {
   ForceCone cone = two_feet();
   ConeProjector projector;
   const Vector6d down = wrench({0, 0, -1}, Vector3d::Zero());
@@ -82,7 +82,7 @@ TEST(ForceCone, FrictionIsAPyramid) {
   EXPECT_LT((rest.head<3>() - (Vector3d(1, 0, 1) - nearest)).norm(), 1e-4);
 }
 
-TEST(ForceCone, TheComplementIsTheDerivativeOfTheRest) {
+TEST(ForceCone, ComplementIsTheDerivativeOfTheResidual) {
   constexpr double kStep = 1e-5;
   ConeProjector projector;
   std::mt19937 random(7);

@@ -70,7 +70,7 @@ void randomise(const Robot& robot, std::mt19937& random, MotionState& state) {
   for (double& a : state.acceleration) a = 20.0 * normal(random);
 }
 
-TEST(InverseDynamics, ForcesAreMujocos) {
+TEST(InverseDynamics, ForcesMatchMujoco) {
   for (const auto& robot : robots()) {
     const Inertias inertias = make_inertias(*robot);
     InverseDynamics own(robot->tree(), inertias);

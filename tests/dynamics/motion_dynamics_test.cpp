@@ -110,7 +110,7 @@ TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
   EXPECT_EQ(bad_share(dynamics), 0.0);
 }
 
-TEST(MotionDynamics, ShortClipsHaveNoFigures) {
+TEST(MotionDynamics, ReportsNothingForShortClips) {
   EXPECT_TRUE(analyse_dynamics(standing(2)).samples.empty());
   EXPECT_EQ(analyse_dynamics(standing(3)).samples.size(), 8U);
 }
@@ -158,7 +158,7 @@ TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
 }
 
 // A frame that overflows is bad and has no figures; the others are still measured.
-TEST(MotionDynamics, MovementsTooLargeToComputeWithAreBad) {
+TEST(MotionDynamics, RejectsMovementsBeyondTheNumberRange) {
   RobotClip clip = standing(30);
   clip.qpos(10)[0] = 1e200;
   clip.qpos(20)[12] = 1e305;
@@ -172,7 +172,7 @@ TEST(MotionDynamics, MovementsTooLargeToComputeWithAreBad) {
   EXPECT_EQ(bad_share(dynamics), 1.0);
 }
 
-TEST(SupportPolygon, LeavesOutCornersThatAreNotFinite) {
+TEST(SupportPolygon, OmitsNonFiniteCorners) {
   std::vector<Eigen::Vector2d> corners = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (int i = 0; i < 40; ++i) {
     const double nan = std::nan("");

@@ -155,7 +155,7 @@ bool same(const RobotClip& a, const RobotClip& b, int frame) {
   return std::ranges::equal(a.qpos(frame), b.qpos(frame));
 }
 
-TEST(BranchRecovery, TakesArmsToTheBranchThatFollows) {
+TEST(BranchRecovery, MovesArmsToTheBranchThatTracks) {
   const Clip clip = up_sideways_down_in_front();
   for (const char* name : {"unitree_h1", "engineai_pm01"}) {
     SCOPED_TRACE(name);
@@ -180,7 +180,7 @@ TEST(BranchRecovery, TakesArmsToTheBranchThatFollows) {
   }
 }
 
-TEST(BranchRecovery, LongTimesAreSolvedInParts) {
+TEST(BranchRecovery, SolvesLongIntervalsInParts) {
   const Clip clip = up_sideways_down_in_front();
   const RobotCase robot = robot_case("unitree_h1");
   FitOptions options;
@@ -192,7 +192,7 @@ TEST(BranchRecovery, LongTimesAreSolvedInParts) {
   EXPECT_LT(recovered->report.status.cost_after, 0.6 * plain->report.status.cost_after);
 }
 
-TEST(BranchRecovery, GivesTheSameForAnyNumberOfThreads) {
+TEST(BranchRecovery, IsIndependentOfTheThreadCount) {
   const Clip clip = up_sideways_down_in_front();
   const RobotCase robot = robot_case("unitree_h1");
   FitOptions options;
@@ -204,7 +204,7 @@ TEST(BranchRecovery, GivesTheSameForAnyNumberOfThreads) {
   for (int t = 0; t < clip.frame_count(); ++t) EXPECT_TRUE(same(one->clip, three->clip, t)) << t;
 }
 
-TEST(BranchRecovery, NothingCostsMoreThanBefore) {
+TEST(BranchRecovery, NeverIncreasesTheCost) {
   const std::array clips = {
       arm_movement(
           std::array<ArmPose, 4>{{{120, 30, 40}, {120, 30, 40}, {0, 90, 20}, {-80, 60, 15}}}),
@@ -223,7 +223,7 @@ TEST(BranchRecovery, NothingCostsMoreThanBefore) {
   }
 }
 
-TEST(BranchRecovery, MotionsWithoutTheFaultStayAsTheyAre) {
+TEST(BranchRecovery, DoesNotChangeMotionsWithoutTheFault) {
   for (const char* name : {"unitree_g1", "engineai_pm01"}) {
     const RobotCase robot = robot_case(name);
     for (const char* file : {"wave.bvh", "squat.bvh"}) {

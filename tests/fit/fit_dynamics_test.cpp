@@ -65,7 +65,7 @@ class FitDynamicsTest : public testing::Test {
 };
 std::shared_ptr<const Robot> FitDynamicsTest::robot_;
 
-TEST_F(FitDynamicsTest, AWalkBecomesPossible) {
+TEST_F(FitDynamicsTest, MakesAWalkPossible) {
   const Clip walk = sample("walk.bvh", 60, 240);
   const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
   const double before = bad_share(without.clip), after = bad_share(with.clip);
@@ -120,7 +120,7 @@ TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
 
 // Getting up on hands without planned contacts: the result equals the one without the term, bit for
 // bit.
-TEST_F(FitDynamicsTest, IsTakenBackIfItDoesNotImproveTheFit) {
+TEST_F(FitDynamicsTest, IsRevertedIfItDoesNotImproveTheFit) {
   // The term is active in the first step, when positions and limbs are not yet solved.
   const Clip rising = sample("get_up.bvh", 180, 240);
   FitOptions too_early = with_dynamics();

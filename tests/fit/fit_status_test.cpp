@@ -84,7 +84,7 @@ TEST_F(FitStatusTest, WithoutAStepNothingConverges) {
   EXPECT_THAT(report.notes, Contains(HasSubstr("no step was taken in frames 0 to 59")));
 }
 
-TEST_F(FitStatusTest, WindowsAddUp) {
+TEST_F(FitStatusTest, SummarisesWindows) {
   FitOptions options;
   options.window = 0.7;
   const FitReport report = report_of(options);

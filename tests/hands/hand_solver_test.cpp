@@ -91,7 +91,7 @@ Eigen::VectorXd random_variables(const Solved& of, std::mt19937& random) {
   return x;
 }
 
-TEST(HandSolverTest, GradientIsThatOfTheCost) {
+TEST(HandSolverTest, GradientMatchesTheCost) {
   std::mt19937 random(5);
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
@@ -230,7 +230,7 @@ TEST(HandSolverTest, ARelaxedHandIsHalfOpen) {
   }
 }
 
-TEST(HandSolverTest, FingersThatTheHumanLacksAreLeftToTheOthers) {
+TEST(HandSolverTest, MissingFingersFollowTheirNeighbours) {
   HandShape shape = fist_shape();
   shape.line(Finger::kRing) = FingerLine();
   shape.line(Finger::kThumb) = FingerLine();
@@ -242,7 +242,7 @@ TEST(HandSolverTest, FingersThatTheHumanLacksAreLeftToTheOthers) {
   EXPECT_EQ(target.parts[3].directions[0], target.parts[2].directions[0]) << "as the middle finger";
 }
 
-TEST(HandSolverTest, GrippersOpenAsThumbAndIndexFingerDo) {
+TEST(HandSolverTest, GrippersFollowThumbAndIndexFinger) {
   const Solved of(robot_from_text(grippers()));
   HandSolver solver = of.solver();
   const Eigen::VectorXd open = solver.solve(of.target(open_shape()));
@@ -252,7 +252,7 @@ TEST(HandSolverTest, GrippersOpenAsThumbAndIndexFingerDo) {
   EXPECT_LT(std::abs(gap(of, closed, Finger::kIndex)), 0.005);
 }
 
-TEST(HandSolverTest, NothingIsAllocatedPerFrame) {
+TEST(HandSolverTest, AllocatesNothingPerFrame) {
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
     FingerClip source(20);
@@ -278,7 +278,7 @@ TEST(HandSolverTest, NothingIsAllocatedPerFrame) {
   }
 }
 
-TEST(HandSolver, KeepsTheFrameBeforeWhereATargetIsNotFinite) {
+TEST(HandSolver, KeepsThePreviousFrameForNonFiniteTargets) {
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
     HandTarget bad = of.target(fist_shape());

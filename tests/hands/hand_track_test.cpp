@@ -93,7 +93,7 @@ TEST(HandTrackTest, RangesAndSpeedsHoldAsPrinted) {
   }
 }
 
-TEST(HandTrackTest, FollowersFollow) {
+TEST(HandTrackTest, CoupledJointsFollow) {
   const auto robot = robot_from_text(six_motor_hands());
   const Tracked tracked(robot, moving_clip(), HandsRule::kFollow);
   double most = 0.0;
@@ -140,7 +140,7 @@ TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
   }
 }
 
-TEST(HandTrackTest, TheSameTwice) {
+TEST(HandTrackTest, IsDeterministic) {
   const auto robot = robot_from_text(six_motor_hands());
   const Tracked a(robot, moving_clip(), HandsRule::kFollow);
   const Tracked b(robot, moving_clip(), HandsRule::kFollow);

@@ -43,7 +43,7 @@ std::vector<ContactPhase> contacts(const SourceFeet& source, std::size_t support
   return all[support];
 }
 
-TEST(BodyContacts, AKneeThatIsLowAndStillLies) {
+TEST(BodyContacts, LowAndStillKneeIsInContact) {
   const auto down_from_20_to_50 = [](int frame) {
     return Eigen::Vector3d(0.0, 0.0, frame >= 20 && frame < 50 ? 0.05 : 0.4);
   };
@@ -85,7 +85,7 @@ TEST(BodyContacts, IgnoreShortTouches) {
               testing::SizeIs(1));
 }
 
-TEST(BodyContacts, TheSameAtAnyRate) {
+TEST(BodyContacts, AreIndependentOfTheRate) {
   const auto down = [](double fps) {
     return [fps](int frame) {
       const double t = frame / fps;

@@ -23,7 +23,7 @@ Clip load(const std::string& folder, const std::string& name) {
 }
 
 // LAFAN1's own axes in frames in which its people stand nearly in a T-pose
-TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
+TEST(CalibrateReal, CanonicalTPoseMatchesLafan1) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   struct Frame {
     const char* file;

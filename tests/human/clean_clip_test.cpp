@@ -67,7 +67,7 @@ class Noise {
   std::mt19937 random_{11};
 };
 
-TEST(CleanClip, SamplesKeepEveryBit) {
+TEST(CleanClip, DoesNotChangeSamples) {
   for (const char* name : {"walk", "turn_in_place", "squat", "wave", "get_up"}) {
     const Clip clip = sample_clip(name);
     Clip cleaned = clip;
@@ -77,7 +77,7 @@ TEST(CleanClip, SamplesKeepEveryBit) {
   }
 }
 
-TEST(CleanClip, SwayIsTakenFromTheRoot) {
+TEST(CleanClip, RemovesSwayFromTheRoot) {
   const Clip clip = sample_clip("squat");
   Clip noisy = clip;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -162,7 +162,7 @@ TEST(CleanClip, LegsHoldFeetInTheirStances) {
   }
 }
 
-TEST(CleanClip, FramesOutsideThePartStay) {
+TEST(CleanClip, DoesNotChangeFramesOutsideThePart) {
   Clip noisy = sample_clip("squat");
   for (int frame = 0; frame < noisy.frame_count(); ++frame) {
     noisy.translations(frame)[0].x() += 20.0 * std::sin(2.0 * std::numbers::pi * frame / 120.0);
@@ -174,7 +174,7 @@ TEST(CleanClip, FramesOutsideThePartStay) {
   EXPECT_NE(cleaned.translations(31)[0], noisy.translations(31)[0]);
 }
 
-TEST(CleanClip, ShortClipsStay) {
+TEST(CleanClip, DoesNotChangeShortClips) {
   const Clip clip = sample_clip("squat");
   for (const int frames : {0, 1, 2, 3, 5}) {
     Clip part = cut(clip, 0, frames);
@@ -182,7 +182,7 @@ TEST(CleanClip, ShortClipsStay) {
   }
 }
 
-TEST(CleanPositions, ClipsWithRotationsStay) {
+TEST(CleanPositions, DoesNotChangeClipsWithRotations) {
   Clip clip = sample_clip("wave");
   Noise noise;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {

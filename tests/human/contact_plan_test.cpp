@@ -132,7 +132,7 @@ TEST(ContactPlan, IgnoresShortContacts) {
   }
 }
 
-TEST(ContactPlan, TheShortestTimeHoldsAtEveryRate) {
+TEST(ContactPlan, MinimumDurationIsIndependentOfTheRate) {
   // a tenth of a second in whole frames, rounded up: 24 fps 3, 60 fps 6, 120 fps 12
   for (const auto& [fps, frames] : {std::pair{24, 3}, {30, 3}, {60, 6}, {120, 12}, {7, 1}}) {
     const FrameRate rate{fps, 1};
@@ -156,7 +156,7 @@ TEST(ContactPlan, LengthsScaleWithTheLeg) {
   EXPECT_DOUBLE_EQ(contacts.scale, 0.5);
 }
 
-TEST(ContactPlan, VeryShortClips) {
+TEST(ContactPlan, HandlesVeryShortClips) {
   ContactOptions any;
   any.shortest = 0.0;
   for (const int frames : {1, 2}) {
@@ -202,7 +202,7 @@ TEST(ContactPlan, AFootOnAStepStandsOnIt) {
   EXPECT_EQ(contacts.soles[0], contacts.phases[0]);
 }
 
-TEST(ContactPlan, HeelsAndToesHaveContactsOfTheirOwn) {
+TEST(ContactPlan, HeelsAndToesHaveSeparateContacts) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[1].ankle[i].z() += 0.1;
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);

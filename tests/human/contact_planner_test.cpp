@@ -36,7 +36,7 @@ void expect_equal(const ContactPlan& found, const ContactPlan& expected, const s
   }
 }
 
-TEST(ContactPlanner, RemembersNothingOfOtherClips) {
+TEST(ContactPlanner, IsIndependentOfEarlierClips) {
   ContactPlanner planner;
   SourceFeet none = feet_of("walk");
   none.foot_count = 0;

@@ -39,7 +39,7 @@ TEST(FreeFall, ShowsTheUpAxisOfAHoppingBody) {
   }
 }
 
-TEST(FreeFall, IsNotSeenInBodiesThatAreSupported) {
+TEST(FreeFall, IsNotDetectedInSupportedBodies) {
   for (const char* name : {"walk", "squat", "get_up", "wave", "turn_in_place"}) {
     EXPECT_EQ(fall_of(sample(name)), std::nullopt) << name;
   }

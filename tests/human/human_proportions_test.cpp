@@ -83,7 +83,7 @@ Clip walk_of(const Skeleton& skeleton, double reared) {
   return clip;
 }
 
-TEST(HumanProportions, RejectsQuadrupedsWhateverTheirNames) {
+TEST(HumanProportions, RejectsQuadrupedsWithAnyNames) {
   for (const auto& [name, beast] :
        {std::pair("elephant", kElephant), {"horse", kHorse}, {"cow", kCow}, {"calf", kCalf}}) {
     for (const double reared : {0.0, 40.0}) {
@@ -99,7 +99,7 @@ TEST(HumanProportions, RejectsQuadrupedsWhateverTheirNames) {
   }
 }
 
-TEST(HumanProportions, UprightBodyWithLongArmsOnlyRaisesDoubts) {
+TEST(HumanProportions, UprightBodyWithLongArmsOnlyCausesWarnings) {
   // a gorilla of a cartoon
   std::string body = kBody;
   for (const char* length : {"-42 0.5", "-41 -0.5"}) body = replaced(body, length, "-24 0");

@@ -126,7 +126,7 @@ std::string warnings_of(const Clip& clip) {
   return text;
 }
 
-TEST(JointClipTest, JointsStayWhereTheFileHasThem) {
+TEST(JointClipTest, KeepsJointPositions) {
   const JointMotion motion = motion_of(moving());
   const Clip clip = clip_of(motion);
   ASSERT_EQ(clip.skeleton().joint_count(), 22);
@@ -184,7 +184,7 @@ TEST(JointClipTest, PlaneOfTheBendDeterminesTheRoll) {
   EXPECT_NEAR(turn_between(clip, "left_hip", 0, 1), 0.0, 1e-9);
 }
 
-TEST(JointClipTest, LimbsGoThroughStraightWithoutATwist) {
+TEST(JointClipTest, StraightLimbsDoNotTwist) {
   // the elbow straightens, stays straight with the least of a bend the wrong way, and bends again
   std::vector<Figure> figures;
   for (int i = 0; i <= 60; ++i) {
@@ -225,7 +225,7 @@ TEST(JointClipTest, WarnsAboutUnknownRotations) {
   EXPECT_THAT(warnings_of(clip), Not(HasSubstr("limb lengths vary")));
 }
 
-TEST(JointClipTest, SaysThatLimbsChangeTheirLengths) {
+TEST(JointClipTest, WarnsAboutVaryingLimbLengths) {
   JointMotion motion = motion_of(moving());
   for (int frame = 0; frame < motion.frame_count; ++frame) {
     motion.positions[motion.index(frame, 20)] *= frame % 2 == 0 ? 1.06 : 0.94;
@@ -254,7 +254,7 @@ JointMotion in_order(const JointMotion& motion, const JointOrder& order,
   return made;
 }
 
-TEST(JointClipTest, FindsTheOrderByThePlaces) {
+TEST(JointClipTest, FindsTheJointOrderFromPositions) {
   const JointMotion motion = motion_of(moving());
   const Clip smpl = clip_of(motion_of(moving(), false));
   EXPECT_THAT(warnings_of(smpl), HasSubstr("the joint order of SMPL"));
@@ -310,7 +310,7 @@ TEST(JointClipTest, RejectsUnknownBodies) {
   EXPECT_THAT(error_of(motion), HasSubstr("do not form a human"));
 }
 
-TEST(JointClipTest, KeyPointsWithoutATrunkGetOne) {
+TEST(JointClipTest, AddsATrunkToKeypoints) {
   // COCO: a face, limbs, no hips, no spine, no toes
   const JointMotion body = motion_of(moving());
   JointMotion motion;

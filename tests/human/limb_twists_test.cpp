@@ -40,7 +40,7 @@ double largest_distance(const HumanClip& a, const HumanClip& b) {
   return largest;
 }
 
-TEST(LimbTwists, RotationsThatContradictTheBendsAreReplaced) {
+TEST(LimbTwists, ReplacesRotationsThatContradictTheBends) {
   const std::vector<Bone> legs = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftLeg,
                                   Bone::kRightLeg};
   for (const char* name : {"get_up", "squat", "walk"}) {
@@ -66,7 +66,7 @@ TEST(LimbTwists, RotationsThatContradictTheBendsAreReplaced) {
   }
 }
 
-TEST(LimbTwists, SoundRotationsStay) {
+TEST(LimbTwists, KeepsConsistentRotations) {
   for (const std::string& name : kClips) {
     for (const bool has_rest : {false, true}) {
       const Clip clip = has_rest ? with_t_pose_as_zero(clip_of(name)) : clip_of(name);
@@ -83,7 +83,7 @@ TEST(LimbTwists, SoundRotationsStay) {
 }
 
 // as the tool finds a human in a file
-TEST(LimbTwists, AreToldToTheUser) {
+TEST(LimbTwists, AreReported) {
   Clip clip = with_zero_shape(with_swinging_twists(clip_of("walk"), 50.0), {});
   const auto human = find_human(clip, HumanOptions{}, RETARGET_SOURCE_DIR);
   ASSERT_TRUE(human) << describe(human.error());

@@ -89,7 +89,7 @@ TEST(LyingBodies, KeepTheUpAxisOfEveryKindOfSkeleton) {
 }
 
 // files that were turned away from the axis of their kind
-TEST(LyingBodies, AreRightOrWarnedAboutInTurnedFiles) {
+TEST(LyingBodies, AreCorrectOrWarnedAboutInRotatedFiles) {
   for (const char* name : {"mixamo", "lafan1", "cmu_daz", "vicon", "smpl", "biped"}) {
     const auto profile = std::ranges::find(profiles(), name, &SkeletonProfile::name);
     ASSERT_NE(profile, profiles().end());
@@ -114,7 +114,7 @@ TEST(LyingBodies, KeepTheUpAxisThatTheFileStates) {
   }
 }
 
-TEST(LyingBodies, AreRightInEveryKindOfFile) {
+TEST(LyingBodies, AreCorrectInEveryFileFormat) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   int count = 0;
   for (const char* folder : {"dialects", "smpl", "formats"}) {

@@ -112,7 +112,7 @@ Skeleton skeleton_of(const Naming& naming) {
 
 class NamesOfScenesTest : public testing::TestWithParam<Naming> {};
 
-TEST_P(NamesOfScenesTest, AreKnown) {
+TEST_P(NamesOfScenesTest, AreRecognised) {
   const auto profiles =
       load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   ASSERT_TRUE(profiles.has_value());

@@ -40,7 +40,7 @@ int standing_frames(const std::vector<char>& stands) {
   return static_cast<int>(std::ranges::count(stands, 1));
 }
 
-TEST(NoisyStances, PeaksOfNoiseDoNotBreakThem) {
+TEST(NoisyStances, NoisePeaksDoNotSplitStances) {
   SourceFeet feet = standing_feet(60);
   // 0.9 m/s for two frames: faster than any threshold on single frames
   shift(feet, 30, 0, Vector3d(0.06, 0.0, 0.0));
@@ -48,7 +48,7 @@ TEST(NoisyStances, PeaksOfNoiseDoNotBreakThem) {
   for (const auto& end : stances) EXPECT_EQ(standing_frames(end), 60);
 }
 
-TEST(NoisyStances, StepsAreFound) {
+TEST(NoisyStances, FindsSteps) {
   SourceFeet feet = standing_feet(60);
   for (int i = 0; i < 60; ++i) {
     const double share = std::clamp((i - 25) / 12.0, 0.0, 1.0);

@@ -57,7 +57,7 @@ Clip with_axes_of_no_meaning(const Clip& clip) {
 }
 
 // No frame is upright, and no foot stands: the lower trunk and the knees show how the body is built.
-TEST(RestEvidence, LyingBodiesAreLearnedByTheirBuild) {
+TEST(RestEvidence, LearnsLyingBodiesFromTheirStructure) {
   for (const auto& [begin, end] : {std::pair(0, 30), std::pair(0, 60), std::pair(120, 150)}) {
     SCOPED_TRACE(begin);
     const Clip clip = window_of("get_up", begin, end);
@@ -71,7 +71,7 @@ TEST(RestEvidence, LyingBodiesAreLearnedByTheirBuild) {
   }
 }
 
-TEST(RestEvidence, ASeatedZeroPoseThatFitsTheMovementIsTaken) {
+TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
   ZeroShape seated;
   seated.thigh = seated.knee = 85.0;
   seated.arms_down = 70.0;
@@ -87,7 +87,7 @@ TEST(RestEvidence, ASeatedZeroPoseThatFitsTheMovementIsTaken) {
                                                         "whole movement [0-9.]+\\)"));
 }
 
-TEST(RestEvidence, AZeroPoseThatContradictsTheMovementIsNot) {
+TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   ZeroShape crouch;
   crouch.lean = 30.0;
   crouch.thigh = 60.0;
@@ -104,7 +104,7 @@ TEST(RestEvidence, AZeroPoseThatContradictsTheMovementIsNot) {
 }
 
 // a body with straight limbs that leans forward and keeps still, and a zero pose of no meaning
-TEST(RestEvidence, AClipThatShowsTooLittleIsDoubted) {
+TEST(RestEvidence, WarnsAboutClipsWithLittleEvidence) {
   ZeroShape leaning;
   leaning.lean = 40.0;
   leaning.arms_down = 80.0;
@@ -114,7 +114,7 @@ TEST(RestEvidence, AClipThatShowsTooLittleIsDoubted) {
   EXPECT_TRUE(names_rest_option(found)) << found.description;
 }
 
-TEST(RestEvidence, CleanStandingClipsAreNotDoubted) {
+TEST(RestEvidence, CleanStandingClipsCauseNoWarning) {
   for (const char* name : {"squat", "turn_in_place", "walk", "wave"}) {
     const Clip clip = window_of(name, 0, 60);
     EXPECT_TRUE(rest_found(clip).doubts.empty()) << name;
@@ -124,7 +124,7 @@ TEST(RestEvidence, CleanStandingClipsAreNotDoubted) {
 
 // Rotations that were made for another skeleton: legs point as they should and bend about another
 // axis than the zero pose says.
-TEST(RestEvidence, KneesThatBendAboutAnotherAxisAreLearned) {
+TEST(RestEvidence, LearnsKneesThatBendAboutAnotherAxis) {
   for (const char* name : {"get_up", "squat", "walk"}) {
     const Clip clip = window_of(name, 0, 90);
     const Clip twin = with_zero_shape(clip, {}, 50.0);
@@ -135,7 +135,7 @@ TEST(RestEvidence, KneesThatBendAboutAnotherAxisAreLearned) {
 }
 
 // Crawling people never stand; learned axes were 30 degrees off.
-TEST(RestEvidence, CrawlingPeopleAreLearned) {
+TEST(RestEvidence, LearnsCrawlingPeople) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   const auto file = *shared_folder() / "data" / "lafan1" / "ground1_subject1.bvh";
   const Clip clip = load_bvh(file.string()).value().clip;

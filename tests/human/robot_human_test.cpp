@@ -46,7 +46,7 @@ RobotHuman some_human() {
   return human;
 }
 
-TEST(RobotHuman, GivesItsBonesBack) {
+TEST(RobotHuman, RoundTripsItsBones) {
   const RobotHuman human = some_human();
   const Clip clip = clip_of_robot_human(human, "clip");
   ASSERT_TRUE(is_of_robot(clip));
@@ -83,7 +83,7 @@ TEST(RobotHuman, MovesOnlyMovingJoints) {
   EXPECT_FALSE(has_places("RightLeg"));
 }
 
-TEST(RobotHuman, LeavesOutMissingBones) {
+TEST(RobotHuman, OmitsMissingBones) {
   RobotHuman human = some_human();
   for (const Bone bone : {Bone::kLeftShoulder, Bone::kRightShoulder, Bone::kSpine1}) {
     human.has[bone] = false;
@@ -100,7 +100,7 @@ TEST(RobotHuman, LeavesOutMissingBones) {
             1e-12);
 }
 
-TEST(RobotHuman, KeepsSolesThatAreKnown) {
+TEST(RobotHuman, KeepsKnownSoles) {
   RobotHuman human = some_human();
   // the toe stands where the sole's toe is
   human.poses = [](int, HumanPose& pose) {

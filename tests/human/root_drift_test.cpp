@@ -87,7 +87,7 @@ double farthest_left(const Body& body, const Path& off, const RootDrift& found) 
   return far;
 }
 
-TEST(RootDrift, FeetThatStandSayThatTheRootIsRight) {
+TEST(RootDrift, StandingFeetConfirmTheRoot) {
   const RootEvidence standing = measure_root(body_of(90, nowhere, standing_foot).feet);
   EXPECT_NEAR(standing.seconds, 3.0, 1e-9);
   EXPECT_EQ(standing.speed, 0.0);
@@ -112,14 +112,14 @@ TEST(RootDrift, IgnoresJumps) {
   EXPECT_FALSE(measure_root(body_of(300, jumping, standing_foot).feet).moves());
 }
 
-TEST(RootDrift, SwayIsMeasured) {
+TEST(RootDrift, MeasuresSway) {
   const RootEvidence evidence = measure_root(body_of(240, sway, standing_foot).feet);
   // The speed of a sine exceeds this value during 65 % of the time.
   EXPECT_NEAR(evidence.speed, 0.2 * 2.0 * kPi / 4.0 * std::sin(0.35 * kPi / 2.0), 0.02);
   EXPECT_TRUE(evidence.moves());
 }
 
-TEST(RootDrift, ASlowClimbOfTheFloorIsMeasured) {
+TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.03 * seconds); };
   const RootEvidence evidence = measure_root(body_of(300, climb, standing_foot).feet);
   EXPECT_NEAR(evidence.climb, 0.3, 0.01);
@@ -127,7 +127,7 @@ TEST(RootDrift, ASlowClimbOfTheFloorIsMeasured) {
   EXPECT_TRUE(evidence.climbs());
 }
 
-TEST(RootDrift, BodiesWithoutToesAreLeftAlone) {
+TEST(RootDrift, IgnoresBodiesWithoutToes) {
   Body body = body_of(90, sway, standing_foot);
   body.feet.has_toe = {false, false};
   EXPECT_FALSE(measure_root(body.feet).moves());
@@ -141,7 +141,7 @@ TEST(RootDrift, IgnoresFeetOfALyingBody) {
   EXPECT_FALSE(measure_root(body.feet).moves());
 }
 
-TEST(RootDrift, SwayIsFound) {
+TEST(RootDrift, FindsSway) {
   const Body body = body_of(240, sway, foot_of_walker);
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_TRUE(found.helps());
@@ -157,7 +157,7 @@ TEST(RootDrift, DoesNotChangeACorrectRoot) {
   EXPECT_LT(farthest_left(body, nowhere, found), 0.05);
 }
 
-TEST(RootDrift, AStepAboveTheFloorStaysAbove) {
+TEST(RootDrift, KeepsAStepAboveTheFloor) {
   // up to a box 0.3 m high after half of the clip, in a sway
   const auto foot_at = [](int foot, double seconds) {
     Vector3d place = standing_foot(foot, seconds);

@@ -99,7 +99,7 @@ TEST(SourceHandsTest, FingersAreFoundByAnyNames) {
   }
 }
 
-TEST(SourceHandsTest, NoFingersNoHands) {
+TEST(SourceHandsTest, FindsNoHandsWithoutFingers) {
   const Skeleton bare({{"Hips", -1, {0, 0, 0}, {}, {}},
                        {"LeftHand", 0, {60, 0, 0}, {}, {}},
                        {"LeftFingerBase", 1, {8, 0, 0}, {}, {}},
@@ -181,7 +181,7 @@ TEST(SourceHandsTest, EstimatesMissingTipsAsNineTenthsOfTheLastBone) {
   EXPECT_LT((hands[0]->fingers[1].end - Eigen::Vector3d(0.9 * 2.3, 0, 0)).norm(), 1e-12);
 }
 
-TEST(SourceHandsTest, FingersThatKeepStillDoNotMove) {
+TEST(SourceHandsTest, StillFingersDoNotCountAsMoving) {
   FingerClip source(3);
   const auto moves = [&](std::size_t side) {
     return fingers_move(source.clip(), *source.hands()[side], {0, 3});

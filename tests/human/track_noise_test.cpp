@@ -76,7 +76,7 @@ double rms_error(const std::vector<Quaterniond>& a, const std::vector<Quaternion
 }
 
 // A knee in walking bends with harmonics of the step's frequency.
-TEST(TrackNoise, SmoothingDoesNotTakeTheStepsFromAKnee) {
+TEST(TrackNoise, SmoothingKeepsTheStepsOfAKnee) {
   std::vector<Quaterniond> knee;
   for (int i = 0; i < 300; ++i) {
     const double phase = 2.0 * std::numbers::pi * i * kFrameTime;
@@ -91,7 +91,7 @@ TEST(TrackNoise, SmoothingDoesNotTakeTheStepsFromAKnee) {
   EXPECT_LT(mean_change(smooth), 0.7 * mean_change(noisy));
 }
 
-TEST(TrackNoise, FastMovementsHideIt) {
+TEST(TrackNoise, FastMovementsMaskIt) {
   const auto fast = with_noise(swing(300, 40.0, 1.0), 1.0);
   const TrackNoise noise = measure_noise(fast, kFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
@@ -99,7 +99,7 @@ TEST(TrackNoise, FastMovementsHideIt) {
   EXPECT_FALSE(measure_noise(swing(300, 40.0, 1.0), kFrameTime).may_exceed(kSmallStep));
 }
 
-TEST(TrackNoise, PlacesHaveIt) {
+TEST(TrackNoise, IsMeasuredForPositions) {
   std::vector<Vector3d> places;
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
@@ -119,7 +119,7 @@ TEST(TrackNoise, PlacesHaveIt) {
   EXPECT_LT(after, 0.6 * before);
 }
 
-TEST(TrackNoise, StillJointsAndShortTracksHaveNone) {
+TEST(TrackNoise, IsZeroForStillJointsAndShortTracks) {
   const std::vector<Quaterniond> still(100, Quaterniond::Identity());
   EXPECT_FALSE(measure_noise(still, kFrameTime).moves);
   EXPECT_FALSE(measure_noise(with_noise(swing(8), 5.0), kFrameTime).moves);
@@ -134,7 +134,7 @@ TEST(TrackNoise, IsMeasured) {
   EXPECT_NEAR(noise.step, step, 0.25 * step);
 }
 
-TEST(TrackNoise, SmallNoiseStaysUnlessOthersHaveMuch) {
+TEST(TrackNoise, SmallNoiseIsKeptUnlessOtherTracksAreNoisy) {
   const TrackNoise noise = measure_noise(with_noise(swing(), 0.3), kFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
 }

@@ -93,7 +93,7 @@ class VariantBodies : public testing::TestWithParam<int> {
   std::shared_ptr<const Robot> maker_, variant_;
 };
 
-TEST_P(VariantBodies, AreTheMakersInPlaceAndOrder) {
+TEST_P(VariantBodies, MatchTheMakersPositionsAndOrder) {
   std::vector<std::string> names = maker_->body_names();
   names.erase(names.begin());  // the world
   TrackingOptions options;
@@ -126,7 +126,7 @@ TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   EXPECT_EQ(motion->body_names.size(), GetParam() == 23 ? 24U : 30U);
 }
 
-TEST_P(VariantBodies, AreReadBack) {
+TEST_P(VariantBodies, RoundTrip) {
   const RobotClip clip = random_clip(variant_);
   WriteMotionOptions writing;
   writing.tracking.rate = {50, 1};
@@ -150,7 +150,7 @@ TEST_P(VariantBodies, AreReadBack) {
 
 // files that were written when these variants had the whole robot's bodies, less those that no
 // column moves
-TEST_P(VariantBodies, OfEarlierFilesAreRead) {
+TEST_P(VariantBodies, ReadEarlierFiles) {
   RobotVariant earlier = variant_->variant();
   earlier.model.clear();
   earlier.bodies.clear();

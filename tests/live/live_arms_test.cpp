@@ -104,7 +104,7 @@ constexpr std::array kArmLines = {
     ArmLine{Bone::kRightArm, Bone::kRightHand, "right_shoulder_roll_link",
             "right_wrist_roll_link"}};
 
-TEST(LiveArms, WristsAreBeforeTheChestAsTheOperators) {
+TEST(LiveArms, WristsMatchTheOperatorsRelativeToTheChest) {
   const Plan plan = sample_plan("wave", Method::kFit, sample_robot_arms());
   const Robot& robot = *plan.robot.robot;
   const HumanClip human = walking(human_of(plan));

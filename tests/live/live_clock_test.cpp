@@ -184,7 +184,7 @@ TEST(LiveClocks, DelayedFramesAreNotCaughtUp) {
   }
 }
 
-TEST(LiveClocks, StampsThatMakeNoSenseCountByTheirArrival) {
+TEST(LiveClocks, ImplausibleTimestampsUseTheArrivalTime) {
   ClockRun run;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anything(-1e6, 1e6);
@@ -193,7 +193,7 @@ TEST(LiveClocks, StampsThatMakeNoSenseCountByTheirArrival) {
   run.expect_even("random stamps");
 }
 
-TEST(LiveClocks, AStreamThatBeginsAgainIsFollowed) {
+TEST(LiveClocks, FollowsARestartedStream) {
   ClockRun run;
   for (int i = 0; i <= 90; ++i) run.frame(i / 30.0, i / 30.0, i / 30.0);
   for (int i = 91; i <= 180; ++i) run.frame(i / 30.0, (i - 91) / 30.0, i / 30.0);

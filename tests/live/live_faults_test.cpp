@@ -140,7 +140,7 @@ TEST(LiveRates, AnyRateGivesEvenRobotFrames) {
   }
 }
 
-TEST(LiveRates, ADelayMakesThemComeEvenly) {
+TEST(LiveRates, ADelayMakesFramesEven) {
   LiveOptions options = at_50();
   options.delay_s = 0.05;
   LiveSession session = LiveSession::make(walk(), options).value();
@@ -161,7 +161,7 @@ TEST(LiveRates, ADelayMakesThemComeEvenly) {
   }
 }
 
-TEST(LiveRates, ArrivalServesSendersWithoutClocks) {
+TEST(LiveRates, ArrivalTimesReplaceMissingTimestamps) {
   LiveOptions options = at_50();
   options.clock = LiveClock::kArrival;
   Stream stream(options);
@@ -170,7 +170,7 @@ TEST(LiveRates, ArrivalServesSendersWithoutClocks) {
   EXPECT_EQ(stream.session.statistics().held, 0);
 }
 
-TEST(LiveFaults, LostFramesAreBridged) {
+TEST(LiveFaults, LostFramesAreInterpolated) {
   Stream stream(at_50());
   std::mt19937 random(7);
   for (int i = 0; i < 180; ++i) {
@@ -210,7 +210,7 @@ TEST(LiveFaults, DoubledAndReorderedFramesChangeNothing) {
   shuffled.expect_no_jump(50.0);
 }
 
-TEST(LiveFaults, LateFramesAreLeftOut) {
+TEST(LiveFaults, LateFramesAreDropped) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
   stream.frame(0.2, 1.0);
@@ -246,7 +246,7 @@ TEST(LiveFaults, AStallIsHeldThenTheRobotStands) {
   }
 }
 
-TEST(LiveFaults, AfterAStallTheRobotSetsOffSlowly) {
+TEST(LiveFaults, ResumesSlowlyAfterAStall) {
   Stream stream(at_50());
   for (int i = 0; i <= 60; ++i) stream.frame(i / 60.0, i / 60.0);
   stream.wait(2.0);
@@ -286,7 +286,7 @@ TEST(LiveFaults, ToleratesOneWrongTimestamp) {
   EXPECT_EQ(stream.session.statistics().held, 0);
 }
 
-TEST(LiveFaults, FramesThatWereHeldUpOnTheirWayAreUsed) {
+TEST(LiveFaults, UsesDelayedFrames) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
   // nothing for 0.9 s, then all of it at once

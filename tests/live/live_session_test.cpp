@@ -87,7 +87,7 @@ TEST(LiveFrames, AllocateNothing) {
 }
 
 // New situations may allocate: the solver's lists of near shapes and limits grow.
-TEST(LiveLag, AllocatesNothingOnceItHasSeenAll) {
+TEST(LiveLag, AllocatesNothingAfterWarmUp) {
   const Plan plan = sample_plan("walk", Method::kFit);
   const HumanClip human = human_of(plan);
   for (const double lag_s : {0.0, 0.2, 1.5}) {

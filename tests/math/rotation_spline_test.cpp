@@ -98,7 +98,7 @@ TEST(RotationSplineOfMotions, KeepsAConstantAngularAccelerationToItsEnds) {
   }
 }
 
-TEST(RotationSplineOfMotions, OneAndTwoSamples) {
+TEST(RotationSplineOfMotions, HandlesOneAndTwoSamples) {
   const RotationSpline one(std::vector<Quaterniond>{Quaterniond(0, 1, 0, 0)});
   EXPECT_EQ(one.at(0, 0.5).velocity.norm(), 0.0);
   EXPECT_EQ(one.at(0, 0.5).rotation.x(), 1.0);

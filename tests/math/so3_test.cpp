@@ -104,7 +104,7 @@ TEST(AngleBetween, IsAccurateForAllLengthsAndNear0AndPi) {
   EXPECT_EQ(angle_between(Vector3d::Zero(), side), 0.0);
 }
 
-TEST(AlignSign, TakesTheNearerOfTwoQuaternions) {
+TEST(AlignSign, ReturnsTheNearerOfTwoQuaternions) {
   const Eigen::Quaterniond q = exp_so3(Eigen::Vector3d(0.3, -0.2, 0.1));
   Eigen::Quaterniond near = q, far = q;
   far.coeffs() = -far.coeffs();

@@ -59,7 +59,7 @@ RetargetingConfig with_other_names(RetargetingConfig config) {
   return config;
 }
 
-TEST(FrameRetargeter, GivesTheBytesOfAClip) {
+TEST(FrameRetargeter, MatchesTheBytesOfAClip) {
   const HumanClip human = sample("walk", 120);
   for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
     FrameRetargeter retargeter = make_g1({1.75, 0.5, 10, engine});
@@ -83,7 +83,7 @@ TEST(FrameRetargeter, GivesTheBytesOfAClip) {
   }
 }
 
-TEST(FrameRetargeter, TakesAnyNamesOfBodies) {
+TEST(FrameRetargeter, AcceptsAnyBodyNames) {
   FrameRetargeter known = make_g1();
   FrameRetargeter other = make_g1({1.75}, with_other_names(published_tables()));
   ASSERT_EQ(other.human_bodies().front(), "Hips_of_mine");
@@ -96,7 +96,7 @@ TEST(FrameRetargeter, TakesAnyNamesOfBodies) {
   }
 }
 
-TEST(FrameRetargeter, CarriesItsStateAndTakesAnother) {
+TEST(FrameRetargeter, KeepsItsStateAndAcceptsAnother) {
   const HumanClip human = sample("squat", 30);
   FrameRetargeter whole = make_g1();
   std::vector<double> half;

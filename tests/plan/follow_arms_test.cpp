@@ -85,7 +85,7 @@ TEST(FollowArms, EveryRobotHasArmsThatFollow) {
   EXPECT_GT(robots, 10);
 }
 
-TEST(FollowArms, ARobotWithoutArmsIsRefused) {
+TEST(FollowArms, RejectsARobotWithoutArms) {
   RobotSetup setup = arms_of("unitree_g1");
   setup.config =
       load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *setup.loaded.robot).value();

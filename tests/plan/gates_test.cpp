@@ -64,7 +64,7 @@ TEST(ChangedGates, ShortNamesMeanTheFigureWithAGate) {
   EXPECT_THAT(error_of("flat_slip<=1"), HasSubstr("is ambiguous: flat_slip_p50, flat_slip_p95"));
 }
 
-TEST(ChangedGates, FilesComeInTheirTurn) {
+TEST(ChangedGates, FilesApplyInOrder) {
   TemporaryFolder folder;
   const std::string file = folder.write("own.json", R"({"gates": {"jumps": 7}})");
   EXPECT_EQ(gate_on(changed({"jumps<=1", file}).value(), "jumps")->max, 7.0);

@@ -26,7 +26,7 @@ TEST(GatesTest, ReadsReplacesAndRemovesGates) {
   EXPECT_EQ(gates.all()[1].max, 5.0);
 }
 
-TEST(GatesTest, JudgeByInclusiveBounds) {
+TEST(GatesTest, BoundsAreInclusive) {
   Gates gates;
   gates.set({"jumps", std::nullopt, 2.0});
   gates.set({"contact_height_p50_cm", -0.1, 0.1});

@@ -38,7 +38,7 @@ TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
 }
 
 // a robot that is dropped as it is: root and centre of mass fall alike
-TEST_F(MeasureQuality, MeasuresHowTheBodyAccelerates) {
+TEST_F(MeasureQuality, MeasuresBodyAccelerations) {
   const QualityReport falling = measure(31, [](int frame, auto qpos) {
     const double time = frame / 30.0;
     qpos[kX] += 2.0 * time;

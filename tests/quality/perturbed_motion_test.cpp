@@ -37,7 +37,7 @@ LimbDirections limb_late_by(double seconds, int frames) {
   return limb;
 }
 
-TEST(LimbLag, IsTheTimeByWhichTheRobotComesLater) {
+TEST(LimbLag, EqualsTheDelayOfTheRobot) {
   EXPECT_NEAR(limb_lag({limb_late_by(0.0, 120)}, kFps).value(), 0.0, 1e-3);
   EXPECT_NEAR(limb_lag({limb_late_by(4 / kFps, 120)}, kFps).value(), 4 / kFps, 2e-3);
   EXPECT_NEAR(limb_lag({limb_late_by(-7 / kFps, 120)}, kFps).value(), -7 / kFps, 2e-3);
@@ -45,7 +45,7 @@ TEST(LimbLag, IsTheTimeByWhichTheRobotComesLater) {
   EXPECT_NEAR(limb_lag({limb_late_by(2.5 / kFps, 120)}, kFps).value(), 2.5 / kFps, 3e-3);
 }
 
-TEST(LimbLag, OfMovementThatRepeatsItselfIsTheOneNearestToZero) {
+TEST(LimbLag, IsTheDelayNearestToZeroForPeriodicMovement) {
   LimbDirections limb;
   for (int frame = 0; frame < 120; ++frame) {
     const double angle = std::sin(2.0 * std::numbers::pi * frame / 12.0);
@@ -55,7 +55,7 @@ TEST(LimbLag, OfMovementThatRepeatsItselfIsTheOneNearestToZero) {
   EXPECT_NEAR(limb_lag({limb}, kFps).value(), 0.0, 1e-9);
 }
 
-TEST(LimbLag, NeedsMovementTimeAndLikeness) {
+TEST(LimbLag, RequiresMovementDurationAndSimilarity) {
   EXPECT_FALSE(limb_lag({limb_late_by(0.0, 29)}, kFps));
   EXPECT_TRUE(limb_lag({limb_late_by(0.0, 30)}, kFps));
   EXPECT_FALSE(limb_lag({}, kFps));
@@ -68,7 +68,7 @@ TEST(LimbLag, NeedsMovementTimeAndLikeness) {
   EXPECT_FALSE(limb_lag({other}, kFps));
 }
 
-TEST(RootSlide, IsTheSpeedThatIsLeftOver) {
+TEST(RootSlide, EqualsTheRemainingSpeed) {
   std::vector<Vector3d> wanted, carried, swaying, raised;
   for (int frame = 0; frame < 91; ++frame) {
     const double time = frame / kFps;
@@ -179,7 +179,7 @@ TEST_F(JointOffsets, MatchTheAppliedRotations) {
   EXPECT_TRUE(std::isnan(offset_of("wrist", limbs_)));
 }
 
-TEST_F(JointOffsets, OfElbowsAndWristsAreTheirOwn) {
+TEST_F(JointOffsets, AreMeasuredPerJoint) {
   keep_human();
   for (int frame = 0; frame < kFrames; ++frame) {
     set(frame, "elbow", -0.9);

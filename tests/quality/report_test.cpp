@@ -125,7 +125,7 @@ TEST(ReportText, HasAtMost25LinesOf80Columns) {
   EXPECT_THAT(report_text({&many, 1}), ContainsRegex("\nand [0-9]+ more\n"));
 }
 
-TEST(ReportText, HasColoursOnlyIfAskedForAndNoCommandsOfFileNames) {
+TEST(ReportText, UsesColoursOnlyOnRequestAndEscapesFileNames) {
   QualityReport report = report_of_gates(2, true);
   report.file = "a\033[31m.csv";
   EXPECT_THAT(report_text({&report, 1}), Not(HasSubstr("\033")));
@@ -137,7 +137,7 @@ TEST(ReportText, HasColoursOnlyIfAskedForAndNoCommandsOfFileNames) {
               HasSubstr("\033[32m+\033[0m solver_failures"));
 }
 
-TEST(ReportText, ShowsAsManyDigitsAsAMissTakes) {
+TEST(ReportText, ShowsEnoughDigitsForAMiss) {
   QualityReport report;
   report.file = "m.csv";
   report.values = {{find_metric("fast_3pi_pct"), 0.200001, std::nullopt}};

@@ -288,7 +288,7 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   EXPECT_LT(mean, 3.0);
 }
 
-TEST_F(LimbSplits, ArmsOfAllKinds) {
+TEST_F(LimbSplits, MatchArmsOfAllKinds) {
   for (const LimbSplit& split : arms()) {
     BuiltHumanoid built = plain_humanoid();
     built.arm = split.limb;
@@ -297,7 +297,7 @@ TEST_F(LimbSplits, ArmsOfAllKinds) {
   }
 }
 
-TEST_F(LimbSplits, LegsOfAllKinds) {
+TEST_F(LimbSplits, MatchLegsOfAllKinds) {
   for (const LimbSplit& split : legs()) {
     BuiltHumanoid built = plain_humanoid();
     built.leg = split.limb;

@@ -88,17 +88,17 @@ BuiltHumanoid scaled(double factor) {
   });
 }
 
-TEST_F(ModelFaults, ASoundModelHasNone) {
+TEST_F(ModelFaults, AValidModelHasNone) {
   EXPECT_THAT(findings(plain_humanoid().mjcf(), true), ::testing::IsEmpty());
   EXPECT_THAT(notes(plain_humanoid().mjcf()), Not(Contains(HasSubstr("range"))));
 }
 
-TEST_F(ModelFaults, OtherUnits) {
+TEST_F(ModelFaults, ReportOtherUnits) {
   expect_refused(scaled(1000.0).mjcf(), "millimetres; multiply its lengths by 0.001");
   expect_refused(scaled(100.0).mjcf(), "centimetres; multiply its lengths by 0.01");
 }
 
-TEST_F(ModelFaults, RangesInTheOtherUnit) {
+TEST_F(ModelFaults, ReportRangesInTheOtherUnit) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "angle=\"radian\"", "angle=\"degree\"");
   expect_refused(text, "add <compiler angle=\"radian\"/>");
@@ -113,7 +113,7 @@ TEST_F(ModelFaults, RangesInTheOtherUnit) {
   expect_refused(degrees.mjcf(), "rad, which looks like degrees");
 }
 
-TEST_F(ModelFaults, RangesThatAreMissing) {
+TEST_F(ModelFaults, ReportMissingRanges) {
   expect_noted(changed([](BuiltHumanoid& built) {
                  built.arm.joints[2].lower = built.arm.joints[2].upper = 0.0;
                }).mjcf(),
@@ -131,7 +131,7 @@ TEST_F(ModelFaults, RangesThatAreMissing) {
               Contains(HasSubstr("ankle_pitch")));
 }
 
-TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
+TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
   expect_refused(changed([](BuiltHumanoid& built) { built.leg.joints[3].type = "slide"; }).mjcf(),
                  "has a slide, \"left_knee\"");
   expect_refused(changed([](BuiltHumanoid& built) {
@@ -146,7 +146,7 @@ TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
                  "has no elbow");
 }
 
-TEST_F(ModelFaults, NamesThatAppearTwice) {
+TEST_F(ModelFaults, ReportDuplicateNames) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");
   EXPECT_THAT(refusal(text), HasSubstr("repeated name 'left_hip_yaw': two elements of kind joint"));
@@ -174,7 +174,7 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
   expect_noted(text, "the root moved by \"rootx\", \"rooty\": a free joint");
 }
 
-TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
+TEST_F(ModelFaults, ReportLeaningAndObliqueTrunks) {
   const auto turned = [](const std::string& euler) {
     return changed([&](BuiltHumanoid& built) {
              built.before = "<compiler eulerseq=\"xyz\"/>";
@@ -187,7 +187,7 @@ TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
   expect_refused(turned("0 1.5 0"), "does not stand upright");
 }
 
-TEST_F(ModelFaults, SegmentsOfOddLengthsAreDoubts) {
+TEST_F(ModelFaults, WarnAboutUnusualSegmentLengths) {
   // a joint that turns the forearm, a third of an upper arm beyond the elbow, and nothing else there
   const std::string text = changed([](BuiltHumanoid& built) {
                              built.arm.joints.push_back({"twist", kAxisZ, {0, 0, -0.06}});
@@ -217,7 +217,7 @@ TEST_F(ModelFaults, TrunksThatLeanFarNeedClearLimbs) {
                  "the trunk leans by 45 degrees in the zero configuration, and the left forearm");
 }
 
-TEST_F(ModelFaults, TPosesThatAreFarOffAreRefused) {
+TEST_F(ModelFaults, RejectDistantTPoses) {
   // 30 degrees are left to the arm that is out to the side
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints[1].upper = 1.05;
@@ -227,7 +227,7 @@ TEST_F(ModelFaults, TPosesThatAreFarOffAreRefused) {
                  "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm) stays");
 }
 
-TEST_F(ModelFaults, TPosesThatCannotBeReached) {
+TEST_F(ModelFaults, ReportUnreachableTPoses) {
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints[1].lower = -0.1;
                    built.arm.joints[1].upper = 0.1;
@@ -237,7 +237,7 @@ TEST_F(ModelFaults, TPosesThatCannotBeReached) {
                  "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm)");
 }
 
-TEST_F(ModelFaults, TemplatesAndIncludes) {
+TEST_F(ModelFaults, RejectTemplatesAndMissingIncludes) {
   EXPECT_THAT(refusal("<robot name=\"a\" xmlns:xacro=\"http://ros.org/wiki/xacro\">"
                       "<xacro:include filename=\"b.xacro\"/><link name=\"base\"/></robot>",
                       "robot.urdf.xacro"),
@@ -248,7 +248,7 @@ TEST_F(ModelFaults, TemplatesAndIncludes) {
               HasSubstr("<include> names \"arms.xml\", which does not exist"));
 }
 
-TEST_F(ModelFaults, ExtensionsOfSimulatorsInAUrdfDoNotCount) {
+TEST_F(ModelFaults, IgnoreSimulatorExtensionsInAUrdf) {
   const std::string text =
       "<robot name=\"a\"><link name=\"base\"/><gazebo><plugin filename=\"x.so\" name=\"${x}\"/>"
       "</gazebo></robot>";

@@ -124,7 +124,7 @@ TEST(RobotLayouts, ForearmThatOnlyTurnsKeepsItsElbow) {
   }
 }
 
-TEST(RobotLayouts, ArmsThatCannotFollowAreRefused) {
+TEST(RobotLayouts, RejectsArmsThatCannotFollow) {
   const TemporaryFolder folder;
   const std::string model = folder.write("any.xml", z_bot_layout().built.mjcf());
   const auto made = make_robot(model, "z_bot");
@@ -144,7 +144,7 @@ TEST(RobotLayouts, ChestMayBeTheRoot) {
 }
 
 // one knee's axis was turned and its range was not
-TEST(RobotLayouts, KneesThatBendToOppositeSidesAreRefused) {
+TEST(RobotLayouts, RejectsKneesThatBendToOppositeSides) {
   LayoutHumanoid layout = qing_long_layout();
   for (BuiltJoint& joint : layout.built.leg.joints) {
     if (joint.name != "knee") continue;

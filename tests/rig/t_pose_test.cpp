@@ -70,7 +70,7 @@ TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
 }
 
 // a thigh that is exactly half a turn off about itself is at a saddle of the cost
-TEST(SolveTPose, LeavesThePoseHalfATurnOff) {
+TEST(SolveTPose, EscapesAStartHalfATurnOff) {
   BuiltHumanoid built = plain_humanoid();
   for (BuiltJoint& joint : built.leg.joints) {
     if (joint.name != "hip_yaw") continue;

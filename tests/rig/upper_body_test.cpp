@@ -116,7 +116,7 @@ class UpperBodyTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(UpperBodyTest, IsRefusedAsAHumanoidAndMadeWithAFixedBase) {
+TEST_F(UpperBodyTest, RequiresAFixedBase) {
   const std::string model = folder_.write("cart.xml", body_on_cart("pos=\"0 0 0.6\"", true));
   const auto refused = make_robot(model, "cart");
   ASSERT_FALSE(refused.has_value());
@@ -166,7 +166,7 @@ TEST_F(UpperBodyTest, KeepsPositionAndHeadingOfTheBase) {
   EXPECT_LT(arm_error(facing(human_of(motion), 0.5 * std::numbers::pi), motion), 6.0);
 }
 
-TEST_F(UpperBodyTest, ABaseThatIsTheChestSeesArmsFromTheChest) {
+TEST_F(UpperBodyTest, ArmsAreRelativeToAChestBase) {
   const std::string chest =
       made("chest", body_on_cart("pos=\"0 0 0.6\"", false), RobotBase::kFixed);
   const Motion motion = solved(chest, "get_up", Method::kFit);
@@ -186,7 +186,7 @@ TEST_F(UpperBodyTest, ABaseThatIsTheChestSeesArmsFromTheChest) {
   EXPECT_LT(arm_error(human, motion), 12.0);
 }
 
-TEST_F(UpperBodyTest, IsMeasuredAgainstItsHumanWithoutFloorAndFeet) {
+TEST_F(UpperBodyTest, IsMeasuredWithoutFloorAndFeet) {
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);
   const auto report = evaluate(solved(cart, "turn_in_place", Method::kFit));
   ASSERT_TRUE(report.has_value()) << describe(report.error());
@@ -198,7 +198,7 @@ TEST_F(UpperBodyTest, IsMeasuredAgainstItsHumanWithoutFloorAndFeet) {
   EXPECT_LT(report->find("limb_angle_deg")->value, 6.0);
 }
 
-TEST_F(UpperBodyTest, AModelWithoutFreeJointLoadsWithAFixedBaseAlone) {
+TEST_F(UpperBodyTest, AModelWithoutFreeJointRequiresAFixedBase) {
   RobotChoice choice;
   choice.model = folder_.write("cart.xml", body_on_cart("pos=\"0 0 0.6\"", true));
   const auto refused = load_robot(choice);

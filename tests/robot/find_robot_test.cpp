@@ -158,7 +158,7 @@ TEST_F(NotInstalledTest, LaterFoldersAddRobots) {
   EXPECT_THAT(list_robots(folders), ElementsAre("maker_two", "maker_two_29", "other_four"));
 }
 
-TEST_F(NotInstalledTest, AFaultyIndexIsNamed) {
+TEST_F(NotInstalledTest, ReportsAFaultyIndex) {
   for (const char* text : {"[]", "{", R"({"robots": [3]})", R"({"robots": [{"naem": "x"}]})"}) {
     folder_.write("index.json", text);
     const auto found = find_robot("two", {folder_.path()});
@@ -226,7 +226,7 @@ TEST(RobotsFolderTest, IndexNamesEveryRobot) {
   EXPECT_EQ(names, list_robots({robots}));
 }
 
-TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceLieApart) {
+TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceAreInASeparateFolder) {
   const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
   EXPECT_THAT(list_robots({robots}), ::testing::Contains("kuavo_s45"));
   EXPECT_EQ(find_robot("kuavo", {robots})->model, robots / "unverified/kuavo_s45/model.xml");

@@ -107,7 +107,7 @@ MatrixXd dense(const KinematicTree& tree, const std::vector<double>& rows) {
   return matrix.selfadjointView<Eigen::Upper>();
 }
 
-TEST(KinematicTreeTest, PosesAnchorsAndAxesAreMujocos) {
+TEST(KinematicTreeTest, PosesAnchorsAndAxesMatchMujoco) {
   for (const auto& robot : robots()) {
     std::mt19937 random(3);
     TreeState state(robot->tree());
@@ -131,7 +131,7 @@ TEST(KinematicTreeTest, PosesAnchorsAndAxesAreMujocos) {
   }
 }
 
-TEST(KinematicTreeTest, MotionSubspacesAreMujocosJacobian) {
+TEST(KinematicTreeTest, MotionSubspacesMatchMujocosJacobian) {
   for (const auto& robot : robots()) {
     std::mt19937 random(5);
     std::normal_distribution<double> normal;
@@ -320,7 +320,7 @@ TEST(KinematicTreeTest, MergesFixedBodies) {
   EXPECT_THAT(tree.carriers(10), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
 }
 
-TEST(KinematicTreeTest, JointsThatCarryNoneOfTheBodiesAreLeftOut) {
+TEST(KinematicTreeTest, OmitsJointsThatCarryNoneOfTheBodies) {
   const auto robot = load_shipped("unitree_g1");
   const std::array bodies = {robot->find_body("left_knee_link").value(),
                              robot->find_body("right_elbow_link").value()};

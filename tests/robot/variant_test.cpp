@@ -168,7 +168,7 @@ Result<std::shared_ptr<const Robot>> one_arm(const std::string& model,
   return robot_variant(*robot, "one_arm");
 }
 
-TEST(RobotVariantTest, ModelsOfTheirOwnTakeTheProfileByNames) {
+TEST(RobotVariantTest, OwnModelsUseTheProfileByNames) {
   const auto variant = one_arm(kOneArm);
   ASSERT_TRUE(variant) << describe(variant.error());
   const Robot& robot = **variant;
@@ -268,7 +268,7 @@ TEST(RobotVariantTest, AnchorsMoveAlongTheJointsAxes) {
 }
 
 // kinematics are held against the maker's by tests/io/variant_bodies_test.cpp
-TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
+TEST(RobotVariantTest, G1With23JointsMatchesTheFullModelElsewhere) {
   const auto g1 = load_shipped("unitree_g1");
   const auto variant = robot_variant(g1, "23").value();
   for (const RobotJoint& joint : variant->joints()) {

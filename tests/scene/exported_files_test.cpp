@@ -62,7 +62,7 @@ double distance(const Clip& found, const std::string& sample, int first) {
 constexpr double kMillimetre = 1e-3;
 constexpr int kFrames = 11;
 
-TEST(ExportedFilesTest, HoldTheSamplesMotion) {
+TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const Clip clip = read(name);
     EXPECT_EQ(clip.frame_count(), kFrames) << name;
@@ -79,7 +79,7 @@ TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
   EXPECT_LT(distance(clip, "wave.bvh", 30), 0.01 * kMillimetre);
 }
 
-TEST(ExportedFilesTest, MayHoldSeveralTakes) {
+TEST(ExportedFilesTest, MayContainSeveralTakes) {
   const Clip wave = read("takes.glb", "Wave");
   EXPECT_LT(distance(wave, "wave.bvh", 30), 0.01 * kMillimetre);
   EXPECT_EQ(wave.origin().takes.size(), 2U);
@@ -105,7 +105,7 @@ TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
 }
 
 // If any byte changes, the file is refused with a message, or read with finite numbers.
-TEST(ExportedFilesTest, MayBeDamaged) {
+TEST(ExportedFilesTest, CauseNoCrashIfDamaged) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const std::string good = bytes_of(kFolder + name);
     SceneReadOptions options;

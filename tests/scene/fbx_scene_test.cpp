@@ -47,7 +47,7 @@ int node_of(const Scene& scene, const std::string& name) {
   return 0;
 }
 
-TEST(FbxSceneTest, TurnsInEveryOrderOfAxes) {
+TEST(FbxSceneTest, AppliesEveryRotationOrder) {
   const char* orders[] = {"XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX"};
   for (int order = 0; order < 6; ++order) {
     FbxText file;
@@ -65,7 +65,7 @@ TEST(FbxSceneTest, TurnsInEveryOrderOfAxes) {
 
 // Autodesk, "FBX SDK Programmer's Guide", "Computing transformation matrices":
 // T Roff Rp Rpre R Rpost^-1 Rp^-1 Soff Sp S Sp^-1
-TEST(FbxSceneTest, PutsPivotsAndRotationsBeforeAndAfterInTheirPlaces) {
+TEST(FbxSceneTest, AppliesPivotsAndPreAndPostRotations) {
   FbxText file;
   const int limb = file.node("limb", 0, {1, 2, 3},
                              {{"PreRotation", {30, -20, 10}},
@@ -113,7 +113,7 @@ TEST(FbxSceneTest, ReadsUnitAxesAndRate) {
 }
 
 // A helper above the root moves its children; a mesh is not a joint.
-TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
+TEST(FbxSceneTest, KeepsTheTransformsOfHelpersAboveTheRoot) {
   FbxText file;
   const int helper =
       file.node("helper", 0, {10, 0, 0}, {{"Lcl Scaling", {0.5, 0.5, 0.5}}}, 0, "Null");
@@ -135,7 +135,7 @@ TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
   EXPECT_LT((clip->rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
 }
 
-TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
+TEST(FbxSceneTest, ReadsTheRequestedTake) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("empty", 0, 9);
@@ -162,7 +162,7 @@ TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
 }
 
 // a camera that flies for half a minute, a pose that is held for ten seconds, a walk of two
-TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
+TEST(FbxSceneTest, ReadsTheTakeThatMovesTheSkeleton) {
   for (const bool are_limbs : {true, false}) {
     FbxText file;
     std::vector<int> limbs;
@@ -207,7 +207,7 @@ TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
   }
 }
 
-TEST(FbxSceneTest, IsRecognisedBehindCommentsAndAByteOrderMark) {
+TEST(FbxSceneTest, IsRecognisedAfterCommentsAndAByteOrderMark) {
   const std::string text = FbxText().text();
   const std::string rest = text.substr(text.find('\n') + 1);
   EXPECT_EQ(file_type("\xEF\xBB\xBF" + text).kind, FileKind::kFbx);
@@ -229,7 +229,7 @@ TEST(FbxSceneTest, NamesTheLocationOfAStrayKey) {
               HasSubstr("between 0.1 s and 3e+07 s"));
 }
 
-TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
+TEST(FbxSceneTest, ReportsFewKeysInsteadOfUnevenKeys) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("pose", 0, 1);
@@ -243,7 +243,7 @@ TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
   EXPECT_THAT(clip->origin().choices, ::testing::Not(HasSubstr("evenly")));
 }
 
-TEST(FbxSceneTest, SamplesAsOftenAsAskedFor) {
+TEST(FbxSceneTest, SamplesAtTheRequestedRate) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("move", 0, 1);
@@ -283,7 +283,7 @@ TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
               HasSubstr("exceed the memory limit"));
 }
 
-TEST(FbxSceneTest, WarnsOfScaleThatIsUnevenOrChanges) {
+TEST(FbxSceneTest, WarnsAboutNonUniformOrChangingScale) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0}, {{"Lcl Scaling", {1, 2, 1}}});
   file.node("Leg", root, {0, -1, 0});

@@ -71,7 +71,7 @@ std::string message_of(const std::string& text, const std::string& name = "test.
   return clip ? "" : clip.error().message;
 }
 
-TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
+TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   Animated moved;
   moved.times = {1, 2};
   moved.values = {0, 0, 0, 8, 0, 4};
@@ -110,7 +110,7 @@ TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
   for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip->translation(frame, 0).x(), frame);
 }
 
-TEST(GltfSceneTest, TurnsTheShortWay) {
+TEST(GltfSceneTest, InterpolatesRotationsTheShortWay) {
   Animated turned;
   turned.path = "rotation";
   turned.type = "VEC4";
@@ -267,7 +267,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   }
 }
 
-TEST(GltfSceneTest, LooksThroughNoMoreTakesThanThereCanBe) {
+TEST(GltfSceneTest, LimitsTheNumberOfTakes) {
   Animated moved;
   moved.times = {0, 1};
   moved.values = {0, 0, 0, 1, 1, 1};
@@ -280,7 +280,7 @@ TEST(GltfSceneTest, LooksThroughNoMoreTakesThanThereCanBe) {
 }
 
 // leaves without end are seen once each; more joints than a body has are refused
-TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
+TEST(GltfSceneTest, LimitsTheNumberOfJoints) {
   Animated moved;
   moved.times = {0, 1};
   moved.values = {0, 0, 0, 1, 1, 1};
@@ -300,7 +300,7 @@ TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
 }
 
 // Many samplers that share numbers must not exhaust the memory.
-TEST(GltfSceneTest, ReadsTheSameBytesNotWithoutEnd) {
+TEST(GltfSceneTest, LimitsRepeatedReadsOfTheSameBytes) {
   Animated moved;
   moved.times.resize(20000);
   for (std::size_t i = 0; i < moved.times.size(); ++i) moved.times[i] = static_cast<float>(i);

@@ -91,7 +91,7 @@ TEST(MvnxTest, ReadsSegmentsAsJoints) {
 }
 
 // rotations are measured from the pose of calibration
-TEST(MvnxTest, TakesTheTposeAsZeroPose) {
+TEST(MvnxTest, UsesTheTposeAsZeroPose) {
   Document document;
   document.add("npose", poses(0.5));
   document.add("tpose", poses(0.2));

@@ -120,7 +120,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
   expect_same_motion(motion_of(intermimic_file(rows), options), found);
 }
 
-TEST(InterMimicTest, FingersAreBehindTheirWrists) {
+TEST(InterMimicTest, FingersFollowTheirWrists) {
   std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
   // x forward, y left, z up: the first joint of the left index finger and the last of the right thumb
   for (std::size_t frame = 0; frame < kPartFrames; ++frame) {
@@ -143,7 +143,7 @@ TEST(InterMimicTest, FingersAreBehindTheirWrists) {
   EXPECT_EQ(motion_of(intermimic_file(rows)).clip.skeleton().joint_count(), 22);
 }
 
-TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
+TEST(InterMimicTest, RejectsOtherTensorsOfTheSameWidth) {
   const std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
   const auto with = [&](std::size_t at, float value) {
     std::vector<float> changed = rows;
@@ -212,7 +212,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
 }
 
 // the sample of InterMimic's form: the clip's joints are where the file has them
-TEST(InterMimicTest, RealInterMimicMotionKeepsItsPlaces) {
+TEST(InterMimicTest, RealMotionKeepsItsPositions) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const auto motion =

@@ -46,7 +46,7 @@ std::string texts_of(const JointMotion& motion) {
   return text;
 }
 
-TEST(JointMotionTest, ShapesOfHumanMlAndMdm) {
+TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   const JointMotion human_ml = joints_of(npy_doubles({2, 22, 3}, counted(132)));
   EXPECT_EQ(human_ml.frame_count, 2);
   EXPECT_EQ(human_ml.joint_count, 22);
@@ -103,7 +103,7 @@ std::string dictionary_of_arrays(const std::vector<std::pair<std::string, NpyArr
   return pickle.substr(2, pickle.size() - 3);
 }
 
-TEST(JointMotionTest, ResultsOfMdmArePickledDictionaries) {
+TEST(JointMotionTest, ReadsMdmResults) {
   const std::vector<double> lengths = {3, 4};
   const std::string members =
       dictionary_of_arrays({{"motion", float64_array(counted(2 * 22 * 3 * 4), {2, 22, 3, 4})},
@@ -127,7 +127,7 @@ TEST(JointMotionTest, ResultsOfMdmArePickledDictionaries) {
   EXPECT_THAT(joint_error(npy("|O", "()", evil)), HasSubstr("posix.system, which is not allowed"));
 }
 
-TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
+TEST(JointMotionTest, ReadsNpzWithNamesRatesAndHeight) {
   NpzWriter writer;
   const std::vector<std::string> names = {"a", "b"};
   writer.add("joint_positions", float64_array(counted(12), {2, 2, 3}));
@@ -205,7 +205,7 @@ TEST(JointMotionTest, RejectsOtherArrays) {
   EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("only one motion"));
 }
 
-TEST(JointMotionTest, OneOfSeveralDictionaries) {
+TEST(JointMotionTest, SelectsOneOfSeveralDictionaries) {
   // WHAM: a dictionary by numbers of people
   PickleWriter writer;
   writer.begin_dict();

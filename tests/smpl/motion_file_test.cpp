@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 const Eigen::Quaterniond kZUpFromYUp(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
 
-TEST(MotionFileTest, GvhmrsResultsAreTheNpzMotionWithItsWorldsYUp) {
+TEST(MotionFileTest, GvhmrResultsEqualTheNpzMotionWithYUp) {
   const Parts parts;
   const SmplMotion expected = motion_of(parts.npz());
   const SmplMotion found = motion_of(parts.gvhmr());
@@ -70,7 +70,7 @@ TEST(MotionFileTest, PicklesAndTorchFilesEqualAnNpz) {
               HasSubstr("the file holds 2 motions: ann, bob"));
 }
 
-TEST(MotionFileTest, OtherNamesOfTheSameArrays) {
+TEST(MotionFileTest, AcceptsOtherArrayNames) {
   const Parts parts;
   const SmplMotion expected = motion_of(parts.npz());
   std::vector<double> poses, scaled;
@@ -139,7 +139,7 @@ TEST(MotionFileTest, KindsOfFilesDefineTheUpAxis) {
   EXPECT_EQ(up_of(dance.build()), Eigen::Vector3d(0, 1, 0));
 }
 
-TEST(MotionFileTest, ArraysOfMotionXAndPhuma) {
+TEST(MotionFileTest, ReadsMotionXAndPhumaArrays) {
   const Parts parts;
   std::vector<double> motion_x, phuma;
   for (std::size_t frame = 0; frame < kPartFrames; ++frame) {

@@ -84,7 +84,7 @@ TEST(SmplFingersTest, AreTheLastColumnsOfWholePoses) {
   for (const std::size_t width : {156, 165}) expect_fingers(motion_of(whole(width, hands)), hands);
 }
 
-TEST(SmplFingersTest, OrHaveArraysOfTheirOwn) {
+TEST(SmplFingersTest, MayHaveSeparateArrays) {
   const std::vector<double> hands = Numbers(2).list(kFrames * 90);
   const Arrays body = {
       {"root_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
@@ -129,7 +129,7 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
   EXPECT_NE(odd.warnings.back().message.find("fingers"), std::string::npos);
 }
 
-TEST(SmplFingersTest, TheBodyStaysAsItIs) {
+TEST(SmplFingersTest, DoNotChangeTheBody) {
   const std::vector<double> hands = Numbers(6).list(kFrames * 90);
   const SmplMotion with = motion_of(whole(156, hands));
   const SmplMotion without = motion_of(whole(156, hands), false);
@@ -142,7 +142,7 @@ TEST(SmplFingersTest, TheBodyStaysAsItIs) {
   }
 }
 
-TEST(SmplFingersTest, AModelPlacesThem) {
+TEST(SmplFingersTest, UseTheBonesOfAModel) {
   const MadeUpModel model(55, 2);
   const auto body = read_smpl_body(model.bytes(), "model.npz");
   ASSERT_TRUE(body.has_value());

@@ -66,7 +66,7 @@ TEST(TranslationUnitTest, SkatersCarsAndHillsAreInMetres) {
   EXPECT_DOUBLE_EQ(metres_of(1.0, 0.04, 90.0), 1.0);
 }
 
-TEST(TranslationUnitTest, TheSentenceSaysWhy) {
+TEST(TranslationUnitTest, MessageStatesTheReason) {
   EXPECT_THAT(
       warnings_of(motion_of(moving_npz(100.0, 0.04, 0.9, false))),
       HasSubstr("assuming that trans is in centimetres: in metres the slower foot would have 1"));

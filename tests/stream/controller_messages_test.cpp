@@ -121,7 +121,7 @@ TEST(SonicMessages, OverlapAndHaveVelocities) {
   }
 }
 
-TEST(SonicMessages, BeginAnewWithAnotherSession) {
+TEST(SonicMessages, RestartWithANewSession) {
   const auto robot = robot_of("unitree_g1");
   auto message = SonicMessage::make(*robot, kFps, {2, false});
   ASSERT_TRUE(message);
@@ -133,7 +133,7 @@ TEST(SonicMessages, BeginAnewWithAnotherSession) {
   for (const float velocity : field<float>(bytes, "joint_vel")) EXPECT_EQ(velocity, 0.0F);
 }
 
-TEST(SonicMessages, HandsAreInTheOrderOfTheirMotors) {
+TEST(SonicMessages, OrderHandsByTheirMotors) {
   const auto robot = robot_of("unitree_g1_with_hands");
   auto message = SonicMessage::make(*robot, kFps);
   auto actions = Twist2Actions::make(*robot, kFps);
@@ -163,7 +163,7 @@ TEST(SonicMessages, HandsAreInTheOrderOfTheirMotors) {
   EXPECT_TRUE(field<float>(without->take(frame_of(0, qpos)), "left_hand_joints").empty());
 }
 
-TEST(SonicMessages, AreForTheG1Alone) {
+TEST(SonicMessages, RequireAG1) {
   const auto h1 = robot_of("unitree_h1");
   EXPECT_EQ(SonicMessage::make(*h1, kFps).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(Twist2Actions::make(*h1, kFps).error().kind, ErrorKind::kUsage);

@@ -121,7 +121,7 @@ TEST(Lines, ReportTheirProperties) {
   EXPECT_EQ(kept.frames[0].rotations[1].w(), 1.0);
 }
 
-TEST(Lines, AreRefusedWithAReason) {
+TEST(Lines, AreRejectedWithAReason) {
   const auto decoder = make_line_decoder({});
   EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
   EXPECT_THAT(refusal(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
@@ -147,7 +147,7 @@ TEST(Lines, AreRefusedWithAReason) {
               HasSubstr("time"));
 }
 
-TEST(BvhRows, NeedASkeleton) {
+TEST(BvhRows, RequireASkeleton) {
   const auto decoder = make_bvh_row_decoder({});
   EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("skeleton"));
   decoder->know_skeleton(walk().shared_skeleton());
@@ -161,7 +161,7 @@ TEST(BvhRows, NeedASkeleton) {
   EXPECT_THAT(refusal(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
 }
 
-TEST(BvhRows, ASkeletonOfTheUsersFileStays) {
+TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
   const Clip clip = walk();
   const auto decoder = make_bvh_row_decoder({});
   decoder->know_skeleton(clip.shared_skeleton());
@@ -170,7 +170,7 @@ TEST(BvhRows, ASkeletonOfTheUsersFileStays) {
   EXPECT_TRUE(kept.skeletons.empty());
 }
 
-TEST(Addresses, AreRead) {
+TEST(Addresses, AreParsed) {
   const auto udp = parse_address("udp:1118?format=bvh&fps=60");
   ASSERT_TRUE(udp);
   EXPECT_EQ(udp->transport, Transport::kUdp);

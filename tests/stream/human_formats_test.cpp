@@ -194,7 +194,7 @@ const std::vector<SentBone> kXrobotSent = {
     {"Right_Foot", Bone::kRightToe},
 };
 
-TEST(HumanFormats, ComeBack) {
+TEST(HumanFormats, RoundTrip) {
   // of LAFAN1's skeleton, and of one with other names, axes and units
   for (const Clip& clip :
        {sample_clip("walk"), load_clip(RETARGET_SOURCE_DIR "/tests/scene/data/walk.fbx").value()}) {
@@ -207,7 +207,7 @@ TEST(HumanFormats, ComeBack) {
   }
 }
 
-TEST(HumanFormats, ARobotFollowsThemAsItFollowsLines) {
+TEST(HumanFormats, GiveTheRobotMotionOfLines) {
   for (const char* name : {"walk", "wave"}) {
     const auto lines = followed(sample_clip(name), "lines");
     for (const char* format : {"vmc", "rokoko", "smplx", "xrobot"}) {

@@ -106,14 +106,14 @@ TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
   }
 }
 
-TEST(LivePipeline, HowOftenItIsAskedChangesNothing) {
+TEST(LivePipeline, IsIndependentOfThePollingRate) {
   StreamRun seldom, often;
   play_to(seldom, sample("wave"), "lines");
   play_to(often, sample("wave"), "lines", 0.0, true);
   EXPECT_EQ(seldom.frames, often.frames);
 }
 
-TEST(LivePipeline, LeavesMalformedPacketsOut) {
+TEST(LivePipeline, SkipsMalformedPackets) {
   StreamRun run;
   const Clip clip = sample("wave");
   const auto encoder = make_line_encoder();
@@ -132,7 +132,7 @@ TEST(LivePipeline, LeavesMalformedPacketsOut) {
             1);
 }
 
-TEST(LivePipeline, TakesAnotherSkeletonOnTheWay) {
+TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   StreamRun run;
   play_to(run, sample("squat"), "lines");
   const std::size_t first = run.frames.size();
@@ -176,7 +176,7 @@ Clip t_pose_of(const Clip& clip) {
   return pose;
 }
 
-TEST(LivePipeline, CalibratesByThePoseThatThePerformerHas) {
+TEST(LivePipeline, CalibratesFromThePerformersPose) {
   LivePipelineOptions options;
   options.calibrate = LiveCalibration::kTpose;
   options.calibrate_after_s = 1.0;
@@ -206,7 +206,7 @@ constexpr const char* kNobody =
     R"({"skeleton": {"joints": [{"name": "a", "rest": [0, 0, 0, 1, 0, 0, 0]}, )"
     R"({"name": "b", "parent": "a", "rest": [0, 0, 1, 1, 0, 0, 0]}]}})";
 
-TEST(LivePipeline, WaitsForAHumanBeforeItBegins) {
+TEST(LivePipeline, WaitsForAHuman) {
   StreamRun run;
   for (int i = 0; i < 3; ++i) run.lines(kNobody, 0.1 * i);
   EXPECT_FALSE(run.pipeline.has_begun());
@@ -219,7 +219,7 @@ TEST(LivePipeline, WaitsForAHumanBeforeItBegins) {
   EXPECT_GT(run.frames.size(), 100U);
 }
 
-TEST(LivePipeline, KeepsItsBodyWhenAnotherSkeletonIsRefused) {
+TEST(LivePipeline, KeepsItsBodyIfAnotherSkeletonIsRejected) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
     const Clip clip = sample("wave");
@@ -244,7 +244,7 @@ TEST(LivePipeline, KeepsItsBodyWhenAnotherSkeletonIsRefused) {
   }
 }
 
-TEST(StreamRecord, ComesBack) {
+TEST(StreamRecord, RoundTrips) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "input.stream";
   auto recorder = StreamRecorder::create(file, {});
@@ -270,7 +270,7 @@ TEST(StreamRecord, ComesBack) {
   }
 }
 
-TEST(LatencyTest, KnowsPercentiles) {
+TEST(LatencyTest, ComputesPercentiles) {
   Latency latency;
   EXPECT_EQ(latency.percentile(99.0), 0.0);
   for (int i = 1; i <= 1000; ++i) latency.add(1e-6 * i);

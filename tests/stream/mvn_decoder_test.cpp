@@ -163,7 +163,7 @@ TEST(Mvn, WithoutScaleDataAFrameDeterminesTheLengths) {
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(Mvn, PartsOfAFrameMayComeInAnyOrder) {
+TEST(Mvn, AcceptsFramePartsInAnyOrder) {
   const auto poses = turned(0.2);
   const auto part = [&](std::uint32_t sample, int counter, std::size_t from, std::size_t to) {
     std::string payload;
@@ -206,7 +206,7 @@ TEST(Mvn, FollowsTheFirstOrTheNamedActor) {
   expect_frames(of_named, {turned(2), turned(2)});
 }
 
-TEST(Mvn, MessagesOfAConnectionAreCut) {
+TEST(Mvn, SplitsMessagesOfAConnection) {
   const auto decoder = decoder_of("tcp:9763?format=mvn");
   KeptStream kept;
   const std::string bytes = scale_message({}, t_pose()) + frame_message({}, turned(0.1)) +
@@ -279,7 +279,7 @@ TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
   expect_frames(kept, {turned(0.4)});
 }
 
-TEST(Mvn, AFileOfTheSameBodyMayHaveItsUnit) {
+TEST(Mvn, AcceptsAFileInAnotherUnit) {
   std::vector<Joint> joints;
   using enum Channel;
   for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
@@ -344,7 +344,7 @@ TEST(MvnPlayer, SendsTheHumanOfAnyClip) {
   EXPECT_LT(std::abs(arms.z()), 0.05);
 }
 
-TEST(MvnPlayer, SendsTheSegmentsOfAClipThatHasThem) {
+TEST(MvnPlayer, SendsTheSegmentsOfAnMvnClip) {
   // Y up and centimetres, and one joint beside the segments
   std::vector<Joint> joints;
   using enum Channel;

@@ -229,7 +229,7 @@ TEST(NatNet, ReadsAllVersionsInBothCoordinates) {
   }
 }
 
-TEST(NatNet, FollowsTheSkeletonThatIsNamed) {
+TEST(NatNet, FollowsTheNamedSkeleton) {
   const auto decoder = decoder_of("&actor=6&version=4.1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
@@ -252,7 +252,7 @@ TEST(NatNet, AcceptsGivenCoordinates) {
   expect_world(kept, 0, world);
 }
 
-TEST(NatNet, AsksUntilItIsAnswered) {
+TEST(NatNet, RepeatsRequestsUntilAReply) {
   const auto decoder = decoder_of("&server=127.0.0.1");
   KeptStream kept;
   EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
@@ -281,7 +281,7 @@ TEST(NatNet, ReportsASilentServer) {
   EXPECT_EQ(refused, 150);
 }
 
-TEST(NatNet, TakesBonesFromAFileWithoutDescriptions) {
+TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
   std::vector<Joint> joints;
   using enum Channel;
   // Motive's order, a parent first: the frame's bones come so
@@ -375,7 +375,7 @@ TEST(NatNet, RejectsMalformedPackets) {
   EXPECT_EQ(kept.frames.size(), frames);
 }
 
-TEST(NatNetPlayer, AllJointsComeBack) {
+TEST(NatNetPlayer, RoundTripsAllJoints) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("walk"), {}, folder).value();
   EXPECT_EQ(clip.origin().metres_per_unit, 0.01);

@@ -88,7 +88,7 @@ std::string bomb(const std::string& begin, std::uint16_t period) {
   return frame + block + std::string(4, '\0');
 }
 
-TEST(PacketBounds, BombsOfLz4AreCheap) {
+TEST(PacketBounds, RejectLz4BombsEarly) {
   if (!Lz4Frame::is_available()) GTEST_SKIP() << "this build lacks LZ4";
   const auto decoder = make_rokoko_decoder({});
   const std::string one = bomb(R"({"scene": {"a": [0,)", 2);
@@ -100,7 +100,7 @@ TEST(PacketBounds, BombsOfLz4AreCheap) {
   expect_cheap(*decoder, repeated(bomb(R"({"scene": {"a": "xxxx)", 1), kDatagram), "long texts");
 }
 
-TEST(PacketBounds, ObjectsWithoutEndAreCheap) {
+TEST(PacketBounds, RejectEndlessObjectsEarly) {
   const auto decoder = make_rokoko_decoder({});
   expect_cheap(*decoder, repeated("{}", kDatagram), "empty objects");
   expect_cheap(*decoder, repeated("{}x", kDatagram), "with noise between them");
@@ -130,7 +130,7 @@ TEST(PacketBounds, JsonIsBounded) {
   EXPECT_LT(spent, kMostObjects * object_time());
 }
 
-TEST(PacketBounds, LinesAreCheap) {
+TEST(PacketBounds, RejectTooManyLinesEarly) {
   const auto decoder = make_line_decoder({});
   std::string joints;
   for (int i = 0; joints.size() < kDatagram; ++i) {
@@ -153,7 +153,7 @@ std::string bundle_of(const std::string& message) {
   return std::string("#bundle\0\0\0\0\0\0\0\0\1", 16) + repeated(item, kDatagram);
 }
 
-TEST(PacketBounds, BundlesOfOscAreCheap) {
+TEST(PacketBounds, RejectOscBundlesEarly) {
   const auto decoder = make_vmc_decoder({});
   const std::string hips = osc_text("/VMC/Ext/Bone/Pos") + osc_text(",sfffffff") +
                            osc_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
@@ -166,7 +166,7 @@ TEST(PacketBounds, BundlesOfOscAreCheap) {
   expect_cheap(*decoder, bundle_of(osc_text("/a")), "short messages");
 }
 
-TEST(PacketBounds, HierarchiesAreCheap) {
+TEST(PacketBounds, RejectHierarchiesEarly) {
   const auto decoder = make_bvh_row_decoder({});
   std::string text =
       "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n";
@@ -185,7 +185,7 @@ TEST(PacketBounds, HierarchiesAreCheap) {
 }
 
 // A refused packet does not change how the decoder reads the next one.
-TEST(PacketBounds, TheNextPacketIsRead) {
+TEST(PacketBounds, KeepTheNextPacket) {
   const auto decoder = make_line_decoder({});
   Counted counted;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", counted));

@@ -110,7 +110,7 @@ std::string refusal(const std::string& bytes, const std::string& address = "udp:
   return taken ? "" : taken.error().message;
 }
 
-TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
+TEST(Rokoko, LeftArmDrivesTheLeftArm) {
   const LoadedRobot loaded =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
   const Robot& robot = *loaded.robot;
@@ -152,7 +152,7 @@ TEST(Rokoko, ReportsItsProperties) {
   }
 }
 
-TEST(Rokoko, ABodyNeedNotHaveToesNorCollarBones) {
+TEST(Rokoko, ToesAndCollarBonesAreOptional) {
   Body body = t_pose();
   for (const char* bone : {"leftToe", "leftToeEnd", "rightToe", "rightToeEnd", "leftShoulder",
                            "rightShoulder", "neck"}) {
@@ -167,7 +167,7 @@ TEST(Rokoko, ABodyNeedNotHaveToesNorCollarBones) {
             skeleton.find("chest").value());
 }
 
-TEST(Rokoko, OneActorOfSeveral) {
+TEST(Rokoko, SelectsOneOfSeveralActors) {
   Json gloves = actor_of("Gloves", t_pose());
   gloves["meta"]["hasBody"] = false;
   const Json ann = actor_of("Ann", t_pose()), bob = actor_of("Bob", left_arm_down());
@@ -193,7 +193,7 @@ TEST(Rokoko, OneActorOfSeveral) {
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(Rokoko, VersionTwoHasActorsOutsideAScene) {
+TEST(Rokoko, ReadsVersionTwo) {
   Json actor = actor_of("Ann", t_pose())["body"];
   actor["id"] = "Ann";
   const Json packet = {{"version", "2,0"},       {"timestamp", 3.5},
@@ -239,7 +239,7 @@ TEST(Rokoko, RejectsMalformedPackets) {
   EXPECT_EQ(kept.frames.size(), 2U);
 }
 
-TEST(Rokoko, AConnectionMayCutAnywhere) {
+TEST(Rokoko, JoinsPiecesOfAConnection) {
   std::string bytes;
   for (int frame = 0; frame < 5; ++frame) {
     bytes += packet_of({actor_of("A \"}{\\ nn", t_pose())}, frame).dump() + (frame % 2 ? "\n" : "");
@@ -275,7 +275,7 @@ std::string stored_in_lz4(const std::string& text) {
          little_endian(0);
 }
 
-TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
+TEST(Rokoko, ReadsLz4Frames) {
   const std::string packet = packet_of({actor_of("Ann", t_pose())}, 1.0).dump();
   const std::string frame = stored_in_lz4(packet);
   if (!Lz4Frame::is_available()) {
@@ -302,7 +302,7 @@ TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
   EXPECT_THAT(refusal(broken), HasSubstr("LZ4"));
 }
 
-TEST(JsonCutter, HoldsNoMoreThanAMegabyte) {
+TEST(JsonCutter, LimitsObjectsToAMegabyte) {
   JsonCutter cutter;
   const std::string endless = "{" + std::string(1 << 16, ' ');
   bool refused = false;

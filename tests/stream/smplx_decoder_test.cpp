@@ -68,7 +68,7 @@ void expect_same(const StreamFrame& frame, const Clip& clip, int index, double t
   EXPECT_LE((frame.translations[0] - clip.translations(index)[0]).norm(), tolerance);
 }
 
-TEST(SmplxLines, AreTheFramesOfTheSameFile) {
+TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   ASSERT_TRUE(read) << describe(read.error());
@@ -92,7 +92,7 @@ TEST(SmplxLines, AreTheFramesOfTheSameFile) {
   }
 }
 
-TEST(SmplxLines, AFileIsPlayedAsItIs) {
+TEST(SmplxLines, PlayAFileUnchanged) {
   const auto read = read_smpl(Motion().npz(), "motion.npz");
   ASSERT_TRUE(read);
   ASSERT_FALSE(smplx_plays_human(read->clip));
@@ -115,7 +115,7 @@ TEST(SmplxLines, AFileIsPlayedAsItIs) {
   }
 }
 
-TEST(SmplxLines, NamesOfOtherProgramsServe) {
+TEST(SmplxLines, AcceptNamesOfOtherPrograms) {
   const Motion motion;
   const Json line = motion.line(3);
   const auto frame_of = [](const Json& told) {
@@ -167,7 +167,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(SmplxLines, TheUsersFileKnowsTheBody) {
+TEST(SmplxLines, UseTheBodyOfTheUsersFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   const auto decoder = make_smplx_decoder({});
@@ -184,7 +184,7 @@ TEST(SmplxLines, TheUsersFileKnowsTheBody) {
   EXPECT_EQ(kept.frames.at(1).rotations.size(), 52U);
 }
 
-TEST(SmplxLines, AreRefusedWithAReason) {
+TEST(SmplxLines, AreRejectedWithAReason) {
   const Json line = Motion().line(0);
   const auto refusal = [&](const std::function<void(Json&)>& change) {
     Json changed = line;

@@ -119,7 +119,7 @@ std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, 
   return last;
 }
 
-TEST(Vmc, TheLeftArmOfTheAvatarIsThatOfTheRobot) {
+TEST(Vmc, LeftArmDrivesTheLeftArm) {
   std::vector<UnityPose> bones = avatar();
   // 80 degrees about z: the left arm hangs down, the right one stays
   for (UnityPose& bone : bones) {
@@ -157,7 +157,7 @@ TEST(Vmc, RejectsMalformedPackets) {
   EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Bone/Pos", "Tail", {1}), nothing));
 }
 
-TEST(Osc, HasTextsAndNumbersInTheirOrder) {
+TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {
   const std::string bytes = osc_text("/a") + osc_text(",ihsTfd") + big_endian(0xFFFFFFFEU) +
                             std::string(8, '\1') + osc_text("word") +
                             big_endian(std::bit_cast<std::uint32_t>(0.5F)) +

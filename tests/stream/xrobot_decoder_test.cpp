@@ -115,7 +115,7 @@ Json client_object(const std::vector<Pose>& poses, std::int64_t nanoseconds) {
           {"timeStampNs", nanoseconds}};
 }
 
-TEST(Xrobot, PosesComeInTheOrderOfTheJoints) {
+TEST(Xrobot, PosesFollowTheJointOrder) {
   const std::vector<Pose> poses = tracked_poses();
   const auto decoder = make_xrobot_decoder({});
   KeptStream kept;
@@ -142,7 +142,7 @@ TEST(Xrobot, PosesComeInTheOrderOfTheJoints) {
   for (std::size_t i = 0; i < 24; ++i) EXPECT_LT(distance(world[i], poses[i]), 1e-7) << i;
 }
 
-TEST(Xrobot, TheClientsObjectsAreRead) {
+TEST(Xrobot, ReadsTheClientsObjects) {
   const std::vector<Pose> poses = tracked_poses();
   const Json client = client_object(poses, 7250000000);
   Json of_body = client;
@@ -167,7 +167,7 @@ TEST(Xrobot, TheClientsObjectsAreRead) {
   EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
 }
 
-TEST(Xrobot, TheLeftArmOfTheHumanIsThatOfTheRobot) {
+TEST(Xrobot, LeftArmDrivesTheLeftArm) {
   const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
   LivePipelineOptions options;
@@ -188,7 +188,7 @@ TEST(Xrobot, TheLeftArmOfTheHumanIsThatOfTheRobot) {
   expect_left_arm_down(*robot.robot, last);
 }
 
-TEST(Xrobot, FramesWithoutABodyAreRefused) {
+TEST(Xrobot, RejectsFramesWithoutABody) {
   const std::vector<Pose> poses = tracked_poses();
   const auto decoder = make_xrobot_decoder({});
   KeptStream kept;

@@ -35,7 +35,7 @@ std::string page_of(const std::string& label, const std::string& title = {}) {
   return view_page({&motion, 1}, {title, {}}).value();
 }
 
-TEST(Page, IsOneFileThatAsksForNothing) {
+TEST(Page, IsSelfContained) {
   const std::string page = page_of("arm");
   EXPECT_THAT(page, testing::StartsWith("<!doctype html>"));
   EXPECT_THAT(page, testing::EndsWith("</html>\n"));
@@ -82,11 +82,11 @@ TEST(Page, NamesStayText) {
             std::string("&lt;/script&gt;&lt;script&gt;alert(1)").substr(0, 30));
 }
 
-TEST(Page, TheSameMotionsGiveTheSameBytes) {
+TEST(Page, IsDeterministic) {
   EXPECT_EQ(page_of("arm"), page_of("arm"));
 }
 
-TEST(FaultKind, KnowsTheFaultsOfReports) {
+TEST(FaultKind, CoversTheFaultsOfReports) {
   EXPECT_EQ(fault_kind("jumps"), "jump");
   EXPECT_EQ(fault_kind("body_pen_1cm_pct"), "penetration");
   EXPECT_EQ(fault_kind("stance_slip_mean"), "slip");
@@ -107,7 +107,7 @@ HumanClip walking_human(int frames, double speed) {
   return human;
 }
 
-TEST(PlaceHuman, PutsItsPathOnTheRobots) {
+TEST(PlaceHuman, AlignsItsPathWithTheRobots) {
   constexpr int kFrames = 100;
   RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
   for (int i = 0; i < kFrames; ++i) {
@@ -131,7 +131,7 @@ void turn_left(RobotClip& clip, int frame) {
   for (std::size_t i = 0; i < 4; ++i) clip.qpos(frame)[3 + i] = turned[i];
 }
 
-TEST(PlaceHuman, IsTurnedAsTheMotionWas) {
+TEST(PlaceHuman, FollowsTheRotationOfTheMotion) {
   constexpr int kFrames = 100;
   RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
   for (int i = 0; i < kFrames; ++i) {

@@ -184,7 +184,7 @@ TEST(Render, LightComesFromAboveAndCastsShadows) {
   EXPECT_EQ(standing.at(100, 180), 255);
 }
 
-TEST(StripPicture, HasItsSizeItsPosesAndAlwaysTheSameBytes) {
+TEST(StripPicture, HasSizeAndPosesAndIsDeterministic) {
   const auto g1 = load_g1();
   const RobotClip clip(g1, FrameRate{30, 1}, 61);
   const std::string bytes = draw_strip_picture(clip, nullptr, {});
@@ -214,7 +214,7 @@ TEST(StripPicture, HasItsSizeItsPosesAndAlwaysTheSameBytes) {
   EXPECT_LT(decode(draw_strip_picture(clip, nullptr, small)).height, 120);
 }
 
-TEST(StripPicture, IsNoLargerForAMotionHighAboveTheFloorOrBelowIt) {
+TEST(StripPicture, SizeIsIndependentOfTheHeightOfTheMotion) {
   RobotClip clip(load_g1(), FrameRate{30, 1}, 7);
   StripPictureOptions small;
   small.width = 600;

@@ -74,7 +74,7 @@ std::string inflated(const std::string& text) {
   return result;
 }
 
-TEST(TrackPacker, IsOffByHalfAStepAtMost) {
+TEST(TrackPacker, ErrorIsAtMostHalfAStep) {
   constexpr int kChannels = 5, kFrames = 400;
   constexpr std::array kSteps = {1e-4, 2e-5};
   std::mt19937 random(3);
@@ -137,7 +137,7 @@ TEST(TrackPacker, PacksAnEmptyMotion) {
   EXPECT_EQ(inflated(packer.finish().value()).size(), 3U);
 }
 
-TEST(Base64, IsThatOfTheStandard) {
+TEST(Base64, MatchesTheStandard) {
   // RFC 4648, section 10
   EXPECT_EQ(base64_text(""), "");
   EXPECT_EQ(base64_text("f"), "Zg==");
