@@ -113,7 +113,7 @@ def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_wrong_robot_is_told_the_nearest() -> None:
+def test_unknown_robot_suggests_the_nearest() -> None:
     with pytest.raises(retarget.ConfigError, match='did you mean "unitree_g1"'):
         retarget.Robot("unitre_g1")
 
@@ -126,7 +126,7 @@ def test_errors_travel_between_processes() -> None:
     assert str(again) == str(raised.value) and again.file == "nowhere.bvh"
 
 
-def test_names_that_are_no_utf8(walk: retarget.Clip, tmp_path: Path) -> None:
+def test_names_that_are_not_utf8(walk: retarget.Clip, tmp_path: Path) -> None:
     name = b"wa\xfflk.bvh"
     walk.save(bytes(tmp_path) + b"/" + name)
     clip = retarget.load(bytes(tmp_path) + b"/" + name)
@@ -209,6 +209,6 @@ def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
         assert file == __file__ and first <= line <= first + 1
 
 
-def test_standard_output_is_no_file(walked: retarget.Motion) -> None:
+def test_standard_output_is_not_a_file(walked: retarget.Motion) -> None:
     with pytest.raises(retarget.UsageError, match="path: expected a file"):
         walked.save("-", format="csv")

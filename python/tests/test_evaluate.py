@@ -22,7 +22,7 @@ def evaluated(command, tmp_path: Path, *words: object) -> dict:
 
 
 @pytest.mark.parametrize("clip", ["walk", "get_up"])
-def test_of_what_was_solved(clip: str, data: Path, tmp_path: Path, command) -> None:
+def test_report_of_a_solved_motion(clip: str, data: Path, tmp_path: Path, command) -> None:
     motion = retarget.to_robot(data / f"{clip}.bvh", "unitree_g1")
     motion.save(tmp_path / f"{clip}.csv")
     expected = evaluated(command, tmp_path, tmp_path / f"{clip}.csv", "--robot", "unitree_g1",
@@ -36,7 +36,7 @@ def test_of_what_was_solved(clip: str, data: Path, tmp_path: Path, command) -> N
     assert own == {key: value for key, value in expected.items() if key != "file"}
 
 
-def test_of_what_was_read(data: Path, walk: retarget.Clip, walked: retarget.Motion, g1,
+def test_report_of_a_read_motion(data: Path, walk: retarget.Clip, walked: retarget.Motion, g1,
                           tmp_path: Path, command) -> None:
     for name, options in (("walk.csv", {}), ("walk.npz", {"format": "npz-mjlab"})):
         file = tmp_path / name

@@ -187,7 +187,7 @@ def test_attributes_that_callers_read() -> None:
     assert make_retargeter(actual_human_height=None).human_scale_table["Hips"] == 0.9
 
 
-def test_what_is_not_offered_says_so() -> None:
+def test_unsupported_attributes_raise_clear_errors() -> None:
     retargeter = make_retargeter()
     for name, instead in (("configuration", "qpos"), ("tasks1", "error1"), ("ik_limits", "ranges")):
         with pytest.raises(AttributeError, match=instead):

@@ -160,7 +160,7 @@ def test_pickles_of_either_numpy(core: str, tmp_path) -> None:
     np.testing.assert_array_equal(load_robot_motion(file)[4], motion["dof_pos"])
 
 
-def test_files_that_are_no_npz_of_smplx(tmp_path) -> None:
+def test_files_that_are_not_smplx(tmp_path) -> None:
     np.save(tmp_path / "array.npy", np.zeros(3))
     whole = _smplx_file(tmp_path).read_bytes()
     (tmp_path / "cut.npz").write_bytes(whole[:len(whole) // 2])
@@ -232,7 +232,7 @@ def test_tables_of_the_published_package_are_found(tmp_path) -> None:
     assert "no folder ik_configs" in found(RETARGET_GMR_ROOT=str(robot))
 
 
-def test_scripts_import_what_they_did() -> None:
+def test_published_imports_work() -> None:
     for module, names in {
         "retarget.gmr": ["GeneralMotionRetargeting", "RobotMotionViewer", "load_robot_motion",
                          "ROBOT_XML_DICT", "IK_CONFIG_DICT", "ROBOT_BASE_DICT",

@@ -46,7 +46,7 @@ def test_wrong_options(options: dict[str, Any], text: str, walk, g1) -> None:
     assert text in str(raised.value)
 
 
-def test_none_and_kinds_of_numbers(walk: retarget.Clip, g1: retarget.Robot) -> None:
+def test_none_and_number_types(walk: retarget.Clip, g1: retarget.Robot) -> None:
     expected = retarget.to_robot(walk, g1, fps=50, start=1, method="gmr", csv_header=True)
     same = retarget.to_robot(walk, g1, fps=np.float32(50), start=np.int64(1), method="gmr",
                              csv_header=np.bool_(True), limits=None, map=None)
@@ -159,7 +159,7 @@ def _neither() -> object:
     ({"csv_header": _neither()}, "found a value of type bool_"),
     ({"\udcff": 1}, "unknown option"),
 ])
-def test_texts_that_are_none_and_objects_that_fail(options: dict[str, Any], text: str, walk,
+def test_invalid_texts_and_failing_objects(options: dict[str, Any], text: str, walk,
                                                    g1) -> None:
     with pytest.raises(retarget.UsageError) as raised:
         retarget.to_robot(walk, g1, **options)

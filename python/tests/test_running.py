@@ -40,7 +40,7 @@ def test_progress(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     assert silent.qpos.tobytes() == motion.qpos.tobytes()
 
 
-def test_what_a_callback_raises_is_raised(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+def test_callback_exceptions_are_raised(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     def progress(stage: str, done: int, total: int) -> None:
         raise LookupError("enough")
 

@@ -44,7 +44,7 @@ class Isolation(BatchTest):
         except FileNotFoundError:
             return False
 
-    def test_one_that_takes_too_long(self):
+    def test_clip_that_takes_too_long(self):
         for jobs in ("1", "3"):
             result = self.batch("--redo", "--clip-timeout", "0.5", "--jobs", jobs)
             self.assertEqual(result.returncode, 1, result.stderr)
@@ -56,7 +56,7 @@ class Isolation(BatchTest):
         self.assertIn("6 of 7 are done", result.stderr)
 
     @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
-    def test_one_that_crashes(self):
+    def test_clip_that_crashes(self):
         # a sanitizer would make an exit of the signal
         plain = {**os.environ,
                  "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}

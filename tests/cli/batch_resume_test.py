@@ -30,7 +30,7 @@ class Resume(BatchTest):
         self.assert_done(self.batch("--resume", *arguments, **options))
         return [name for name, at in self.times().items() if before.get(name) != at]
 
-    def test_only_what_is_not_done_or_has_changed(self):
+    def test_only_missing_or_changed_clips_are_redone(self):
         self.clips("a.bvh", "b.bvh", "c.bvh")
         self.assert_done(self.batch())
         whole = (self.folder / "out/manifest.jsonl").read_bytes()
@@ -115,7 +115,7 @@ class Resume(BatchTest):
         self.assertNotIn("earlier options", self.batch("--resume", "--format", "pkl-gmr",
                                                        "--fps", "25").stderr)
 
-    def test_failed_clips_that_are_gone_are_no_failures(self):
+    def test_deleted_failed_clips_are_not_failures(self):
         self.clips("a.bvh")
         bad = self.write("in/bad.bvh", "HIERARCHY\n")
         self.assertEqual(self.batch().returncode, 1)
@@ -135,7 +135,7 @@ class Resume(BatchTest):
         self.assertEqual([row["clip"] for row in self.summary("parts/summary.csv")],
                          ["a.bvh", "c.bvh"])
 
-    def test_torn_and_foreign_lines_count_for_nothing(self):
+    def test_truncated_and_foreign_lines_are_ignored(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch())
         path = self.folder / "out/manifest.jsonl"
@@ -157,7 +157,7 @@ class Resume(BatchTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
         self.assertFalse(left.exists())
 
-    def test_interrupt_keeps_what_is_done(self):
+    def test_interrupt_keeps_finished_clips(self):
         for i in range(30):
             self.clips(f"{i}.bvh", frames=12)
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -215,7 +215,7 @@ class NothingIsLost(BatchTest):
         entry.update(changes)
         path.write_text(json.dumps(entry) + "\n")
 
-    def test_a_manifest_names_nothing_outside_its_folder(self):
+    def test_manifest_paths_stay_inside_the_folder(self):
         victim = self.write("victim.txt", "precious")
         record = {"bytes": 8, "modified_ns": victim.stat().st_mtime_ns,
                   "hash": "sha256:" + hashlib.sha256(b"precious").hexdigest()}
@@ -264,7 +264,7 @@ class NothingIsLost(BatchTest):
             self.assertTrue(outside.exists(), relative)
             self.batch("--redo")
 
-    def test_a_clock_that_was_ahead_does_not_undo_what_is_done(self):
+    def test_clock_skew_does_not_redo_clips(self):
         self.clips("a.bvh")
         good = (self.folder / "in/a.bvh").read_bytes()
         self.write("in/a.bvh", "junk")

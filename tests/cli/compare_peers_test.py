@@ -50,7 +50,7 @@ class ComparePeers(ToolTest):
         for words in ("machine", "load", "compiler", "walk, 301 frames", "fast to reference"):
             self.assertIn(words, result.stdout)
 
-    def test_a_python_without_the_packages_is_named(self):
+    def test_python_without_the_packages_is_reported(self):
         (self.folder / "oracle").mkdir()
         (self.folder / "oracle/retarget_oracle.py").touch()
         result = self.compare("--repetitions", 1, "--python", "no-such-python", sample("wave"),

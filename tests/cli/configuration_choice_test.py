@@ -54,7 +54,7 @@ class ConfigurationChoice(ToolTest):
             self.assertEqual(configuration, PUBLISHED)
             self.assertNotEqual(other, found)
 
-    def test_a_configuration_of_ones_own_keeps_its_scale_for_lafan1(self):
+    def test_custom_configuration_keeps_its_scale_for_lafan1(self):
         run = self.run_with(sample("wave"), "--ik-config", SOURCE / PUBLISHED, "--sidecar")
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
         self.assertEqual(sidecar["found"]["scale"], "table")
@@ -100,7 +100,7 @@ class ConfigurationChoice(ToolTest):
                              "--ik-config", "derived")
         self.assert_done(both)
 
-    def test_a_folder_of_ones_own_keeps_its_configuration(self):
+    def test_custom_robot_folder_keeps_its_configuration(self):
         folder = pathlib.Path(shutil.copytree(SOURCE / "robots/unitree_g1",
                                               self.folder / "mine/unitree_g1"))
         self.assertEqual(self.run_with(sample("wave"), robot=folder)[1], str(folder / "ik.json"))

@@ -17,7 +17,7 @@ SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"
 
 
 class Conversions(FormatsTest):
-    def test_there_and_back(self):
+    def test_round_trip(self):
         golden = read_rows((GOLDEN / "walk.csv").read_text())
         self.converted(GOLDEN / "walk.csv", "out", "--format", "csv,csv-soma,pkl-gmr",
                        "--precision", "9")

@@ -26,7 +26,7 @@ class DataSetTest(BatchTest):
 
 
 class Gates(DataSetTest):
-    def test_lists_say_who_passed_and_why_not(self):
+    def test_lists_name_passed_and_failed_motions(self):
         self.clips("b.bvh", "sub/a.bvh")
         self.write("in/bad.bvh", "HIERARCHY\n")
         result = self.measured("--gate", "none", "--gate", "peak_speed<=0", "--sidecar")
@@ -72,7 +72,7 @@ class Gates(DataSetTest):
         self.assertIn("4 of 4 are done", self.batch("--resume", "--mirror").stderr)
         self.assertEqual(len(self.lines("passed.txt")), 4)
 
-    def test_options_tell_the_gates_of_the_last_call(self):
+    def test_options_json_has_the_gates_of_the_last_call(self):
         self.clips("a.bvh")
         self.assert_done(self.measured("--gate", "jumps<=3"))
         def gates():
@@ -84,7 +84,7 @@ class Gates(DataSetTest):
                                        "jumps<=5"))
         self.assertEqual(gates(), {"jumps": {"max": 5.0}})
 
-    def test_joining_manifests_refuses_what_is_about_clips(self):
+    def test_merge_rejects_clip_options(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         for option in (["--clips", "x.csv"], ["--mirror"], ["--exclude", "a*"], ["--shard", "1/2"],
@@ -108,7 +108,7 @@ class Gates(DataSetTest):
         (self.folder / "out.csv.json").unlink()
         self.assertEqual(report("--dof", "23"), by_sidecar)
 
-    def test_a_single_run_asks_with_the_same_option(self):
+    def test_single_run_accepts_gates(self):
         clip = self.write("wave.bvh", short_clip("wave", 4))
         result = self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=0", bvh=clip)
         self.assert_fails(result, 1, "out.csv: error: the motion misses a gate: peak_speed",
@@ -294,7 +294,7 @@ class Splits(DataSetTest):
 
 
 class MirrorImages(DataSetTest):
-    def test_twins_are_as_good_as_their_originals(self):
+    def test_mirror_images_are_as_good_as_their_originals(self):
         self.write("in/wave.bvh", short_clip("wave", 40))
         self.assert_done(self.batch("--mirror", "--sidecar", fast=False))
         self.assertEqual(self.outputs(), ["wave.csv", "wave_mirrored.csv"])
@@ -362,7 +362,7 @@ class Parts(DataSetTest):
         self.assertIn("2 of 3 are done", self.batch("--clips", "parts.csv", "--resume").stderr)
         self.assertEqual(len(self.lines("a/one.csv")), 12)
 
-    def test_the_table_alone_says_where_files_are(self):
+    def test_table_locates_the_files(self):
         self.write("set/x/wave.bvh", short_clip("wave", 20))
         self.write("set/parts.csv", "x/wave.bvh,f0,f5,a\nx/wave.bvh,f5,f10,b\n")
         self.assert_done(self.batch("--clips", "set/parts.csv", "--mirror", inputs=()))
@@ -393,7 +393,7 @@ class Duplicates(DataSetTest):
                           ("trim", "in/a.bvh", "--frames", "3:117", "-o", "in/trimmed.bvh")):
             self.assert_done(self.run_tool("edit", *arguments))
 
-    def test_they_are_left_out_and_not_even_solved(self):
+    def test_duplicates_are_not_solved(self):
         self.prepare()
         result = self.batch("--dedupe", "--mirror")
         self.assert_done(result)
@@ -433,7 +433,7 @@ class Duplicates(DataSetTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--dedupe"))
         self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
 
-    def test_files_that_cannot_be_read_fail_as_ever(self):
+    def test_unreadable_files_fail(self):
         self.prepare()
         self.write("in/bad.bvh", "HIERARCHY\n")
         result = self.batch("--dedupe")
@@ -441,7 +441,7 @@ class Duplicates(DataSetTest):
         self.assertEqual([row[0] for row in self.rows("failed.tsv")[1:]], ["bad.bvh"])
         self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
 
-    def test_ctrl_c_leaves_a_folder_to_go_on_with(self):
+    def test_ctrl_c_leaves_a_resumable_folder(self):
         for i in range(40):
             self.write(f"in/{i}.bvh", sample("walk").read_bytes())
         process = subprocess.Popen(

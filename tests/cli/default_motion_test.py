@@ -58,7 +58,7 @@ class LikeThePublishedData(DefaultMotion):
         if not SHARED.is_dir():
             self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
 
-    def test_it_is_as_like_the_human_and_calmer(self):
+    def test_fit_is_similar_and_smoother(self):
         for name in ("walk4_subject1", "dance1_subject2", "fallAndGetUp2_subject2"):
             with self.subTest(name):
                 clip = SHARED / f"data/lafan1/{name}.bvh"

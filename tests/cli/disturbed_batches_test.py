@@ -192,7 +192,7 @@ class Killed(Disturbed):
             key = str(clip.relative_to(self.folder))
             clip.write_bytes(self.chance.choice(versions[key]))
 
-    def test_it_ends_as_if_nothing_had_happened(self):
+    def test_resumed_batch_equals_an_undisturbed_one(self):
         first = {name: content for name, content in self.before.items() if "clip" in name}
         second = {name: short_clip("wave", 30 + i % 20) for i, name in enumerate(sorted(first))}
         for name, content in second.items():

@@ -173,7 +173,7 @@ class OtherLines(unittest.TestCase):
                     for name in re.findall(r"--preset (\w+)", line):
                         self.assertIn(name, presets)
 
-    def test_what_cannot_run_is_in_a_document(self):
+    def test_excluded_commands_occur_in_documents(self):
         every = [line for document in documents() for line in commands(document)]
         for start in CANNOT_RUN:
             self.assertTrue(any(line.startswith(start) for line in every), start)

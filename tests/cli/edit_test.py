@@ -100,7 +100,7 @@ class Edit(ToolTest):
             lines.append(" ".join(words))
         return self.write("other_unit.bvh", "\n".join(lines) + "\n")
 
-    def test_edits_that_need_no_unit_do_without(self):
+    def test_edits_without_a_unit(self):
         walk = sample("walk")
         self.edited("mirror", walk).rename(self.folder / "mirrored.bvh")
         # hips at 1.8 m in centimetres, at 4.6 m in inches
@@ -149,7 +149,7 @@ class Edit(ToolTest):
         return self.write(name, hierarchy + "\n".join(
             ["MOTION", f"Frames: {len(rows)}", time, *rows]) + "\n")
 
-    def test_what_is_none_of_the_motion_is_left_out(self):
+    def test_leading_frames_are_dropped(self):
         up, walk = sample("get_up"), sample("walk")
         zeros = self.with_zeros_in_front(up)
         for arguments in (("path", "--rotate", "30"), ("loop", "--force"), ("ground",),
@@ -237,7 +237,7 @@ class Edit(ToolTest):
             with self.subTest(height=height):
                 self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
 
-    def test_a_refused_seam_still_has_its_picture(self):
+    def test_rejected_seam_writes_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
                               "--matrix", "d.pgm", "-o", "x.bvh")
         self.assert_fails(fails, 1, "cm apart")

@@ -222,7 +222,7 @@ class EvaluateCommand(ToolTest):
         self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", gates, "--gate",
                                        "peak_speed=none"))
 
-    def test_gates_that_are_wrong(self):
+    def test_invalid_gates(self):
         self.assert_fails(self.evaluate(self.good, "--gate", "jmps=0"), 2, 'did you mean "jumps"?')
         self.assert_fails(self.evaluate(self.good, "--gate", "jumps=few"), 2, '"few"')
         self.assert_fails(self.evaluate(self.good, "--gate", "no.json"), 4, "no.json")
@@ -235,7 +235,7 @@ class EvaluateCommand(ToolTest):
         self.assertEqual(report["motions"][0]["file"], "wave.csv")
         self.assertIn("definition", report["metrics"]["acc_p99"])
 
-    def test_what_the_terms_of_a_fit_cost_is_in_the_report(self):
+    def test_report_has_the_costs_of_the_fit_terms(self):
         result = self.retarget("--report", "run.json", "--without", "self-collision")
         self.assert_done(result)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
@@ -284,7 +284,7 @@ class EvaluateCommand(ToolTest):
         wrong = self.run_tool("--bvh", "step.bvh", "--robot", "g1", "-o", "x.csv", "--with", "dynamic")
         self.assert_fails(wrong, 2, 'did you mean "dynamics"?')
 
-    def test_a_fit_that_has_not_converged_says_so(self):
+    def test_unconverged_fit_is_reported(self):
         few = self.write("few.json", '{"iterations": 1, "extra_iterations": 0}')
         for options, converged in (((), True), (("--fit-config", few), False)):
             with self.subTest(options):

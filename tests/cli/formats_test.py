@@ -47,7 +47,7 @@ class Outputs(FormatsTest):
         self.assertEqual((self.folder / "again.gmr.pkl").read_bytes(),
                          (self.folder / "out.gmr.pkl").read_bytes())
 
-    def test_names_that_do_not_tell_the_format(self):
+    def test_ambiguous_names_need_a_format(self):
         self.assert_fails(self.retarget(output="x.npz"), 2, "npz-mjlab, npz-beyondmimic")
         self.assert_fails(self.retarget(output="x.pkl"), 2, "pkl-gmr, pkl-pbhc")
         self.assert_fails(self.retarget("--format", "npz-mjlab", output="x.csv"), 2, "ends in .csv")

@@ -107,7 +107,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("stance_slip_mean", recorded)
         self.assertEqual(shown & {"stance_slip_mean", "body_pen_cm_p99"}, set())
 
-    def test_what_is_missing_is_said_and_the_rest_is_shown(self):
+    def test_missing_motions_are_reported_and_the_rest_is_shown(self):
         self.batch()
         (self.folder / "out/walk.csv").unlink()
         (self.folder / "clips/squat.bvh").unlink()
@@ -137,7 +137,7 @@ class Gallery(GalleryTest):
         self.assert_done(self.gallery())
         self.assertEqual(len(self.index()["clips"]), 2)
 
-    def test_a_motion_that_cannot_be_read_has_a_page_that_says_so(self):
+    def test_unreadable_motion_has_a_page_with_the_reason(self):
         self.batch()
         self.write("out/walk.csv", "1,2,<b>3\n")
         result = self.gallery()
@@ -243,7 +243,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("message", clip)
         self.assertIn("picture", clip)
 
-    def test_pages_of_a_former_gallery_go(self):
+    def test_pages_of_an_earlier_gallery_are_removed(self):
         self.batch()
         self.assert_done(self.gallery())
         self.write("gallery/clips/notes.html", "my own")
@@ -373,7 +373,7 @@ class Gallery(GalleryTest):
         self.assertIn("no page could be created", told)
         self.assertFalse((self.folder / "gallery/index.html").exists())
 
-    def test_where_one_process_dies_the_ways_lead_on(self):
+    def test_links_skip_a_page_that_failed(self):
         self.batch(clips=("walk", "squat", "wave"))
         # on one processor there is one process at a time
         process = self.start_waiting_gallery(processors=[min(os.sched_getaffinity(0))])

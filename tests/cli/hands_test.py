@@ -141,7 +141,7 @@ class Hands(ToolTest):
         moved = max(abs(a - b) for one, other in zip(*ways) for a, b in zip(one[:29], other[:29]))
         self.assertGreater(moved, 1e-3)
 
-    def test_the_published_method_has_fingers_when_asked(self):
+    def test_published_method_has_fingers_on_request(self):
         exact, follow = (self.columns("--method", "gmr", *more) for more in ((), ("--hands", "follow")))
         self.assertEqual(set(exact["left_hand_index_0_joint"]), {0.0})
         self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)

@@ -108,7 +108,7 @@ class HostileInput(ToolTest):
         self.assertEqual(result.returncode, 3)
         self.assertIn("expected at most 25000000 bytes", " ".join(result.stderr.split()))
 
-    def test_memory_is_the_bound_of_one_run_and_of_a_batch(self):
+    def test_memory_bounds_a_run_and_a_batch(self):
         # 60 joints that move, 20,000 frames: 40 MB as a clip
         text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n"
         text += "".join(f"JOINT j{i}{{OFFSET 0 0 0 CHANNELS 1 Xrotation}}" for i in range(59))

@@ -148,7 +148,7 @@ class WhatIsUnderstood(ToolTest):
         report = self.inspect(sample("walk"), "--tpose-frame", "3")
         self.assertEqual(report["rest_pose"], "frame 3")
 
-    def test_two_motions_are_one_too_many(self):
+    def test_two_motions_are_an_error(self):
         self.assert_fails(self.retarget("--smpl", "x.npz"), 2, "--bvh", "--smpl")
 
     def test_wrong_values_are_explained(self):

@@ -24,7 +24,7 @@ class InspectPage(ToolTest):
         self.assert_done(self.run_tool("inspect", name, "--html", "page.html", *options))
         return (self.folder / "page.html").read_text()
 
-    def test_what_was_found_stands_on_it(self):
+    def test_page_shows_the_findings(self):
         skeleton = page_header(self.page())["skeleton"]
         self.assertEqual(skeleton["frames"], 40)
         self.assertTrue(skeleton["understood"])

@@ -166,7 +166,7 @@ class BlockedOutputs(LiveTest):
                 self.wait_for(lambda: "more than a second behind" in self.messages())
                 self.interrupt()
 
-    def test_a_tcp_receiver_that_comes_and_goes(self):
+    def test_reconnects_to_a_tcp_receiver(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:
             self.start_beside(f"tcp:{listener.getsockname()[1]}")
             for visit in range(3):
@@ -180,7 +180,7 @@ class BlockedOutputs(LiveTest):
             told = self.interrupt()
         self.assertRegex(told, r"\d+ sent, \d+ dropped, [23] reconnects")
 
-    def test_a_reader_of_standard_output_that_sleeps(self):
+    def test_sleeping_reader_of_standard_output(self):
         self.start_beside("-", fps=200, stdout=subprocess.PIPE)
         self.addCleanup(self.process.stdout.close)
         self.wait_for(lambda: "standard output does not accept robot frames: it does not keep up" in self.messages())
@@ -190,7 +190,7 @@ class BlockedOutputs(LiveTest):
         lines = self.process.stdout.read().splitlines()
         self.assertGreater(len([json.loads(line) for line in lines]), 20)
 
-    def test_a_reader_of_standard_output_that_goes(self):
+    def test_vanished_reader_of_standard_output(self):
         self.start_beside("-", stdout=subprocess.PIPE)
         self.process.stdout.readline()
         self.process.stdout.close()

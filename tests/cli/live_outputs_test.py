@@ -245,7 +245,7 @@ class Sonic(OutputTest):
             expected = [frames[-1]["joints"][joints.index(name)] for name in names]
             self.assertTrue(numpy.array_equal(fields[f"{side}_hand_joints"], numpy.array(expected).astype("<f4")))
 
-    def test_refuses_what_the_deployment_would_not_understand(self):
+    def test_rejects_unsupported_requests(self):
         def run(robot, output, *arguments):
             return self.run_tool("live", "--robot", robot, "-o", output, *arguments)
         self.need("ZeroMQ")
@@ -268,7 +268,7 @@ class Sonic(OutputTest):
         self.assertEqual(places, [f"0100007F:{ports['publishing']:04X}"])
         finish()
 
-    def test_a_build_without_it_says_so(self):
+    def test_build_without_the_library_reports_it(self):
         if "this build lacks ZeroMQ" not in self.formats:
             self.skipTest("this build has ZeroMQ")
         self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "-o", "zmq:0"), 2, "this build lacks ZeroMQ")
@@ -370,7 +370,7 @@ class Redis(OutputTest):
         worst = float(re.search(r"max ([\d.]+) ms", told)[1])
         self.assertLess(worst, 5000 if is_sanitized() else 500)
 
-    def test_a_server_that_comes_back_is_found_again(self):
+    def test_reconnects_to_a_restarted_server(self):
         server, port = self.start_server()
         ports, finish = self.run_beside("-o", f"redis:{port}")
         player = threading.Thread(target=self.play, args=(ports["listening"], 240))
@@ -420,7 +420,7 @@ class Redis(OutputTest):
         self.assertEqual(told.count("does not accept robot frames"), 1, told)
         self.assertGreater(len(self.frames()[1]), 50)
 
-    def test_a_build_without_it_says_so(self):
+    def test_build_without_the_library_reports_it(self):
         if "this build lacks hiredis" not in self.formats:
             self.skipTest("this build has hiredis")
         self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "-o", "redis:6379"), 2,

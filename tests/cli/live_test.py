@@ -222,7 +222,7 @@ class BinaryFormats(LiveTest):
         self.assertIn(" 0 malformed", result.stderr)
         return read_rows((self.folder / "live.csv").read_text())
 
-    def test_natnet_gives_the_motion_of_lines(self):
+    def test_natnet_equals_lines(self):
         # frames at whole milliseconds and 50 a second, as the robot's
         self.write("walk.bvh", re.sub("Frame Time: .*", "Frame Time: 0.02", sample("walk").read_text()))
         lines = self.motion("walk.bvh", "lines")
@@ -230,7 +230,7 @@ class BinaryFormats(LiveTest):
         # MVN's segments are those of the human in the clip: fewer, and calibrated as any skeleton is
         self.assertIsNone(difference(self.motion("walk.bvh", "mvn"), lines, 0.02))
 
-    def test_mvn_gives_the_motion_of_lines(self):
+    def test_mvn_equals_lines(self):
         self.write("steps.mvnx", mvnx_document(150))
         lines = self.motion("steps.mvnx", "lines")
         self.assertIsNone(difference(self.motion("steps.mvnx", "mvn"), lines, 1e-4))

@@ -58,7 +58,7 @@ class Clean(ToolTest):
                 self.assertLess(found["dynamics_bad_pct"], 1.2 * clean["dynamics_bad_pct"])
                 self.assertLess(found["limb_angle_deg"][0], clean["limb_angle_deg"][0] + 1.0)
 
-    def test_without_it_feet_hover_and_slide(self):
+    def test_without_cleaning_feet_hover_and_slide(self):
         self.run_on(self.noisy("walk", lambda m: noise.root_noise(m, 0.15, 0.06)),
                     "--clean", "off")
         found = self.figures("walk")
@@ -129,7 +129,7 @@ class Clean(ToolTest):
                 self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
                 self.assertLess(found["contact_slip_p95"], 0.05)
 
-    def test_the_published_method_takes_clips_as_they_are(self):
+    def test_published_method_does_not_clean(self):
         source = self.noisy("squat", lambda m: noise.sway(m, 0.2))
         said = self.run_on(source, "--method", "gmr", output="auto.csv")
         self.assertNotIn("cleaned", said)

@@ -156,7 +156,7 @@ class FailedSolvers(ToolTest):
         self.write("clips/wave.bvh", sample("wave").read_bytes())
         self.options = ["--with", "dynamics", "--end", "1.5"]
 
-    def test_the_verdict_of_a_run_says_so(self):
+    def test_verdict_reports_the_failure(self):
         result = self.retarget(*self.options, "--report", "r.json", robot="heavy")
         self.assert_done(result)
         self.assertIn("warning: fit with dynamics: non-finite numbers in frames 0 to 45",
@@ -186,7 +186,7 @@ class FailedSolvers(ToolTest):
             if isinstance(value, float):
                 self.assertTrue(math.isfinite(value))
 
-    def test_batches_do_not_pass_it(self):
+    def test_batches_reject_the_motion(self):
         for more in ((), ("--no-quality",)):
             with self.subTest(more=more):
                 out = "out" + "".join(more)

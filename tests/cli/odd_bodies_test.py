@@ -107,7 +107,7 @@ class MissingFeet(OddBody):
             self.assertIn(f"the source has no {side.lower()} foot", said)
             self.assertEqual(len(rows), clip.frames)
 
-    def test_a_batch_goes_on_behind_them(self):
+    def test_batch_continues(self):
         clip = Bvh(sample("wave"))
         clip.drop("LeftUpLeg", "RightUpLeg")
         self.write("in/a.bvh", clip.text())
@@ -130,7 +130,7 @@ class FramesInFront(OddBody):
             self.assertEqual(rows.shape, expected.shape)
             self.assertLess(abs(rows - expected).max(), 1e-5)
 
-    def test_they_are_kept_when_asked_for(self):
+    def test_frames_are_kept_on_request(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--lead-in", "keep")
@@ -155,14 +155,14 @@ class FramesInFront(OddBody):
         # the trunk is not wound up by the turn
         self.assertLess(numpy.degrees(abs(rows[30:, 7:] - expected[22:, 7:]).mean()), 1.5)
 
-    def test_part_of_a_clip_is_what_was_asked_for(self):
+    def test_requested_parts_are_exact(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--frames", "0:40")
         self.assertNotIn("skipped", said)
         self.assertEqual(len(rows), 40)
 
-    def test_motions_of_others_are_held_against_all_frames(self):
+    def test_foreign_motions_are_compared_with_all_frames(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         self.run_clip(clip, "--lead-in", "keep")
@@ -227,7 +227,7 @@ class RotationsThatCarryNothing(OddBody):
             expected = self.limb_angle("whole_motion.csv", whole)
             self.assertLess(self.limb_angle("clip.csv", whole), expected + 3.0)
 
-    def test_files_with_positions_that_agree_stay_as_they_are(self):
+    def test_consistent_files_do_not_change(self):
         clip = Bvh(sample("walk"))
         expected, _, _ = self.run_clip(with_other_names(Bvh(sample("walk"))), name="expected")
         for i, joint in enumerate(clip.joints):

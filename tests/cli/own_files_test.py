@@ -104,7 +104,7 @@ class Sidecars(FormatsTest):
         self.assert_done(self.retarget(*common, output="plain.csv"))
         self.assert_done(self.retarget(*common, *OwnFiles.UNTOLD, "--sidecar", output="odd.csv"))
 
-    def test_tell_what_a_csv_cannot(self):
+    def test_sidecars_supply_missing_properties(self):
         said = self.converted("odd.csv", "back.csv", "--precision", "9", "--dof", "23")
         self.assertIn("at 60 fps", said)
         self.assertIn("odd.csv.json records", said)
@@ -119,7 +119,7 @@ class Sidecars(FormatsTest):
         self.assert_done(self.run_tool("compare", "back.csv", "odd.csv", "--robot", "unitree_g1",
                                        "--source-dof", "23", "--tolerance", "1e-6"))
 
-    def test_of_another_content_do_not_count(self):
+    def test_sidecars_of_other_content_are_ignored(self):
         with open(self.folder / "odd.csv", "a") as file:
             file.write("\n")
         options = ("--source-dof", "23", "--source-angles", "deg", "--source-unit", "cm")
@@ -137,7 +137,7 @@ class Sidecars(FormatsTest):
             self.assertNotIn("plain.csv.json", said)
         self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
 
-    def test_options_go_first(self):
+    def test_options_take_precedence(self):
         said = self.converted("odd.csv", "back.csv", "--source-fps", "50", "--source-unit", "m")
         self.assertIn("at 50 fps", said)
         self.assertGreater(self.rows("back.csv")[0][2], 50.0)

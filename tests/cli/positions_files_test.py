@@ -192,7 +192,7 @@ class PositionsFiles(ToolTest):
         self.assertTrue((self.folder / "out/clip.csv").exists())
         self.assertFalse((self.folder / "out/weights.csv").exists())
 
-    def test_what_is_no_motion(self):
+    def test_invalid_motions(self):
         self.write("few.txt", "a\nb\n")
         for array, options, words in (
                 (numpy.zeros((5, 22, 3)), (), ("in the joint order of SMPL", "--joint-names")),

@@ -82,7 +82,7 @@ class RobotToRobot(ToolTest):
         told = self.convert("turned.csv", "g1", "g1", "told.csv", "--up", "z")
         self.assertNotIn("as the up axis", told.stderr)
 
-    def test_same_robot_gives_it_back(self):
+    def test_same_robot_reproduces_the_motion(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):
             self.make(name)
             result = self.convert("made.csv", "g1", "g1", "back.csv")
@@ -235,7 +235,7 @@ class PublishedMotions(ToolTest):
         report = json.loads((self.folder / "made.json").read_text())
         return report["motions"][0]["limb_angle_deg"][0]
 
-    def test_g1_gives_itself_back(self):
+    def test_g1_reproduces_itself(self):
         """The fit tracks the motion itself; its other terms repair the motion's faults."""
         self.limb_angle(self.motion, "g1", "--from-robot", "g1", "--without",
                         "contact,floor,self-collision,foot-height,smoothness,speed")
@@ -252,7 +252,7 @@ class PublishedMotions(ToolTest):
         lines = self.motion.read_text().splitlines()
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 2.5)
 
-    def test_another_robot_moves_as_by_the_clip(self):
+    def test_another_robot_moves_as_from_the_clip(self):
         for name in ("dance1_subject2", "walk4_subject1", "fallAndGetUp2_subject2"):
             with self.subTest(clip=name):
                 of_clip = self.limb_angle(self.clips / f"{name}.bvh", "booster_t1_29dof")

@@ -189,7 +189,7 @@ class Robots(ToolTest):
                          (dotted.returncode, dotted.stdout))
         self.assertNotIn("error", bare.stderr)
 
-    def test_names_do_not_command_the_terminal(self):
+    def test_names_are_printed_safely(self):
         for file in (SOURCE / "robots/unitree_g1").iterdir():
             if file.is_file():
                 self.write(f"odd/{file.name}", file.read_bytes())
@@ -212,7 +212,7 @@ class Robots(ToolTest):
             for text in (result.stdout, result.stderr):
                 self.assertFalse(set("\x1b\x9b\u202e") & set(text), text)
 
-    def test_files_that_cannot_be_looked_at_are_not_passed_over(self):
+    def test_inaccessible_files_are_errors(self):
         for file in (SOURCE / "robots/unverified/booster_k1").iterdir():
             if file.is_file():
                 self.write(f"mine/{file.name}", file.read_bytes())
@@ -227,7 +227,7 @@ class Robots(ToolTest):
             if content is not None:
                 path.write_bytes(content)
 
-    def test_force_replaces_robots_alone(self):
+    def test_force_replaces_only_robots(self):
         self.write("mine.xml", K1.read_bytes())
         kept = self.write("mine/thesis.txt", "years")
         add = ("robots", "add", "mine", "--model", "mine.xml", "--force")
@@ -241,7 +241,7 @@ class Robots(ToolTest):
         self.assert_fails(inside, 2, "new/model.xml")
         self.assertTrue((self.folder / "new/model.xml").exists())
 
-    def test_a_robot_cannot_be_called_like_a_folder_above(self):
+    def test_robot_names_must_not_be_parent_folders(self):
         for file in (SOURCE / "robots/unitree_g1").iterdir():
             if file.is_file():
                 self.write(f"bad/{file.name}", file.read_bytes())
@@ -261,7 +261,7 @@ class Robots(ToolTest):
         self.assertEqual(json.loads((self.folder / "out/manifest.jsonl").read_text())["robot"],
                          "model")
 
-    def test_check_tells_every_fault(self):
+    def test_check_reports_every_fault(self):
         config = (SOURCE / "robots/unverified/booster_k1/ik.json").read_text()
         self.write("odd/model.xml", K1.read_bytes())
         self.write("odd/ik.json", config.replace('"Left_Shank"', '"Left_Shnak"')
@@ -272,7 +272,7 @@ class Robots(ToolTest):
         self.assertIn("RightUpLge", result.stdout)
         self.assertIn("note: the soles are unknown", result.stdout)
 
-    def test_what_is_refused(self):
+    def test_rejected_models(self):
         self.write("arm.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/>"
                    "<geom size='1'/></body></body></worldbody></mujoco>")
         self.assert_fails(self.run_tool("robots", "add", "arm", "--model", "arm.xml"), 4, "arm")

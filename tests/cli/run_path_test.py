@@ -18,7 +18,7 @@ class RunPath(ToolTest):
         self.assertEqual(run_path.loose_entries(pathlib.Path(TOOL)), [], run_path.run_path(
             pathlib.Path(TOOL)))
 
-    def test_libraries_next_to_the_tool_neither(self):
+    def test_libraries_next_to_the_tool_are_not_loaded(self):
         folder = pathlib.Path(TOOL).resolve().parent
         for library in [*folder.glob("../lib/**/*.so*"), *folder.glob("../../*.so*")]:
             if library.is_file():

@@ -182,7 +182,7 @@ class Output(ToolTest):
         self.assertEqual(self.run_tool(*words, *profile).stdout,
                          self.text("--ik-config", "published"))
 
-    def test_soles_that_nothing_tells_are_doubted(self):
+    def test_unknown_soles_cause_a_warning(self):
         model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
         bare = self.write("bare.xml", model.replace("<geom ", '<geom contype="0" conaffinity="0" '))
         config = SOURCE / "configs/lafan1_to_unitree_g1.json"
@@ -195,7 +195,7 @@ class Output(ToolTest):
         result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
         self.assertIn("warning: the soles cannot be found in the model", result.stderr)
 
-    def test_summary_says_what_was_done(self):
+    def test_summary_lists_all_decisions(self):
         summary = self.retarget().stderr
         for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
                       "limits official", "contact phases", "IK steps per frame", "comes nearest",
@@ -256,14 +256,14 @@ class Output(ToolTest):
                 if not any(len(word) > 40 for word in line.split()):
                     self.assertLessEqual(len(line), 80, line)
 
-    def test_programs_read_a_message_a_line(self):
+    def test_piped_messages_have_one_line_each(self):
         bad = self.write("a_file_with_quite_a_long_name_for_a_clip.bvh",
                          short_clip("wave", 3).replace(b"Frame Time", b"Frame Tim", 1))
         told = self.retarget(bvh=bad).printed.splitlines()
         self.assertEqual(len([line for line in told if line.startswith(str(bad))]), 1)
         self.assertGreater(len(told[0]), 80)
 
-    def test_words_for_the_floor(self):
+    def test_messages_about_the_floor(self):
         head, rows = sample("wave").read_text().split("Frame Time:", 1)
         time, *rows = rows.splitlines()
 

@@ -135,7 +135,7 @@ class SceneFiles(ToolTest):
         found = json.loads(self.run_tool("inspect", DATA / "takes.glb", "--json").stdout)
         self.assertEqual(sorted(found["takes"]), ["Squat", "Wave"])
 
-    def test_takes_that_are_not_there(self):
+    def test_missing_takes_are_errors(self):
         result = self.run_tool(DATA / "walk.fbx", "g1", "-o", "out.csv", "--take", "9")
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("(--take)", result.stderr)
@@ -161,7 +161,7 @@ class SceneFiles(ToolTest):
         again = json.loads(self.run_tool("inspect", "walk.glb", "--json").stdout)
         self.assertEqual(again["frames"], 11)
 
-    def test_other_formats_say_what_they_are(self):
+    def test_other_formats_are_named(self):
         headers = struct.pack("<BB", 2, 0x50) + bytes(600)
         usdz = b"PK\x03\x04" + bytes(22) + struct.pack("<HH", 9, 0) + b"body.usdc" + bytes(20)
         for name, content, words in (

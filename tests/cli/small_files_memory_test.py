@@ -243,7 +243,7 @@ class SmallFiles(ToolTest):
                                                        for i in range(2000)) + "</default>"),
         }, ("robots", "check", "FILE"), ("robots", "add", "mine", "--model", "FILE", "--force"))
 
-    def test_pipes_without_an_end(self):
+    def test_endless_pipes(self):
         of_robot = ("--robot", "unitree_g1")
         for command in (("evaluate", "-", *of_robot, "--memory", "0.1"),
                         ("convert", "-", "o.csv", *of_robot, "--memory", "0.1"),
@@ -263,7 +263,7 @@ class SmallFiles(ToolTest):
                 self.assertIn("expected at most 25000000 bytes", " ".join(result.stderr.split()))
                 self.assertIn("--memory", result.stderr)
 
-    def test_settings_without_an_end(self):
+    def test_endless_settings(self):
         pipe = self.folder / "pipe"
         os.mkfifo(pipe)
         run = ("--bvh", sample("wave"), "--robot", "unitree_g1", "-o", "o.csv")

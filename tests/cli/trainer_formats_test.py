@@ -406,7 +406,7 @@ class BadFiles(FormatsTest):
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "x.csv", "--format", "csv-sonic"), 2,
                           "writes a folder")
 
-    def test_what_is_no_motion(self):
+    def test_invalid_motions(self):
         self.write("weights.pt", torch_bytes({"layer.weight": np.zeros((3, 3), np.float32)}))
         self.assert_fails(self.convert("weights.pt", "x.csv"), 3, "dof_pos", "layer.weight")
         row = [0.0, 0.0, 0.8, 0.0, 0.0, 0.0] + [0.0] * 29

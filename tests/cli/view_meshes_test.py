@@ -157,7 +157,7 @@ class Meshes(ToolTest):
             ).sum() / 6
             self.assertGreater(volume * np.sign(own), 0, name)
 
-    def test_a_run_draws_them_as_well(self):
+    def test_runs_draw_meshes(self):
         self.make("robot/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text().replace(
             "<worldbody>", '<asset><mesh file="knee.stl"/></asset><worldbody>', 1).replace(
             '<joint name="left_knee_joint"', '<geom type="mesh" mesh="knee"/>'

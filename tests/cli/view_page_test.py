@@ -157,7 +157,7 @@ class PageFiles(ToolTest):
         for name in ("two.svg", "p.html", "c.csv"):
             self.assertFalse((self.folder / name).exists(), name)
 
-    def test_what_is_only_for_pages_or_pictures_is_refused(self):
+    def test_options_for_the_other_output_are_rejected(self):
         clip = self.write("walk.bvh", short_clip("walk", 20))
         self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
         view = ("view", "a.csv", "--robot", "unitree_g1")
