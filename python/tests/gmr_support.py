@@ -31,7 +31,7 @@ def sample_frames(name: str = "walk", count: int | None = None) -> list[dict]:
 
 
 def make_retargeter(**changes) -> GeneralMotionRetargeting:
-    """Of LAFAN1 for the G1, as tall as the published package takes everyone."""
+    """Returns a retargeter from LAFAN1 to the G1, with the height of the published package."""
     arguments = dict(src_human="bvh_lafan1", tgt_robot="unitree_g1", actual_human_height=1.75,
                      verbose=False)
     return GeneralMotionRetargeting(**(arguments | changes))
@@ -58,6 +58,6 @@ def from_xyzw(rows: np.ndarray) -> np.ndarray:
 
 
 def same_signs(qpos: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Configurations with quaternions of the sign that others have; both turn the same way."""
+    """Returns configurations with the quaternion signs of others."""
     signs = np.sign(np.sum(qpos[:, 3:7] * like[:, 3:7], axis=1, keepdims=True))
     return np.hstack([qpos[:, :3], qpos[:, 3:7] * signs, qpos[:, 7:]])

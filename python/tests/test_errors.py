@@ -13,7 +13,7 @@ import retarget
 
 
 def spelled(text: str) -> str:
-    """A text of the command with its options as keywords."""
+    """Spells the options in a message of the command as keywords."""
     words = []
     for word in text.split(" "):
         words.append(word[2:].replace("-", "_") if word.startswith("--") else word)
@@ -74,7 +74,7 @@ def test_a_mapping_of_no_options_is_the_default_fit(walk, g1) -> None:
 
 
 def test_an_empty_text_is_no_option_left_out(data: Path, walk, g1, tmp_path: Path) -> None:
-    """As at the command line: a variable of the environment that is not set must not read as a default."""
+    """As on the command line, an unset environment variable must not select the default."""
     for name in ("limits", "ik_config", "fit_config", "map", "unit", "frames", "tpose_file"):
         for empty in ("", b""):
             with pytest.raises(retarget.UsageError, match=f"{name}: .* found an empty string"):

@@ -285,7 +285,7 @@ def _resident_kib() -> int:
 
 
 def test_calls_do_not_make_memory_grow() -> None:
-    """RETARGET_PYTHON_CALLS=100000 makes a long run of it."""
+    """RETARGET_PYTHON_CALLS=100000 makes a long run."""
     if os.environ.get("LD_PRELOAD"):
         pytest.skip("a sanitizer keeps freed memory")
     calls = int(os.environ.get("RETARGET_PYTHON_CALLS", 2_000))

@@ -125,7 +125,7 @@ class Files(unittest.TestCase):
 
 
 class Repository(unittest.TestCase):
-    """The modes, in a small repository of their own."""
+    """The modes, in a small separate repository."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

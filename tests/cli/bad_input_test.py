@@ -205,7 +205,7 @@ class Outputs(ToolTest):
 
 
 def heed_interrupts():
-    """A shell that starts its work with & makes it ignore SIGINT, and children inherit that."""
+    """Restores SIGINT: a shell ignores it for background jobs, and children inherit that."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 

@@ -13,7 +13,7 @@ from tool import SOURCE, TOOL, sample
 
 
 class Isolation(BatchTest):
-    """A clip that takes its process with it is a failed line and not the end."""
+    """A clip that crashes its process is a failed line; the batch continues."""
 
     def setUp(self):
         super().setUp()

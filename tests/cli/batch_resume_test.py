@@ -25,7 +25,7 @@ class Resume(BatchTest):
         return {name: (self.folder / "out" / name).stat().st_mtime_ns for name in self.outputs()}
 
     def redone(self, *arguments, **options):
-        """Which outputs another run writes again."""
+        """Returns the outputs that another run rewrites."""
         before = self.times()
         self.assert_done(self.batch("--resume", *arguments, **options))
         return [name for name, at in self.times().items() if before.get(name) != at]
@@ -208,7 +208,7 @@ class NothingIsLost(BatchTest):
         self.assertTrue((self.folder / "out/y.csv").is_dir())
 
     def forge(self, **changes):
-        """The manifest's only line with other values, `output` those of its first output."""
+        """Replaces values in the manifest's only line; `output` applies to its first output."""
         path = self.folder / "out/manifest.jsonl"
         entry = json.loads(path.read_text())
         entry["outputs"][0].update(changes.pop("output", {}))

@@ -1,4 +1,4 @@
-"""Which configuration a run takes: the published one for LAFAN1, else the robot's own."""
+"""The configuration of a run: the published one for LAFAN1, otherwise the robot's own."""
 
 import json
 import pathlib

@@ -174,7 +174,7 @@ class Conversions(FormatsTest):
 
 class Lengths(ToolTest):
     def test_a_walk_on_the_ground_is_not_in_metres(self):
-        """A hundredth, a tenth and a thousandth of a walk were written without a word."""
+        """Scaled walks were once written without a warning."""
         self.assert_done(self.retarget("--frames", "0:90", bvh=sample("walk")))
         rows = read_rows((self.folder / "out.csv").read_text())
         for scale in (0.1, 0.01, 0.001):
@@ -197,7 +197,7 @@ class Lengths(ToolTest):
 
 
 class RealFiles(FormatsTest):
-    """Files that others made."""
+    """Files made by other programs."""
 
     def setUp(self):
         super().setUp()

@@ -147,7 +147,7 @@ class Splits(DataSetTest):
     LISTS = ("train.txt", "validation.txt", "test.txt")
 
     def excerpt(self, name, sample_name, first, count=45):
-        """A part of a sample that is long enough to differ from all other parts."""
+        """Returns a part of a sample that is long enough to differ from all other parts."""
         lines = sample(sample_name).read_text().splitlines()
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
         rows = lines[motion + 2 + first:motion + 2 + first + count]
@@ -161,7 +161,7 @@ class Splits(DataSetTest):
             self.excerpt(name, each, first)
 
     def side_of(self, name, folder="out"):
-        """The list that holds a motion."""
+        """Returns the list that contains a motion."""
         lists = [each for each in self.LISTS
                  if (self.folder / folder / each).exists() and name in self.lines(each, folder)]
         self.assertEqual(len(lists), 1, (name, lists))

@@ -1,4 +1,4 @@
-"""Whatever happens to a batch on its way, `--resume` ends where an undisturbed one ends.
+"""After any disturbance of a batch, `--resume` gives the result of an undisturbed one.
 
 RETARGET_DISTURBED_CLIPS and RETARGET_DISTURBED_KILLS set how much (300 and 50 take minutes),
 RETARGET_DISTURBED_SEED repeats a round; a failure names its seed.
@@ -35,7 +35,7 @@ def without_times(value):
 
 
 def files_below(root, leave_out=()):
-    """Every file below a folder with its bytes, links as what they say."""
+    """Returns all files below a folder with their bytes, links with their targets."""
     found = {}
     for path in root.rglob("*"):
         name = str(path.relative_to(root))
@@ -46,7 +46,7 @@ def files_below(root, leave_out=()):
 
 
 def own_mounts():
-    """Whether this process may mount what no other process sees."""
+    """Whether this process may create private mounts."""
     if os.geteuid() != 0 or not sys.platform.startswith("linux"):
         return False
     libc = ctypes.CDLL(None, use_errno=True)
@@ -67,7 +67,7 @@ def children_of(process):
 
 
 def runs_in_session(leader):
-    """Whether a process of the session still runs; one that ended and waits for its parent does not."""
+    """Whether a process of the session still runs; zombies do not count."""
     for stat_file in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
             state, _, _, session = stat_file.read_text().rpartition(")")[2].split()[:4]
@@ -113,7 +113,7 @@ class Disturbed(ToolTest):
 
     @staticmethod
     def state_of(folder):
-        """All that a batch left, apart from times."""
+        """Returns everything that a batch left, except times."""
         found = files_below(folder)
         lines = found.pop("manifest.jsonl").decode().splitlines()
         found["manifest"] = [without_times(json.loads(line)) for line in lines]
@@ -122,7 +122,7 @@ class Disturbed(ToolTest):
         return found
 
     def undisturbed(self):
-        """The same call in a folder of its own, which sees the same clips."""
+        """Runs the same call in a separate folder with the same clips."""
         calm = self.folder / "calm"
         shutil.rmtree(calm, ignore_errors=True)
         calm.mkdir()
@@ -137,7 +137,7 @@ class Disturbed(ToolTest):
                 if "/" in name and name.endswith((".csv", ".npz"))}
 
     def assert_whole_so_far(self, *states):
-        """No motion is half a one: each is as one of the undisturbed runs made it."""
+        """Asserts that every motion equals that of one of the undisturbed runs."""
         for name, content in self.motions_in().items():
             self.assertIn(content, [state.get(name) for state in states], f"{name}, seed {SEED}")
 
@@ -159,7 +159,7 @@ class Disturbed(ToolTest):
 
 
 class Killed(Disturbed):
-    """kill -9 of everything, of the batch alone, of a worker; a second batch at times."""
+    """kill -9 of everything, of the batch, or of a worker; sometimes with a second batch."""
 
     def kill_something(self, batch):
         how = self.chance.choice(("group", "batch", "worker", "worker, then batch"))
@@ -185,7 +185,7 @@ class Killed(Disturbed):
         return how
 
     def change_some_inputs(self, versions):
-        """Other bytes under the same name, at times the same number of them."""
+        """Changes the bytes of inputs, sometimes with the same size."""
         for _ in range(2):
             name = f"in/{self.chance.randrange(CLIPS) % 7:02}"
             clip = self.chance.choice(sorted((self.folder / name).glob("clip*.bvh")))
@@ -283,7 +283,7 @@ class NoRoom(Disturbed):
 
 class ReadOnly(Disturbed):
     def forbid(self, folder):
-        """Makes a folder read-only; gives what undoes it."""
+        """Makes a folder read-only; returns a function that restores it."""
         if os.geteuid() != 0:
             folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
             return lambda: folder.chmod(0o700)
@@ -348,7 +348,7 @@ int open64(const char *path, int flags, ...) {
 
 
 class NamedFiles(Disturbed):
-    """On file systems without nameless files, such as those of networks."""
+    """File systems without unnamed files, such as network file systems."""
 
     def setUp(self):
         super().setUp()

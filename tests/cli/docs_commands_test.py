@@ -34,7 +34,7 @@ def documents():
 
 
 def code_lines(text):
-    """Lines of indented and fenced code; lines that a backslash breaks are joined."""
+    """Returns lines of indented and fenced code, with continued lines joined."""
     fenced, before, pending = False, "", ""
     for line in text.splitlines():
         if line.startswith("```"):
@@ -81,7 +81,7 @@ def npy(table):
 
 class Commands(ToolTest):
     def prepare(self):
-        """The files that the documents' commands read."""
+        """Creates the input files of the documents' commands."""
         for names, clip in (("walk IN CLIP A", "walk"), ("wave other OTHER T clip B C", "wave")):
             for name in names.split():
                 shutil.copy(sample(clip), self.folder / f"{name}.bvh")
@@ -111,7 +111,7 @@ class Commands(ToolTest):
         self.write_places()
 
     def write_places(self):
-        """A body that sways, as places of SMPL's joints: HumanML3D's array, MDM's, one with names."""
+        """Writes joint positions of a swaying body: HumanML3D's array, MDM's, one with names."""
         frames = [[[x + 0.002 * frame * y, y, z] for x, y, z in STANDING] for frame in range(20)]
         motion = [[[[frame[joint][axis] for frame in frames] for axis in range(3)]
                    for joint in range(22)]] * 3
@@ -160,7 +160,7 @@ class Commands(ToolTest):
 
 
 class OtherLines(unittest.TestCase):
-    """Lines that a test cannot run: builds, job arrays. The files that they name exist."""
+    """Lines that a test cannot run, such as builds and job arrays; their files must exist."""
 
     def test_programs_and_presets_exist(self):
         presets = {preset["name"] for preset in

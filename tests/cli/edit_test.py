@@ -88,7 +88,7 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "turn", walk, "left", "-o", "x.bvh"), 2, "left")
 
     def in_other_unit(self, bvh, factor):
-        """The file with its lengths multiplied."""
+        """Scales all lengths of a file."""
         lines, motion = [], False
         for line in pathlib.Path(bvh).read_text().splitlines():
             words = line.split()
@@ -140,7 +140,7 @@ class Edit(ToolTest):
         self.said("loop", up, "--force", "-o", "x.bvh")
 
     def with_zeros_in_front(self, bvh, name="zeros.bvh", held=1):
-        """The file with frames in front that have no rotation, from which the motion jumps."""
+        """Prepends frames without rotation, from which the motion jumps."""
         hierarchy, motion = pathlib.Path(bvh).read_text().split("MOTION")
         _, time, *rows = motion.strip().splitlines()
         first = rows[0].split()

@@ -32,7 +32,7 @@ def judge_python():
 
 
 def cut_bvh(clip, start, stop):
-    """A BVH's frames from start up to stop, as text."""
+    """Returns frames [start, stop) of a BVH as text."""
     lines = (LAFAN1 / f"{clip}.bvh").read_text().splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
     header = [f"Frames: {stop - start}\n" if line.startswith("Frames:") else line
@@ -41,7 +41,7 @@ def cut_bvh(clip, start, stop):
 
 
 class AgainstTheJudge(ToolTest):
-    """The same figures as a judge that has none of our code."""
+    """The figures equal those of a judge without code of this project."""
 
     def setUp(self):
         super().setUp()
@@ -104,7 +104,7 @@ class AgainstTheJudge(ToolTest):
 
 
 class Crawling(ToolTest):
-    """Feet on the instep, whose joints are as high as those of feet that stand."""
+    """Feet on the instep, whose joints are as high as those of standing feet."""
 
     def test_soles_of_feet_that_lie_are_not_judged(self):
         if not (LAFAN1 / "ground1_subject1.bvh").exists():
@@ -124,7 +124,7 @@ class Crawling(ToolTest):
 
 
 class PublishedFigures(ToolTest):
-    """Figures measured on the published G1 data by others (numpy, the reference MJCF)."""
+    """Figures of the published G1 data, measured independently (numpy, the reference MJCF)."""
 
     # clip: foot penetration over 1 cm (% of frames) and depth (cm), peak speed (rad/s), faster
     # than 3 pi (%), frames with a step, beyond the model's limits by 1 mrad (%)

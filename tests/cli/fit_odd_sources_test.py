@@ -1,4 +1,4 @@
-"""The fit on synthetic clips of every kind: it ends, and what it guarantees holds for the file."""
+"""The fit on synthetic clips of every kind terminates and satisfies its guarantees in the file."""
 
 import json
 import math
@@ -39,7 +39,7 @@ class OddSources(ToolTest):
         return self.folder / folder / f"{name}.bvh"
 
     def fit(self, clip, fps=30, *options):
-        """The rows of the motion that the tool writes, after they have been checked."""
+        """Returns the rows of the motion after checking them."""
         self.assert_done(self.retarget("--method", "fit", "--fps", fps, *options, bvh=clip))
         rows = numpy.array(read_rows((self.folder / "out.csv").read_text()))
         self.assertTrue(numpy.isfinite(rows).all())

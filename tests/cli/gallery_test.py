@@ -275,7 +275,7 @@ class Gallery(GalleryTest):
         self.assertFalse((self.folder / "gallery").exists())
 
     def data_with_a_gate_of_its_own(self):
-        """A data folder whose gates are a pipe: making a page waits for them."""
+        """A data folder whose gates are a pipe, so that making a page waits for them."""
         data = self.folder / "data"
         data.mkdir()
         for name in ("robots", "configs"):
@@ -300,7 +300,7 @@ class Gallery(GalleryTest):
         return process
 
     def feed(self):
-        """Lets one go on that waits for gates; whether there was one."""
+        """Releases one process that waits for gates; returns whether there was one."""
         try:
             end = os.open(self.folder / "data/configs/quality/default.json",
                           os.O_WRONLY | os.O_NONBLOCK)
@@ -380,7 +380,7 @@ class Gallery(GalleryTest):
         gates = self.folder / "data/configs/quality/default.json"
 
         def waiting():
-            """The other end of the pipe as soon as a process, which has a clip by then, reads it."""
+            """Returns the other end of the pipe as soon as a process reads it."""
             with contextlib.suppress(OSError):
                 return os.open(gates, os.O_WRONLY | os.O_NONBLOCK)
 
@@ -429,7 +429,7 @@ class GalleryInABrowser(GalleryTest):
                     "document.getElementById('tools').dispatchEvent(new Event('input'))")
 
     def follow(self, browser, condition):
-        """Waits for it on the page that another one leads to."""
+        """Follows a link and waits for the page."""
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline:
             try:

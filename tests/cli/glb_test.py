@@ -1,4 +1,4 @@
-"""`--format glb`: valid, and everything where the kinematics put it."""
+"""`--format glb`: valid files whose nodes match the kinematics."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""Fingers of a source in the columns of a robot's hands: followed, relaxed, left alone, measured."""
+"""Source fingers in the columns of a robot's hands: followed, relaxed, ignored, measured."""
 
 import json
 import math
@@ -26,18 +26,18 @@ FIST = (80.0, 95.0, 50.0)
 
 
 def hand_axes(side):
-    """Rows: along the hand, to the thumb's side, out of the palm, in the axes of LAFAN1's hand."""
+    """Returns rows along the hand, to the thumb's side, out of the palm, in LAFAN1's hand axes."""
     return ((1, 0, 0), (0, -1, 0), (0, 0, -1 if side == "Left" else 1))
 
 
 def to_hand(side, palm):
-    """A place in the palm as an OFFSET of the hand joint."""
+    """Converts a position in the palm to an OFFSET of the hand joint."""
     axes = hand_axes(side)
     return [sum(palm[i] * axes[i][k] for i in range(3)) for k in range(3)]
 
 
 def finger_lines(side):
-    """The joints of a hand's fingers, as a BVH's hierarchy has them."""
+    """Returns the finger joints of a hand as BVH hierarchy lines."""
     lines = []
     for finger, (knuckle, bones) in FINGERS.items():
         way = (0.75, 0.55, 0.35) if finger == "Thumb" else (1.0, 0.0, 0.0)
@@ -54,7 +54,7 @@ def finger_lines(side):
 
 
 def with_fingers(bvh, closing):
-    """A clip of LAFAN1's kind with fingers that bend, fists where closing(frame) is 1.
+    """Returns a LAFAN1 clip with bending fingers; a fist where closing(frame) is 1.
 
     @return  the text of the BVH
     """
@@ -130,7 +130,7 @@ class Hands(ToolTest):
         self.assertEqual(plain, self.columns("--hands", "off", robot="unitree_g1"))
 
     def test_the_body_keeps_clear_of_its_fingers(self):
-        """A fit holds them as they will be: half open beside the thighs of one who gets up."""
+        """A fit uses their final pose: half open next to the thighs while getting up."""
         ways = []
         for hands in ("relaxed", "off"):
             self.assert_done(self.retarget("--hands", hands, "--report", "r.json",
@@ -169,7 +169,7 @@ class Hands(ToolTest):
                          self.without_fingers(poses, robot="unitree_g1"))
 
     def without_fingers(self, poses, **options):
-        """Columns of the same motion from a file that has no fingers."""
+        """Returns the columns of the same motion from a file without fingers."""
         numpy.savez(self.folder / "body.npz", poses=poses[:, :66], trans=numpy.zeros((len(poses), 3)),
                     betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral",
                     surface_model_type="smplx")

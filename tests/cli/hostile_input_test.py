@@ -1,4 +1,4 @@
-"""Small files that stand for much: refused, or done in bounded memory and time."""
+"""Small files that expand: rejected, or processed in bounded memory and time."""
 
 import io
 import os
@@ -10,14 +10,14 @@ from tool import ToolTest, sample
 
 
 def joints_without_channels(joints, frames):
-    """Joints that no number moves, and one that a number a frame moves."""
+    """Returns joints without channels and one joint with a single channel."""
     hierarchy = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n"
     hierarchy += "".join(f"JOINT j{i}{{OFFSET 0 0 0}}" for i in range(joints)) + "}\n"
     return hierarchy + f"MOTION\nFrames: {frames}\nFrame Time: 0.01\n" + "0\n" * frames
 
 
 def zeros(shape):
-    """A NumPy file of bytes that are 0."""
+    """Returns a NumPy file of zero bytes."""
     header = f"{{'descr': '|u1', 'fortran_order': False, 'shape': {shape}, }}"
     header += " " * (63 - (10 + len(header)) % 64) + "\n"
     size = 1

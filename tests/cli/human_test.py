@@ -26,7 +26,7 @@ def joined(hierarchy, header, rows):
 
 
 def scaled(name, factor):
-    """Other units: offsets and the root's positions."""
+    """Scales offsets and root positions."""
     hierarchy, header, rows = parts(name)
     hierarchy = re.sub(
         rf"OFFSET ({NUMBER}) ({NUMBER}) ({NUMBER})",
@@ -36,7 +36,7 @@ def scaled(name, factor):
 
 
 def under_a_root(name, turns):
-    """The whole tree below another joint that turns it about z, y, x by so many degrees."""
+    """Places the tree below another joint, rotated about z, y, x by the given degrees."""
     hierarchy, header, rows = parts(name)
     hierarchy = re.sub(
         r"ROOT Hips",

@@ -19,7 +19,7 @@ PROMPT = 20.0 if is_sanitized() else 3.0  # seconds that an end may take on a bu
 
 
 class Receiver:
-    """A UDP receiver that notes when robot frames come."""
+    """A UDP receiver that records arrival times of robot frames."""
 
     def __init__(self, test):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -108,7 +108,7 @@ class BlockedOutputs(LiveTest):
         return unwrapped("".join(self.told))
 
     def interrupt(self, code=0):
-        """Interrupts once with Ctrl-C: the run ends soon. Returns its messages."""
+        """Sends one Ctrl-C, waits for the prompt end, and returns the messages."""
         self.assertIsNone(self.process.poll(), self.messages())
         began = time.monotonic()
         self.process.send_signal(signal.SIGINT)
@@ -121,7 +121,7 @@ class BlockedOutputs(LiveTest):
         return self.messages()
 
     def assert_goes_on(self, seconds=1.0, silence=0.5):
-        """Robot frames leave to the receiver, one after the other."""
+        """Asserts that the receiver gets consecutive robot frames."""
         count = len(self.receiver.frames)
         time.sleep(seconds)
         frames, times = self.receiver.frames[count:], self.receiver.times[count:]
@@ -216,7 +216,7 @@ class BlockedOutputs(LiveTest):
         self.interrupt()
 
     def limited(self):
-        """Runs in the process: a disk that is full after 30,000 bytes."""
+        """Runs in the child process: limits files to 30,000 bytes, like a full disk."""
         resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))
 
     def test_a_full_disk_does_not_stop_another_output(self):
@@ -269,7 +269,7 @@ class BlockedOutputs(LiveTest):
                 self.assertEqual(player.wait(PROMPT), 0)
 
     def wait_until_blocked(self, process):
-        """Until it has used no processor time for a second."""
+        """Waits until the process uses no processor time for a second."""
         def used():
             fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
             return int(fields[11]) + int(fields[12])
@@ -280,7 +280,7 @@ class BlockedOutputs(LiveTest):
             self.assertIsNone(process.poll())
 
     def long_walk(self):
-        """The sample so often that no socket holds it."""
+        """Repeats the sample until no socket buffer can hold it."""
         head, rows = sample("walk").read_text().split("Frame Time:")
         rows = rows.splitlines()
         count = int(head.rsplit("Frames:", 1)[1])
@@ -289,7 +289,7 @@ class BlockedOutputs(LiveTest):
 
 
 class Pipes(LiveTest):
-    """With a pipe as input no reader has a deadline: nothing is lost."""
+    """With a pipe as input, readers have no deadline and nothing is lost."""
 
     def test_a_slow_reader_gets_every_frame(self):
         self.write("input.txt", self.played("lines"))

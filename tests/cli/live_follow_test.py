@@ -16,12 +16,12 @@ FRAMES = 90
 
 
 def walk_at(seconds):
-    """Where an operator is who walks in a circle: turn about the vertical, metres ahead and to the left."""
+    """Returns the pose of an operator on a circle: heading, metres ahead and to the left."""
     return 0.8 * seconds, 1.5 * math.sin(0.6 * seconds), 1.5 - 1.5 * math.cos(0.6 * seconds)
 
 
 def walking_smpl(text):
-    """Lines of `smplx` of an operator who walks while doing the same; z up."""
+    """Returns `smplx` lines of a walking operator with the same arm motion; z up."""
     lines = text.splitlines()
     for i, line in enumerate(lines):
         frame = json.loads(line)
@@ -53,7 +53,7 @@ def walking_vmc(packet, seconds):
 
 class Follow(LiveTest):
     def assert_arms_alone(self, rows, names):
-        """Base and all joints but the arms' stand; the arms move."""
+        """Asserts that only the arms move."""
         held = [i for i, name in enumerate(names) if name not in ARMS]
         self.assertEqual(len(held), len(names) - len(ARMS))
         for row in rows:

@@ -32,7 +32,7 @@ except ImportError:
 
 
 def turned(q, v):
-    """A vector turned by a quaternion x y z w."""
+    """Rotates a vector by a quaternion x y z w."""
     x, y, z, w = q
     uv = (y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0])
     uuv = (y * uv[2] - z * uv[1], z * uv[0] - x * uv[2], x * uv[1] - y * uv[0])
@@ -58,7 +58,7 @@ for _side in ("Left", "Right"):
 
 class Vmc(LiveTest):
     def received(self, frames):
-        """A sample's first frames as the bytes of the packets that a player sends."""
+        """Returns the player's packets for the first frames of a sample."""
         taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(taken.close)
         taken.bind(("127.0.0.1", 0))

@@ -19,7 +19,7 @@ class SendersTest(LiveTest):
 
     @contextlib.contextmanager
     def sender(self, host="127.0.0.1", port=0):
-        """A UDP socket with an address of its own."""
+        """Returns a UDP socket with a separate address."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
             made.bind((host, port))
             yield made

@@ -66,7 +66,7 @@ class Body:
 
 
 class Character:
-    """A model as the two readers take it."""
+    """A model as read by the two readers."""
 
     def __init__(self, file):
         model = ElementTree.parse(file).getroot()
@@ -132,7 +132,7 @@ class ModelReaders(ToolTest):
             yield file.parent.name, (("--dof", variant) if variant else ()), file
 
     def assert_moves_alike(self, file, robot, options=(), frames=8):
-        """Bodies are where the tool, which compiles the model by MuJoCo, has them."""
+        """Asserts that bodies match the tool, which compiles the model with MuJoCo."""
         character = Character(file)
         held = character.joints()
         shown = self.run_tool("robots", "show", robot, "--json")
@@ -206,7 +206,7 @@ def without_range(text, joint):
 
 
 def without_body(text, name):
-    """The body's joint goes to the body below it, which takes its place."""
+    """Moves the joint of a body to the body below, which replaces it."""
     tree = ElementTree.ElementTree(ElementTree.fromstring(text))
     above = {child: parent for parent in tree.iter() for child in parent}
     body = next(body for body in tree.iter("body") if body.get("name") == name)

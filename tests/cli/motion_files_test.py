@@ -68,7 +68,7 @@ class MotionFilesTest(ToolTest):
 
 
 class Headers(MotionFilesTest):
-    """Columns of a CSV are what their names say, or nothing is read."""
+    """CSV columns are read by their names, or the file is rejected."""
 
     def setUp(self):
         super().setUp()
@@ -130,7 +130,7 @@ class Headers(MotionFilesTest):
 
 
 class Rates(ToolTest):
-    """A motion is as fast after it went through a file as before."""
+    """Files preserve the speed of a motion."""
 
     def test_soma_round_trips(self):
         self.assert_done(self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
@@ -320,7 +320,7 @@ class EditedSidecars(ToolTest):
 
 
 class FramesInFront(ToolTest):
-    """A frame of zeros in front, from which the motion jumps away."""
+    """A leading frame of zeros, from which the motion jumps."""
 
     def setUp(self):
         super().setUp()

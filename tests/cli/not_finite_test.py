@@ -18,7 +18,7 @@ ROBOT = "unitree_g1"
 
 
 def product(a, b):
-    """Of two quaternions x y z w."""
+    """Returns the product of two quaternions x y z w."""
     (x1, y1, z1, w1), (x2, y2, z2, w2) = a, b
     return [w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2, w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
             w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2, w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2]
@@ -47,7 +47,7 @@ def npy(numbers, shape):
 
 
 def first_row(array):
-    """Of an array of floats in a .npy file."""
+    """Returns the first row of a float array in a .npy file."""
     header_size = struct.unpack("<H", array[8:10])[0]
     header = array[10:10 + header_size].decode()
     shape = [int(part) for part in re.search(r"\(([^)]*)\)", header).group(1).split(",") if part]
@@ -128,7 +128,7 @@ class StandingStill(ToolTest):
                 self.assertEqual(report["solver_failures"], 0)
 
     def test_movements_too_large_to_compute_with_are_measured(self):
-        """Whatever a file says: a report or an error, no signal."""
+        """Any file gives a report or an error, never a signal."""
         for value in (1e5, 1e15, 1e100, 1e200, 1e300):
             for column in (0, 2, 3, 9, 20):
                 rows = standing_rows(self.pose, 1e-9, 40)
@@ -143,7 +143,7 @@ class StandingStill(ToolTest):
 
 
 class FailedSolvers(ToolTest):
-    """A robot so heavy that its forces are not finite; its joints are solved like any other's."""
+    """A robot so heavy that its forces overflow; its joints are solved as usual."""
 
     def setUp(self):
         super().setUp()

@@ -19,7 +19,7 @@ OTHER_NAMES = {"Hips": "pelvis", "Spine": "spine_a", "Spine1": "spine_b", "Spine
 
 
 def with_other_names(clip):
-    """No kind of skeleton is called like this."""
+    """Returns joint names that no skeleton profile has."""
     parts = {"UpLeg": "thigh", "Leg": "shin", "Foot": "foot", "Toe": "toe", "Shoulder": "clavicle",
              "Arm": "upper_arm", "ForeArm": "forearm", "Hand": "hand"}
     for joint in clip.joints:
@@ -43,7 +43,7 @@ class OddBody(ToolTest):
         return rows, done.stderr, json.loads(report.read_text())
 
     def limb_angle(self, motion, clip, *options):
-        """Of a motion against the whole clip's own positions."""
+        """Returns the limb angle of a motion against the positions of the whole clip."""
         source = self.write("whole.bvh", clip.text())
         out = self.folder / "evaluation.json"
         self.run_tool("evaluate", motion, "--robot", "unitree_g1", "--bvh", source, "--json", out,

@@ -1,4 +1,4 @@
-"""Files that this tool wrote are read as what they are: by header, sidecar or the robot's own numbers."""
+"""Files of this tool are read correctly by header, sidecar or the robot's data."""
 
 import json
 import shutil

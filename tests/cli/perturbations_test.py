@@ -106,7 +106,7 @@ class Perturbations(ToolTest):
                 self.assertTrue(missed & expected, f"missed {missed}, none of {expected}")
 
     def judge(self, clip, rows, exit_code):
-        """The gates that a motion misses."""
+        """Returns the missed gates of a motion."""
         text = "\n".join(",".join(f"{value:.7g}" for value in row) for row in rows)
         self.write("motion.csv", text + "\n")
         done = self.run_tool("evaluate", "motion.csv", "--robot", "unitree_g1", "--bvh", clip,

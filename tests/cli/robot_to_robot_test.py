@@ -25,7 +25,7 @@ PAIRS = {
 
 
 def joints_rms(found, expected):
-    """Root mean square of the differences of joints, degrees, over all frames."""
+    """Returns the RMS joint difference over all frames, degrees."""
     squares = [(a - b)**2 for row, wanted in zip(found, expected)
                for a, b in zip(row[7:], wanted[7:])]
     return math.sqrt(sum(squares) / len(squares)) / DEGREE
@@ -33,7 +33,7 @@ def joints_rms(found, expected):
 
 class RobotToRobot(ToolTest):
     def make(self, name="walk", robot="unitree_g1", output="made.csv", *options):
-        """A robot's motion of a sample."""
+        """Returns the robot motion of a sample."""
         self.assert_done(self.retarget(*options, bvh=sample(name), robot=robot, output=output))
         return self.folder / output
 
@@ -53,7 +53,7 @@ class RobotToRobot(ToolTest):
         return self.report(name)["limb_angle_deg"][0]
 
     def y_up(self, rows):
-        """The same motion as programs with Y up have it: (x, y, z) is (x, z, -y) there."""
+        """Converts a motion to Y up: (x, y, z) becomes (x, z, -y)."""
         half = math.sqrt(0.5)
         turned = []
         for row in rows:
@@ -190,7 +190,7 @@ class RobotToRobot(ToolTest):
         self.assertIn("4 of 4 are done and unchanged", again.stderr)
 
     def test_own_robot_folder(self):
-        """A robot that the user added works as a source as well."""
+        """A robot added by the user also works as a source."""
         self.assert_done(self.run_tool("robots", "add", "mine", "--model",
                                        SOURCE / "robots" / "fourier_n1" / "model.xml"))
         self.make("walk", "./mine", "made.csv", "--method", "gmr")
@@ -218,7 +218,7 @@ class RobotToRobot(ToolTest):
 
 @unittest.skipIf(SHARED is None, "RETARGET_SHARED is not set: no published motions of the G1")
 class PublishedMotions(ToolTest):
-    """Published motions of the G1, and the clips that they were made of."""
+    """Published motions of the G1 and their source clips."""
 
     PART = ("--start", "2", "--end", "8")
 

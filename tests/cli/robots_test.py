@@ -284,7 +284,7 @@ class Robots(ToolTest):
 
 
 class RobotsThatAreNotInstalled(ToolTest):
-    """A data folder as packages have it: some robots are known and not there."""
+    """A data folder like that of packages: some known robots are not installed."""
 
     def setUp(self):
         super().setUp()

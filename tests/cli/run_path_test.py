@@ -1,4 +1,4 @@
-"""Libraries come from fixed places: nothing in the working directory is loaded as code."""
+"""Libraries come from fixed folders: nothing in the working directory is loaded as code."""
 
 import os
 import pathlib

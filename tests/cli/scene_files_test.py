@@ -1,4 +1,4 @@
-"""FBX, glTF and MVNX through the front door: run, inspect, batch, convert, edit; other files."""
+"""FBX, glTF and MVNX in run, inspect, batch, convert and edit; other files."""
 
 import csv
 import json
@@ -19,7 +19,7 @@ SEGMENTS = {"Hips": "Pelvis", "Spine": "L5", "Spine1": "L3", "Spine2": "T8", "Ne
 
 
 def mvnx(joints, parents, rows):
-    """A document of the places that `inspect --positions` writes (cm, Y up), in metres, Z up."""
+    """Returns a document with the positions of `inspect --positions` (cm, Y up), in metres, Z up."""
     half = 0.5 ** 0.5
     connections = "".join(
         f"<joint><connector1>{SEGMENTS[parents[joint]]}/j</connector1><connector2>{SEGMENTS[joint]}/j</connector2></joint>"

@@ -1,4 +1,4 @@
-"""tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
+"""tools/setup.sh installs the pinned MuJoCo wheel and selects one complete Python."""
 
 import functools
 import hashlib
@@ -43,14 +43,14 @@ class Strict(unittest.TestCase):
 
 @functools.cache
 def missing_packages():
-    """The packages besides MuJoCo that setup.sh reports as missing; may be empty."""
+    """Returns the missing packages besides MuJoCo according to setup.sh."""
     result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True, stderr=subprocess.PIPE,
                             timeout=300, env={**os.environ, "MuJoCo_ROOT": str(SOURCE)})
     return result.stderr or "something" if result.returncode else ""
 
 
 class Setup(unittest.TestCase):
-    """A copy of tools/ in a tree of its own, and an index of wheels that is a folder."""
+    """A copy of tools/ in a separate tree, and a folder as wheel index."""
 
     def setUp(self):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="it's a test "))
@@ -77,7 +77,7 @@ class Setup(unittest.TestCase):
 
 class Wheel(Setup):
     def add_wheel(self, package, version):
-        """A wheel that looks like MuJoCo's; gives its hash."""
+        """Adds a wheel that looks like MuJoCo's; returns its hash."""
         name = f"{package}-{version}"
         path = self.index / f"{name}-py3-none-any.whl"
         files = {"mujoco/include/mujoco/mujoco.h": "", f"mujoco/libmujoco.so.{version}": "",
@@ -144,7 +144,7 @@ class OnePython(Setup):
              "fetches": "*-m?pip*"}
 
     def python(self, *lacks, version="3.11"):
-        """The path of a program that answers as a Python without some things would."""
+        """Returns a program that imitates a Python without some packages."""
         path = self.tree / "-".join(["python", version, *lacks])
         codes = [self.CODES[name] for name in lacks] or ["nothing"]
         path.write_text(FAKE_PYTHON.format(version=version, lacks="|".join(codes)))
@@ -152,7 +152,7 @@ class OnePython(Setup):
         return str(path)
 
     def setup_python(self, *arguments, **variables):
-        """With a MuJoCo of one's own."""
+        """Runs setup with a user's MuJoCo."""
         return self.setup("--python", *arguments, MuJoCo_ROOT=str(self.tree), **variables)
 
     def unpack(self, *left_out):

@@ -1,4 +1,4 @@
-"""No file of less than 100 kB, whatever it says, takes more than 300 MB, ends by a signal or hangs."""
+"""No file below 100 kB needs more than 300 MB, ends by a signal or hangs."""
 
 import io
 import os
@@ -57,7 +57,7 @@ def tracking(frames):
 
 class SmallFiles(ToolTest):
     def try_all(self, files, *commands, seconds=120):
-        """Every command (FILE stands for the file) on every file, by name."""
+        """Runs every command (FILE is the file) on every file, by name."""
         for name, content in files.items():
             path = self.write(name, content)
             self.assertLess(path.stat().st_size, 100_000, name)

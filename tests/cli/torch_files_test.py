@@ -32,7 +32,7 @@ def turned(vectors, axis, angle):
 
 
 def walking():
-    """A body that walks on the spot, Z up, as the arrays of an AMASS file (F rows, radians, m)."""
+    """Returns a body walking in place, Z up, as AMASS arrays (F rows, radians, m)."""
     phase = numpy.arange(FRAMES) / 30 * 2 * numpy.pi
     body = numpy.zeros((FRAMES, 63))
     swing = 0.5 * numpy.sin(phase)
@@ -51,7 +51,7 @@ def walking():
 @unittest.skipIf(numpy is None, "needs numpy")
 class TorchFiles(ToolTest):
     def csv_of(self, name, content, *options):
-        """The rows of the motion that a file becomes on the G1, and the result."""
+        """Retargets a file to the G1; returns the rows and the result."""
         self.write(name, content)
         result = self.run_tool(name, "g1", "-o", "out.csv", *options)
         self.assert_done(result)

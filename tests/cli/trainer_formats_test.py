@@ -45,18 +45,18 @@ def of_rotation_vectors(vectors):
 
 
 def same_rotations(a, b):
-    """Largest difference of quaternions, q and -q being one rotation."""
+    """Returns the largest quaternion difference, with q and -q equal."""
     return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1)).max()
 
 
 def read_sonic_csv(path):
-    """As MotionDataReader::ReadCSV: the first line is skipped, cells are parted by commas."""
+    """Reads like MotionDataReader::ReadCSV: skips the first line, splits cells at commas."""
     lines = path.read_text().splitlines()[1:]
     return np.array([[float(cell) for cell in line.split(",")] for line in lines])
 
 
 class Written(FormatsTest):
-    """Files made of the golden walk, which has 301 frames at 30 fps."""
+    """Files made from the golden walk, which has 301 frames at 30 fps."""
 
     def setUp(self):
         super().setUp()
@@ -231,7 +231,7 @@ class Published(FormatsTest):
 
 
 class Solved(FormatsTest):
-    """Runs: contacts, and formats with a rate of their own."""
+    """Runs with contacts, and formats with their own rate."""
 
     FORMATS = ("csv", "npz-mjlab", "pkl-pbhc", "pkl-motion-lib", "protomotions", "csv-sonic")
 

@@ -120,7 +120,7 @@ class Mistakes(ToolTest):
         self.assertEqual(made.stdout, page, "retarget generate options > docs/options.md")
 
     def test_a_name_has_one_meaning_in_all_commands(self):
-        """The kinds of value that a name takes: a flag, a file, seconds, one of some words."""
+        """Checks the value type of each name: a flag, a file, seconds, a choice."""
         kinds = {}
         for line in self.run_tool("generate", "options").stdout.splitlines():
             row = re.match(r"\| `--([a-z0-9-]+)`[^|]* \| ((?:\\\||[^|])*) \|", line)

@@ -1,4 +1,4 @@
-"""Pages of `retarget view` and `--html` in a browser without a window."""
+"""Pages of `retarget view` and `--html` in a headless browser."""
 
 import base64
 import os
@@ -40,7 +40,7 @@ MOST_FRAME_TIME = 2.0  # of the time of the arithmetic: twice what it takes
 
 
 class InABrowser(ToolTest):
-    """One browser, and pages that are made once."""
+    """Tests that share one browser and its pages."""
 
     @classmethod
     def setUpClass(cls):
@@ -82,12 +82,12 @@ class InABrowser(ToolTest):
         return self.browser.run(script)
 
     def assert_quiet(self, page):
-        """Nothing on the console, and nothing asked for but the page itself."""
+        """Asserts an empty console and no requests except for the page."""
         self.assertEqual(self.browser.complaints(), [])
         self.assertEqual(self.browser.requests(), [(self.pages / page).resolve().as_uri()])
 
     def test_bodies_are_where_mujoco_has_them(self):
-        """The scene against MuJoCo's own kinematics of the CSV."""
+        """Compares the scene with MuJoCo's kinematics of the CSV."""
         mujoco = load_mujoco()
         model = mujoco.MjModel.from_xml_path(str(ROBOT))
         data = mujoco.MjData(model)
@@ -573,7 +573,7 @@ class InABrowser(ToolTest):
         self.assertLess(min(ratios), MOST_FRAME_TIME)
 
     def frame_time(self):
-        """The median of what a frame's callback takes, milliseconds."""
+        """Returns the median time of the frame callback, milliseconds."""
         self.run_script("retarget.frameTimes.length = 0; retarget.player.play()")
         self.browser.wait_for("retarget.frameTimes.length >= 25", wait=150)
         self.run_script("retarget.player.pause()")
@@ -594,7 +594,7 @@ class InABrowser(ToolTest):
         })()""")))
 
     def test_pictures(self):
-        """Coarse pictures against those that are checked in.
+        """Compares coarse pictures with the committed ones.
 
         RETARGET_WRITE_PICTURES=1 writes them anew."""
         scenes = {

@@ -76,7 +76,7 @@ class Meshes(ToolTest):
         file.write_bytes(content if isinstance(content, bytes) else content.encode())
 
     def make_maker(self):
-        """A model with its meshes, and a motion of it."""
+        """Creates a model with meshes, and a motion of it."""
         self.make("maker/model.xml", MODEL)
         self.make("maker/assets/trunk.stl", binary_stl(1000))
         self.make("maker/assets/arm.stl", binary_stl(1000))
@@ -104,13 +104,13 @@ class Meshes(ToolTest):
         }
 
     def assert_same_points(self, found, expected):
-        """Every point is one of the others, either way."""
+        """Asserts that both point sets are equal."""
         apart = np.linalg.norm(found[:, None] - expected[None], axis=2)
         self.assertLess(apart.min(axis=1).max(), TOLERANCE)
         self.assertLess(apart.min(axis=0).max(), TOLERANCE)
 
     def expected(self, mujoco, path):
-        """Vertices by body as MuJoCo puts them, of the geoms that are to be seen."""
+        """Returns the vertices of visible geoms by body, placed by MuJoCo."""
         model = mujoco.MjModel.from_xml_path(str(path))
         bodies = {}
         for geom in range(model.ngeom):

@@ -20,7 +20,7 @@ class PageFiles(ToolTest):
     """Without a browser."""
 
     def long_walk(self, times):
-        """The sample walk so many times, one after the other."""
+        """Returns the sample walk repeated `times` times."""
         lines = sample("walk").read_text().splitlines()
         at = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
         rows = lines[at + 2 :] * times
