@@ -45,7 +45,7 @@ TEST(Describe, SpellsOptionsForTheAudience) {
             "a.bvh: error: no rate as fps asks\n  hint: give it with source_fps N");
   EXPECT_EQ(describe(error, option_as_flag),
             "a.bvh: error: no rate as --fps asks\n  hint: give it with --source-fps N");
-  // Characters outside of complete marks do not change.
+  // Characters outside complete marks do not change.
   EXPECT_EQ(spell_options("a\x0e b"), "a\x0e b");
   EXPECT_EQ(spell_options("a\x0f b\x0e"), "a\x0f b\x0e");
 }

@@ -121,7 +121,7 @@ TEST(Npz, ReadsEveryKindOfNumberInEitherByteOrder) {
 }
 
 TEST(Npz, ReadsHalfFloats) {
-  // one, minus two, largest, smallest normal, smallest subnormal, a third
+  // One, minus two, largest, smallest normal, smallest subnormal, a third.
   const std::string data =
       element_bytes<std::uint16_t>({0x3C00, 0xC000, 0x7BFF, 0x0400, 0x0001, 0x3555});
   EXPECT_THAT(
@@ -150,7 +150,7 @@ TEST(Npz, ReadsText) {
 }
 
 TEST(Npz, ConvertsFortranOrder) {
-  // element (i, j, k) is 100 i + 10 j + k; the first index is the fastest in the file
+  // Element (i, j, k) is 100 i + 10 j + k; the first index varies fastest in the file.
   std::vector<double> fortran, c_order;
   for (int k = 0; k < 4; ++k) {
     for (int j = 0; j < 3; ++j) {

@@ -17,7 +17,7 @@ std::string attributes(int count) {
   return text;
 }
 
-// the error's message; empty: the text is parsed
+// Returns the error message; empty if the text is parsed.
 std::string message_of(const std::string& text) {
   tinyxml2::XMLDocument document;
   const auto begin = std::chrono::steady_clock::now();

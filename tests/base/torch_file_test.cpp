@@ -31,7 +31,7 @@ std::vector<double> numbers_of(const std::string& bytes) {
   return {};
 }
 
-// one sentence about the file, and a hint
+// One sentence about the file, and a hint.
 std::string error_of(const std::string& bytes, const TorchReadOptions& options = {}) {
   const auto array = read_root(bytes, options);
   if (array) return "no error";
@@ -129,7 +129,7 @@ TEST(TorchFileTest, ExecutesNothing) {
   EXPECT_THAT(with(TorchBuilder::global("torch", "load")), HasSubstr("names torch.load"));
   EXPECT_THAT(with(TorchBuilder::global("__main__", "Net")), HasSubstr("names __main__.Net"));
   EXPECT_THAT(with("\x82\x01"), HasSubstr("opcode EXT1"));
-  // A plain pickle still refuses persistent identifiers.
+  // A plain pickle still rejects persistent identifiers.
   const auto plain = read_pickle("\x80\x02K\x01Q.", "x.pkl");
   ASSERT_FALSE(plain.has_value());
   EXPECT_THAT(plain.error().message, HasSubstr("opcode BINPERSID, which is not allowed"));
@@ -162,14 +162,14 @@ TEST(TorchFileTest, ChecksAllClaimedSizes) {
   EXPECT_THAT(error_of(storage_of("FloatStorage", "1234", huge)), HasSubstr("found 4 bytes"));
   EXPECT_THAT(error_of(storage_of("DoubleStorage", "1234", INT64_MAX)),
               HasSubstr("too many elements"));
-  // one number, repeated without end
+  // One number, repeated.
   EXPECT_THAT(error_of(one_to_six({{huge, 1}, 0, {0, 1}})),
               HasSubstr("of memory, but its storage"));
   EXPECT_THAT(error_of(one_to_six({{1 << 22}, 0, {0}})), HasSubstr("of memory, but its storage"));
   TorchReadOptions small;
   small.max_number_bytes = 47;
   EXPECT_THAT(error_of(one_to_six({{6}, 0, {}}), small), HasSubstr("6 numbers need 48 bytes"));
-  // zeros that were packed tightly
+  // Highly compressed zeros.
   TorchBuilder bomb;
   bomb.style.compress = true;
   const std::vector<float> zeros(std::size_t{5} << 20);

@@ -36,7 +36,7 @@ ManifestEntry done(const std::string& name, double jumps, std::optional<double> 
   return entry;
 }
 
-// two seconds of a pose that depends on the number
+// Two seconds of a pose that depends on the number.
 std::string signature(int number) {
   MotionSignature of;
   of.seconds = 2.0;
@@ -75,7 +75,7 @@ TEST_F(DataSetTest, AppliesGatesToRecordedFigures) {
   EXPECT_TRUE(has_passed(entries_[0]));
   EXPECT_FALSE(has_passed(entries_[1]));
   EXPECT_EQ(reason_of(entries_[1]), "jumps 2 (at most 0)");
-  // a line as it is read again says the same
+  // A line round-trips through the file.
   const auto read = parse_manifest_line(manifest_line(entries_[1])).value();
   EXPECT_EQ(reason_of(read), reason_of(entries_[1]));
   EXPECT_EQ(read.quality->leg, 0.632);
@@ -132,7 +132,7 @@ TEST_F(DataSetTest, ListsAndOmitsDuplicates) {
   EXPECT_EQ(written("duplicates.tsv"),
             "file\tof\tkind\tdistance_deg\trobot\nc.bvh\ta.bvh\tsame\t0.00\tg1\n"
             "c_mirrored.bvh\ta.bvh\tsame\t0.00\tg1\n");
-  // joining manifests keeps what they say, another run without the option forgets it
+  // Merging keeps the recorded duplicates; a run without the option drops them.
   judge_entries(entries_, {});
   EXPECT_TRUE(entries_[2].repeated);
   rules.dedupe = false;

@@ -19,7 +19,7 @@ namespace {
 
 const std::string kSource = RETARGET_SOURCE_DIR;
 
-// a sample and the human in it
+// A sample and its human.
 struct Sample {
   explicit Sample(const std::string& name)
       : clip(load_clip(kSource + "/data/" + name + ".bvh").value()),
@@ -38,7 +38,7 @@ Clip at_speed(const Clip& clip, double speed) {
   return change_timing(clip, {.speed = speed}).value();
 }
 
-// every joint turned a little, otherwise in every frame
+// Rotates every joint a little, differently in every frame.
 Clip with_noise(const Clip& clip, double degrees) {
   std::mt19937 random(1);
   std::normal_distribution<double> amount(0.0, degrees * 0.0174532925 / 2.0);
@@ -61,7 +61,7 @@ TEST(MotionSignature, DependsOnlyOnTheMovement) {
       return signature_distance(original, sample.signature_of(other));
     };
     EXPECT_EQ(distance(sample.clip), 0.0) << name;
-    // another rate, a few frames less at either end, noise
+    // Another rate, a few frames fewer at either end, noise.
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{25, 1}}).value()), 1.0)
         << name;
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{120, 1}}).value()), 1.0)
@@ -81,7 +81,7 @@ TEST(MotionSignature, RecognisesMirrorImages) {
 
 TEST(MotionSignature, SeparatesOtherMotions) {
   const Sample walk("walk");
-  // as fast again as people differ in their walks
+  // Twice as fast as the walks of different people differ.
   for (const double speed : {0.92, 1.08}) {
     MotionSignature other = walk.signature_of(at_speed(walk.clip, speed));
     other.seconds = walk.signature().seconds;  // of the same length: more of its cycles
@@ -100,7 +100,7 @@ TEST(MotionSignature, RoundTripsThroughBytes) {
   }
 }
 
-// limbs that swing at random, smoothly
+// Limbs that swing smoothly at random.
 MotionSignature random_signature(std::mt19937& random) {
   std::uniform_real_distribution<double> even(-1.0, 1.0);
   MotionSignature signature;

@@ -21,7 +21,7 @@ ManifestEntry clip(const std::string& name, const std::string& hash) {
   return entry;
 }
 
-// ten seconds of limbs that swing, each number at its own pace
+// Ten seconds of swinging limbs; each number has a different pace.
 MotionSignature swinging(int pace) {
   MotionSignature of;
   of.seconds = 10.0;

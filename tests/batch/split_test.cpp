@@ -30,7 +30,7 @@ TEST(Split, ReadsThreeShares) {
   EXPECT_EQ(split.seed, "seed");
   EXPECT_EQ(parse_split("0.7,0.2,0.1").value().test, 0.1);
   EXPECT_EQ(parse_split("0.333,0.333,0.334").value().seed, "");
-  // two shares are a ratio
+  // Two shares form a ratio.
   EXPECT_EQ(parse_split("0.8,0.2").value().ratio, 0.8);
   EXPECT_EQ(parse_split("0.8,0.2").value().test, 0.0);
 }
@@ -73,7 +73,7 @@ TEST(GroupOf, IsTheFileWithoutASubject) {
     EXPECT_FALSE(group_of(name).is_subject) << name;
   }
   EXPECT_EQ(group_of("a/walk.bvh").key, "a/walk");
-  // images of one motion
+  // Mirror images of one motion.
   EXPECT_EQ(group_of("joints/M000123.npy").key, group_of("joints/000123.npy").key);
   EXPECT_EQ(group_of("a/walk_mirrored.bvh").key, "a/walk");
   EXPECT_NE(group_of("b/walk.bvh").key, "a/walk");

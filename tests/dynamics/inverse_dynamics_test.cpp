@@ -23,7 +23,7 @@ std::vector<std::shared_ptr<const Robot>> robots() {
           load_shipped("stanford_toddy")};
 }
 
-// MuJoCo's, with nothing but weight and inertia in it
+// MuJoCo's inverse dynamics with only weight and inertia.
 class Reference {
  public:
   explicit Reference(const Robot& robot)

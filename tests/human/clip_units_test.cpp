@@ -1,5 +1,5 @@
-// Clips whose angles or root translations are in other units than the rest of the file, made of the
-// samples.
+// Clips made from the samples whose angles or root translations have other units than the rest of
+// the file.
 
 #include "human/skeleton/clip_units.h"
 
@@ -99,7 +99,7 @@ TEST(ClipUnits, ConvertsRadians) {
     EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
     expect_same(mended, clip);
   }
-  // where a zero pose is one of a body, the feet must show it
+  // If the zero pose is one of a body, only the feet give evidence.
   for (const std::string name : {"walk", "squat", "get_up"}) {
     const Clip clip = sample_of(name, true);
     Clip mended = with_radians_read_as_degrees(clip);

@@ -1,4 +1,4 @@
-// Plans again and again: those of a planner that has seen nothing, without memory of its own for each.
+// Repeated plans equal those of a new planner, without additional memory.
 
 #include "human/gait/contact_planner.h"
 

@@ -1,4 +1,4 @@
-// Limbs whose rotations do not belong to their bends.
+// Limbs whose rotations do not match their bends.
 #include "human/skeleton/limb_twists.h"
 
 #include <gmock/gmock.h>
@@ -57,7 +57,7 @@ TEST(LimbTwists, ReplacesRotationsThatContradictTheBends) {
     EXPECT_THAT(doubt->message, testing::HasSubstr("left leg, right leg"));
     const HumanClip after = to_human(twin, found);
     EXPECT_LT(mean_turn(after, expected, legs), 6.0);
-    // nothing else moves or turns
+    // Nothing else changes.
     EXPECT_LT(largest_distance(after, before), 1e-9);
     EXPECT_LT(mean_turn(after, before,
                         {Bone::kHips, Bone::kLeftFootMod, Bone::kRightFootMod, Bone::kLeftHand,
@@ -82,7 +82,7 @@ TEST(LimbTwists, KeepsConsistentRotations) {
   }
 }
 
-// as the tool finds a human in a file
+// As the tool finds a human in a file.
 TEST(LimbTwists, AreReported) {
   Clip clip = with_zero_shape(with_swinging_twists(clip_of("walk"), 50.0), {});
   const auto human = find_human(clip, HumanOptions{}, RETARGET_SOURCE_DIR);

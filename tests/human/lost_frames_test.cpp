@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 constexpr int kJoints = 4, kFrames = 60;
 
-// a chain that bends to and fro, never near its zero pose, on a root that goes along x
+// A chain that swings, never near its zero pose, on a root that moves along x.
 Clip bending_chain() {
   std::vector<Joint> joints(kJoints);
   for (int i = 0; i < kJoints; ++i) {

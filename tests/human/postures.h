@@ -43,7 +43,7 @@ inline const char* posture_name(Posture posture) {
   return kNames[static_cast<std::size_t>(posture)];
 }
 
-/// Whether trunk and legs are upright, so that posture tells the up axis.
+/// Whether trunk and legs are upright, so that posture determines the up axis.
 inline bool is_upright(Posture posture) {
   return posture == Posture::kStanding || posture == Posture::kWalking;
 }
@@ -82,8 +82,8 @@ class PostureClips {
  private:
   using Rotation = Eigen::Quaterniond;
 
-  // rotations of bones from the T-pose in the body's axes, x forward, y left, z up; of the body in the
-  // world, for a heading of 0
+  // Bone rotations from the T-pose in the body's axes, x forward, y left, z up; rotation of the
+  // body in the world, for a heading of 0.
   struct Stance {
     Rotation world_from_body = Rotation::Identity();
     Eigen::Vector3d path = Eigen::Vector3d::Zero();  // metres
