@@ -173,7 +173,7 @@ TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
 }
 
 // On a skeleton rooted at the head, trunk joints rotate other parts than their own; the pelvis
-// between Hips and Spine, which is no bone there, stays at rest.
+// between Hips and Spine maps to no bone and stays at rest.
 TEST(Transfer, HandlesTrunksRootedAtTheHead) {
   const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
   const TransferTarget source = understood(walk), target = understood(hanging);

@@ -106,7 +106,7 @@ class PostureClips {
     return human_from_file_.transpose() * Eigen::Vector3d::UnitZ();
   }
 
-  // an arm from the T-pose: lowered to hang, then swung ahead
+  // An arm from the T-pose: lowered to hang, then swung ahead.
   static Rotation arm_of(int side, double lowered, double ahead) {
     return about_y(-ahead) * about_x(side == 0 ? -lowered : lowered);
   }
@@ -209,7 +209,7 @@ class PostureClips {
     return body;
   }
 
-  // of a bone from the T-pose, the body's axes
+  // Rotations of a bone from the T-pose, in the body's axes.
   static Rotation turned(const Stance& body, Bone bone) {
     const Rotation trunk = about_z(body.twist);
     const auto part = limb_bone(bone);
@@ -235,7 +235,7 @@ class PostureClips {
       case LimbBone::kArm:
         return trunk * body.arm[side];
       default:
-        // elbows of arms that are stretched out sideways bend forward
+        // Elbows of arms stretched out sideways bend forward.
         return trunk * body.arm[side] * about_z(bend);
     }
   }

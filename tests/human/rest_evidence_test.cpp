@@ -1,4 +1,4 @@
-// Rest poses are compared by what the whole movement shows.
+// Comparison of rest poses with the evidence of the whole movement.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ Clip with_axes_of_no_meaning(const Clip& clip) {
   return with_other_axes(clip, turns);
 }
 
-// No frame is upright, and no foot stands: the lower trunk and the knees show how the body is built.
+// No frame is upright, and no foot stands: the lower trunk and the knees show the body structure.
 TEST(RestEvidence, LearnsLyingBodiesFromTheirStructure) {
   for (const auto& [begin, end] : {std::pair(0, 30), std::pair(0, 60), std::pair(120, 150)}) {
     SCOPED_TRACE(begin);
@@ -81,7 +81,7 @@ TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "zero pose");
   EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kBodyBones), 1.0);
-  // the winner and by how much
+  // The best candidate and its advantage.
   EXPECT_THAT(found.description, testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees "
                                                         "off; expected error [0-9.]+ degrees, the "
                                                         "whole movement [0-9.]+\\)"));
@@ -103,7 +103,7 @@ TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
                                      "degrees, [a-z0-9 ]+ [0-9.]+\\)"));
 }
 
-// a body with straight limbs that leans forward and keeps still, and a zero pose of no meaning
+// A still body with straight limbs that leans forward, and a meaningless zero pose.
 TEST(RestEvidence, WarnsAboutClipsWithLittleEvidence) {
   ZeroShape leaning;
   leaning.lean = 40.0;
@@ -122,8 +122,8 @@ TEST(RestEvidence, CleanStandingClipsCauseNoWarning) {
   }
 }
 
-// Rotations that were made for another skeleton: legs point as they should and bend about another
-// axis than the zero pose says.
+// Rotations made for another skeleton: legs have the right directions but bend about another axis
+// than the zero pose implies.
 TEST(RestEvidence, LearnsKneesThatBendAboutAnotherAxis) {
   for (const char* name : {"get_up", "squat", "walk"}) {
     const Clip clip = window_of(name, 0, 90);

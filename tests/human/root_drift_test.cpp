@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kFrameTime = 1.0 / 30.0;
 constexpr double kPi = std::numbers::pi;
 
-// feet and hips of a body by frame
+// Feet and hips of a body by frame.
 struct Body {
   SourceFeet feet;
   std::vector<Vector3d> hips;
@@ -33,7 +33,7 @@ Vector3d foot_of_walker(int foot, double seconds) {
   constexpr double kStep = 0.4, kStride = 1.2;
   const double phase = seconds / (2.0 * kStep) + 0.5 * foot;
   const double whole = std::floor(phase), part = phase - whole;
-  // it stands for a little more than half of the time
+  // It stands for slightly more than half of the time.
   constexpr double kStands = 0.55;
   const double swing = std::max(0.0, (part - kStands) / (1.0 - kStands));
   const double along = kStride * (whole + swing - std::sin(2.0 * kPi * swing) / (2.0 * kPi));
@@ -65,7 +65,7 @@ Vector3d standing_foot(int foot, double) {
   return {0.0, foot == 0 ? 0.1 : -0.1, 0.0};
 }
 
-// stairs: every step 0.15 m higher than the last one
+// Stairs: every step is 0.15 m higher than the previous one.
 Vector3d foot_on_stairs(int foot, double seconds) {
   Vector3d place = foot_of_walker(foot, seconds);
   place.z() += 0.15 * place.x() / 0.6;
@@ -77,7 +77,7 @@ Vector3d sway(double seconds) {
 }
 
 double farthest_left(const Body& body, const Path& off, const RootDrift& found) {
-  // where the body is as a whole is not known
+  // The position of the body as a whole is unknown.
   const Vector3d first = found.drift.front() - off(0.0);
   double far = 0.0;
   for (std::size_t i = 0; i < body.hips.size(); ++i) {
@@ -158,7 +158,7 @@ TEST(RootDrift, DoesNotChangeACorrectRoot) {
 }
 
 TEST(RootDrift, KeepsAStepAboveTheFloor) {
-  // up to a box 0.3 m high after half of the clip, in a sway
+  // Up to a box 0.3 m high after half of the clip, during sway.
   const auto foot_at = [](int foot, double seconds) {
     Vector3d place = standing_foot(foot, seconds);
     const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);

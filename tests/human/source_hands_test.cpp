@@ -1,5 +1,5 @@
-// Fingers are found under whatever names, or under none that tell, and their lines are the same for both
-// hands whichever way a wrist turns.
+// Fingers are found with any names, even meaningless ones, and their lines are equal for both hands
+// and any wrist rotation.
 
 #include "human/skeleton/source_hands.h"
 
@@ -115,7 +115,7 @@ TEST(SourceHandsTest, FindsNoHandsWithoutFingers) {
 TEST(SourceHandsTest, ExcludesMetacarpalsFromFingers) {
   const FingerClip plain(1);
   std::vector<Joint> joints = plain.clip().skeleton().joints();
-  // a joint near the wrist in front of each finger but the thumb
+  // A joint near the wrist in front of each finger except the thumb.
   std::vector<Joint> longer;
   std::vector<int> place;
   for (const Joint& joint : joints) {

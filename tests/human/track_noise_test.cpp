@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kFrameTime = 1.0 / 30.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// a joint that swings, by 20 degrees every two seconds
+// A joint that swings by 20 degrees every two seconds.
 std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double hertz = 0.5) {
   std::vector<Quaterniond> rotations;
   for (int i = 0; i < frames; ++i) {
@@ -29,11 +29,11 @@ std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double h
   return rotations;
 }
 
-// errors that are forgotten over 0.3 s, so many degrees about each axis
+// Errors with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
   std::mt19937 random(7);
   const double keep = std::exp(-kFrameTime / 0.3);
-  // sums of uniform numbers are the same with every standard library
+  // Sums of uniform numbers are equal with every standard library.
   const auto gauss = [&] {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
@@ -129,7 +129,7 @@ TEST(TrackNoise, IsMeasured) {
   const TrackNoise noise = measure_noise(with_noise(swing(), 2.0), kFrameTime);
   EXPECT_TRUE(noise.exceeds(kLargeStep));
   EXPECT_LT(noise.correlation, -0.35);
-  // three axes, each of which changes by sqrt(2 (1 - keep)) of the error
+  // Three axes, each of which changes by sqrt(2 (1 - keep)) of the error.
   const double step = std::sqrt(6.0 * (1.0 - std::exp(-kFrameTime / 0.3))) * 2.0 * kDegree;
   EXPECT_NEAR(noise.step, step, 0.25 * step);
 }

@@ -51,7 +51,7 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
               "stance_height_p50_cm");
   EXPECT_EQ(gate->min, -1.0);
   EXPECT_EQ(gate->max, 0.5);
-  // not the robot's: as they are written
+  // Bounds for any robot: as written.
   EXPECT_FALSE(gate->leg);
   // The first gate alone replaces the default gate.
   EXPECT_FALSE(

@@ -26,8 +26,8 @@ long lines_of(std::string_view text) {
   return std::ranges::count(text, '\n');
 }
 
-// gates on the first metrics that are not headlines and on others, that many; every one is missed, in
-// three places each
+// Gates on the first metrics that are not headlines and on others, this many; every one is missed,
+// with three faults each.
 QualityReport report_of_gates(std::size_t count, bool missed) {
   QualityReport report;
   report.file = "walk.csv";
@@ -72,7 +72,7 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
                                "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
   EXPECT_THAT(text, ContainsRegex("\n +metric +gate +still.csv +jump.csv\n"));
   EXPECT_THAT(text, ContainsRegex("\n +jumps +<=0 +0 [+] +2 x\n"));
-  // every figure has its row on request only
+  // Every metric has its row only on request.
   EXPECT_THAT(text, Not(HasSubstr("root_jerk_p99")));
   EXPECT_THAT(report_text(reports, {.all = true}), HasSubstr("root_jerk_p99"));
 }
@@ -87,7 +87,7 @@ TEST(ReportText, OrdersVerdictMissedGatesAndGroups) {
                                "  left_knee: 0.5 rad, frames 3-6, worst 5\n"));
   EXPECT_THAT(text, HasSubstr("\nlimits      + solver_failures 123.5 <=200"));
   EXPECT_THAT(text, HasSubstr("x limit_pct 123.5 <=100"));
-  // a figure without a gate has no mark
+  // A metric without a gate has no mark.
   EXPECT_THAT(text, HasSubstr("\nsimilarity    limb_angle_deg 123.5 "));
   std::size_t last = 0;
   for (const MetricGroup group : kMetricGroups) {
@@ -117,7 +117,7 @@ TEST(ReportText, HasAtMost25LinesOf80Columns) {
       EXPECT_GT(lines_of(report_text({&report, 1}, {.all = true})), 50);
     }
   }
-  // of many motions, which have a line each, the table stays
+  // For many motions, which have one line each, the table remains.
   const std::vector<QualityReport> forty(40, report_of_gates(30, true));
   EXPECT_THAT(report_text(forty), ContainsRegex("\n +limit_pct +<=0.125 +123.5 x"));
   EXPECT_LE(lines_of(report_text(forty)), 55);

@@ -32,7 +32,7 @@ class ModelFaults : public ::testing::Test {
   std::string write(const std::string& text, const std::string& file = "robot.xml") {
     return folder_.write(file, text);
   }
-  // The message with which robots add refuses a model, with its hint.
+  // The message with which robots add rejects a model, with its hint.
   std::string refusal(const std::string& text, const std::string& file = "robot.xml") {
     const auto made = make_robot(write(text, file), "robot");
     EXPECT_FALSE(made.has_value());
@@ -78,7 +78,7 @@ BuiltHumanoid changed(const std::function<void(BuiltHumanoid&)>& change) {
   return built;
 }
 
-// all lengths a thousand or a hundred times larger
+// All lengths a thousand or a hundred times larger.
 BuiltHumanoid scaled(double factor) {
   return changed([&](BuiltHumanoid& built) {
     for (BuiltLimb* limb : {&built.leg, &built.arm}) {
@@ -163,7 +163,7 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
   const auto made = make_robot(write(text), "robot");
   ASSERT_TRUE(made);
   EXPECT_EQ(made->model.find("rootx"), std::string::npos);
-  // each in a body of its own
+  // Each in a separate body.
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
   text = plain_humanoid().mjcf();
   replace_all(text, "<freejoint/>", "<joint name=\"rooty\" axis=\"0 1 0\"/>");
@@ -188,7 +188,8 @@ TEST_F(ModelFaults, ReportLeaningAndObliqueTrunks) {
 }
 
 TEST_F(ModelFaults, WarnAboutUnusualSegmentLengths) {
-  // a joint that turns the forearm, a third of an upper arm beyond the elbow, and nothing else there
+  // A joint that rotates the forearm, a third of an upper arm beyond the elbow, without any other
+  // joint there.
   const std::string text = changed([](BuiltHumanoid& built) {
                              built.arm.joints.push_back({"twist", kAxisZ, {0, 0, -0.06}});
                              built.arm.end = {0, 0, 0};
@@ -218,7 +219,7 @@ TEST_F(ModelFaults, TrunksThatLeanFarNeedClearLimbs) {
 }
 
 TEST_F(ModelFaults, RejectDistantTPoses) {
-  // 30 degrees are left to the arm that is out to the side
+  // The outstretched arm lacks 30 degrees.
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints[1].upper = 1.05;
                    built.arm.joints[0].lower = -0.3;
@@ -266,7 +267,7 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
               "fullinertia=\"-1 1 1 0 0 0\"/></body>");
   EXPECT_TRUE(make_robot(write(text), "robot"));
   EXPECT_THAT(findings(text, false), Contains(HasSubstr("mass or inertia of \"imu\"")));
-  // a rod beside the shin, tied to the foot
+  // A rod next to the shin, tied to the foot.
   const std::string rod =
       "<body name=\"left_knee_rod\"><joint name=\"rod\" axis=\"0 1 0\" range=\"-1 1\"/>"
       "<geom size=\"0.01\"/></body>";
@@ -276,7 +277,7 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
               "<equality><connect body1=\"left_knee_rod\" body2=\"left_ankle_roll\" "
               "anchor=\"0 0 0\"/></equality></mujoco>");
   expect_noted(text, "\"left_knee_rod\" does not follow");
-  // without a rod it is the leg that is closed
+  // Without a rod, the leg is the closed chain.
   replace_all(text, "body1=\"left_knee_rod\"", "body1=\"left_knee\"");
   expect_refused(text, "closed chain");
 }

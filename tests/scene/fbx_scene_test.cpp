@@ -26,7 +26,7 @@ Matrix3d turn(int axis, double degrees) {
   return AngleAxisd(degrees * std::numbers::pi / 180.0, Vector3d::Unit(axis)).toRotationMatrix();
 }
 
-// the first axis of an order turns first, and so stands last in the product
+// The first axis of an order rotates first and is therefore last in the product.
 Matrix3d in_order(const std::string& order, const Vector3d& degrees) {
   Matrix3d rotation = Matrix3d::Identity();
   for (const char axis : order) rotation = turn(axis - 'X', degrees[axis - 'X']) * rotation;
@@ -89,7 +89,7 @@ TEST(FbxSceneTest, AppliesPivotsAndPreAndPostRotations) {
     affine.linear() = rotation;
     return affine;
   };
-  // rotations before and after are in the order XYZ whatever the limb's own is
+  // Pre- and post-rotations have the order XYZ, independent of the limb's own.
   const Matrix3d before = in_order("XYZ", {30, -20, 10}), after = in_order("XYZ", {-15, 25, 40});
   const Eigen::Affine3d expected =
       moved(1, 2, 3) * moved(0.1, 0.2, 0.3) * moved(0.5, -0.4, 0.3) * turned(before) *
@@ -129,7 +129,7 @@ TEST(FbxSceneTest, KeepsTheTransformsOfHelpersAboveTheRoot) {
   ASSERT_EQ(clip->frame_count(), 31);
   EXPECT_LT((clip->translation(0, 0) - Vector3d(10, 2, 0)).norm(), 1e-9);
   EXPECT_LT((clip->translation(30, 0) - Vector3d(12, 2, 0)).norm(), 1e-9);
-  // the scale above makes the leg half as long
+  // The scale above halves the leg.
   EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(0, -1, 0)).norm(), 1e-9);
   EXPECT_FALSE(clip->skeleton().joint(1).has_position_channels());
   EXPECT_LT((clip->rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
@@ -161,7 +161,7 @@ TEST(FbxSceneTest, ReadsTheRequestedTake) {
   EXPECT_THAT(missing.error().message, HasSubstr("empty, short, long"));
 }
 
-// a camera that flies for half a minute, a pose that is held for ten seconds, a walk of two
+// A camera that moves for half a minute, a pose held for ten seconds, a walk of two.
 TEST(FbxSceneTest, ReadsTheTakeThatMovesTheSkeleton) {
   for (const bool are_limbs : {true, false}) {
     FbxText file;
@@ -262,7 +262,7 @@ TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
   const auto without = read_scene(still.text(), "still.fbx");
   ASSERT_FALSE(without);
   EXPECT_THAT(without.error().message, HasSubstr("holds no animation"));
-  // an option that `inspect` has
+  // An option of `inspect`.
   EXPECT_THAT(without.error().hint, HasSubstr("inspect " OPTION("skeleton") " shows"));
   SceneReadOptions skeleton;
   skeleton.skeleton_only = true;
@@ -274,7 +274,7 @@ TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
   mirror.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {1, 0, 0}}});
   EXPECT_THAT(read_scene(mirror.text(), "mirror.fbx").error().message, HasSubstr("negative scale"));
 
-  // a key a thousand years on
+  // A key a thousand years later.
   FbxText ages;
   const int slow = ages.node("Hips", 0, {0, 0, 0});
   ages.take("move", 0, 3e7);

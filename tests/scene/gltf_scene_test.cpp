@@ -33,7 +33,7 @@ std::string packed(const std::vector<Number>& numbers) {
   return bytes;
 }
 
-// a node that moves: times and values, stored as floats in the text
+// A moving node: times and values, stored as floats in the text.
 struct Animated {
   std::string path = "translation", interpolation = "LINEAR", type = "VEC3";
   std::vector<float> times, values;
@@ -85,7 +85,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   moved.interpolation = "STEP";
   EXPECT_EQ(read(moved.text()).motion->at(0, 0, 1.99).translation, Vector3d(0, 0, 0));
 
-  // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart
+  // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart.
   moved.interpolation = "CUBICSPLINE";
   moved.times = {0, 2};
   moved.values = {9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 5, 0, 0, 9, 9, 9};
@@ -96,7 +96,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   EXPECT_NEAR(read(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
 }
 
-// a float is not the time of a frame: the jump is at the frame all the same
+// A float does not equal the frame time exactly, but the jump is still at the frame.
 TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
   Animated moved;
   moved.interpolation = "STEP";
@@ -227,7 +227,8 @@ TEST(GltfSceneTest, RejectsImpossibleValues) {
   EXPECT_THAT(message_of(std::string("glTF\x01\0\0\0 12345678901234", 23)), HasSubstr("version"));
 }
 
-// thousands of buffers of one file are that file once; a pipe is none; a missing one is named with its glTF
+// Thousands of buffers of one file load it once; a pipe is rejected; a missing file is named with
+// its glTF.
 TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   constexpr int kBuffers = 200;
   const TemporaryFolder folder;
@@ -253,7 +254,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
 "bufferViews": [{}], "accessors": [{}], "animations": [{{"channels": [{}], "samplers": [{}]}}]}})",
         buffers, views, accessors, channels, samplers);
   };
-  // four times the file, for two hundred buffers
+  // Four times the file size, for two hundred buffers.
   const auto once = read_gltf(text("big.bin"), name, std::size_t{4} << 20U);
   EXPECT_TRUE(once.has_value()) << once.error().message;
   const auto too_large = read_gltf(text("big.bin"), name, std::size_t{1} << 19U);
@@ -279,7 +280,7 @@ TEST(GltfSceneTest, LimitsTheNumberOfTakes) {
   EXPECT_THAT(message_of(text), HasSubstr("5001 animations of 5001 nodes"));
 }
 
-// leaves without end are seen once each; more joints than a body has are refused
+// Each leaf is visited once; more joints than a body has are rejected.
 TEST(GltfSceneTest, LimitsTheNumberOfJoints) {
   Animated moved;
   moved.times = {0, 1};

@@ -10,7 +10,7 @@ namespace {
 
 std::vector<double> times(double fps, const std::vector<int>& frames, double begin = 0.0) {
   std::vector<double> result;
-  // as floats, which glTF has
+  // As floats, like in glTF.
   for (const int frame : frames) result.push_back(static_cast<float>(begin + frame / fps));
   return result;
 }

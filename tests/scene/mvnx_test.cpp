@@ -20,7 +20,7 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// writes a document of a pelvis, a spine and a leg as MVN does
+// Writes a document of a pelvis, a spine and a leg in MVN's form.
 struct Document {
   std::string frames;
   std::string rate = "frameRate=\"60\"";
@@ -56,7 +56,7 @@ Quaterniond about_x(double angle) {
   return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX()));
 }
 
-// the body stands with the pelvis at a height; then turned as a whole about x
+// The body stands with the pelvis at a height, and is then rotated as a whole about x.
 std::vector<Pose> poses(double angle) {
   const Quaterniond q = about_x(angle);
   const Vector3d pelvis(0.1, 0.2, 0.95);
@@ -90,7 +90,7 @@ TEST(MvnxTest, ReadsSegmentsAsJoints) {
   }
 }
 
-// rotations are measured from the pose of calibration
+// Rotations are relative to the calibration pose.
 TEST(MvnxTest, UsesTheTposeAsZeroPose) {
   Document document;
   document.add("npose", poses(0.5));

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// adds a chain of nodes below a node
+// Adds a chain of nodes below a node.
 int add_chain(Scene& scene, const std::string& name, int parent, int count, bool are_bones,
               bool move) {
   for (int i = 0; i < count; ++i) {
@@ -58,7 +58,7 @@ TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
   const auto both = choose_skeleton(scene, 0, "", "a.fbx");
   ASSERT_FALSE(both);
   EXPECT_THAT(both.error().message, HasSubstr("2 skeletons"));
-  // by a node above the root where the roots' names are the same
+  // By a node above the root if the roots have equal names.
   EXPECT_EQ(choose_skeleton(scene, 0, "Armature.001", "a.fbx")->joints.front(), hips);
 }
 

@@ -30,7 +30,7 @@ SmplRestBody crooked_body() {
   return body;
 }
 
-// the bodies of InterMimic's model: which of kSmplJointNames each is, -1: a finger
+// Bodies of InterMimic's model: their index in kSmplJointNames, -1: a finger.
 std::vector<int> joint_of_body() {
   std::vector<int> joints = {0, 1, 4, 7, 10, 2, 5, 8, 11, 3, 6, 9, 12, 15, 13, 16, 18, 20};
   joints.insert(joints.end(), 15, -1);
@@ -39,9 +39,9 @@ std::vector<int> joint_of_body() {
   return joints;
 }
 
-// a motion in InterMimic's columns, from its arrays and body by the models' own recursion
+// A motion in InterMimic's columns, from its arrays and body by the models' own recursion.
 std::vector<float> intermimic_rows(const Parts& parts, const SmplRestBody& body) {
-  // x forward, y to the left, z up from x left, y up, z forward
+  // x forward, y to the left, z up from x left, y up, z forward.
   const auto turned = [](const Eigen::Vector3d& v) { return Eigen::Vector3d(v.z(), v.x(), v.y()); };
   const Eigen::Quaterniond smpl_from_body(0.5, -0.5, -0.5, -0.5);
   const std::vector<int> order = joint_of_body();
@@ -101,7 +101,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
           found.clip.rotations(frame)[joint].angularDistance(expected.clip.rotations(frame)[joint]),
           1e-6);
     }
-    // every place of the file
+    // Every position in the file.
     forward_kinematics(found.clip, frame, poses);
     const std::vector<int> order = joint_of_body();
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -112,7 +112,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
                 2e-6);
     }
   }
-  // a model without betas is a stranger's
+  // A model without betas would be another person's.
   const Result<SmplBody> model = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(model.has_value());
   SmplReadOptions options;
@@ -122,7 +122,8 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
 
 TEST(InterMimicTest, FingersFollowTheirWrists) {
   std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
-  // x forward, y left, z up: the first joint of the left index finger and the last of the right thumb
+  // x forward, y left, z up: the first joint of the left index finger and the last of the right
+  // thumb.
   for (std::size_t frame = 0; frame < kPartFrames; ++frame) {
     const float angle = 0.1F * static_cast<float>(frame);
     rows[591 * frame + 9 + 3 * 17] = angle;
@@ -136,7 +137,7 @@ TEST(InterMimicTest, FingersFollowTheirWrists) {
   const auto turn = [&](const char* name) {
     return log_so3(motion.clip.rotations(2)[static_cast<std::size_t>(*skeleton.find(name))]);
   };
-  // the models' axes: x left, y up, z forward
+  // The models' axes: x left, y up, z forward.
   EXPECT_LT((turn("left_index1") - Eigen::Vector3d(0, 0, 0.2)).norm(), 1e-6);
   EXPECT_LT((turn("right_thumb3") - Eigen::Vector3d(0.2, 0, 0)).norm(), 1e-6);
   EXPECT_LT(turn("left_thumb1").norm(), 1e-6);
@@ -193,7 +194,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
   EXPECT_NEAR(found.height, 1.8, 0.05);
   EXPECT_EQ(found.clip.translation(0, 0),
             Eigen::Vector3d(parts.trans[0], parts.trans[1], parts.trans[2]));
-  // betas of the user's own model are more
+  // Betas of the user's own model provide more information.
   const Result<SmplBody> model = read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz");
   ASSERT_TRUE(model.has_value());
   SmplReadOptions options;
@@ -211,7 +212,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
               HasSubstr("the offsets do not form a body"));
 }
 
-// the sample of InterMimic's form: the clip's joints are where the file has them
+// The sample in InterMimic's form: the clip's joints have the positions of the file.
 TEST(InterMimicTest, RealMotionKeepsItsPositions) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;

@@ -55,7 +55,7 @@ TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   EXPECT_THAT(texts_of(human_ml), HasSubstr("assuming 20 fps, as HumanML3D and MDM have"));
   EXPECT_TRUE(human_ml.names.empty());
 
-  // samples, joints, axes, frames
+  // Samples, joints, axes, frames.
   SmplReadOptions second;
   second.take = "2";
   const std::string mdm = npy_doubles({3, 22, 3, 4}, counted(792));
@@ -71,7 +71,7 @@ TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   EXPECT_EQ(joints_of(npy_doubles({1, 5, 22, 3}, counted(330))).frame_count, 5);
 }
 
-// A dictionary as numpy.save writes it: an array of one pickled object.
+// A dictionary in the form of numpy.save: an array of one pickled object.
 std::string saved_dictionary(const std::string& members) {
   using namespace std::string_literals;
   const std::string pickle =
@@ -99,7 +99,7 @@ std::string dictionary_of_arrays(const std::vector<std::pair<std::string, NpyArr
   }
   writer.end_dict();
   std::string pickle = writer.finish();
-  // without its own head and end
+  // Without its own head and end.
   return pickle.substr(2, pickle.size() - 3);
 }
 
@@ -206,7 +206,7 @@ TEST(JointMotionTest, RejectsOtherArrays) {
 }
 
 TEST(JointMotionTest, SelectsOneOfSeveralDictionaries) {
-  // WHAM: a dictionary by numbers of people
+  // WHAM: a dictionary by person number.
   PickleWriter writer;
   writer.begin_dict();
   for (const char* who : {"ann", "bob"}) {

@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFrames = 20;
 
-// three joints that go along x
+// Three joints that move along x.
 JointMotion going() {
   JointMotion motion;
   motion.frame_count = kFrames;

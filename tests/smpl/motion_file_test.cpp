@@ -33,7 +33,7 @@ TEST(MotionFileTest, GvhmrResultsEqualTheNpzMotionWithYUp) {
   EXPECT_EQ(motion_of(parts.gvhmr(), given).clip.rate(), (FrameRate{25, 1}));
   EXPECT_THAT(warnings_of(motion_of(parts.gvhmr(), given)), Not(HasSubstr("fps")));
 
-  // the model's own place of the pelvis is turned as well
+  // The model's own pelvis position is rotated as well.
   const Result<SmplBody> body = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(body.has_value());
   SmplReadOptions options;
@@ -61,7 +61,7 @@ TEST(MotionFileTest, PicklesAndTorchFilesEqualAnNpz) {
       {"mocap_framerate", "G" + std::string("\x40\x3E\0\0\0\0\0\0", 8)}};
   const std::string motion = TorchBuilder::dictionary(members);
   expect_same_motion(motion_of(builder.build(motion)), expected);
-  // one level down, as the only motion there
+  // One level down, as the only motion there.
   expect_same_motion(
       motion_of(builder.build(TorchBuilder::dictionary({{"person", motion}, {"a", "}"}}))),
       expected);
@@ -94,7 +94,7 @@ TEST(MotionFileTest, AcceptsOtherArrayNames) {
   expect_same_motion(motion_of(with("fullpose", "transl")), expected);
   expect_same_motion(motion_of(with("pose_world", "trans_world")), expected);
 
-  // AMASS's own names come first
+  // AMASS's own names take precedence.
   const auto zeros = [](std::size_t width) {
     return npy_doubles({kPartFrames, width}, std::vector<double>(kPartFrames * width));
   };
@@ -106,7 +106,7 @@ TEST(MotionFileTest, AcceptsOtherArrayNames) {
   both.add("fps", npy_doubles({}, {30}));
   expect_same_motion(motion_of(both.build()), expected);
 
-  // AIST++: 60 fps, a unit of its own
+  // AIST++: 60 fps and its own unit.
   NpzBuilder dance;
   dance.add("smpl_poses", npy_doubles({kPartFrames, 72}, poses));
   dance.add("smpl_trans", npy_doubles({kPartFrames, 3}, scaled));
@@ -126,10 +126,10 @@ TEST(MotionFileTest, AcceptsOtherArrayNames) {
 TEST(MotionFileTest, KindsOfFilesDefineTheUpAxis) {
   const Parts parts;
   const auto up_of = [](const std::string& bytes) { return motion_of(bytes).up; };
-  // AMASS, and GVHMR after its world was turned
+  // AMASS, and GVHMR after rotation of its world.
   EXPECT_EQ(up_of(parts.npz()), Eigen::Vector3d(0, 0, 1));
   EXPECT_EQ(up_of(parts.gvhmr()), Eigen::Vector3d(0, 0, 1));
-  // the names that fits to video have define no axis
+  // Names of video estimators do not determine the up axis.
   EXPECT_EQ(up_of(parts.pickle()), std::nullopt);
   NpzBuilder dance;
   dance.add("smpl_poses",

@@ -40,7 +40,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   EXPECT_EQ(body.height, height);
   EXPECT_EQ(joint_named(body, "pelvis"), Eigen::Vector3d::Zero());
 
-  // Drillis and Contini: heights above the floor
+  // Drillis and Contini: heights above the floor.
   const double floor = body.tips[kHeadTop].y() - height;
   const auto share = [&](std::string_view name) {
     return (joint_named(body, name).y() - floor) / height;
@@ -57,7 +57,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   const double upper = joint_named(body, "left_elbow").x() - joint_named(body, "left_shoulder").x();
   const double lower = joint_named(body, "left_wrist").x() - joint_named(body, "left_elbow").x();
   EXPECT_GT(upper, lower);
-  // it faces z, and its feet point there
+  // It faces z, as do its feet.
   EXPECT_GT(body.tips[kLeftToes].z(), joint_named(body, "left_foot").z());
   EXPECT_GT(joint_named(body, "left_foot").z(), joint_named(body, "left_ankle").z());
 }
@@ -90,7 +90,7 @@ TEST(SmplSkeleton, IsDepthFirstAndItsZeroPoseIsTheRestBody) {
     EXPECT_EQ(found.has_position_channels(), place == 0);
     if (place == 0) continue;
     EXPECT_EQ(skeleton->joint(found.parent).name, kSmplJointNames[kSmplParents[joint]]);
-    // depth first: the parent is the joint before or an ancestor of that one
+    // Depth first: the parent is the previous joint or one of its ancestors.
     int ancestor = place - 1;
     while (ancestor >= 0 && ancestor != found.parent) ancestor = skeleton->joint(ancestor).parent;
     EXPECT_EQ(ancestor, found.parent) << found.name;

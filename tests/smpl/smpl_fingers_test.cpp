@@ -1,4 +1,4 @@
-// Fingers of SMPL+H and SMPL-X: read where they move, from whichever arrays hold them, and no others.
+// Fingers of SMPL+H and SMPL-X: read from any of their arrays if they move.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ SmplMotion motion_of(const std::string& bytes, bool fingers = true,
   return std::move(*motion);
 }
 
-// whole poses whose last 90 columns are `hands`
+// Whole poses with `hands` in the last 90 columns.
 std::string whole(std::size_t width, const std::vector<double>& hands) {
   std::vector<double> poses(kFrames * width);
   for (std::size_t frame = 0; frame < kFrames; ++frame) {
@@ -51,7 +51,7 @@ std::string whole(std::size_t width, const std::vector<double>& hands) {
   return file_of({{"poses", npy_doubles({kFrames, width}, poses)}});
 }
 
-// the joint's rotation in the file, by its number among the hands'
+// The joint's rotation in the file, by its index in the hands.
 Eigen::Quaterniond rotation_of(const std::vector<double>& hands, std::size_t frame,
                                std::size_t joint) {
   return exp_so3(Eigen::Map<const Eigen::Vector3d>(hands.data() + frame * 90 + 3 * joint));

@@ -15,8 +15,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// a body whose pelvis moves forward, `stride` metres a frame, over a left foot that stays while the right
-// one swings (with `glides` both move along); trans in another unit
+// A body whose pelvis moves forward by `stride` metres per frame over a planted left foot while the
+// right one swings (with `glides` both move along); trans in another unit.
 std::string moving_npz(double unit, double stride, double height, bool glides) {
   constexpr std::size_t kMovingFrames = 9;
   constexpr double kLeg = 0.81;  // of the generic body
@@ -38,7 +38,7 @@ std::string moving_npz(double unit, double stride, double height, bool glides) {
   return builder.build();
 }
 
-// of the clip's numbers, the metres
+// Metres per unit of the clip.
 double metres_of(double unit, double stride, double height, bool glides = false) {
   const SmplMotion motion = motion_of(moving_npz(unit, stride, height, glides));
   const double metres = motion.clip.translation(0, 0).z() / (unit * height);

@@ -1,4 +1,4 @@
-// The parts that bytes of streams go through: lines, queues, writers, senders.
+// Components for stream bytes: lines, queues, writers, senders.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(LineCutter, DropsLinesWithoutAnEnd) {
   EXPECT_EQ(cutter.dropped(), 1);
 }
 
-// a line that comes byte by byte is looked through once
+// A line that arrives byte by byte is scanned once.
 TEST(LineCutter, RunsInLinearTime) {
   LineCutter cutter(64);
   const auto begin = std::chrono::steady_clock::now();
@@ -143,7 +143,7 @@ TEST_F(Writer, CanWaitForASlowReader) {
 
 TEST_F(Writer, StopsWaitingWhenStopped) {
   WriterThread writer(std::move(to_), {200, 1 << 20});
-  // more than a pipe holds
+  // More than a pipe buffer.
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(writer.put(piece_));
   const auto stopped = [] { return true; };
   EXPECT_FALSE(writer.put_in_time(std::string(1 << 20, 'x'), stopped));

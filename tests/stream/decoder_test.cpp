@@ -1,4 +1,4 @@
-// Decoders: frames, skeletons and refusals from bytes, and round trips of the player's packets.
+// Decoders: frames, skeletons and rejections from bytes, and round trips of the player's packets.
 
 #include "live/stream/formats.h"
 
@@ -34,7 +34,7 @@ Clip walk() {
   return load_clip(RETARGET_SOURCE_DIR "/data/walk.bvh").value();
 }
 
-// as a source gives them: a line at a time
+// As from a source: one line at a time.
 Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sink) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -57,7 +57,7 @@ std::string refusal(Decoder& decoder, std::string_view line) {
 TEST(StreamFormats, PlayedFramesRoundTrip) {
   const Clip clip = walk();
   for (const StreamFormat& format : stream_formats()) {
-    // others have tests of their own
+    // Other formats have their own tests.
     if (format.encoder == nullptr || !format.is_text || format.plays_human != nullptr) continue;
     const auto encoder = format.encoder();
     const auto decoder = format.decoder(parse_address("udp:1?fps=60").value());

@@ -1,4 +1,4 @@
-// Packets in, robot frames out, without sockets: the same at every run.
+// Packets in, robot frames out, without sockets: deterministic.
 
 #include "live/stream/live_pipeline.h"
 #include "live/stream/formats.h"
@@ -45,7 +45,7 @@ struct StreamRun {
               told.push_back(std::string(label) + ": " + std::string(text));
             }) {}
 
-  // all lines of a text at one time
+  // All lines of a text at one time.
   void lines(std::string_view text, double now) {
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
@@ -61,7 +61,7 @@ struct StreamRun {
   LivePipeline pipeline;
 };
 
-// plays a sample to a run
+// Plays a sample to a run.
 void play_to(StreamRun& run, const Clip& clip, const char* format, double begin = 0.0,
              bool ticks = false) {
   const auto encoder = (*find_stream_format(format))->encoder();
@@ -136,7 +136,7 @@ TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   StreamRun run;
   play_to(run, sample("squat"), "lines");
   const std::size_t first = run.frames.size();
-  // the same joints, a smaller body, and a clock that begins anew
+  // The same joints, a smaller body, and a restarted clock.
   Clip small = sample("walk");
   std::vector<Joint> joints = small.skeleton().joints();
   for (Joint& joint : joints) joint.offset *= 0.9;
@@ -153,7 +153,7 @@ TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   EXPECT_EQ(run.states.back(), LiveState::kFollowing);
 }
 
-// a frame of a sample's body in its T-pose
+// A frame of a sample's body in its T-pose.
 Clip t_pose_of(const Clip& clip) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   Clip pose = clip.empty_like(clip.rate(), 1);
@@ -195,7 +195,7 @@ TEST(LivePipeline, CalibratesFromThePerformersPose) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     posed.lines(encoder->frame(clip, frame).value(), 1.02 + clip.rate().time_of(frame));
   }
-  // the same motion as by what is known of such skeletons
+  // The same motion as with the known properties of such skeletons.
   ASSERT_GT(posed.frames.size(), 200U);
   for (std::size_t i = 7; i < known.frames.back().size(); ++i) {
     EXPECT_NEAR(posed.frames.back()[i], known.frames.back()[i], 0.1) << i;

@@ -1,4 +1,5 @@
-// Xsens MVN: messages as the specification lays them out, put together here byte by byte; and what the player sends.
+// Xsens MVN: messages according to the specification, built byte by byte; and the packets of the
+// player.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
