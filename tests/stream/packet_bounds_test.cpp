@@ -1,5 +1,5 @@
-// The cost of packets is bounded: hostile packets are refused after little work and do not affect
-// the next one.
+// The cost of packets is bounded: hostile packets are rejected early and do not affect the next
+// one.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ using testing::HasSubstr;
 
 constexpr std::size_t kDatagram = 65000;  // bytes
 
-// A packet costs at most as much as so many ordinary objects of a datagram's size, so that sanitizers and slow
-// machines do not matter. One takes about a millisecond.
+// A packet costs at most as much as this many ordinary objects of a datagram's size, so that
+// sanitizers and slow machines do not matter. One object takes about a millisecond.
 constexpr double kMostObjects = 3.0;
 
 class Counted final : public StreamSink {
@@ -35,7 +35,7 @@ class Counted final : public StreamSink {
   int skeletons = 0, frames = 0;
 };
 
-// processor time, the least of some packets
+// Processor time, the minimum over some packets.
 double milliseconds_of(const std::function<void()>& work) {
   double least = 1e9;
   for (int i = 0; i < 5; ++i) {
@@ -52,7 +52,7 @@ std::string object_of_members() {
   return text + "}";
 }
 
-// Milliseconds that the JSON library takes for an ordinary object of a datagram's size.
+// Milliseconds of the JSON library for an ordinary object of a datagram's size.
 double object_time() {
   const std::string text = object_of_members();
   return milliseconds_of([&] { static_cast<void>(nlohmann::json::parse(text).size()); });
@@ -184,7 +184,7 @@ TEST(PacketBounds, RejectHierarchiesEarly) {
   expect_cheap(*decoder, text + ends + "MOTION\n", "joints");
 }
 
-// A refused packet does not change how the decoder reads the next one.
+// A rejected packet does not change how the decoder reads the next one.
 TEST(PacketBounds, KeepTheNextPacket) {
   const auto decoder = make_line_decoder({});
   Counted counted;

@@ -1,4 +1,4 @@
-// SMPL's rotation vectors as lines: the frames of a file's motion, body descriptions, refusals.
+// SMPL's rotation vectors as lines: the frames of a file's motion, body descriptions, rejections.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
-// upright, turned at random; frames of 66 numbers and 3
+// Upright, with random rotations; frames of 66 numbers and 3.
 struct Motion {
   static constexpr std::size_t kFrames = 12;
   std::vector<double> poses, trans, betas = {0.7, -0.2};
@@ -77,7 +77,7 @@ TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
     ASSERT_TRUE(decoder->take(motion.line(frame).dump(), kept));
   }
-  // the body comes once, though every line has its betas
+  // The body is described once, although every line has its betas.
   ASSERT_EQ(kept.skeletons.size(), 1U);
   const Skeleton& skeleton = kept.skeletons[0].skeleton();
   EXPECT_EQ(skeleton.names(), read->clip.skeleton().names());
@@ -162,7 +162,7 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   EXPECT_LT((frame.translations[0] - Eigen::Vector3d(1, -3, 2)).norm(), 1e-12);
   EXPECT_LT((frame.rotations[0] * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(),
             1e-12);
-  // another body, by a line of its own
+  // Another body, in a separate line.
   ASSERT_TRUE(decoder->take(R"({"height": 1.9})", kept));
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
@@ -178,7 +178,7 @@ TEST(SmplxLines, UseTheBodyOfTheUsersFile) {
   ASSERT_TRUE(decoder->take(line.dump(), kept));
   EXPECT_TRUE(kept.skeletons.empty());
   expect_same(kept.frames.at(0), read->clip, 2, 0.0);
-  // with fingers, as files have them whose hands move
+  // With fingers, as in files with moving hands.
   decoder->know_skeleton(smpl_skeleton(generic_smpl_rest_body(1.7), true));
   ASSERT_TRUE(decoder->take(line.dump(), kept));
   EXPECT_EQ(kept.frames.at(1).rotations.size(), 52U);
