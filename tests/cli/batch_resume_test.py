@@ -70,7 +70,7 @@ class Resume(BatchTest):
         at = '<body name="left_elbow_link"'
         before, behind = (robot / "model.xml").read_text().split(at)
         tag, behind = behind.split(">", 1)
-        # the elbow's own shapes go before a mesh
+        # The elbow's own shapes take precedence over a mesh.
         elbow, behind = behind.split("<body", 1)
         elbow = "\n".join(line for line in elbow.splitlines() if "<geom" not in line)
         asset = '<asset><mesh name="arm" file="arm.obj"/></asset>'
@@ -124,7 +124,7 @@ class Resume(BatchTest):
         self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out"))
         self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
-        # the same from the manifests of parts
+        # The same for the manifests of parts.
         self.write("in/bad.bvh", "HIERARCHY\n")
         self.clips("c.bvh")
         codes = [self.batch("--shard", f"{i}/2", output="parts").returncode for i in (1, 2)]
@@ -149,7 +149,7 @@ class Resume(BatchTest):
         left = self.write("out/sub/.retarget-1-0.tmp", "half")
         self.assert_done(self.batch())
         self.assertFalse(left.exists())
-        # parts may be at work beside each other, so the merging of them does it
+        # Parts may run at the same time, so only their merge removes files.
         left = self.write("parts/sub/.retarget-1-0.tmp", "half")
         for part in ("1/2", "2/2"):
             self.assert_done(self.batch("--shard", part, output="parts"))
@@ -241,7 +241,7 @@ class NothingIsLost(BatchTest):
         self.assert_fails(self.retarget("--smpl-model", "none.npz", bvh=clip), 2, "--smpl-model")
         self.write("body.npz", "any")
         self.assert_fails(self.retarget("--smpl-model", "body.npz", bvh=clip), 2, "--smpl-model")
-        # the clips of a batch may be of both kinds
+        # The clips of a batch may have both formats.
         self.assert_done(self.batch("--smpl-model", "body.npz"))
 
     def test_edited_files_are_not_removed(self):

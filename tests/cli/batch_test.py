@@ -117,13 +117,13 @@ class Outputs(BatchTest):
         self.assertEqual(self.outputs(), ["a/walk.csv", "b/walk.csv"])
         both = self.batch("--base", "in", "--relative-to", "in", inputs=("@list.txt",), output="b")
         self.assert_fails(both, 2, "--base", "--relative-to", "give only one of them")
-        # neither a folder nor a kind of base
+        # Neither a folder nor a kind of base.
         self.assert_fails(self.batch("--base", "fxied", output="c"), 2, '"fxied"', "auto", "fixed")
         self.assertFalse((self.folder / "c").exists())
 
     def test_the_base_of_the_robot_is_fixed_as_in_a_single_run(self):
         self.clips("walk.bvh", frames=12)
-        # a folder of this name is not meant
+        # A folder with this name is not used.
         (self.folder / "fixed").mkdir()
         for method in ("fit", "gmr"):
             held = self.run_tool("batch", "in", "-o", method, "--robot", "g1", "--base", "fixed",
@@ -136,7 +136,7 @@ class Outputs(BatchTest):
                                            bvh=self.folder / "in/walk.bvh"))
             self.assertEqual((self.folder / "out.csv").read_bytes(),
                              (self.folder / method / "walk.csv").read_bytes())
-        # another base makes other motions, so nothing is done already
+        # Another base changes all motions, so nothing counts as done.
         again = self.run_tool("batch", "in", "-o", "gmr", "--robot", "g1", "--method", "gmr",
                               "--base", "auto", "--resume")
         self.assert_done(again)

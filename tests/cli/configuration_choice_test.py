@@ -10,7 +10,7 @@ from tool import SOURCE, ToolTest, sample
 
 PUBLISHED = "configs/lafan1_to_unitree_g1.json"
 DERIVED = "robots/unitree_g1/ik.json"
-# what GAMES-105 calls the joints of LAFAN1
+# GAMES-105's names of LAFAN1's joints.
 OTHER_NAMES = {"Hips": "RootJoint", "Spine": "pelvis_lowerback", "Spine1": "lowerback_torso",
                "LeftUpLeg": "lHip", "LeftLeg": "lKnee", "LeftFoot": "lAnkle",
                "LeftToe": "lToeJoint", "RightUpLeg": "rHip", "RightLeg": "rKnee", "RightFoot": "rAnkle",

@@ -38,7 +38,7 @@ class Gates(DataSetTest):
         self.assertRegex(rows[0][1], r"^peak_speed \d.* \(at most 0\)$")
         self.assertIn("bad.bvh:2:1: error", rows[1][1])
         self.assertIn("0 of 3 clips in out/passed.txt; 2 miss a gate; 1 failed", result.stderr)
-        # other gates cost nothing: no clip is done again
+        # Other gates need no work: no clip is redone.
         self.assertEqual(self.measured("--gate", "none", "--resume", "--sidecar").returncode, 1)
         self.assertEqual(self.lines("passed.txt"), ["b.csv", "sub/a.csv"])
         self.assertEqual(len(self.rows("failed.tsv")), 2)
@@ -67,7 +67,7 @@ class Gates(DataSetTest):
         self.assertEqual(self.lines("passed.txt"), ["a.csv"])
         self.assertEqual(self.lines("train.txt") + self.lines("validation.txt"), ["a.csv"])
         self.assertIn("3 clips of the manifest are not part of this call", again.stderr)
-        # nothing is forgotten
+        # Nothing is lost.
         self.assertEqual(len(self.manifest()), 4)
         self.assertIn("4 of 4 are done", self.batch("--resume", "--mirror").stderr)
         self.assertEqual(len(self.lines("passed.txt")), 4)
@@ -78,7 +78,7 @@ class Gates(DataSetTest):
         def gates():
             return json.loads((self.folder / "out/options.json").read_text())[0]["gates"]
         self.assertEqual(gates()["jumps"], {"max": 3.0})
-        # as configs/quality/default.json has them
+        # The gates of configs/quality/default.json.
         self.assertEqual(gates()["stance_slip_mean"], {"max": 0.002, "leg_m": 0.632})
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--gate", "none", "--gate",
                                        "jumps<=5"))
@@ -116,7 +116,7 @@ class Gates(DataSetTest):
         self.assertTrue((self.folder / "out.csv").exists())
         self.assert_done(self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=1000",
                                        bvh=clip))
-        # without the option quality decides nothing
+        # Without the option, quality has no effect.
         self.assert_done(self.retarget(*GMR, bvh=clip))
         self.assert_fails(self.retarget(*GMR, "--gate", "peek_speed<=1", bvh=clip), 2,
                           'did you mean "peak_speed"?')
@@ -186,7 +186,7 @@ class Splits(DataSetTest):
         self.assertIn("8 clips of 4 groups for training, 2 clips of 1 group for validation",
                       result.stderr)
         self.assertIn("5 groups by the subject", result.stderr)
-        # in parts, joined, the same
+        # The same in parts that are merged.
         for part in (1, 2, 3):
             part_done = self.batch("--split", "0.8:7", "--shard", f"{part}/3", output="parts")
             self.assert_done(part_done)
@@ -214,7 +214,7 @@ class Splits(DataSetTest):
             self.assert_together(*together)
             self.assertIn("3 groups joined with others", result.stderr)
             self.assertGreater(len(self.lines("validation.txt")), 0)
-        # the order of inputs, shards, resume and merges make no difference
+        # The result is independent of the order of inputs, shards, resume and merges.
         whole = {name: self.lines(name) for name in ("train.txt", "validation.txt")}
         files = sorted(str(file) for file in (self.folder / "in").rglob("*.bvh"))
         self.assert_done(self.batch("--split", "0.6:5", "--base", self.folder / "in",
@@ -281,7 +281,7 @@ class Splits(DataSetTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts", "--split",
                                        "0.6,0.2,0.2:1"))
         self.assertEqual([self.lines(name, "parts") for name in self.LISTS], lists)
-        # a list that two shares do not renew is old
+        # A list that a two-way split does not rewrite is outdated.
         again = self.batch("--resume", "--split", "0.8:1")
         self.assert_done(again)
         self.assertIn("test.txt: warning: this list is from an earlier call", again.stderr)
@@ -304,7 +304,7 @@ class MirrorImages(DataSetTest):
         for key in ("limb_angle_deg", "trunk_lean_error_deg", "track_pos_cm"):
             self.assertAlmostEqual(original["quality"]["figures"][key],
                                    image["quality"]["figures"][key], delta=0.3)
-        # left and right have changed places
+        # Left and right are exchanged.
         ours, theirs = ([[float(x) for x in line.split(",")] for line in self.lines(name)]
                         for name in ("wave.csv", "wave_mirrored.csv"))
         left, right = 7 + 15 + 3, 7 + 22 + 3  # elbows
@@ -312,7 +312,7 @@ class MirrorImages(DataSetTest):
             self.assertAlmostEqual(a[left], b[right], delta=0.06)
             self.assertAlmostEqual(a[right], b[left], delta=0.06)
         self.assertGreater(max(abs(a[left] - a[right]) for a in ours), 0.5)
-        # the same as of a file that was mirrored before, and as a single run
+        # Equal to the result of a mirrored file, and of a single run.
         single = self.retarget("--mirror", bvh=self.folder / "in/wave.bvh")
         self.assert_done(single)
         self.assertEqual((self.folder / "out.csv").read_bytes(),
@@ -411,10 +411,10 @@ class Duplicates(DataSetTest):
         again = self.batch("--dedupe", "--mirror", "--resume")
         self.assert_done(again)
         self.assertIn("4 of 4 are done", again.stderr)
-        # without the option they are clips like others
+        # Without the option they are ordinary clips.
         self.assert_done(self.batch("--mirror", "--resume"))
         self.assertEqual(len(self.lines("passed.txt")), 10)
-        # and with it again they are found among what is done
+        # With it, they are found again among the finished ones.
         self.assert_done(self.batch("--mirror", "--resume", "--dedupe"))
         self.assertEqual(len(self.lines("passed.txt")), 4)
         self.assert_done(self.run_tool("view", "out", "-o", "gallery"))

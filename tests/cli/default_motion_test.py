@@ -25,7 +25,7 @@ class DefaultMotion(ToolTest):
 
 class StandingStraight(DefaultMotion):
     def test_a_human_who_stands_straight_gives_a_robot_that_does(self):
-        # the person turns on the spot, upright within two degrees of the skeleton's T-pose
+        # The person turns in place, upright within two degrees of the skeleton's T-pose.
         for robot in ROBOTS:
             with self.subTest(robot):
                 lean = self.report_of_run(sample("turn_in_place"), robot)["trunk_lean"]
@@ -80,7 +80,7 @@ class LikeThePublishedData(DefaultMotion):
         for name in ("lafan1/dance1_subject2",
                      "lafan1_cuts/dance1_subject1_stumbling_filtered_60fps"):
             self.report_of_run(SHARED / f"data/{name}.bvh")
-            # the 22nd column; the joint goes from -0.52 to 0.52 rad
+            # The 22nd column; the joint moves from -0.52 to 0.52 rad.
             pitch = [float(line.split(",")[21])
                      for line in (self.folder / "out.csv").read_text().splitlines()]
             self.assertGreater(max(map(abs, pitch)), 0.2)

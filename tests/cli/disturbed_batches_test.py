@@ -95,7 +95,7 @@ class Disturbed(ToolTest):
         for i in range(CLIPS):
             name = f"in/{i % 7:02}/clip {i:03}.bvh"
             self.write(name, short_clip(names[i % 5], self.chance.randint(30, 60)))
-        # failures are results as well
+        # Failures are results as well.
         self.write("in/03/bad.bvh", sample("wave").read_bytes()[:-400])
         self.write("beside/summary.csv", "not the batch's\n")
         self.before = files_below(self.folder)
@@ -227,7 +227,7 @@ class TwoAtOnce(Disturbed):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
             texts = [batch.communicate(timeout=300)[1] for batch in both]
-            # one is refused, or comes after the other and finds it all done
+            # One is rejected, or runs after the other and finds all clips done.
             told = sum("another batch is writing" in text or "are done and unchanged" in text
                        for text in texts)
             self.assertEqual(told, 1, texts)
@@ -358,7 +358,7 @@ class NamedFiles(Disturbed):
         library = self.folder / "named.so"
         source = self.write("named.c", NO_NAMELESS_FILES)
         subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source], check=True)
-        # the loader takes a blank for the end of a name, and the tool runs in this folder
+        # The loader ends a name at a blank, and the tool runs in this folder.
         self.environment = {**os.environ, "LD_PRELOAD": "./" + library.name}
 
     def unfinished(self):
@@ -373,7 +373,7 @@ class NamedFiles(Disturbed):
         batch = self.start("--jobs", "1", env=self.environment)
         seen = False
         deadline = time.monotonic() + 60
-        # the longest comes first
+        # The longest starts first.
         while not seen and batch.poll() is None and time.monotonic() < deadline:
             seen = bool(self.unfinished()) and bool(children_of(batch.pid))
             time.sleep(0.005)

@@ -24,7 +24,7 @@ EXIT_CODES = {
 }
 
 ROBOT = SOURCE / "robots/unitree_g1"
-# how lines begin that are commands of a shell
+# Prefixes of lines that are shell commands.
 COMMAND = re.compile(r"^(?:[A-Za-z_]+=\S+ +)*"
                      r"(retarget|tools/\S+|bench/\S+|cmake|ctest|sbatch|seq|python3|job=\S+)(?: |$)")
 
@@ -56,7 +56,7 @@ def commands(document):
 SMPL = ("pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
         "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
         "left_elbow right_elbow left_wrist right_wrist").split()
-# places of these joints, metres, Y up, facing z
+# Positions of these joints, metres, Y up, facing z.
 STANDING = [
     (0, 0, 0), (.09, -.08, 0), (-.09, -.08, 0), (0, .11, 0), (.09, -.46, .02), (-.09, -.46, .02),
     (0, .25, 0), (.09, -.87, 0), (-.09, -.87, 0), (0, .31, 0), (.09, -.92, .12), (-.09, -.92, .12),

@@ -119,7 +119,7 @@ class Figures(ToolTest):
 
     def test_drawings_are_what_the_tool_draws(self):
         for name, content in docs_figures.draw_with_tool(TOOL, self.folder).items():
-            # of PNG the packing depends on zlib: view_test compares their pixels
+            # The compression of PNG depends on zlib: view_test compares the pixels.
             if name.endswith(".svg"):
                 self.assertTrue(content == (SOURCE / "docs/pictures" / name).read_bytes(),
                                 f"{name}: {AGAIN}")

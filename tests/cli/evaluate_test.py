@@ -80,7 +80,7 @@ class AgainstTheJudge(ToolTest):
         return json.loads((self.folder / "report.json").read_text())["motions"]
 
     def test_published_motions(self):
-        # parts with jumps, in the middle of a fall, and of walking
+        # Parts with jumps, in the middle of a fall, and of walking.
         for clip, start in zip(CLIPS, (500, 1500, 3000)):
             with self.subTest(clip):
                 lines = (PUBLISHED / f"{clip}.csv").read_text().splitlines(keepends=True)
@@ -114,7 +114,7 @@ class Crawling(ToolTest):
         self.assert_done(result)
         self.assertNotIn("missed   ", result.stderr)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
-        # by their heights some feet stand, and no sole is near the floor
+        # By their heights some feet stand, but no sole is near the floor.
         self.assertGreater(motion["contact_pct"], 14)
         self.assertNotIn("stance_height_p50_cm", motion)
         # Elbows, knees and insteps support the body.
@@ -136,7 +136,7 @@ class PublishedFigures(ToolTest):
         model = REFERENCE / "g1_mocap_29dof.xml"
         if not model.exists():
             self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
-        # of this model's shapes only the four spheres under each foot need no mesh
+        # Only the four spheres under each foot of this model need no mesh.
         result = self.run_tool("evaluate", *(PUBLISHED / f"{clip}.csv" for clip in CLIPS),
                                "--robot-xml", model, "--limits",
                                REFERENCE / "g1_29dof_rev_1_0.xml", "--gate", "none", "--json", "-")
@@ -210,7 +210,7 @@ class EvaluateCommand(ToolTest):
     def test_gates_decide_the_exit_code(self):
         self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", "jumps=0"))
         result = self.evaluate(self.good, "--gate", "none", "--gate", "peak_speed=0")
-        # a result and no error
+        # A result instead of an error.
         self.assertEqual(result.returncode, 1)
         self.assertNotIn("error", result.stderr)
         self.assertRegex(result.stderr, r"missed +wave.csv: peak_speed [\d.]+ \(at most 0\)\n"
@@ -268,7 +268,7 @@ class EvaluateCommand(ToolTest):
         self.assertIn("force along", faults.stdout)
         plain = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--gate", "none")
         self.assertNotIn("dynamics_bad_pct", plain.stdout)
-        # a run and a batch measure the same
+        # A run and a batch measure the same values.
         self.assert_done(self.run_tool("--bvh", "step.bvh", "--robot", "unitree_g1", "-o", "run.csv",
                                        "--dynamics", "--report", "run.json"))
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]

@@ -82,7 +82,7 @@ class Gallery(GalleryTest):
         index = "../index.html"
         self.assertEqual(pages[0][1], {"index": index, "previous": "", "next": pages[1][0]})
         self.assertEqual(pages[1][1], {"index": index, "previous": pages[0][0], "next": ""})
-        # a second time: the same bytes, and nothing else
+        # A second run: the same bytes and no other files.
         before = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
         self.assert_done(self.gallery())
         after = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
@@ -123,7 +123,7 @@ class Gallery(GalleryTest):
         squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
         header = data_of(self.folder / "gallery" / squat["page"], "page-header")
         self.assertNotIn("human", header["motions"][0])
-        # a source that is another file now keeps nothing from being seen
+        # A changed source does not block the page.
         self.write("clips/squat.bvh", b"HIERARCHY\n")
         self.assert_done(self.gallery())
         squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
@@ -155,7 +155,7 @@ class Gallery(GalleryTest):
 
     def test_a_source_that_has_changed_is_not_shown(self):
         self.batch(clips=("walk", "squat"))
-        # another clip, which can be read: only its content tells
+        # Another readable clip: only its content differs.
         self.write("clips/walk.bvh", short_clip("squat", 40))
         self.assert_done(self.gallery())
         clips = {clip["name"]: clip for clip in self.index()["clips"]}
@@ -177,7 +177,7 @@ class Gallery(GalleryTest):
 
     def test_paths_are_those_of_the_batchs_call_or_of_its_folder(self):
         self.batch(clips=("walk",))
-        # moved with its sources: the same names lead there from the batch's folder
+        # Moved with its sources: the same names are found from the batch's folder.
         (self.folder / "clips").rename(self.folder / "out/clips")
         self.write("clips/walk.bvh", short_clip("squat", 40))
         self.assert_done(self.gallery())
@@ -229,7 +229,7 @@ class Gallery(GalleryTest):
         motion = self.folder / "out/walk.csv"
         rows = read_rows(motion.read_text())
         for row in rows:
-            # on a high platform, as if in centimetres; an arm turned around, as if in degrees
+            # On a high platform, as if in centimetres; a rotated arm, as if in degrees.
             row[2] += 30.0
             row[-1] += 12.56637
         motion.write_text("".join(",".join(map(repr, row)) + "\n" for row in rows))
@@ -335,7 +335,7 @@ class Gallery(GalleryTest):
             return list(self.folder.glob("gallery/clips/*.html"))
 
         self.wait_until(first_page)
-        # the next pages wait, so that it cannot be through
+        # The next pages wait, so that it cannot finish.
         process.send_signal(signal.SIGINT)
         time.sleep(0.3)
 
@@ -357,7 +357,7 @@ class Gallery(GalleryTest):
 
     def test_it_fails_when_every_process_dies(self):
         self.batch()
-        # at its end the leak checker starts a child of its own and waits forever when that is killed
+        # At its end the leak checker starts a child process, and hangs if that is killed.
         options = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "detect_leaks=0"]))
         process = self.start_waiting_gallery(ASAN_OPTIONS=options)
 
@@ -375,7 +375,7 @@ class Gallery(GalleryTest):
 
     def test_links_skip_a_page_that_failed(self):
         self.batch(clips=("walk", "squat", "wave"))
-        # on one processor there is one process at a time
+        # On one processor there is one process at a time.
         process = self.start_waiting_gallery(processors=[min(os.sched_getaffinity(0))])
         gates = self.folder / "data/configs/quality/default.json"
 
@@ -385,7 +385,7 @@ class Gallery(GalleryTest):
                 return os.open(gates, os.O_WRONLY | os.O_NONBLOCK)
 
         end = self.wait_until(waiting)
-        # the processes after it need not wait
+        # Later processes need not wait.
         ready = self.write("ready.json", (SOURCE / "configs/quality/default.json").read_bytes())
         os.replace(self.folder / ready, gates)
         os.kill(self.children(process)[0], signal.SIGKILL)
@@ -403,7 +403,7 @@ class Gallery(GalleryTest):
         process = self.start_waiting_gallery()
         child = self.wait_until(lambda: self.children(process))[0]
         limits = pathlib.Path(f"/proc/{child}/limits")
-        # the bound comes first in a process that has just been made
+        # The bound applies first in a new process.
         self.wait_until(lambda: "unlimited" not in re.search("Max data size +(.+)",
                                                              limits.read_text())[1].split()[0])
 
@@ -435,7 +435,7 @@ class GalleryInABrowser(GalleryTest):
             try:
                 return browser.wait_for(condition, wait=deadline - time.monotonic())
             except RuntimeError:
-                # asked while the browser was between two pages
+                # Requested while the browser was between two pages.
                 time.sleep(0.05)
         return self.fail(condition)
 
@@ -505,7 +505,7 @@ class GalleryInABrowser(GalleryTest):
             pages = browser.run("[...document.querySelectorAll('a.clip')].map((node) => node.href)")
             self.assertEqual(len(pages), 3)
             browser.run("document.querySelector('a.clip').click()")
-            # into the first, on to the others, back, and to the index
+            # Into the first, on to the others, back, and to the index.
             for key, wanted in (("", 0), ("]", 1), ("]", 2), ("]", 2), ("[", 1)):
                 if key:
                     browser.press(key)

@@ -14,7 +14,7 @@ except ImportError:
 
 FRAMES = 90
 
-# by finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres
+# By finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres.
 FINGERS = {
     "Thumb": ((2.5, 2.2, 1.2), (4.6, 3.2, 2.6)),
     "Index": ((9.0, 2.5, 0.0), (4.0, 2.3, 2.0)),
@@ -153,7 +153,8 @@ class Hands(ToolTest):
         poses = numpy.zeros((frames, 165))
         poses[:, 0] = math.pi / 2  # stands along z
         bend = numpy.clip((numpy.arange(frames) - 10) / 20.0, 0.0, 1.0)
-        # fingers point along x, palms down: the left ones close about -z; thumbs, the last three, keep still
+        # Fingers point along x, palms down: the left ones close about -z; thumbs, the last three,
+        # do not move.
         for joint in range(12):
             poses[:, 75 + 3 * joint + 2] = -1.4 * bend
             poses[:, 120 + 3 * joint + 2] = 1.4 * bend

@@ -78,7 +78,7 @@ class HostileInput(ToolTest):
             self.assert_small(result)
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertIn("frames", result.stderr)
-        # the same at an honest rate is a motion
+        # The same at a plausible rate is a motion.
         result = self.run_measured("--bvh", clip, "--source-fps", 30, "--robot", "unitree_g1",
                                    "-o", "o.csv")
         self.assertEqual(result.returncode, 0, result.stderr)

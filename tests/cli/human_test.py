@@ -128,7 +128,7 @@ class WhatIsUnderstood(ToolTest):
 
     def test_a_body_without_arms(self):
         hierarchy, header, rows = parts("walk")
-        # arms come last, and so do their columns
+        # Arms come last, and so do their columns.
         cut = hierarchy[:hierarchy.index("JOINT LeftShoulder")]
         depth = cut.count("{") - cut.count("}")
         columns = sum(int(n) for n in re.findall(r"CHANNELS (\d)", cut))
@@ -188,7 +188,7 @@ class SharedFiles(ToolTest):
                 result = self.run_tool("--smpl", file, "--robot", "unitree_g1", "-o", "smpl.csv")
                 self.assert_done(result)
                 self.assertIn("generic body", result.stderr)
-                # known by its content where it is named without an option
+                # Recognised by content if named without an option.
                 self.assert_done(self.run_tool(file, "g1", "-o", "word.csv"))
                 self.assertEqual((self.folder / "word.csv").read_bytes(),
                                  (self.folder / "smpl.csv").read_bytes())

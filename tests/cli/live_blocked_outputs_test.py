@@ -172,7 +172,7 @@ class BlockedOutputs(LiveTest):
             for visit in range(3):
                 connection, _ = listener.accept()
                 with connection, connection.makefile("rb") as lines:
-                    # each connection begins with the line that names the joints
+                    # Each connection begins with the line of joint names.
                     self.assertIn("joints", json.loads(lines.readline()))
                     frames = [json.loads(lines.readline())["frame"] for _ in range(20)]
                     self.assertEqual(frames, list(range(frames[0], frames[0] + 20)), visit)
@@ -225,7 +225,7 @@ class BlockedOutputs(LiveTest):
         self.assert_goes_on()
         told = self.interrupt(code=1)
         self.assertRegex(told, r"live.csv: error: \d+ robot frames could not be written: File too large")
-        # no row is cut
+        # No row is truncated.
         text = (self.folder / "live.csv").read_text()
         self.assertTrue(text.endswith("\n"))
         self.assertEqual({line.count(",") for line in text.splitlines()}, {35})

@@ -104,7 +104,7 @@ class Follow(LiveTest):
         taken.bind(("127.0.0.1", 0))
         taken.settimeout(30)
         self.write("short.bvh", short_clip("wave", FRAMES))
-        # read while it plays: a socket holds fewer packets
+        # Read during playback: a socket buffer holds fewer packets.
         self.start("-q", "--play", "short.bvh", "--to", f"udp:{taken.getsockname()[1]}?format=vmc", "--speed", "4")
         packets = [taken.recv(65536) for _ in range(FRAMES)]
         standing = self.vmc(packets)
@@ -116,7 +116,7 @@ class Follow(LiveTest):
                     continue
                 share = (seconds - begin) / (end - begin)
                 found = [a + share * (b - a) for a, b in zip(before, after)]
-                # both are sampled thirty times a second, at times of their own
+                # Both are sampled thirty times a second, at different times.
                 self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), 0.03, seconds)
                 compared += 1
         self.assertGreater(compared, FRAMES // 2)

@@ -125,7 +125,7 @@ class Datagrams(SendersTest):
                 self.send(first, port, [line])
                 other.sendto(b"{}\n", ("127.0.0.1", port))
                 far.sendto(b"{}\n", ("127.0.0.1", port))
-            # once it is silent the next one has the place
+            # Once it is silent, the next sender is accepted.
             time.sleep(SILENCE)
             self.send(other, port, self.lines[60:70])
             self.send(first, port, [b"{}\n"])
@@ -155,7 +155,7 @@ class Datagrams(SendersTest):
                 self.send(first, port, [line])
                 self.send(second, port, [line])
         taken, malformed, told = self.packets(process)
-        # one of them, and the other's first one
+        # One of them, and the first one of the other.
         self.assertLessEqual(abs(taken - 41), 1, told)
         self.assertEqual(malformed, 0, told)
 

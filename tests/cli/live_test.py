@@ -144,7 +144,7 @@ class Pipes(LiveTest):
         self.assertIn("0 frames", result.stderr)
 
 
-# of MVN's segments: name, parent, place in the T-pose, metres, Z up, facing x
+# Of MVN's segments: name, parent, position in the T-pose, metres, Z up, facing x.
 SEGMENTS = (
     ("Pelvis", None, (0, 0, 0.95)), ("L5", 0, (0, 0, 1.05)), ("L3", 1, (0, 0, 1.15)), ("T12", 2, (0, 0, 1.25)),
     ("T8", 3, (0, 0, 1.35)), ("Neck", 4, (0, 0, 1.49)), ("Head", 5, (0, 0, 1.58)),
@@ -223,7 +223,7 @@ class BinaryFormats(LiveTest):
         return read_rows((self.folder / "live.csv").read_text())
 
     def test_natnet_equals_lines(self):
-        # frames at whole milliseconds and 50 a second, as the robot's
+        # Frames at whole milliseconds and 50 per second, like the robot's.
         self.write("walk.bvh", re.sub("Frame Time: .*", "Frame Time: 0.02", sample("walk").read_text()))
         lines = self.motion("walk.bvh", "lines")
         self.assertIsNone(difference(self.motion("walk.bvh", "natnet"), lines, 1e-4))
@@ -261,7 +261,7 @@ class BinaryFormats(LiveTest):
     def test_natnet_asks_its_server(self):
         command = free_port()
         process, port = self.ask(command, "--record", "kept")
-        # frames go elsewhere, and to those who ask
+        # Frames go elsewhere, and to clients that request them.
         self.assert_done(self.run_tool("live", "--play", "short.bvh", "--to",
                                        f"udp:{free_port()}?format=natnet&command={command}"))
         time.sleep(0.3)

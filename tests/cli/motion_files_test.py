@@ -63,7 +63,7 @@ class MotionFilesTest(ToolTest):
 
     def assert_plain(self, name="out.csv"):
         found, wanted = (read_rows((self.folder / each).read_text()) for each in (name, "plain.csv"))
-        # quaternions are brought to length 1
+        # Quaternions are normalised.
         self.assertIsNone(difference(found, wanted, 1.5e-6))
 
 
@@ -80,7 +80,7 @@ class Headers(MotionFilesTest):
         return self.run_tool("convert", "in.csv", "out.csv", *G1, *arguments)
 
     def test_names_in_foreign_spellings(self):
-        # in another order, so that columns by their number would be another motion
+        # In another order, so that reading by position would give another motion.
         names = self.header.split(",")[::-1]
         self.header = ",".join(names)
         self.rows = "".join(",".join(line.split(",")[::-1]) + "\n"
@@ -354,7 +354,7 @@ class FramesInFront(ToolTest):
 class Messages(ToolTest):
     def test_columns_that_do_not_fit(self):
         golden = SOURCE / "tests" / "golden" / "walk.csv"
-        # the whole robot is a variant by its number of joints, as of --dof
+        # The joint count selects the whole robot, as with --dof.
         self.assert_done(self.run_tool("convert", golden, "same.csv", *G1, "--source-dof", 29))
         self.assert_done(self.run_tool("compare", golden, "same.csv"))
         self.assert_fails(self.run_tool("convert", golden, "x.csv", *G1, "--source-dof", 23), 3,

@@ -81,7 +81,7 @@ class Clean(ToolTest):
         for name in ("walk", "get_up", "turn_in_place"):
             self.run_on(sample(name), output="clean.csv")
             clean[name] = self.figures(name, "clean.csv", "--dynamics")
-        # limb angle: the limbs' own slow noise; off: how much more bad frames, percent
+        # limb angle: the slow noise of the limbs; off: the increase of bad frames, percent
         cases = (("walk", 3.0, 0.01, 5.5, 0.0), ("get_up", 3.0, 0.01, 9.5, 0.0),
                  ("turn_in_place", 3.0, 0.01, 6.0, 6.0), ("get_up", 7.0, 0.05, 15.0, 0.0))
         for name, degrees, slip, angle, more in cases:

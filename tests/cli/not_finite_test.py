@@ -168,7 +168,7 @@ class FailedSolvers(ToolTest):
         self.assertTrue(report["fit"]["solver"]["dynamics_failed"])
         self.assertEqual([fault["where"] for fault in report["faults"]
                           if fault["metric"] == "solver_failures"], ["fit with dynamics"])
-        # the frames are those without dynamics
+        # The frames equal those without dynamics.
         self.assert_done(self.retarget("--end", "1.5", robot="heavy", output="without.csv"))
         self.assertEqual((self.folder / "out.csv").read_bytes(),
                          (self.folder / "without.csv").read_bytes())

@@ -143,7 +143,7 @@ class FramesInFront(OddBody):
     def test_a_frame_that_faces_the_other_way(self):
         clip = Bvh(sample("walk"))
         first = [v[0].copy() for v in clip.values]
-        # half a turn about the vertical, in the order Z, Y, X of the root's channels
+        # Half a turn about the vertical, in the order Z, Y, X of the root's channels.
         turn = (Bvh(sample("walk")).world()[1][0, 0])
         turned = numpy.diag([-1.0, 1.0, -1.0]) @ turn
         first[0][3:] = numpy.degrees([numpy.arctan2(turned[1, 0], turned[0, 0]),
@@ -152,7 +152,7 @@ class FramesInFront(OddBody):
         clip.in_front([first] * 8)
         expected, _, _ = self.run_clip(Bvh(sample("walk")), name="expected")
         rows, _, _ = self.run_clip(clip, "--lead-in", "keep")
-        # the trunk is not wound up by the turn
+        # The turn does not wind up the trunk.
         self.assertLess(numpy.degrees(abs(rows[30:, 7:] - expected[22:, 7:]).mean()), 1.5)
 
     def test_requested_parts_are_exact(self):
@@ -195,7 +195,7 @@ class ToesThatTurnAsNoneDo(OddBody):
             rows, said, _ = self.run_clip(clip)
             self.assertIn("the toes turn farther than toes can", said)
             self.assertLess(abs(rows[:, :3] - expected[:, :3]).mean(), 0.01)
-            # as if they never turned
+            # As if they never turned.
             stiff = rename(Bvh(sample("walk")))
             for joint, values in zip(stiff.joints, stiff.values):
                 if joint.name.lower().endswith("toe"):

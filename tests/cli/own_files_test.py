@@ -14,7 +14,7 @@ except ImportError:
 
 ROBOTS = sorted(file.parent.name for file in [*SOURCE.glob("robots/*/robot.json"),
                                               *SOURCE.glob("robots/unverified/*/robot.json")])
-# a robot that a user may bring: 30 cm, joints without ranges (a made-up one)
+# An unusual user robot: 30 cm, joints without ranges (artificial).
 FREE_ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="base" pos="0 0 0.3">
   <freejoint/><geom size="0.05" mass="1"/>
   <body name="left_foot" pos="0 0.05 -0.3"><joint name="left" axis="0 0 1"/>
@@ -25,7 +25,7 @@ FREE_ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="base" pos
 
 
 class OwnFiles(FormatsTest):
-    # ways of writing that a file tells by itself
+    # Layouts that a file identifies by itself.
     TOLD = {
         "plain": (),
         "header": ("--csv-header",),
@@ -33,7 +33,7 @@ class OwnFiles(FormatsTest):
         "all": ("--csv-header", "--csv-quat", "wxyz", "--csv-frame-column", "--csv-degrees",
                 "--csv-centimetres", "--csv-delimiter", "tab"),
     }
-    # and those that only a sidecar or an option tells
+    # Layouts that need a sidecar or an option.
     UNTOLD = ("--csv-degrees", "--csv-centimetres", "--csv-quat", "wxyz")
 
     def own_rows(self, robot, clip):
@@ -65,7 +65,8 @@ class OwnFiles(FormatsTest):
                                                   *self.UNTOLD, robot=robot))
                     self.assert_fails(self.convert("way.csv", "x.csv", robot=robot), 3,
                                       "--source-angles deg")
-                    # as metres it is refused, or doubted where it may be the top of a wall
+                    # Read as metres it is rejected, or causes a warning where it may be the top of
+                    # a wall.
                     result = self.convert("way.csv", "x.csv", "--source-angles", "deg",
                                           robot=robot)
                     self.assertIn(result.returncode, (0, 3))

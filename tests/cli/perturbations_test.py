@@ -148,7 +148,7 @@ class NeverOnTheFloor(ToolTest):
         rows = read_rows((self.folder / "good.csv").read_text())
         lines = clip.read_text().splitlines()
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
-        # every frame a metre on, at the same pose: 30 m/s
+        # Each frame is one metre further, with the same pose: 30 m/s.
         slid = []
         for i, line in enumerate(lines[motion + 2:]):
             values = line.split()

@@ -17,7 +17,7 @@ except ImportError:
 
 SHARED = os.environ.get("RETARGET_SHARED")
 
-# limbs of the G1 between origins of its links
+# Limbs of the G1 between the origins of its links.
 SEGMENTS = [(f"{side}_{a}_link", f"{side}_{b}_link") for side in ("left", "right") for a, b in (
     ("hip_roll", "knee"), ("knee", "ankle_pitch"), ("shoulder_roll", "elbow"),
     ("elbow", "wrist_roll"))]
@@ -150,7 +150,7 @@ class PositionsFiles(ToolTest):
             "json.npy": (lambda f: numpy.save(f, places[:, ::-1]),
                          ("--joint-names", "names.json")),
         }
-        # as Windows' editors write it
+        # As written by Windows editors.
         self.write("names.txt", "\ufeff" + "\r\n".join(SMPL[::-1]) + "\r\n")
         self.write("names.json", json.dumps(SMPL[::-1]))
         for name, (write, options) in files.items():
@@ -225,7 +225,7 @@ class PositionsFiles(ToolTest):
         names, places = self.places_of(sample("walk"))
         places = 0.01 * places[:, [names.index(joint) for joint in LAFAN1]]
         turns = numpy.tile(numpy.eye(3), (len(places), 22, 1, 1))
-        # a body that glides in a T-pose, as its rotations have it
+        # A body that glides in a T-pose, according to its rotations.
         still = self.t_pose() + places[:, :1]
         numpy.savez(self.folder / "kimodo.npz", posed_joints=still, global_rot_mats=turns,
                     local_rot_mats=turns, foot_contacts=numpy.zeros((len(places), 4)),

@@ -58,7 +58,7 @@ class RobotToRobot(ToolTest):
         turned = []
         for row in rows:
             x, y, z, qx, qy, qz, qw = row[:7]
-            # a quarter turn about x takes z to y: (-half, 0, 0, half) times q
+            # A quarter turn about x maps z to y: (-half, 0, 0, half) times q.
             quaternion = [half * (qx - qw), half * (qy + qz), half * (qz - qy), half * (qw + qx)]
             turned.append([x, z, -y, *quaternion, *row[7:]])
         return turned
@@ -101,7 +101,7 @@ class RobotToRobot(ToolTest):
 
     def test_every_format_is_read(self):
         names = [name for name in FORMATS if name != "glb"]
-        # joints of PBHC's files are fewer, and trackers have a rate of their own
+        # PBHC's files have fewer joints, and tracking files their own rate.
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:60", "--npz-fps", 30,
                                        "--format", ",".join(names), bvh=sample("walk"),
                                        output="walk"))
@@ -120,7 +120,7 @@ class RobotToRobot(ToolTest):
     def test_other_rates(self):
         for fps in (24, 120):
             self.make("walk", "unitree_g1", "made.csv", "--fps", fps, "--sidecar")
-            # the sidecar beside it tells the rate
+            # The sidecar next to it states the rate.
             self.convert("made.csv", "g1", "g1", "back.csv", "--fps", "source")
             made, back = self.rows("made.csv"), self.rows("back.csv")
             self.assertEqual(len(made), len(back))
@@ -184,7 +184,7 @@ class RobotToRobot(ToolTest):
         self.assertTrue((self.folder / "out" / "sub" / "plain.csv").is_file())
         options = json.loads((self.folder / "out" / "options.json").read_text())[0]
         self.assertEqual(options["source_robot"], "unitree_g1")
-        # done and unchanged, the folder too
+        # Done and unchanged, including the folder.
         again = self.run_tool(*arguments, "--resume")
         self.assert_done(again)
         self.assertIn("4 of 4 are done and unchanged", again.stderr)

@@ -135,7 +135,7 @@ class Robots(ToolTest):
         self.assertIn(pair, unwrapped(run.stderr))
         motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
         self.assertEqual(motion["self_1cm_pct"], 0)
-        # a list that lacks them is spoken of
+        # A missing entry is reported.
         profile = json.loads((self.folder / "thick/robot.json").read_text())
         profile["allowed_self_contact"].remove(["Left_Hip_Yaw", "Right_Hip_Yaw"])
         self.write("thick/robot.json", json.dumps(profile))
@@ -236,7 +236,7 @@ class Robots(ToolTest):
         for _ in range(2):
             self.assert_done(self.run_tool("robots", "add", "new", "--model", "mine.xml",
                                            "--force"))
-        # the model may not be in the folder that is replaced
+        # The model must not be in the replaced folder.
         inside = self.run_tool("robots", "add", "new", "--model", "new/model.xml", "--force")
         self.assert_fails(inside, 2, "new/model.xml")
         self.assertTrue((self.folder / "new/model.xml").exists())
@@ -253,7 +253,7 @@ class Robots(ToolTest):
             result = self.run_tool("batch", "in", "-o", "out", "--robot", robots, "--method", "gmr")
             self.assert_fails(result, 4, '"name"', '".."')
         self.assertEqual(self.files(), before)
-        # a model file that leaves no name either
+        # A model file without a usable name.
         self.write("...xml", (SOURCE / "robots/unitree_g1/model.xml").read_bytes())
         self.assert_done(self.run_tool(
             "batch", "in", "-o", "out", "--robot-xml", "...xml", "--ik-config",
@@ -306,7 +306,7 @@ class RobotsThatAreNotInstalled(ToolTest):
             self.assert_fails(result, 4, "the robot booster_t1 is not installed",
                               "retarget robots install booster_t1 --source SOURCE")
         self.assert_fails(self.move("booster_k1"), 4, "its maker states no licence")
-        # the robot may be named before the motion
+        # The robot may precede the motion.
         result = self.run_here("booster_t1", sample("wave"), "-o", "x.csv")
         self.assert_fails(result, 4, "the robot booster_t1 is not installed")
         self.assert_fails(self.move("booster"), 4, "booster_k1 (not installed)", "booster_t1_29dof")
@@ -343,7 +343,7 @@ class RobotsThatAreNotInstalled(ToolTest):
             for file in (SOURCE / source).iterdir():
                 self.assertEqual((folder / file.name).read_bytes(), file.read_bytes())
         self.assert_moves_as_in_the_source("booster_k1")
-        # with the published configuration, as a robot of the data folder
+        # With the published configuration, like a robot of the data folder.
         self.assert_moves_as_in_the_source("t1", "--method", "gmr")
         again = self.run_here("robots", "install", "booster_k1", "--source", SOURCE)
         self.assert_fails(again, 2, "already exists", "--force")
@@ -362,7 +362,7 @@ class RobotsThatAreNotInstalled(ToolTest):
         done = self.run_here("robots", "install", "--source", "robots.zip")
         self.assert_done(done)
         self.assertIn("are installed", done.stderr)
-        # into a folder of one's own choice
+        # Into a chosen folder.
         (self.folder / "mine").mkdir()
         self.assert_done(self.run_here("robots", "install", "limx_oli", "--source", "robots.zip", "-o", "mine"))
         self.assertTrue((self.folder / "mine/limx_oli/model.xml").is_file())

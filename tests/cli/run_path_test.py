@@ -14,7 +14,7 @@ from tool import TOOL, ToolTest, absent
 @unittest.skipUnless(sys.platform == "linux", "ELF files")
 class RunPath(ToolTest):
     def test_the_tool_searches_no_folder_of_its_user(self):
-        # an installed tree is checked by the same test, see tests/consumer
+        # The same test checks an installed tree, see tests/consumer.
         self.assertEqual(run_path.loose_entries(pathlib.Path(TOOL)), [], run_path.run_path(
             pathlib.Path(TOOL)))
 

@@ -11,7 +11,7 @@ from tool import SOURCE, ToolTest, read_rows, sample
 DATA = SOURCE / "tests" / "scene" / "data"
 
 
-# a sample's joints as MVN's segments
+# The joints of a sample as MVN's segments.
 SEGMENTS = {"Hips": "Pelvis", "Spine": "L5", "Spine1": "L3", "Spine2": "T8", "Neck": "Neck", "Head": "Head",
             **{f"{side}{joint}": f"{side}{segment}" for side in ("Left", "Right") for joint, segment in (
                 ("Shoulder", "Shoulder"), ("Arm", "UpperArm"), ("ForeArm", "ForeArm"), ("Hand", "Hand"),
@@ -31,7 +31,7 @@ def mvnx(joints, parents, rows):
             x, y, z = (0.01 * float(row[f"{joint}.{axis}"]) for axis in "xyz")
             places.append(f"{x:.6f} {-z:.6f} {y:.6f}")
             a, b, c, d = (float(row[f"{joint}.q{axis}"]) for axis in "wxyz")
-            # a quarter turn about x first in the product
+            # A quarter turn about x comes first in the product.
             turns.append(" ".join(f"{half * value:.7f}" for value in (a - b, a + b, c - d, c + d)))
         frames.append(f'<frame type="normal"><orientation>{" ".join(turns)}</orientation>'
                       f'<position>{" ".join(places)}</position></frame>')
@@ -124,7 +124,7 @@ class SceneFiles(ToolTest):
             self.assert_done(self.run_tool(DATA / name, "g1", "-o", "out.csv"))
             rows.append(read_rows((self.folder / "out.csv").read_text()))
         joints = max(abs(a - b) for one, two in zip(*rows) for a, b in zip(one[7:], two[7:]))
-        # without a skin the zero pose is a guess
+        # Without a skin, the zero pose is a guess.
         self.assertLess(joints, 0.3)
 
     def test_inspect_lists_takes(self):

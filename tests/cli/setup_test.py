@@ -58,7 +58,7 @@ class Setup(unittest.TestCase):
         self.tree = folder / "tree"
         shutil.copytree(SOURCE / "tools", self.tree / "tools",
                         ignore=shutil.ignore_patterns("retarget", "samples"))
-        # pip takes a blank for the end of a folder's name
+        # pip ends a folder name at a blank.
         self.index = pathlib.Path(tempfile.mkdtemp(prefix="retarget_wheels_"))
         self.addCleanup(shutil.rmtree, self.index, ignore_errors=True)
         self.environment = {k: v for k, v in os.environ.items()
@@ -106,7 +106,7 @@ class Wheel(Setup):
         result = self.setup()
         self.assert_nothing_installed(result)
         self.assertIn(digest, result.stderr)
-        # the same call takes it once its hash is the pinned one
+        # The same call accepts it once its hash is pinned.
         self.pin("mujoco.txt", "mujoco-core==4.0.0", digest)
         result = self.setup()
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -87,7 +87,7 @@ class SmallFiles(ToolTest):
 
     @unittest.skipIf(is_sanitized(), "a sanitizer takes minutes for long motions")
     def test_bvh_of_a_whole_body(self):
-        # one number moves a body of 22 joints: the most frames that there can be
+        # One number moves a body of 22 joints: the maximum number of frames.
         lines = sample("wave").read_text().splitlines()
         motion = lines.index("MOTION")
         body, first = [], True
@@ -117,7 +117,7 @@ class SmallFiles(ToolTest):
         files["gender.npz"] = npz(poses=npy((9, 66)), trans=npy((9, 3)), fps=rate(30.0),
                                   betas=npy((2000000,)), gender=npy((1,), "<U4000000"))
         self.try_all(files, ("inspect", "FILE"), run)
-        # and a body model
+        # Also with a body model.
         motion = self.write("motion.npz", npz(poses=npy((9, 66)), trans=npy((9, 3)),
                                               fps=rate(30.0)))
         bodies = {f"body{points}.npz": npz(v_template=npy((points, 3)), faces_tree=npy((9, 3)),

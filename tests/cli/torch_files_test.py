@@ -66,7 +66,7 @@ class TorchFiles(ToolTest):
 
     def test_results_of_gvhmr(self):
         motion = walking()
-        # y up: a turn by a right angle against the clip; the numbers of the file are floats
+        # y up: rotated by a right angle relative to the clip; the file has floats.
         world = {"body_pose": motion["pose_body"].astype("f4"),
                  "global_orient": turned(motion["root_orient"], 0, -numpy.pi / 2).astype("f4"),
                  "transl": numpy.asfortranarray(motion["trans"][:, [0, 2, 1]].astype("f4")),
@@ -78,7 +78,7 @@ class TorchFiles(ToolTest):
         self.assertIn("up +z", result.stderr)
         first = (self.folder / "out.csv").read_bytes()
         self.assert_same(rows, self.npz_rows(motion), 2e-5)
-        # the same by its option, by standard input, and by another rate
+        # The same by its option, by standard input, and at another rate.
         result = self.run_tool("--smpl", "hmr4d_results.pt", "--robot", "g1", "-o", "again.csv")
         self.assert_done(result)
         self.assertEqual((self.folder / "again.csv").read_bytes(), first)
@@ -200,7 +200,7 @@ class RealFiles(ToolTest):
                 result = self.run_tool(folder / name, "g1", "-o", "o.csv", "--report", "o.json")
                 self.assert_done(result)
                 if name.startswith("gvhmr"):
-                    # its body is thrown about for two frames, late to come down again, and its feet do not rest
+                    # Its body is thrown about for two frames, lands late, and its feet do not rest.
                     self.assertRegex(result.stderr,
                                      r"missed +com_acc_p99 [^,]*,\s+hover_pct [^,]*,\s+source_slide_mean")
                     self.assertIn("verdict  25 of 28 gates kept", result.stderr)

@@ -192,7 +192,7 @@ class Mistakes(ToolTest):
                 (("robots", "add"), "no name and no --model are given"),
                 (("edit",), "retarget edit needs one of the commands rest, transfer")):
             self.assert_fails(self.run_tool(*words), 2, missing)
-        # a merge has neither clips nor a robot
+        # A merge has neither clips nor a robot.
         self.assert_fails(self.run_tool("batch", "--merge", "-o", "none"), 2, '"none" is not the output')
 
     def test_folder_instead_of_a_file(self):

@@ -9,9 +9,9 @@ from mujoco_python import load_mujoco
 from pages import data_of, tracks_of
 from tool import SOURCE, ToolTest
 
-# half a step of the page's vertices along each axis
+# Half a step of the page's vertices along each axis.
 TOLERANCE = 0.5 * 4e-4 * np.sqrt(3) + 1e-6
-# nothing is symmetric, so that no axis can be taken for another
+# Nothing is symmetric, so that axes cannot be confused.
 CORNERS = np.array(
     [[0, 0, 0], [0.13, 0.02, 0], [0.01, 0.21, 0.03], [0.02, 0.01, 0.34], [0.2, 0.1, 0.3]]
 )

@@ -72,7 +72,7 @@ class PageFiles(ToolTest):
             both = [figure["value"], figure["p95"]] if "p95" in figure else figure["value"]
             self.assertEqual(both, report[figure["key"]])
         self.assertEqual(len(shown["faults"]), len(report["faults"]))
-        # and a page that is made of the file afterwards shows them, too
+        # A page made later from the file shows them, too.
         self.assert_done(
             self.run_tool(
                 "view", "walk.csv", "--robot", "unitree_g1", "--bvh", clip, "-o", "again.html"
@@ -85,12 +85,12 @@ class PageFiles(ToolTest):
 
     def test_errors_over_time_are_those_of_the_report(self):
         clip = self.write("walk.bvh", short_clip("walk", 61))
-        # at a rate of which every frame has its errors
+        # At a rate at which every frame has its errors.
         page = self.run_page("--method", "gmr", "--fps", 15, "--report", "walk.json", clip=clip)
         [report] = json.loads((self.folder / "walk.json").read_text())["motions"]
         header, tracks = data_of(page)[0], tracks_of(page)
         errors = {each["body"]: each for each in header["motions"][0]["errors"]}
-        # of each body its last table's
+        # The errors of each body's last table.
         rows = {row["body"]: row for row in report["tracking"]}
         self.assertEqual(errors.keys(), rows.keys())
         self.assertGreater(len(rows), 10)
@@ -171,7 +171,7 @@ class PageFiles(ToolTest):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(message, result.stderr)
                 self.assertFalse((self.folder / arguments[1]).exists())
-        # both at once are for both
+        # Both options apply to both motions.
         self.assert_done(self.run_tool(*view, "-o", "P.HTML", "--png", "p.png", "--strip", 2))
         self.assertIn("<!doctype html>", (self.folder / "P.HTML").read_text())
 
@@ -199,7 +199,7 @@ class PageFiles(ToolTest):
             )
         )
         first, second = data_of((self.folder / "p.html").read_text())[0]["motions"]
-        # two seconds of both, though the source is looked at at the rate of the first
+        # Two seconds of both, although the source is sampled at the rate of the first.
         self.assertEqual(first["rate"], second["rate"])
         rate = first["rate"][0] / first["rate"][1]
         self.assertAlmostEqual(rate, 50)
@@ -213,7 +213,7 @@ class PageFiles(ToolTest):
         self.assert_done(
             self.retarget("--method", "gmr", bvh=clip, robot="unitree_g1", output="a.csv")
         )
-        # a quarter turn to the left about the vertical, and three metres on
+        # A quarter turn to the left about the vertical, and three metres ahead.
         half = math.sqrt(0.5)
         rows = []
         for line in (self.folder / "a.csv").read_text().splitlines():

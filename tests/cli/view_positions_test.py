@@ -13,7 +13,7 @@ from pages import data_of
 from tool import NODE, SOURCE, ToolTest, run_in_node
 
 FRAMES = 7
-# of all positions; joints are rounded to 5e-5 rad
+# For all positions; joints are rounded to 5e-5 rad.
 TOLERANCE = 2e-4
 
 # a slide and a hinge with references, a hinge beside its body's origin
