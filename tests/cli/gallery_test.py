@@ -82,7 +82,7 @@ class Gallery(GalleryTest):
         index = "../index.html"
         self.assertEqual(pages[0][1], {"index": index, "previous": "", "next": pages[1][0]})
         self.assertEqual(pages[1][1], {"index": index, "previous": pages[0][0], "next": ""})
-        # A second run: the same bytes and no other files.
+        # A second run gives the same bytes and only these files.
         before = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
         self.assert_done(self.gallery())
         after = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
