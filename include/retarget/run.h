@@ -87,6 +87,8 @@ class Observer {
   [[nodiscard]] virtual bool is_stopped() const { return false; }
   /// Whether the summary is shown. If not, work that only serves the summary is skipped.
   [[nodiscard]] virtual bool is_read() const { return false; }
+  /// The plan of a run that writes files, before it is solved.
+  virtual void planned(const Plan& /*plan*/) {}
 };
 
 /// A set of files compared by identity instead of name: resolves hard and symbolic links, `a/../b`

@@ -20,6 +20,7 @@
 #include "base/try.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
+#include "batch/signature_pass.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
@@ -39,10 +40,12 @@ std::string lower_extension(const BatchInput& input) {
 // First character of an answer; the manifest line follows.
 constexpr char kFinished = 'f', kUnchanged = 'u';
 
-// Collects the messages of a clip's run for its manifest line.
+// Collects the messages of a clip's run, and the signature of its motion, for its manifest line.
 class ClipNotes : public Observer {
  public:
-  explicit ClipNotes(const Observer& batch) : batch_(batch) {}
+  // Without `wants_signature`, planned() does nothing.
+  ClipNotes(const Observer& batch, bool wants_signature)
+      : batch_(batch), wants_signature_(wants_signature) {}
 
   void line(std::string_view label, std::string_view text) override {
     if (label == "taken as") taken_as = text;
@@ -52,12 +55,17 @@ class ClipNotes : public Observer {
     for (const Warning& each : told) warnings.push_back(describe(each, file, option_as_flag));
   }
   [[nodiscard]] bool is_stopped() const override { return batch_.is_stopped(); }
+  void planned(const Plan& plan) override {
+    if (wants_signature_) signature = signature_of(plan);
+  }
 
   std::string taken_as;
+  std::string signature;
   std::vector<std::string> warnings;
 
  private:
   const Observer& batch_;
+  const bool wants_signature_;
 };
 
 // Spells options as flags, since manifests and summaries are read by command-line users.
@@ -122,8 +130,11 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   request.threads = threads_;
   request.mirror = task.input->variant.is_mirrored();
   request.partial = true;
-  ClipNotes notes(context_.observer);
+  // Every manifest line has a signature, so that lists can be split later without reading the clips
+  // again. A mirror image shares its original's.
+  ClipNotes notes(context_.observer, entry.signature.empty() && !request.mirror);
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
+  if (!notes.signature.empty()) entry.signature = std::move(notes.signature);
   entry.taken_as = std::move(notes.taken_as);
   const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMaxWarnings);
   notes.warnings.resize(notes.warnings.size() - more);

@@ -11,7 +11,6 @@
 #include "batch/duplicates.h"
 #include "batch/motion_signature.h"
 #include "retarget/load.h"
-#include "retarget/plan.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
 
@@ -27,8 +26,7 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
     if (!loaded) return {};
     const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
     if (!plan) return {};
-    return signature_bytes(
-        motion_signature(*plan->clip, plan->human.calibration, plan->part.begin, plan->part.end));
+    return signature_of(*plan);
   } catch (const std::exception&) {
     // Such as out of memory; the run itself reports it.
     return {};
@@ -46,6 +44,11 @@ std::vector<BatchInput*> originals(std::vector<BatchInput>& inputs) {
 }
 
 }  // namespace
+
+std::string signature_of(const Plan& plan) {
+  return signature_bytes(
+      motion_signature(*plan.clip, plan.human.calibration, plan.part.begin, plan.part.end));
+}
 
 Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& robot,
                              const BatchRequest& request, const FinishedClips& finished,

@@ -10,9 +10,13 @@
 #include "batch/resume.h"
 #include "batch/run_batch.h"
 #include "retarget/error.h"
+#include "retarget/plan.h"
 #include "retarget/run.h"
 
 namespace retarget {
+
+/// Signature of the motion that a run solves, as bytes.
+[[nodiscard]] std::string signature_of(const Plan& plan);
 
 /// Computes the signature of every clip in separate processes. Each file is read and its human is
 /// identified; nothing is solved. Recorded signatures are reused for unchanged files. A clip that

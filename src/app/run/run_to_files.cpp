@@ -256,6 +256,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
                                 Observer& observer) {
   const auto start = std::chrono::steady_clock::now();
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
+  observer.planned(plan);
   observer.lines(plan.robot_lines());
   // From here on, an interrupt stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
