@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWarnings = 20;
 
-std::string ending_of(const BatchInput& input) {
+std::string clip_ending(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().string());
 }
 
@@ -354,7 +354,7 @@ Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_g
   run.motion = clip.path;
   SourceOptions& source = run.options.source;
   // The body model applies only to the SMPL motions among the clips.
-  if (ending_of(clip) == ".bvh") source.smpl_model.clear();
+  if (clip_ending(clip) == ".bvh") source.smpl_model.clear();
   source.memory_gb = memory_gb;
   if (!clip.variant.part.empty()) {
     const LeadIn lead_in = run.options.part.lead_in;
