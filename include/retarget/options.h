@@ -10,7 +10,7 @@
 #include "retarget/export.h"
 
 // All options. The defaults are those of the command line. docs/options.md, generated from the same
-// tables (src/options), lists option names, ranges and meanings.
+// tables (src/app/options), lists option names, ranges and meanings.
 
 namespace RETARGET_API retarget {
 

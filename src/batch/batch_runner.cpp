@@ -17,7 +17,6 @@
 #include "app/run/outputs.h"
 #include "base/machine.h"
 #include "base/option_name.h"
-#include "base/try.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/signature_pass.h"
@@ -25,6 +24,7 @@
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -158,7 +158,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
     return file.substr(context_.output_folder.size() + 1);
   };
   for (const std::string& file : files) {
-    TRY_ASSIGN(auto record, record_file(file, below_output(file)));
+    RETARGET_TRY_ASSIGN(auto record, record_file(file, below_output(file)));
     entry.outputs.push_back(std::move(record));
   }
   for (const Error& error : outcome->left_out) {
@@ -194,7 +194,7 @@ void BatchWorker::remove_outputs(const BatchTask& task,
 
 Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
                                 ManifestEntry& entry) const {
-  TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
+  RETARGET_TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
   const std::string output = context_.output_folder + "/" + task.robot->folder +
                              batch_output(task.robot->run.options.save, task.input->relative);
   std::error_code error;
@@ -255,7 +255,7 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
     error.hint = "this is a bug in retarget; the other clips are not affected";
   }
   error = spelled(std::move(error));
-  entry.exit_code = request_.exit_code(error.kind);
+  entry.exit_code = exit_code_of(error.kind);
   entry.finished = finished_now(context_.finished, entry);
   return entry;
 }
@@ -295,7 +295,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   if (!done && done.error().kind == ErrorKind::kInterrupted) return;
   entry.done = done.has_value();
   if (!done) {
-    entry.exit_code = request_.exit_code(done.error().kind);
+    entry.exit_code = exit_code_of(done.error().kind);
     entry.error = spelled(std::move(done.error()));
   }
   entry.finished = finished_now(context_.finished, entry);

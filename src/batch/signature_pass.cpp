@@ -7,12 +7,12 @@
 #include <exception>
 #include <utility>
 
-#include "base/try.h"
 #include "batch/duplicates.h"
 #include "batch/motion_signature.h"
 #include "retarget/load.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -70,7 +70,7 @@ Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& 
     if (end.answered) unknown[task]->signature = end.answer;
     observer.status(fmt::format("looking for repeated motions: {} of {}", ++done, unknown.size()));
   };
-  if (!unknown.empty()) TRY(run_in_processes(pool.memory, pool.options, work, ended));
+  if (!unknown.empty()) RETARGET_TRY(run_in_processes(pool.memory, pool.options, work, ended));
   observer.end_progress();
   if (observer.is_stopped()) return interrupted_failure();
   return {};

@@ -8,7 +8,7 @@
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/resume.h"
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
