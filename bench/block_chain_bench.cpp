@@ -1,5 +1,5 @@
-// The elimination of a chain of blocks beside the same elimination by Eigen's LLT: a window of 20 s
-// of the G1, random blocks.
+// Compares the elimination of a block chain with Eigen's LLT: a window of 20 s of the G1, random
+// blocks.
 
 #include <benchmark/benchmark.h>
 
@@ -38,7 +38,7 @@ void chain_by_sweeps(benchmark::State& state) {
     chain.begin(kBlocks);
     for (int t = 0; t < kBlocks; ++t) {
       const auto n = static_cast<std::size_t>(t);
-      // symmetric, so rows are columns
+      // The matrix is symmetric, so rows are columns.
       for (int i = 0; i < kSize; ++i) {
         std::copy_n(problem.blocks[n].col(i).data(), kSize, chain.block(t) + i * chain.stride());
       }

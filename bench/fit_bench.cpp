@@ -1,5 +1,5 @@
-// The whole-clip fit on one thread and on several: wall time, its first stage included. The published
-// method on the same clip, in the same run, is the yardstick.
+// Wall time of the whole-clip fit on one and several threads, including its first stage. The
+// published method on the same clip, in the same run, is the reference.
 
 #include "bench_support.h"
 #include "solve/fit/fit.h"

@@ -1,4 +1,4 @@
-// The stages of the whole-clip fit, one by one, on one thread: walk4_subject1 on the G1.
+// Times each stage of the whole-clip fit on one thread: walk4_subject1 on the G1.
 
 #include <cstdint>
 #include <vector>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kClip = "walk4_subject1";
 
-// The state of a fit before its first step; targets are those of the published method.
+// The state of a fit before its first step, with the targets of the published method.
 struct StagesCase {
   BenchCase bench = load_case(kClip);
   FitOptions options;
@@ -80,7 +80,7 @@ void per_frame(benchmark::State& state, int frames) {
   state.SetItemsProcessed(state.iterations() * frames);
 }
 
-// targets and the plan of contacts, of the whole clip
+// Targets and contact plan of the whole clip.
 void fit_targets(benchmark::State& state) {
   StagesCase work = stages();
   const TargetBuilder targets(work.bench.config, work.bench.human.height);
@@ -96,7 +96,7 @@ void fit_contact_plan(benchmark::State& state) {
 }
 BENCHMARK(fit_contact_plan)->Unit(benchmark::kMillisecond);
 
-// the frame-by-frame pass from a settled start
+// The frame-by-frame pass from a settled start.
 void fit_first_stage(benchmark::State& state) {
   const StagesCase& work = stages();
   SolveFramesOptions options;
@@ -116,7 +116,7 @@ void fit_starts(benchmark::State& state) {
 }
 BENCHMARK(fit_starts)->Unit(benchmark::kMillisecond);
 
-// all steps of one window; and one of them by its parts
+// All steps of one window, and the parts of one step.
 void fit_window_steps(benchmark::State& state) {
   const StagesCase& work = stages();
   const FitWindow window = work.window();
@@ -145,7 +145,7 @@ void fit_step_assembly(benchmark::State& state) {
     for (int frame = window.begin; frame < window.end; ++frame) {
       TermCosts costs{};
       pose.update(work.clip.frame(frame, work.model.configuration_size));
-      // looked for every fourth step
+      // Pairs are searched every fourth step.
       if (frame % 4 == 0) terms.find_near_pairs(pose, 0.04, pairs);
       terms.assemble(pose, work.clip.goals(frame, work.model.tasks.size()), pairs, gradient.data(),
                      hessian.data(), dofs, costs);
@@ -175,7 +175,7 @@ void fit_costs(benchmark::State& state) {
 }
 BENCHMARK(fit_costs)->Unit(benchmark::kMillisecond);
 
-// all joints of the whole clip, with a speed that some exceed
+// All joints of the whole clip, some of them too fast.
 void fit_bounds(benchmark::State& state) {
   const StagesCase& work = stages();
   const auto frames = static_cast<std::size_t>(work.clip.frame_count);

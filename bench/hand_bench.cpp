@@ -1,4 +1,5 @@
-// Hands that open and close in a second: shape of the human's, targets, joints; time of a hand and frame.
+// Hands that open and close within a second: time per hand and frame for human shape, targets and
+// joints.
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,4 @@
-// Whole clips through each engine: time a frame, and a step of the inverse kinematics.
+// Whole clips through each engine: time per frame and per step of the inverse kinematics.
 
 #include "bench_support.h"
 #include "solve/ik/ik_solver.h"

@@ -39,7 +39,7 @@ StepCases make_step_cases() {
   return cases;
 }
 
-// one step of the second pass from fixed poses; the pose is copied anew each time
+// One step of the second pass from fixed poses, which are copied every time.
 void ik_step(benchmark::State& state, bool fast) {
   const StepCases cases = make_step_cases();
   IkOptions options;
@@ -89,7 +89,7 @@ void robot_forward_kinematics(benchmark::State& state) {
 }
 BENCHMARK(robot_forward_kinematics)->Unit(benchmark::kMillisecond);
 
-// the clip taken for one of 120 frames per second; items are source frames
+// The clip is treated as one of 120 frames per second; items are source frames.
 void resample_120_to_30(benchmark::State& state, bool antialias) {
   Clip clip = load_bvh(clip_path(kClip).string()).value().clip;
   clip.set_rate(frame_rate_from_fps(120.0));

@@ -1,4 +1,4 @@
-// The box QP alone, on random problems of the size and the scale of the G1's.
+// The box QP on random problems of the G1's size and scale.
 
 #include <benchmark/benchmark.h>
 
@@ -20,7 +20,7 @@ struct Problem {
   Eigen::VectorXd g, lower, upper;
 };
 
-// the base is free; `tight` of the joints lie so near a limit that many of them reach it
+// The base is free. The limits of `tight` joints are so near that many of them become active.
 Problem random_problem(std::mt19937& engine, int tight) {
   std::normal_distribution<double> normal;
   std::uniform_int_distribution<int> joint(6, kSize - 1);
@@ -44,7 +44,7 @@ Problem random_problem(std::mt19937& engine, int tight) {
   return problem;
 }
 
-// argument: how many joints are near a limit
+// The argument is the number of joints near a limit.
 void box_qp(benchmark::State& state) {
   std::mt19937 engine(7);
   std::vector<Problem> problems;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kRowWidth = 69;
 constexpr std::size_t kSize = 100'000'000;
 
-// rows as in LAFAN1's files: a position and 22 rotations, six decimals
+// Rows as in LAFAN1's files: a position and 22 rotations, six decimals.
 const std::string& rows_text() {
   static const std::string kText = [] {
     std::mt19937 random(1);
@@ -66,7 +66,7 @@ void rows_by_line(benchmark::State& state, ReadNumberLine reader) {
   std::vector<double> row(kRowWidth + kNumberLineSlack);
   for (auto _ : state) {
     std::size_t at = text.find_first_not_of('\n');
-    // the vector reader declines the last line: it does not read past the end
+    // The vector reader declines the last line, because it never reads past the end.
     while (at + 2000 < text.size()) {
       at = reader(text, at, kRowWidth, row) + 1;
       benchmark::DoNotOptimize(row.data());

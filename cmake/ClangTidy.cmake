@@ -1,4 +1,4 @@
-# clang-tidy on our own code as it compiles; .clang-tidy was written for version 14.
+# Runs clang-tidy on the project's code during compilation; .clang-tidy is written for version 14.
 
 find_program(RETARGET_CLANG_TIDY_PROGRAM
   NAMES clang-tidy-14 clang-tidy clang-tidy-19 clang-tidy-18 clang-tidy-17 clang-tidy-16 clang-tidy-15

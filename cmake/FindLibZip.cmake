@@ -4,7 +4,7 @@
 find_path(LibZip_INCLUDE_DIR zip.h)
 find_library(LibZip_LIBRARY zip)
 mark_as_advanced(LibZip_INCLUDE_DIR LibZip_LIBRARY)
-# zipconf.h may lie in a folder of the processor's, which compilers look into as well
+# zipconf.h may be in an architecture-specific folder, which compilers also search.
 if(LibZip_INCLUDE_DIR AND EXISTS ${LibZip_INCLUDE_DIR}/zipconf.h)
   file(STRINGS ${LibZip_INCLUDE_DIR}/zipconf.h line REGEX "#define LIBZIP_VERSION \"")
   string(REGEX REPLACE ".*\"([0-9.]+).*" "\\1" LibZip_VERSION "${line}")

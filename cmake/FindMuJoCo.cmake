@@ -1,7 +1,7 @@
 # Finds MuJoCo >= the asked version and defines the target mujoco::mujoco, MuJoCo_VERSION and
-# MuJoCo_RUNTIME_LIBRARY (the shared library file, to be installed beside the tool).
+# MuJoCo_RUNTIME_LIBRARY (the shared library file, installed with the tool).
 #
-# Looked at, in this order:
+# Search order:
 #   1. MuJoCo_ROOT or MUJOCO_DIR (variable or environment): a release archive, an install prefix
 #      or the `mujoco` folder of a Python wheel;
 #   2. a CMake package (mujocoConfig.cmake);
@@ -38,10 +38,10 @@ function(_mujoco_header_version include_dir result)
   set(${result} "${major}.${minor}.${patch}" PARENT_SCOPE)
 endfunction()
 
-# takes the MuJoCo below `hint` when it is whole and new enough; sets _mujoco_{include,library,version}
+# Uses the MuJoCo below `hint` if it is complete and new enough; sets _mujoco_{include,library,version}
 macro(_mujoco_try hint)
   if(NOT _mujoco_library AND NOT "${hint}" STREQUAL "" AND EXISTS "${hint}/include/mujoco/mujoco.h")
-    # the wheel ships the versioned file name alone
+    # The wheel contains only the versioned file name.
     file(GLOB _mujoco_candidates
       "${hint}/lib/libmujoco.so" "${hint}/libmujoco.so" "${hint}/lib/*/libmujoco.so"
       "${hint}/lib/libmujoco.so.*" "${hint}/libmujoco.so.*"
@@ -74,7 +74,7 @@ foreach(_root IN LISTS _mujoco_asked)
 endforeach()
 
 if(NOT _mujoco_library AND NOT _mujoco_asked)
-  # a package that is too old is passed over, and named when nothing else serves
+  # Skips a package that is too old, and reports it if no other MuJoCo is found.
   find_package(mujoco ${MuJoCo_FIND_VERSION} CONFIG QUIET)
   foreach(_config _number IN ZIP_LISTS mujoco_CONSIDERED_CONFIGS mujoco_CONSIDERED_VERSIONS)
     if(_number VERSION_LESS "${MuJoCo_FIND_VERSION}")
@@ -85,7 +85,7 @@ if(NOT _mujoco_library AND NOT _mujoco_asked)
     set(_mujoco_config TRUE)
     set(_mujoco_version "${mujoco_VERSION}")
     set(_mujoco_library mujoco::mujoco)
-    # the file, whatever build type the package was made for
+    # The file for any build type of the package.
     get_target_property(MuJoCo_RUNTIME_LIBRARY mujoco::mujoco IMPORTED_LOCATION)
     get_target_property(_configurations mujoco::mujoco IMPORTED_CONFIGURATIONS)
     foreach(_configuration IN LISTS _configurations)

@@ -1,4 +1,4 @@
-# Finds hiredis and defines the target RedisClient::hiredis: the CMake packages of its versions have other names
+# Finds hiredis and defines the target RedisClient::hiredis: its versions have CMake packages with different names
 # and targets.
 
 find_path(RedisClient_INCLUDE_DIR hiredis/hiredis.h)

@@ -1,6 +1,6 @@
-# RETARGET_HARDENING: options of compiler and linker with which an error in reading an untrusted file
-# ends the process instead of executing an attacker's code. They apply to the library and everything
-# that is built with it; users of an installed library choose their own flags. docs/building.md
+# RETARGET_HARDENING: compiler and linker options that turn a memory error in a reader into an abort
+# instead of a possible code execution. They apply to the library and everything
+# built with it; users of an installed library choose their own flags. docs/building.md
 # states the costs.
 
 include(CheckCXXCompilerFlag)
@@ -9,20 +9,20 @@ include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
 set(retarget_is_hardened OFF)  # for the tests
 
-# the Python module is a shared library, made of the same objects; nothing in it is replaced from outside
+# The Python module is a shared library of the same objects; its symbols are never interposed.
 set(retarget_position_independent "")
 if(RETARGET_BUILD_PYTHON AND NOT MSVC)
   set(retarget_position_independent -fPIC $<$<CXX_COMPILER_ID:GNU,Clang>:-fno-semantic-interposition>)
 endif()
 
-# the sanitizers look at more, and get in the way of these
+# Sanitizers check more and conflict with these options.
 string(FIND "${CMAKE_CXX_FLAGS}" "-fsanitize" sanitized)
 if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR MSVC)
   return()
 endif()
 set(retarget_is_hardened ON)
 
-# Indirect jumps land only where functions begin. Clang accepts both options everywhere, and warns
+# Indirect jumps may only target function entries. Clang accepts both options everywhere and warns
 # about the one without effect.
 set(landing -fcf-protection)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)")
@@ -36,18 +36,18 @@ foreach(flag IN ITEMS -fstack-protector-strong -fstack-clash-protection ${landin
   endif()
 endforeach()
 
-# checks of the C library's need an optimising compiler; some distributions' have them already
+# The C library's checks need optimisation; the compilers of some distributions enable them by default.
 target_compile_options(retarget_hardening INTERFACE
   $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE>
   $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-D_FORTIFY_SOURCE=2>)
 target_compile_definitions(retarget_hardening INTERFACE _GLIBCXX_ASSERTIONS)
 
-# the tool lies anywhere in memory (its own CMakeLists.txt), and so must what it links
+# The tool is position-independent (see its CMakeLists.txt), so the libraries must be, too.
 if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE AND NOT BUILD_SHARED_LIBS AND NOT RETARGET_BUILD_PYTHON)
   target_compile_options(retarget_hardening INTERFACE -fPIE)
 endif()
 check_pie_supported(LANGUAGES CXX)
-# tables of addresses are filled at the start and cannot be written to afterwards
+# Address tables are resolved at start and read-only afterwards.
 check_linker_flag(CXX "LINKER:-z,relro,-z,now" RETARGET_HAS_RELRO)
 if(RETARGET_HAS_RELRO)
   target_link_options(retarget_hardening INTERFACE "LINKER:-z,relro,-z,now")

@@ -1,16 +1,16 @@
 # retarget_add_library(NAME [ROOMS room...] [PUBLIC library...] [PRIVATE library...]): a library of the
-# folders src/ROOM, with our warnings and hardening, installed and exported as retarget::NAME (the core,
+# folders src/ROOM, with the project's warnings and hardening, installed and exported as retarget::NAME (the core,
 # `retarget`, as retarget::retarget). The core has every room that no other library has, so it comes last.
 #
-# The libraries see each other's internal headers, and so internal names. A shared build hides these:
-# there the core has the rooms of all, and the others are names for it.
+# The libraries use each other's internal headers and names. A shared build hides these names, so
+# there the core contains all rooms, and the other libraries are aliases of it.
 
-set(retarget_libraries "")     # those with objects of their own: flags of a build go to each
+set(retarget_libraries "")     # libraries with their own objects; build flags apply to each
 set(retarget_exported "")      # targets to install
 set(retarget_taken_rooms "")   # by libraries beside the core
 set(retarget_shared_links "")  # of the rooms that a shared core takes in
 
-# files of one room together, up to RETARGET_UNITY_FILES: they share their includes, and their names do not clash
+# Groups files of one room, up to RETARGET_UNITY_FILES: they share includes, and their names do not clash.
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)

@@ -8,7 +8,7 @@ set(RETARGET_REDIS AUTO CACHE STRING "Redis outputs of live runs: AUTO, ON, OFF"
 set_property(CACHE RETARGET_LZ4 RETARGET_ZEROMQ RETARGET_REDIS PROPERTY STRINGS AUTO ON OFF)
 set(retarget_live_links "")
 
-# finds a package, and tells the one source that needs it
+# Finds a package, and defines a macro for the one source that needs it.
 function(retarget_live_package choice package target source definition)
   if(choice STREQUAL "AUTO")
     find_package(${package} QUIET)

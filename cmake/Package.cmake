@@ -3,7 +3,7 @@
 set(CPACK_GENERATOR "DEB;TGZ")
 set(CPACK_PACKAGE_NAME retarget)
 set(CPACK_PACKAGE_VENDOR retarget)
-# The Debian maintainer: the name in CITATION.cff with an invalid address. Publishers of packages
+# The Debian maintainer: the name in CITATION.cff with an invalid address. Package publishers
 # set their own: -DRETARGET_PACKAGE_CONTACT="NAME <ADDRESS>"
 set(RETARGET_PACKAGE_CONTACT "retarget contributors <contributors@retarget.invalid>"
   CACHE STRING "Maintainer of the packages")
@@ -21,16 +21,16 @@ set(CPACK_ARCHIVE_COMPONENT_INSTALL OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "")
-# The libraries that the tool is linked with decide the rest; MuJoCo is inside.
+# The linked libraries determine the other dependencies; MuJoCo is included.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 get_filename_component(mujoco_folder "${MuJoCo_RUNTIME_LIBRARY}" REALPATH)
 get_filename_component(mujoco_folder "${mujoco_folder}" DIRECTORY)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${mujoco_folder})
-# for programs that link the library
+# Programs that link the library need these packages.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, libssl-dev, liblz4-dev, libzmq3-dev, libhiredis-dev")
 
-# where Debian looks for licences: in one file
+# Debian expects all licences in one file.
 file(READ THIRD_PARTY_NOTICES third_party_notices)
 string(REGEX REPLACE "\n\n" "\n.\n" third_party_notices "${third_party_notices}")
 string(REGEX REPLACE "\n\n" "\n.\n" third_party_notices "${third_party_notices}")

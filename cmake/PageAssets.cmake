@@ -1,5 +1,5 @@
-# The files of viewer/ that a page is made of, as C++ strings: a build needs neither Node nor a network,
-# and the library finds them without a folder. Made while configuring, again when one of them changes.
+# Embeds the page files of viewer/ as C++ strings: a build needs neither Node nor a network, and the
+# library needs no folder for them. Runs at configure time and again when one of them changes.
 
 set(retarget_page_source ${PROJECT_BINARY_DIR}/generated/page_files.cpp)
 

@@ -11,11 +11,11 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
   endif()
   if(RETARGET_PRECOMPILE_HEADERS)
     if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      # each of the first two takes more than a second to read
+      # Each of the first two takes more than a second to parse.
       target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm>
         <filesystem> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
     else()
-      # GCC takes those of the core, if all that was defined for it is
+      # GCC can reuse the core's headers if all definitions match.
       set_property(TARGET ${target} PROPERTY PRECOMPILE_HEADERS)
       target_precompile_headers(${target} REUSE_FROM retarget)
       target_compile_definitions(${target}
@@ -23,7 +23,7 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
     endif()
   endif()
   if(RETARGET_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # GCC looks through its memory less often: a tenth of the time for half as much memory again
+    # GCC collects garbage less often: a tenth of the time for 50 % more memory.
     target_compile_options(${target} PRIVATE --param=ggc-min-expand=300)
   endif()
 endforeach()

@@ -2,9 +2,9 @@
 #
 # If an install changes a run path, CMake pads the old one with colons to the length of the new one.
 # The loader treats an empty entry between or after colons as the working directory and loads code
-# from there. Therefore the targets are linked with a run path that CMake leaves alone: the
-# folders of the build tree, then those of the installed tree. The install keeps the latter, which
-# fit into the place of both.
+# from there. Therefore the targets are linked with a run path that CMake does not change: the
+# folders of the build tree, then those of the installed tree. The install keeps only the latter,
+# which are shorter than both.
 file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 set(installed_retarget "$ORIGIN/")
 set(installed_retarget_cli "$ORIGIN/${library_from_bin}")
@@ -16,7 +16,7 @@ endif()
 # Sets one target's run path. build_folders: folders that only the build tree may name
 function(retarget_set_run_path target build_folders installed destination)
   if(APPLE)
-    # no separators there: each folder is an entry of its own, which the install replaces
+    # macOS has no separators: each folder is a separate entry, which the install replaces.
     set_target_properties(${target} PROPERTIES INSTALL_RPATH "${installed}"
       INSTALL_RPATH_USE_LINK_PATH $<NOT:$<BOOL:${RETARGET_BUNDLE_MUJOCO}>>)
     return()
@@ -33,7 +33,7 @@ function(retarget_set_run_path target build_folders installed destination)
   if(RETARGET_BUNDLE_MUJOCO)
     install(CODE "file(RPATH_SET FILE \"${file}\" NEW_RPATH \"${kept}\")")
   elseif(dropped)
-    # folders of libraries outside of the build tree stay behind ours
+    # Library folders outside the build tree follow the project's own.
     install(CODE "file(RPATH_CHANGE FILE \"${file}\" OLD_RPATH \"${dropped}:${kept}\"
       NEW_RPATH \"${kept}\")")
   endif()

@@ -14,10 +14,10 @@ function(sanitizer_runtime runtime)
   while(libraries)
     list(POP_FRONT libraries sanitizer library)
     if(sanitizers MATCHES "${sanitizer}")
-      # the compiler answers with a path, or with the name where it has no such file
+      # The compiler prints the path, or only the name if the file is missing.
       execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${library}
         OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE)
-      # it looks for the functions of exceptions when it starts, before Python has loaded any
+      # It resolves the exception functions at start, before Python has loaded them.
       execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.so
         OUTPUT_VARIABLE standard_library OUTPUT_STRIP_TRAILING_WHITESPACE)
       if(library AND IS_ABSOLUTE "${path}")

@@ -1,6 +1,6 @@
 # RETARGET_PYTHON: the one Python of the tests and of the module in the build tree. tools/test.sh
-# passes the choice of tools/setup.sh. Otherwise the environment's, else one that has numpy and, for
-# the module, its headers; else any (tests that need numpy are then skipped).
+# passes the choice of tools/setup.sh. Otherwise the environment variable, else a Python with numpy and, for
+# the module, its headers, else any Python (tests that need numpy are then skipped).
 if(NOT RETARGET_PYTHON AND DEFINED ENV{RETARGET_PYTHON})
   set(RETARGET_PYTHON $ENV{RETARGET_PYTHON})
 elseif(NOT RETARGET_PYTHON)

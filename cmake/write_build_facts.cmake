@@ -3,7 +3,7 @@
 set(GIT_COMMIT "")
 find_program(GIT git)
 if(GIT AND EXISTS ${SOURCE}/.git)
-  # no lock on the index: a build must not stand in the way of the developer's own git
+  # Do not lock the index: a build must not block the developer's git commands.
   set(ENV{GIT_OPTIONAL_LOCKS} 0)
   execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
     OUTPUT_VARIABLE GIT_COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)

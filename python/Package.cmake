@@ -1,5 +1,5 @@
-# What a wheel holds beside the Python files (component `python`): laid out like an install, so that the
-# module and the program find MuJoCo and the data relative to themselves.
+# The contents of a wheel in addition to the Python files (component `python`). The layout is that of an
+# install, so that module and program find MuJoCo and the data relative to themselves.
 #
 #   retarget/_retarget*.so, *.pyi
 #   retarget/bin/retarget          the program; the entry point `retarget` becomes it

@@ -14,7 +14,7 @@ std::string dotted(int major, int minor, int patch) {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
 
-// what makes results differ from those of other builds
+// Build options that change the last digits of results.
 constexpr const char* kInstructions =
 #if defined(RETARGET_NATIVE_BUILD)
     ", for the building machine's processor (RETARGET_NATIVE)";

@@ -1,18 +1,15 @@
 #!/usr/bin/env python3
-"""Rejects wording that readers have to translate: the patterns of tools/words.txt.
+"""Rejects unidiomatic wording: the patterns of tools/words.txt.
 
-    tools/check_words.py                  the whole repository, against tools/words_baseline.txt
-    tools/check_words.py FILE ...         every hit in these files
+    tools/check_words.py                  the whole repository
+    tools/check_words.py FILE ...         only these files
     tools/check_words.py --new [REF]      only the lines added since REF (default: the merge base
                                           with main, or HEAD~1 on main itself)
-    tools/check_words.py --all            every hit, without the baseline
-    tools/check_words.py --lower          lower the baseline to today's hits; it never rises
 
 It reads comments, docstrings and string literals of C++, Python, JavaScript, CMake and shell, and
 the prose of Markdown. A line that contains "words-ok" is exempt: use it to quote something.
-The baseline holds the hits per file that remain to be rewritten; more than these are an error.
 
-Exit code: 0 no new hits, 1 hits, 2 wrong usage.
+Exit code: 0 no hits, 1 hits, 2 wrong usage.
 """
 
 import argparse
@@ -26,7 +23,6 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PATTERNS = ROOT / "tools" / "words.txt"
-BASELINE = ROOT / "tools" / "words_baseline.txt"
 MARKER = "words-ok"
 
 # Generated files, other people's text, data and history. docs/options.md is generated from the help
@@ -283,76 +279,17 @@ def default_ref():
     return "HEAD~1"
 
 
-def read_baseline(path=None):
-    """{file: hits that remain}"""
-    path = path or BASELINE
-    counts = {}
-    if path.exists():
-        for line in path.read_text().splitlines():
-            if line and not line.startswith("#"):
-                count, name = line.split(" ", 1)
-                counts[name] = int(count)
-    return counts
-
-
-def write_baseline(counts, path=None):
-    path = path or BASELINE
-    head = ("# Hits of tools/check_words.py per file that remain to be rewritten. Counts may only\n"
-            "# fall: tools/check_words.py --lower.\n")
-    path.write_text(head + "".join(f"{counts[name]} {name}\n" for name in sorted(counts)
-                                   if counts[name]))
-
-
-def against_baseline(hits, baseline):
-    """(hits of files that have more than the baseline allows, files that have fewer)."""
-    now = collections.Counter(hit.file for hit in hits)
-    grown = {name for name, count in now.items() if count > baseline.get(name, 0)}
-    shrunk = {name for name, count in baseline.items() if now[name] < count}
-    return [hit for hit in hits if hit.file in grown], sorted(shrunk)
-
-
 def show(hits):
     for hit in hits:
         print(f"{hit.file}:{hit.line}:{hit.column}: \"{hit.words}\": write {hit.hint}")
-
-
-def check_repository(patterns, lower):
-    """The default mode: all files against the baseline."""
-    hits = check_files(repository_files(), patterns)
-    baseline = read_baseline()
-    if lower:
-        now = collections.Counter(hit.file for hit in hits)
-        first = not BASELINE.exists()
-        write_baseline(now if first else
-                       {name: min(count, now[name]) for name, count in baseline.items()})
-        baseline = read_baseline()
-    grown, shrunk = against_baseline(hits, baseline)
-    show(grown)
-    for name in sorted({hit.file for hit in grown}):
-        count = sum(hit.file == name for hit in grown)
-        print(f"words: {name}: {count} hits, {baseline.get(name, 0)} in the baseline")
-    if shrunk:
-        print(f"words: {len(shrunk)} files with fewer hits than the baseline allows: run "
-              "tools/check_words.py --lower and commit tools/words_baseline.txt")
-    if grown:
-        return 1
-    if hits:
-        print(f"words: nothing new; {len(hits)} hits in {len({hit.file for hit in hits})} files "
-              "remain in tools/words_baseline.txt")
-    else:
-        print("words: clean over the whole repository")
-    return 0
 
 
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", metavar="FILE", help="check these files")
-    mode = parser.add_mutually_exclusive_group()
-    mode.add_argument("--new", nargs="?", const="", metavar="REF",
-                      help="only lines added since REF")
-    mode.add_argument("--all", action="store_true", help="every hit, without the baseline")
-    mode.add_argument("--lower", action="store_true", help="lower the baseline to today's hits")
+    parser.add_argument("--new", nargs="?", const="", metavar="REF",
+                        help="only lines added since REF")
     options = parser.parse_args(arguments)
     try:
         patterns = read_patterns()
@@ -364,10 +301,8 @@ def main(arguments):
         elif options.files:
             names = [os.path.relpath(os.path.abspath(name), ROOT) for name in options.files]
             hits = check_files(names, patterns)
-        elif options.all:
-            hits = check_files(repository_files(), patterns)
         else:
-            return check_repository(patterns, options.lower)
+            hits = check_files(repository_files(), patterns)
     except (OSError, ValueError) as error:
         print(f"words: {error}", file=sys.stderr)
         return 2

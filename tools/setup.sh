@@ -249,10 +249,10 @@ list_missing() {
 # A tool that is too old counts as missing; report it.
 explain_old_tools() {
   if has_command cmake && ! has_cmake; then
-    echo "  (cmake is there, but $(cmake_version) is older than 3.22)"
+    echo "  (cmake is installed, but $(cmake_version) is older than 3.22)"
   fi
   if has_command g++ && ! has_compiler; then
-    echo "  (g++ is there, but $(g++ -dumpversion) is too old for C++20; 11 or newer is needed)"
+    echo "  (g++ is installed, but $(g++ -dumpversion) is too old for C++20; 11 or newer is needed)"
   fi
 }
 
@@ -384,7 +384,7 @@ check_named_python() {
   [ -n "${RETARGET_PYTHON:-}" ] || return 0
   local lacks=
   if ! can "$RETARGET_PYTHON" ''; then
-    say "RETARGET_PYTHON names \"$RETARGET_PYTHON\", which is no Python"
+    say "RETARGET_PYTHON names \"$RETARGET_PYTHON\", which is not a Python interpreter"
     exit 1
   fi
   # Packages complete the Python of the distribution.
@@ -444,7 +444,7 @@ main() {
 
   own=$(own_mujoco)
   if [ -n "$own" ] && ! [ -d "$own" ]; then
-    say "MuJoCo_ROOT, MUJOCO_DIR or mujoco_DIR names \"$own\", which is no folder"
+    say "MuJoCo_ROOT, MUJOCO_DIR or mujoco_DIR names \"$own\", which is not a folder"
     exit 1
   fi
   choose_python

@@ -64,7 +64,7 @@ check_notices() {
     # For example libzip-0123abcd.so.4, libtinyxml2-0123abcd.so.9.
     name=$(basename "$library" | sed -E 's/(-[0-9a-f]{8})?\.so.*//')
     if ! grep -qxF "Shared libraries in the wheel: $name" "$notices"; then
-      say "THIRD_PARTY_NOTICES says nothing of $name, which is inside"
+      say "THIRD_PARTY_NOTICES does not mention $name, which the wheel contains"
       exit 1
     fi
   done

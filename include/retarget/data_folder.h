@@ -24,7 +24,7 @@ struct DataFolderSearch {
 ///
 /// 1. The flag.
 /// 2. The environment variable. A folder named by 1 or 2 must hold both; otherwise it is an error
-///    and the search stops, because the user meant that folder.
+///    and the search stops, because the user chose that folder.
 /// 3. `<executable's folder>/../share/retarget`: the installed tree, which is relocatable.
 /// 4. The data folder of the installed library, for programs that link it.
 /// 5. The source tree in which the executable was built: the nearest folder above the executable

@@ -116,9 +116,9 @@ struct Transferred : Edited {
 };
 
 /// Transfers a human's movement to another skeleton, through the T-pose. With the world rotations
-/// S_T and G_T of source and target in their T-poses, each mapped joint has the rotation
-/// R_target = R_source S_T^-1 G_T. Both T-poses are those of the canonical human, so this is the
-/// rotation of the canonical bone times the inverse of the target's joint_from_bone.
+/// S_T and G_T of source and target in their T-poses, each mapped joint has the rotation R_target =
+/// R_source S_T^-1 G_T. Both are the T-pose of the canonical human, so this is the rotation of the
+/// canonical bone times the inverse of the target's joint_from_bone.
 ///
 /// The path of the hips is scaled by the ratio of the body sizes (Calibration::size, which depends
 /// on leg lengths) and raised by the extra distance from hips to soles, so that a standing body
@@ -240,7 +240,7 @@ enum class SeamBlend : std::uint8_t {
   kInertial,   ///< Switches at once; the difference at the seam fades out in the second clip.
 };
 
-/// Limits of joints at a seam or on a path, as multiples of their 99.9th percentile in the clips.
+/// Joint speed and acceleration limits at a seam or on a path, as multiples of their 99.9th percentile in the clips.
 struct MotionLimits {
   double speed = 3.0;
   double acceleration = 3.0;
@@ -430,7 +430,7 @@ struct FollowPathOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
-  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break count as one, seconds.
+  double same_stand = 0.1;  ///< Shorter breaks of a foot contact are ignored, seconds.
   MotionLimits limits;      ///< Limits of the joints.
 };
 

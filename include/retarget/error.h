@@ -42,26 +42,26 @@ enum class ErrorKind {
 /// A place in a file.
 struct Location {
   std::string file;        ///< As the user named it; may be empty.
-  std::size_t line = 0;    ///< 1-based; 0 when no line is meant.
-  std::size_t column = 0;  ///< 1-based, in bytes; 0 when no column is meant.
+  std::size_t line = 0;    ///< 1-based; 0: unknown.
+  std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
 };
 
-/// An error as a value: what is wrong, where, and what the user can do.
+/// An error as a value: the problem, its location, and a remedy.
 ///
 /// The library neither prints nor exits; `describe` gives the readable text. Options named in the
 /// texts are marked; to show such a text elsewhere, pass it through spell_options.
 struct Error {
   ErrorKind kind = ErrorKind::kRun;
   Location location;
-  std::string message;  ///< What was expected and what was found, one sentence, no full stop.
+  std::string message;               ///< Expected and found values, one sentence, no full stop.
   std::vector<std::string> details;  ///< If there are several errors: one sentence each.
-  std::string hint;                  ///< What to do about it; may be empty.
+  std::string hint;                  ///< Suggested remedy; may be empty.
 };
 
 /// Something odd that did not stop the work, at a place in a file.
 struct Warning {
-  std::size_t line = 0;    ///< 1-based; 0 when no line is meant.
-  std::size_t column = 0;  ///< 1-based, in bytes; 0 when no column is meant.
+  std::size_t line = 0;    ///< 1-based; 0: unknown.
+  std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
   std::string message;
 };
 

@@ -104,8 +104,8 @@ class OutputFile {
 /// component, neither `.` nor `..`, without control characters.
 [[nodiscard]] bool is_plain_name(std::string_view name);
 
-/// Whether a path read from a file stays below its folder, judged by the text alone: a relative
-/// path without `..`. It may contain any character except a zero byte.
+/// Whether a path read from a file stays below its folder, judged only by its text: a relative path
+/// without `..`. It may contain any character except a zero byte.
 [[nodiscard]] bool is_plain_path(std::string_view path);
 
 /// Whether a file is `folder` itself or below it, with symbolic links resolved.

@@ -12,9 +12,9 @@
 
 namespace RETARGET_API retarget {
 
-/// A position on the ground and a heading, or equivalently the planar rigid motion
-/// p -> Rz(heading) p + position. Coordinates are those of the canonical human's world: metres, x
-/// and y on the ground, z up. For a y-up file, x is the file's x and y is its -z.
+/// A position on the ground and a heading, or equivalently the planar rigid motion p -> Rz(heading)
+/// p + position. Coordinates refer to the canonical human's world: metres, x and y on the ground, z
+/// up. For a y-up file, x is the file's x and y is its -z.
 struct GroundPose {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double heading = 0.0;  ///< Radians from x towards y.

@@ -136,8 +136,8 @@ class LiveSession {
   void push(const HumanFrame& frame, double now);
 
   /// The next robot frame if one is due, else empty. After the first human frame, one is due every
-  /// 1 / fps seconds, whatever arrives. After every push, and when due() is reached, call it until
-  /// it returns nothing.
+  /// 1 / fps seconds, independent of the input. After every push, and when due() is reached, call
+  /// it until it returns nothing.
   [[nodiscard]] std::optional<RobotFrame> pull(double now);
   /// When the next robot frame is due, unless a human frame arrives earlier; empty before the first
   /// human frame. Seconds on the caller's clock.

@@ -69,7 +69,7 @@ enum class Soles : unsigned char { kFound, kAsTheyAre };
 /// Loads a robot by its name, folder or model.
 ///
 /// Without soles the feet would float or sink, so missing soles are derived from the robot's model.
-/// A note describes the soles found, or a warning explains why there are none. Errors (kConfig): an
+/// A note describes the soles found, or a warning explains why none were found. Errors (kConfig): an
 /// unknown robot (suggests the nearest name); errors in its files.
 [[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
                                              const DataFolder& data_folder = {},

@@ -183,7 +183,7 @@ struct TrackingMotion {
 
 /// Formats an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
 /// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which trainers ignore: `flavour`,
-/// the names of joints and bodies and, if known, `contacts` (frames, 4) bool and `contact_names`.
+/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`.
 ///
 /// kNpzHolosoma: `joint_pos` starts with the root's position and quaternion wxyz, `joint_vel` with
 /// its linear and angular velocity in the world frame.
@@ -253,7 +253,7 @@ struct FormattedFile {
 [[nodiscard]] Result<std::vector<FormattedFile>> format_motion_files(
     const RobotClip& clip, MotionFormat format, const WriteMotionOptions& options = {});
 
-/// Formats a human motion alone as a GLB; see kGlb.
+/// Formats only a human motion as a GLB; see kGlb.
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
                                                    const std::string& name = {});
 

@@ -9,7 +9,7 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 
-// All options. The defaults are those of the command line. docs/options.md, generated from the same
+// All options. The defaults match the command line. docs/options.md, generated from the same
 // tables (src/app/options), lists option names, ranges and meanings.
 
 namespace RETARGET_API retarget {
@@ -44,7 +44,7 @@ enum class Interpolation : unsigned char {
             ///< Shoemake's spherical form.
 };
 
-/// File formats of robot motions; docs/formats.md describes each.
+/// File formats for robot motions; see docs/formats.md.
 enum class MotionFormat : unsigned char {
   kCsv,       ///< Unitree's layout: root position, quaternion, joints; SI units.
   kCsvSoma,   ///< SOMA and BONES-SEED: header, frame number, centimetres, degrees, Euler angles.

@@ -79,7 +79,7 @@ struct Plan {
 
 /// Recognises and calibrates the human in a clip. If the clip's rotations do not match its
 /// positions, they are replaced.
-/// @param data_folder  data folder with configs/skeletons; empty: the one that load_robot finds.
+/// @param data_folder  data folder with configs/skeletons; empty: the folder that load_robot finds.
 [[nodiscard]] Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
                                              const std::string& data_folder);
 

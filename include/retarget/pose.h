@@ -9,8 +9,8 @@ namespace RETARGET_API retarget {
 
 /// A rigid transform `a_from_b`: maps coordinates in frame b to coordinates in frame a.
 ///
-/// The rotation is a unit quaternion (Eigen stores xyzw; the constructor takes wxyz). Names of
-/// values say the frames: `world_from_foot = world_from_pelvis * pelvis_from_foot`.
+/// The rotation is a unit quaternion (Eigen stores xyzw; the constructor takes wxyz). Variable
+/// names state the frames: `world_from_foot = world_from_pelvis * pelvis_from_foot`.
 struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< Unit of length of the context.

@@ -125,7 +125,7 @@ struct TrackingRow {
   /// rotation weight.
   std::optional<double> rotation_deg, rotation_p95_deg;
   /// Both errors per frame, in the same units. Only the last row of a body has them, because its
-  /// table is the one that counts.
+  /// table determines the result.
   std::vector<float> position_errors_cm, rotation_errors_deg;
 };
 

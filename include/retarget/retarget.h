@@ -8,8 +8,8 @@
 ///     auto motion = retarget::solve(*plan);
 ///     auto saved = retarget::save(*motion, "walk.csv");
 ///
-/// Each returns a Result, which holds a value or an error; options and defaults are those of the
-/// command line.
+/// Each returns a Result, which holds a value or an error; options and defaults match the command
+/// line.
 
 #include "retarget/error.h"
 #include "retarget/load.h"

@@ -86,7 +86,7 @@ struct CollisionShape {
 inline constexpr double kDefaultSpeedLimit = 20.0;
 
 /// A robot with fewer joints, as sold by its maker or used by a training framework: some are
-/// locked, or it has a model of its own without them.
+/// locked, or it has its own model without them.
 struct RobotVariant {
   std::string name;
   std::string description;               ///< Human-readable; may be empty.

@@ -57,7 +57,7 @@ struct WrittenFile {
 [[nodiscard]] std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
                                                   const FrameRate& motion);
 
-/// How the options want a motion to be written.
+/// Specifies how a motion is written.
 /// @param output  whose name the motion takes where it needs one.
 [[nodiscard]] WriteMotionOptions write_options(const std::string& output,
                                                const SaveOptions& options);

@@ -9,8 +9,8 @@ namespace RETARGET_API retarget {
 /// The version of this library and tool, `major.minor.patch`.
 [[nodiscard]] std::string version_number();
 
-/// What `--version` prints, one fact per line, no final newline: version and git commit (where
-/// built from a git checkout), compiler and whether it compiled for the building machine alone
+/// The output of `--version`, one fact per line, no final newline: version and git commit (where
+/// built from a git checkout), compiler and whether it compiled only for the build machine
 /// (RETARGET_NATIVE), MuJoCo's header and library, Eigen.
 ///
 ///     retarget 0.1.0 (git 0123456789ab)

@@ -6,7 +6,7 @@
     motion = retarget.to_robot(clip, "unitree_g1")
     motion.save("walk.npz", format="npz-mjlab")
 
-Options are those of the command `retarget`, as keywords: `--source-fps 30` is `source_fps=30`.
+The options are those of the command `retarget`, as keywords: `--source-fps 30` is `source_fps=30`.
 """
 
 from retarget import edit

@@ -103,9 +103,9 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
              **options: Unpack[_options.EvaluateClipOptions]) -> Report:
     """Measures a motion and checks it against gates (docs/quality.md).
 
-    A motion of to_robot() is measured against the clip that it was made from, rounded as it is
-    written, at its own rate; only `limits` can be changed. A motion that was read is measured
-    against `clip`, at `fps` (default 30), like in the command.
+    A motion of to_robot() is measured against its source clip, rounded as in a file, at its own
+    rate; only `limits` can be changed. A motion from a file is measured against `clip`, at `fps`
+    (default 30), as in the command.
 
     Args:
         clip: the human motion of the source; None: the motion's own. With a path, options of load()
@@ -127,7 +127,7 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
 @with_options("HumanOptions", "SourceOptions")
 def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
             **options: Unpack[_options.InspectOptions]) -> Inspection:
-    """Describes a clip: joints, rate, extents, and the human that was recognised in it.
+    """Describes a clip: joints, rate, extents, and the recognised human.
 
     Args:
         clip: a clip, or the path of a file (options of load() are then allowed).
@@ -166,11 +166,11 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
 
 
 def _manifest_lines(file: Path) -> list[dict[str, Any]]:
-    """The entries of a manifest; lines that a kill tore are left out."""
+    """Returns the entries of a manifest and skips truncated lines."""
     if not file.is_file():
         return []
     lines = []
-    # not splitlines(): it cuts at characters that JSON may hold
+    # splitlines() would also split at characters that JSON may contain.
     for line in file.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
         try:
             entry = json.loads(line)
@@ -182,13 +182,13 @@ def _manifest_lines(file: Path) -> list[dict[str, Any]]:
 
 
 def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
-    """The options of these names, taken out of the others."""
+    """Removes the options with these names and returns them."""
     return {name: options.pop(name) for name in sorted(names & options.keys())}
 
 
 def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any],
           data_dir: StrPath | None = None) -> _retarget.Clip:
-    """A clip, or that of a path, read with options."""
+    """Returns the clip, or reads it from a path with options."""
     if clip is None:
         raise ArgumentTypeError("clip: expected a Clip or a path, found NoneType")
     if not isinstance(clip, _retarget.Clip):
@@ -203,7 +203,7 @@ def _read_already(options: Mapping[str, Any]) -> UsageError:
 
 
 def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The options of the fit by name; None: no others than the default."""
+    """Returns the options of the fit by name; None: the defaults."""
     if fit is None:
         return {}
     if not isinstance(fit, Mapping):
@@ -213,7 +213,7 @@ def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:
 
 def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,
            options: dict[str, Any]) -> _retarget.Robot:
-    """A robot, or what Robot() makes of a name and options."""
+    """Returns the robot, or loads it by name with options."""
     if not isinstance(robot, _retarget.Robot):
         return _retarget.Robot(robot, data_dir=data_dir, **options)
     given = [*sorted(options), *(["data_dir"] if data_dir is not None else [])]

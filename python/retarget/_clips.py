@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 def check_names(names: Sequence[str]) -> None:
-    """Raises UsageError for what are no names."""
+    """Raises UsageError unless `names` is a sequence of strings."""
     if isinstance(names, str) or not all(isinstance(each, str) for each in names):
         raise UsageError("names: expected a sequence of strings")
 
 
 def checked_rate(fps: float) -> float:
-    """Frames per second as a float; whether they make sense is not looked at."""
+    """Returns frames per second as a float, without a range check."""
     try:
         return float(fps)
     except (TypeError, ValueError, OverflowError):
@@ -28,7 +28,7 @@ def checked_rate(fps: float) -> float:
 
 def clip_from_positions(positions: ArrayLike, names: Sequence[str] | None = None, *, fps: float,
                         name: str = "positions") -> _retarget.Clip:
-    """Clip.from_positions, whose docs say what is meant."""
+    """See Clip.from_positions."""
     if names is not None:
         check_names(names)
         if len(names) == 0:
@@ -43,7 +43,7 @@ def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: Ar
                      rotations_xyzw: ArrayLike | None = None, fps: float,
                      space: Literal["world", "local"] = "world",
                      name: str = "arrays") -> _retarget.Clip:
-    """Clip.from_arrays, whose docs say what is meant."""
+    """See Clip.from_arrays."""
     if space not in ("world", "local"):
         raise UsageError(f'space: expected "world" or "local", found {space!r}')
     if rotations_wxyz is None and rotations_xyzw is None:

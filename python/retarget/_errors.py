@@ -12,7 +12,7 @@ class Error(Exception):
 
     Attributes:
         kind: `usage`, `input`, `config` or `run`.
-        message: what was expected and found, one sentence.
+        message: expected and found values, one sentence.
         file: the affected file as given; may be empty.
         line, column: 1-based position in the file, the column in bytes; 0: unknown.
         details: several faults, one sentence each.
@@ -32,7 +32,7 @@ class Error(Exception):
         self.hint = hint
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # with all its attributes through queues and pools of processes
+        # Keeps all attributes when pickled, for queues and process pools.
         return type(self), (str(self), self.message, self.file, self.line, self.column,
                             self.details, self.hint)
 

@@ -35,16 +35,16 @@ def with_options(*tables: str) -> Callable[[Function], Function]:
 
     def decorate(function: Function) -> Function:
         signature = inspect.signature(function)
-        # those that are parameters of their own are told of, too
-        told = rows_of(*tables)
-        rows = [row for row in told if row["name"] not in signature.parameters]
+        # The docs also describe options that are explicit parameters of the function.
+        documented = rows_of(*tables)
+        rows = [row for row in documented if row["name"] not in signature.parameters]
         kept = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
         shown = [inspect.Parameter(row["name"], inspect.Parameter.KEYWORD_ONLY, default=None,
                                    annotation=row["type"]) for row in rows]
         function.__signature__ = signature.replace(parameters=kept + shown)  # type: ignore
         lines = [textwrap.fill(f"{row['name']}: {row['help']}", 96, initial_indent="    ",
                                subsequent_indent="        ", break_on_hyphens=False)
-                 for row in told]
+                 for row in documented]
         doc = textwrap.dedent(" " * 4 + (function.__doc__ or "")).strip()
         function.__doc__ = (doc + "\n\nOptions (None: the command's default):\n"
                             + "\n".join(lines) + "\n")

@@ -1,7 +1,7 @@
 """The edits of `retarget edit`: clips in, clips out (docs/editing.md).
 
-Every function gives a new clip. Options say how the human in the clip is recognised and which part
-of it is taken; what was guessed and may be wrong is warned of (RetargetWarning).
+Every function returns a new clip. Options control how the human in the clip is recognised and which
+part of it is used; uncertain guesses raise a warning (RetargetWarning).
 """
 
 from __future__ import annotations

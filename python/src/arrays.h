@@ -30,7 +30,7 @@ class GivenArray {
   /// Raises UsageError if the object is not an array of numbers, has another shape or contains
   /// non-finite numbers.
   /// @param what   its name, for messages.
-  /// @param shape  expected size of each axis, -1: any.
+  /// @param shape  expected size per axis, -1: any.
   GivenArray(nb::handle object, const char* what, const std::vector<std::int64_t>& shape);
 
   [[nodiscard]] std::span<const double> numbers() const { return numbers_; }

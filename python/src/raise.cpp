@@ -121,7 +121,7 @@ void raise_type_error(const std::string& message) {
 void raise(const Error& error) {
   const nb::object make = errors_attribute("make_error");
   const auto& [file, line, column] = error.location;
-  // The exception's name already says that it is an error.
+  // The exception name already identifies an error.
   constexpr std::string_view kWithoutPlace = "error: ";
   const std::string whole = describe(error);
   std::string_view text = whole;

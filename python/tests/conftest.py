@@ -1,4 +1,4 @@
-"""What the tests of the package share."""
+"""Fixtures of the package tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(scope="session", autouse=True)
 def interrupts() -> None:
-    """Python's handler: a shell ignores SIGINT for what it runs in the background, and so does Python then."""
+    """Restores Python's SIGINT handler, which is missing in background jobs of a shell."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -44,7 +44,7 @@ def walked(walk: retarget.Clip, g1: retarget.Robot) -> retarget.Motion:
 
 @pytest.fixture(scope="session")
 def tool() -> str:
-    """The command: RETARGET_TOOL, else that of the package."""
+    """Returns the command: RETARGET_TOOL, otherwise the package's."""
     program = os.environ.get("RETARGET_TOOL") or Path(retarget.__file__).parent / "bin/retarget"
     if not Path(program).exists():
         pytest.skip("the command was not built")
@@ -53,10 +53,10 @@ def tool() -> str:
 
 @pytest.fixture(scope="session")
 def command(tool: str):
-    """Runs the command, without the messages that it gives people."""
+    """Runs the command without its messages."""
 
     def run(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-        # a sanitizer's library is for the module alone
+        # Only the module needs the sanitizer library.
         environment = {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
         done = subprocess.run([tool, *map(str, arguments)], text=True, capture_output=True,
                               env=environment, timeout=300)

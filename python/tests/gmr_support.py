@@ -1,4 +1,4 @@
-"""What tests of retarget.gmr share: sample frames, the tool, the shared data."""
+"""Helpers for tests of retarget.gmr: sample frames, the tool, the shared data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DATA = ROOT / "data"
 
 
 def shared_folder() -> pathlib.Path:
-    """The folder with reference results; skips the test where there is none."""
+    """The folder with reference results; skips the test if it is missing."""
     folder = os.environ.get("RETARGET_SHARED")
     if not folder:
         pytest.skip("RETARGET_SHARED does not name a folder with reference data")
@@ -31,7 +31,7 @@ def sample_frames(name: str = "walk", count: int | None = None) -> list[dict]:
 
 
 def make_retargeter(**changes) -> GeneralMotionRetargeting:
-    """Of LAFAN1 for the G1, as tall as the published package takes everyone."""
+    """Returns a retargeter from LAFAN1 to the G1, with the height of the published package."""
     arguments = dict(src_human="bvh_lafan1", tgt_robot="unitree_g1", actual_human_height=1.75,
                      verbose=False)
     return GeneralMotionRetargeting(**(arguments | changes))
@@ -43,7 +43,7 @@ def tool_qpos(bvh: pathlib.Path, output: pathlib.Path, robot: str = "unitree_g1"
     tool = os.environ.get("RETARGET_TOOL") or package / "bin/retarget"
     if not pathlib.Path(tool).exists():
         pytest.skip("the command was not built")
-    # a sanitizer's library is for the module alone
+    # Only the module needs the sanitizer library.
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     subprocess.run([str(tool), "--bvh", str(bvh), "--robot", robot, "--method", "gmr",
                     "--fps", "source", "--precision", "17", "--quiet", "-o", str(output)],
@@ -58,6 +58,6 @@ def from_xyzw(rows: np.ndarray) -> np.ndarray:
 
 
 def same_signs(qpos: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Configurations with quaternions of the sign that others have; both turn the same way."""
+    """Returns configurations with the quaternion signs of others."""
     signs = np.sign(np.sum(qpos[:, 3:7] * like[:, 3:7], axis=1, keepdims=True))
     return np.hstack([qpos[:, :3], qpos[:, 3:7] * signs, qpos[:, 7:]])

@@ -1,4 +1,4 @@
-"""Arrays: what they hold, whose memory they are, what is taken for one."""
+"""Arrays: contents, memory ownership, accepted inputs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_motion_equals_its_csv(walked: retarget.Motion, tmp_path: Path) -> Non
 
 
 def test_a_variant_has_its_joints_alone(walk: retarget.Clip) -> None:
-    # 23 joints are a model of their own, 27 the whole robot's with two that are held
+    # The variant with 23 joints has its own model, the variant with 27 holds two joints.
     for joints, size in ((23, 30), (27, 36)):
         motion = retarget.to_robot(walk, "unitree_g1", dof=str(joints))
         assert motion.joint_positions.shape == (len(walk), joints)
@@ -52,7 +52,7 @@ def test_clip_arrays(walk: retarget.Clip) -> None:
     np.testing.assert_array_equal(walk.rotations_wxyz[..., [1, 2, 3, 0]], walk.rotations_xyzw)
     np.testing.assert_array_equal(walk.local_rotations_wxyz[..., [1, 2, 3, 0]],
                                   walk.local_rotations_xyzw)
-    # an independent way from local to world
+    # An independent conversion from local to world.
     for joint, parent in enumerate(walk.parents):
         if parent < 0:
             np.testing.assert_array_equal(walk.positions[:, joint], walk.local_positions[:, joint])
@@ -93,7 +93,7 @@ def test_forward_kinematics(walked: retarget.Motion, g1: retarget.Robot) -> None
     root = g1.body_names.index("pelvis")
     np.testing.assert_allclose(positions[root], walked.root_position[7])
     np.testing.assert_allclose(rotations[root], walked.root_rotation_wxyz[7], atol=1e-12)
-    # standing: the soles' bodies are the lowest
+    # The robot stands, so the sole bodies are lowest.
     assert positions[1:, 2].min() < 0.2 < positions[root][2]
 
 

@@ -13,7 +13,7 @@ import retarget
 
 
 def spelled(text: str) -> str:
-    """A text of the command with its options as keywords."""
+    """Spells the options in a message of the command as keywords."""
     words = []
     for word in text.split(" "):
         words.append(word[2:].replace("-", "_") if word.startswith("--") else word)
@@ -74,7 +74,7 @@ def test_a_mapping_of_no_options_is_the_default_fit(walk, g1) -> None:
 
 
 def test_an_empty_text_is_no_option_left_out(data: Path, walk, g1, tmp_path: Path) -> None:
-    """As at the command line: a variable of the environment that is not set must not read as a default."""
+    """As on the command line, an unset environment variable must not select the default."""
     for name in ("limits", "ik_config", "fit_config", "map", "unit", "frames", "tpose_file"):
         for empty in ("", b""):
             with pytest.raises(retarget.UsageError, match=f"{name}: .* found an empty string"):
@@ -113,7 +113,7 @@ def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_wrong_robot_is_told_the_nearest() -> None:
+def test_unknown_robot_suggests_the_nearest() -> None:
     with pytest.raises(retarget.ConfigError, match='did you mean "unitree_g1"'):
         retarget.Robot("unitre_g1")
 
@@ -126,7 +126,7 @@ def test_errors_travel_between_processes() -> None:
     assert str(again) == str(raised.value) and again.file == "nowhere.bvh"
 
 
-def test_names_that_are_no_utf8(walk: retarget.Clip, tmp_path: Path) -> None:
+def test_names_that_are_not_utf8(walk: retarget.Clip, tmp_path: Path) -> None:
     name = b"wa\xfflk.bvh"
     walk.save(bytes(tmp_path) + b"/" + name)
     clip = retarget.load(bytes(tmp_path) + b"/" + name)
@@ -209,6 +209,6 @@ def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
         assert file == __file__ and first <= line <= first + 1
 
 
-def test_standard_output_is_no_file(walked: retarget.Motion) -> None:
+def test_standard_output_is_not_a_file(walked: retarget.Motion) -> None:
     with pytest.raises(retarget.UsageError, match="path: expected a file"):
         walked.save("-", format="csv")

@@ -13,7 +13,7 @@ import retarget
 
 
 def evaluated(command, tmp_path: Path, *words: object) -> dict:
-    # a motion that misses a gate is a result, with a code of its own
+    # A missed gate is a result, with its own exit code.
     try:
         command("evaluate", *words, "--json", tmp_path / "report.json")
     except AssertionError:
@@ -22,21 +22,21 @@ def evaluated(command, tmp_path: Path, *words: object) -> dict:
 
 
 @pytest.mark.parametrize("clip", ["walk", "get_up"])
-def test_of_what_was_solved(clip: str, data: Path, tmp_path: Path, command) -> None:
+def test_report_of_a_solved_motion(clip: str, data: Path, tmp_path: Path, command) -> None:
     motion = retarget.to_robot(data / f"{clip}.bvh", "unitree_g1")
     motion.save(tmp_path / f"{clip}.csv")
     expected = evaluated(command, tmp_path, tmp_path / f"{clip}.csv", "--robot", "unitree_g1",
                          "--bvh", data / f"{clip}.bvh")
     report = retarget.evaluate(motion)
     assert report.data["fit"]["terms"]
-    # a file does not tell whether its solver failed
+    # a file does not record whether its solver failed
     of_run = ("fit", "file", "solver_failures")
     own = {key: value for key, value in report.data.items() if key not in of_run}
     own["gates"] = [gate for gate in own["gates"] if gate["metric"] not in of_run]
     assert own == {key: value for key, value in expected.items() if key != "file"}
 
 
-def test_of_what_was_read(data: Path, walk: retarget.Clip, walked: retarget.Motion, g1,
+def test_report_of_a_read_motion(data: Path, walk: retarget.Clip, walked: retarget.Motion, g1,
                           tmp_path: Path, command) -> None:
     for name, options in (("walk.csv", {}), ("walk.npz", {"format": "npz-mjlab"})):
         file = tmp_path / name

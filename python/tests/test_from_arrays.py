@@ -1,4 +1,4 @@
-"""Clips from arrays: the same motion as from a file, and clear words for what is no motion."""
+"""Clips from arrays: the same motion as from a file, and clear errors for invalid motions."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_float32_lists_and_slices(walk: retarget.Clip) -> None:
     assert wide.positions.tobytes() == exact.positions.tobytes()
     rough = make(lambda array: array.astype(np.float32))
     np.testing.assert_allclose(rough.positions, exact.positions, atol=1e-3)
-    # noise of single precision makes no joint stretch
+    # Single-precision noise must not stretch joints.
     rough.save("/dev/null")
     assert (np.ptp(rough.local_positions[:, 1:], axis=0) == 0).all()
 
@@ -104,7 +104,7 @@ GOOD: dict[str, Any] = {
     ({"names": [], "parents": [], "positions": np.zeros((0, 0, 3)),
       "rotations_wxyz": np.zeros((0, 0, 4))}, "names: expected at least one joint"),
 ])
-def test_what_is_no_motion(change: dict[str, Any], text: str) -> None:
+def test_invalid_motions(change: dict[str, Any], text: str) -> None:
     with pytest.raises(retarget.UsageError, match=text):
         retarget.Clip.from_arrays(**{**GOOD, **change})
 
@@ -120,7 +120,7 @@ def test_a_clip_without_frames(g1: retarget.Robot) -> None:
         retarget.edit.mirror(clip)
 
 
-def test_bodies_that_are_no_humans(g1: retarget.Robot) -> None:
+def test_non_human_bodies(g1: retarget.Robot) -> None:
     clip = retarget.Clip.from_arrays(**GOOD)
     with pytest.raises(retarget.InputError) as raised:
         retarget.to_robot(clip, g1)
@@ -137,12 +137,12 @@ def _one(**changes: Any) -> retarget.Clip:
     {"names": ["a", "\ud800"]}, {"parents": [-1, 2**40]}, {"fps": None}, {"fps": "fast"},
     {"parents": np.array([[-1], [0]])}, {"parents": [-1, 0.0]}, {"name": b"a"},
     {"name": "\ud800"}, {"name": None}], ids=str)
-def test_what_is_none_of_them(changes: dict[str, Any]) -> None:
+def test_unknown_robots(changes: dict[str, Any]) -> None:
     with pytest.raises(retarget.UsageError):
         _one(**changes)
 
 
-def test_names_come_back_as_they_were() -> None:
+def test_names_round_trip() -> None:
     names = ["H\u00fcfte", "no utf-8 \udcff"]
     clip = _one(names=names)
     assert clip.joint_names == names

@@ -1,4 +1,4 @@
-"""Clips from positions alone: joints stay, robots move alike, clear words for what is no motion."""
+"""Clips from positions: joints are kept, robots move alike, invalid motions raise clear errors."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_known_orders_need_no_names(walk: retarget.Clip) -> None:
     (np.zeros((5, 22, 3)), None, {"fps": "fast"}, "fps"),
     (np.zeros((5, 22, 3)), None, {"name": 3}, "name: expected a string"),
 ])
-def test_what_is_no_motion(positions: Any, names: Any, keywords: dict[str, Any],
+def test_invalid_motions(positions: Any, names: Any, keywords: dict[str, Any],
                            text: str) -> None:
     with pytest.raises(retarget.Error, match=text):
         retarget.Clip.from_positions(positions, names, **({"fps": 30} | keywords))

@@ -19,7 +19,7 @@ def test_a_loop_gives_what_the_command_gives(name, tmp_path) -> None:
     retargeter = make_retargeter()
     found = np.array([retargeter.retarget(frame) for frame in sample_frames(name)])
     assert found.shape == expected.shape and found.dtype == np.float64
-    # the loader's last bits, carried from frame to frame
+    # The loader's rounding errors accumulate over the frames.
     np.testing.assert_allclose(same_signs(found, expected), expected, rtol=0, atol=1e-9)
 
 
@@ -32,7 +32,7 @@ def test_every_robot_with_tables_of_ours_gives_what_the_command_gives(tmp_path) 
         expected = tool_qpos(DATA / "wave.bvh", tmp_path / f"{name}.csv", name)[:len(frames)]
         retargeter = make_retargeter(tgt_robot=name)
         found = np.array([retargeter.retarget(frame) for frame in frames])
-        # columns are in the profile's order, configurations in the model's
+        # Columns are in the profile's order, configurations in the model's order.
         columns = [retargeter.robot_dof_names[joint] + 1
                    for joint in retarget.Robot(name).joint_names]
         found = found[:, [*range(7), *columns]]
@@ -58,7 +58,7 @@ def test_arguments_of_all_published_forms_give_the_same() -> None:
                                    err_msg=form)
     single = {name: (p.astype("f4"), q.astype("f4")) for name, (p, q) in frame.items()}
     np.testing.assert_allclose(make_retargeter().retarget(single), expected, atol=1e-4)
-    assert all(isinstance(pose, list) for pose in frame.values())  # what was given stays as it was
+    assert all(isinstance(pose, list) for pose in frame.values())  # the input is unchanged
 
 
 def test_integers_count_as_numbers() -> None:
@@ -94,7 +94,7 @@ def test_errors_fall_as_frames_are_solved() -> None:
     retargeter.retarget(frame)
     after = retargeter.error1(), retargeter.error2()
     assert before[0] == before[1] > after[1] > 0.0
-    # the norm of what is between bodies and targets: at least that of their positions
+    # The error norm includes the rotations, so it is at least the norm of the position errors.
     positions, _ = retarget.Robot("unitree_g1").forward_kinematics(retargeter.qpos)
     away = [positions[retargeter.robot_body_names[body]] - retargeter.scaled_human_data[row[0]][0]
             for body, row in retargeter.ik_match_table1.items()]
@@ -187,7 +187,7 @@ def test_attributes_that_callers_read() -> None:
     assert make_retargeter(actual_human_height=None).human_scale_table["Hips"] == 0.9
 
 
-def test_what_is_not_offered_says_so() -> None:
+def test_unsupported_attributes_raise_clear_errors() -> None:
     retargeter = make_retargeter()
     for name, instead in (("configuration", "qpos"), ("tasks1", "error1"), ("ik_limits", "ranges")):
         with pytest.raises(AttributeError, match=instead):

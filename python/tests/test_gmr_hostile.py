@@ -1,4 +1,4 @@
-"""What is none of the published forms is a clear exception, never a crash, and changes nothing."""
+"""Invalid input raises a clear exception, never crashes and changes no state."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_missing_bodies_are_all_named() -> None:
 
 @pytest.mark.parametrize("data", [None, 1, "walk", b"walk", [1, 2], np.zeros((14, 7)), object(),
                                   sample_frames])
-def test_frames_that_are_no_dictionary(data) -> None:
+def test_frames_must_be_dictionaries(data) -> None:
     with pytest.raises(ValueError, match="expected {body: "):
         make_retargeter().retarget(data)
 
@@ -115,7 +115,7 @@ def test_a_change_of_the_solver_keeps_the_targets(change: tuple[str, float]) -> 
     assert retargeter.error1() == error
 
 
-def test_an_engine_that_is_none(tmp_path: pathlib.Path) -> None:
+def test_unknown_engine(tmp_path: pathlib.Path) -> None:
     given = make_retargeter()
     config = pathlib.Path(IK_CONFIG_DICT["bvh"]["unitree_g1"])
     with pytest.raises(ValueError, match='engine: expected "fast" or "reference"'):
@@ -242,7 +242,7 @@ def test_bad_tables(fault, expected, tmp_path) -> None:
         make_retargeter(ik_config=file)
 
 
-def test_files_that_are_none(tmp_path) -> None:
+def test_invalid_files(tmp_path) -> None:
     (tmp_path / "broken.json").write_text("{")
     (tmp_path / "list.json").write_text("[]")
     for name in ("broken.json", "list.json"):
@@ -281,11 +281,11 @@ def _resident_kib() -> int:
     for line in pathlib.Path("/proc/self/status").read_text().splitlines():
         if line.startswith("VmRSS:"):
             return int(line.split()[1])
-    pytest.skip("the system does not tell how much memory is resident")
+    pytest.skip("the system does not report resident memory")
 
 
 def test_calls_do_not_make_memory_grow() -> None:
-    """RETARGET_PYTHON_CALLS=100000 makes a long run of it."""
+    """RETARGET_PYTHON_CALLS=100000 makes a long run."""
     if os.environ.get("LD_PRELOAD"):
         pytest.skip("a sanitizer keeps freed memory")
     calls = int(os.environ.get("RETARGET_PYTHON_CALLS", 2_000))

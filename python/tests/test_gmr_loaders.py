@@ -27,7 +27,7 @@ def test_lafan1_frames_are_metres_and_z_up() -> None:
             position, rotation = frames[frame][name]
             x, y, z = clip.positions[frame, i]
             np.testing.assert_allclose(position, np.array([x, -z, y]) / 100, rtol=0, atol=1e-15)
-            # a vector of the joint, turned either way
+            # A vector of the joint, rotated both ways.
             np.testing.assert_allclose(
                 _turn(rotation, [1.0, 2.0, 3.0]),
                 _turn([np.sqrt(0.5), np.sqrt(0.5), 0, 0],
@@ -79,7 +79,7 @@ def test_smplx_files_become_frames_at_a_lower_rate(tmp_path) -> None:
     assert height == pytest.approx(1.71) and model is None
     assert data["mocap_frame_rate"].item() == 120.0
     frames, fps = get_smplx_data_offline_fast(data, model, output, tgt_fps=30)
-    # 61 frames in fours: 15 frames from the first to the last
+    # 61 frames in groups of four: 15 frames from the first to the last.
     assert len(frames) == 15 and fps == pytest.approx(15 / 61 * 120)
     assert len(frames[0]) == 22 and "left_foot" in frames[0]
     np.testing.assert_allclose(np.diff([frame["pelvis"][0][0] for frame in frames]), 1 / 14)
@@ -160,7 +160,7 @@ def test_pickles_of_either_numpy(core: str, tmp_path) -> None:
     np.testing.assert_array_equal(load_robot_motion(file)[4], motion["dof_pos"])
 
 
-def test_files_that_are_no_npz_of_smplx(tmp_path) -> None:
+def test_files_that_are_not_smplx(tmp_path) -> None:
     np.save(tmp_path / "array.npy", np.zeros(3))
     whole = _smplx_file(tmp_path).read_bytes()
     (tmp_path / "cut.npz").write_bytes(whole[:len(whole) // 2])
@@ -232,7 +232,7 @@ def test_tables_of_the_published_package_are_found(tmp_path) -> None:
     assert "no folder ik_configs" in found(RETARGET_GMR_ROOT=str(robot))
 
 
-def test_scripts_import_what_they_did() -> None:
+def test_published_imports_work() -> None:
     for module, names in {
         "retarget.gmr": ["GeneralMotionRetargeting", "RobotMotionViewer", "load_robot_motion",
                          "ROBOT_XML_DICT", "IK_CONFIG_DICT", "ROBOT_BASE_DICT",

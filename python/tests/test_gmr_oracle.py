@@ -56,7 +56,7 @@ def test_files_of_the_reference() -> None:
     assert compared >= 18
 
 
-# SMPL-X's names for LAFAN1's bodies: what matters is that both sides get the same frames
+# SMPL-X names for LAFAN1's bodies; both implementations only have to get the same frames.
 SMPLX = {"pelvis": "Hips", "left_hip": "LeftUpLeg", "left_knee": "LeftLeg",
          "left_ankle": "LeftFoot", "left_foot": "LeftToe", "right_hip": "RightUpLeg",
          "right_knee": "RightLeg", "right_ankle": "RightFoot", "right_foot": "RightToe",
@@ -71,13 +71,13 @@ def smplx_frames(count: int) -> list[dict]:
 
 
 def golden_frames() -> list[dict]:
-    """Those of tests/golden/smplx."""
+    """Returns the frames of tests/golden/smplx."""
     return [{name: tuple(frame[bone]) for name, bone in SMPLX.items()}
             for frame in sample_frames("walk")[::20]]
 
 
 def test_committed_frames_of_the_reference_in_the_form_of_smplx() -> None:
-    """Qpos and the error of table 2, by the reference with tables of this project's own."""
+    """Compares qpos and the error of table 2 with the reference, using this project's tables."""
     folder = ROOT / "tests/golden/smplx"
     if not folder.is_dir():
         pytest.skip("an installed package is tested, without the tree's tests/golden")

@@ -46,7 +46,7 @@ def test_wrong_options(options: dict[str, Any], text: str, walk, g1) -> None:
     assert text in str(raised.value)
 
 
-def test_none_and_kinds_of_numbers(walk: retarget.Clip, g1: retarget.Robot) -> None:
+def test_none_and_number_types(walk: retarget.Clip, g1: retarget.Robot) -> None:
     expected = retarget.to_robot(walk, g1, fps=50, start=1, method="gmr", csv_header=True)
     same = retarget.to_robot(walk, g1, fps=np.float32(50), start=np.int64(1), method="gmr",
                              csv_header=np.bool_(True), limits=None, map=None)
@@ -72,7 +72,7 @@ def test_source_options_need_a_path(walk: retarget.Clip, g1: retarget.Robot, dat
 
 
 def test_every_option_of_the_command_is_a_keyword() -> None:
-    """docs/options.md has the command's; what is left out is said here."""
+    """docs/options.md lists the command's options; `elsewhere` lists the exceptions."""
     page = (SOURCE / "docs/options.md").read_text()
     section = page.split("\n## ")[1]
     names = {name.replace("-", "_") for name in re.findall(r"`--([a-z-]+)", section)}
@@ -80,7 +80,7 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
                  "png", "strip", "write_map", "verbose", "help", "help_all", "version",
                  "mirror",  # retarget.edit.mirror()
                  "dynamics", "gate"}  # those of retarget.evaluate()
-    # words of the language have a line behind them
+    # keywords of Python get a trailing underscore
     keywords = {name.rstrip("_") for name in inspect.signature(retarget.to_robot).parameters}
     assert names - keywords <= elsewhere
     assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords
@@ -94,9 +94,9 @@ def test_a_keyword_has_one_type_in_all_functions() -> None:
         names = [row["name"] for row in rows]
         assert len(names) == len(set(names)), "a keyword is in a table twice"
     several = {name for name, found in types.items() if len(found) > 1}
-    # this list may only shrink: batch's base takes a folder for one release more, its contacts are a flag
-    # as each clip has a file; scale is of a body or of a path; floor and speed are terms of the fit and
-    # numbers of edits
+    # This list may only shrink: batch's base accepts a folder for one more release, its contacts
+    # are a flag because each clip has a file; scale refers to a body or a path; floor and speed are
+    # terms of the fit and numbers of edits.
     assert several == {"base", "contacts", "scale", "floor", "speed"}
 
 
@@ -112,7 +112,7 @@ def test_the_stubs_have_every_option() -> None:
     folder = Path(retarget.__file__).parent
     stub = folder / "_options.pyi"
     if not stub.exists():
-        # a package in a build tree: the files are links into the sources
+        # In a build tree, the package files are links into the sources.
         stub = Path(_retarget.__file__).parent / "_options.pyi"
     if not stub.exists():
         pytest.skip("a build without stubs")
@@ -159,7 +159,7 @@ def _neither() -> object:
     ({"csv_header": _neither()}, "found a value of type bool_"),
     ({"\udcff": 1}, "unknown option"),
 ])
-def test_texts_that_are_none_and_objects_that_fail(options: dict[str, Any], text: str, walk,
+def test_invalid_texts_and_failing_objects(options: dict[str, Any], text: str, walk,
                                                    g1) -> None:
     with pytest.raises(retarget.UsageError) as raised:
         retarget.to_robot(walk, g1, **options)

@@ -40,7 +40,7 @@ def test_progress(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     assert silent.qpos.tobytes() == motion.qpos.tobytes()
 
 
-def test_what_a_callback_raises_is_raised(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+def test_callback_exceptions_are_raised(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
     def progress(stage: str, done: int, total: int) -> None:
         raise LookupError("enough")
 
@@ -52,7 +52,7 @@ def test_what_a_callback_raises_is_raised(long_walk: retarget.Clip, g1: retarget
 
 @pytest.mark.parametrize("method", ["gmr", "fit"])
 def test_an_interrupt(method: str, long_walk: retarget.Clip, g1: retarget.Robot) -> None:
-    # long enough for single frames at any machine's speed: the signal must come before the end
+    # Long enough on any machine: the signal must arrive before the end.
     longer = retarget.edit.resample(long_walk, speed=0.4)
     timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
@@ -123,7 +123,7 @@ def test_the_base_of_a_batch_is_the_robots(data: Path, tmp_path: Path) -> None:
                    relative_to=tmp_path / "clips", **options)
     rows = (tmp_path / "held/a/walk.csv").read_text().splitlines()
     assert {tuple(map(float, row.split(",")[:7])) for row in rows} == {(0, 0, 0.793, 0, 0, 0, 1)}
-    # a folder, as its former meaning
+    # The former meaning: a folder.
     result = retarget.batch(clip, tmp_path / "kept", "unitree_g1", base=tmp_path / "clips",
                             **options)
     assert (tmp_path / "kept/a/walk.csv").exists()
@@ -241,13 +241,13 @@ def test_a_batch_of_one_process_has_no_python_in_its_workers(data: Path, tmp_pat
         busy.join()
     assert result.failed == 0
     [entry] = result.clips
-    # a worker that a signal ended has an error
+    # A worker killed by a signal has an error.
     assert entry["status"] == "done" and "error" not in entry
 
 
 def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    # separators of lines in Unicode, which JSON takes for characters
+    # Unicode line separators, which are ordinary characters in JSON.
     odd = tmp_path / "walk\u2028\x85.bvh"
     odd.write_bytes((data / "walk.bvh").read_bytes())
     result = retarget.batch(odd, out, "unitree_g1", method="gmr", end=0.2)

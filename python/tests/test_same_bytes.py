@@ -10,7 +10,7 @@ import pytest
 import retarget
 
 CLIPS = ["walk", "squat", "wave", "turn_in_place", "get_up"]
-# keywords of Python beside words of the command
+# Python keywords and the corresponding command-line words.
 WAYS = {
     "fit": ({}, []),
     "gmr": ({"method": "gmr"}, ["--method", "gmr"]),
@@ -38,9 +38,9 @@ def test_of_every_format(name: str, walked: retarget.Motion, data: Path, tmp_pat
     ending = name.split("-")[0]
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    # trackers' formats have a rate of their own, which a motion is solved at when it is told
-    told = ending == "npz"
-    motion = retarget.to_robot(data / "walk.bvh", "unitree_g1", format=name) if told else walked
+    # Tracking formats have their own rate; the motion is solved at it if the format is given.
+    own_rate = ending == "npz"
+    motion = retarget.to_robot(data / "walk.bvh", "unitree_g1", format=name) if own_rate else walked
     motion.save(tmp_path / f"a/walk.{ending}", format=name)
     command(data / "walk.bvh", "unitree_g1", "-o", tmp_path / f"b/walk.{ending}", "--format", name)
     assert ((tmp_path / f"a/walk.{ending}").read_bytes()

@@ -30,7 +30,7 @@ bool is_command(std::uint32_t code) {
          within(0x2028, 0x202E) || within(0x2066, 0x2069);
 }
 
-// Replaces each control character by put(code). An invalid byte counts as a code of its own.
+// Replaces each control character by put(code). An invalid byte counts as a separate code.
 template <typename Put>
 std::string replaced(std::string_view text, const Put& put) {
   std::string result;

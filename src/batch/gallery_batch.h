@@ -30,7 +30,7 @@ struct BatchFolder {
 /// A file that a manifest has recorded.
 struct RecordedFile {
   std::string path;       ///< Location with the recorded size and hash; empty: not found.
-  bool is_there = false;  ///< True if a file of that name exists, whatever its content.
+  bool is_there = false;  ///< True if a file of that name exists, with any content.
 };
 
 /// Finds the source of an entry: relative to the working directory, otherwise to the batch's

@@ -38,7 +38,7 @@ class OutputTree {
  public:
   explicit OutputTree(const BatchRequest& request) : request_(request) {
     if (!request.pack.empty()) files_[request.pack] = {};
-    // With several robots, clips are in folders of their own.
+    // With several robots, each has its own folder of clips.
     if (request.robots.size() > 1) return;
     for (const char* own : kOwnFiles) files_[own] = {};
   }

@@ -50,7 +50,7 @@ bool has_recorded_content(const FileRecord& record, const std::string& path) {
 
 FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder)
     : output_folder_(std::move(output_folder)) {
-  // A clip that failed last must be done again, whatever its earlier results.
+  // A clip that failed last must be done again, regardless of earlier results.
   std::set<std::pair<std::string, std::string>> failed;
   for (const ManifestEntry& entry : latest_entries(entries)) {
     if (!entry.done) failed.emplace(entry.relative, entry.robot);

@@ -19,7 +19,7 @@ struct SplitGroups {
 /// Groups clips by name with group_of() and merges groups that share a recording: inputs with the
 /// same hash, or with signatures of the same movement or its mirror image. A merged group has the
 /// first of its keys. The result does not depend on the order of the clips. Without shared
-/// recordings the keys are those of group_of().
+/// recordings the keys come from group_of().
 [[nodiscard]] SplitGroups split_groups(const std::vector<const ManifestEntry*>& clips);
 
 }  // namespace retarget

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// Number of frames of each clip that are compared.
+// Frames per clip to compare.
 constexpr int kBeside = 4;
 
 using Samples = Eigen::Matrix<double, 2 * kBeside, Eigen::Dynamic>;

@@ -17,7 +17,7 @@ namespace retarget {
 
 /// Returns the moving frame of a path, per frame of a motion: position, and heading of the tangent,
 /// which is continuous. While the body is still, the heading changes smoothly from its value before
-/// to its value after, whatever the path does there; of the rotations that differ by full turns it
+/// to its value after, independent of the path there; of the rotations that differ by full turns it
 /// uses the one closest to `turns` (one per still phase).
 /// @param along  distance along the path, metres, one per frame.
 [[nodiscard]] std::vector<GroundPose> path_frames(const GroundPath& path,

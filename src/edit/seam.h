@@ -45,7 +45,7 @@ struct SeamSearch {
 struct SeamRegion {
   int begin = 0, end = 0;  ///< Frames that differ from both clips.
   int a_end = 0;           ///< Clip a contributes before this frame.
-  int b_begin = 0;         ///< Clip b contributes from this frame on.
+  int b_begin = 0;         ///< First frame that clip b contributes to.
   int b_shift = 0;         ///< Frame f of b is frame f + b_shift of the result.
 
   /// Returns the weight of a in a frame.

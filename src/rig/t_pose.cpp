@@ -213,7 +213,7 @@ std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pat
   return qpos;
 }
 
-// Patterns for start(); those that turn few joints come first.
+// Patterns for start(), sorted by the number of joints that they turn.
 std::vector<int> start_patterns() {
   std::vector<int> patterns(27);
   std::iota(patterns.begin(), patterns.end(), 0);

@@ -42,8 +42,8 @@ struct HumanPlacement {
 /// robot's facing direction, provided it exceeds a threshold (0.3 rad).
 [[nodiscard]] HumanPlacement place_human(const RobotClip& motion, const HumanClip& human);
 
-/// All data of a page: a header and time series; both as packed_text, which is safe in HTML
-/// whatever names it contains.
+/// All data of a page: a header and time series; both as packed_text, which is safe in HTML for any
+/// names.
 struct PageData {
   std::string header;  ///< JSON.
   std::string tracks;  ///< Output of TrackPacker.

@@ -20,7 +20,7 @@ std::string g1_model() {
   return (std::filesystem::path(RETARGET_SOURCE_DIR) / "robots/unitree_g1/model.xml").string();
 }
 
-// the corners of a sole in the world with the robot at zero: lowest z, and x from heel to toe
+// World corners of a sole at the zero configuration: lowest z, and x from heel to toe.
 struct SoleExtent {
   double lowest = INFINITY, heel = INFINITY, toe = -INFINITY;
 };
@@ -74,8 +74,8 @@ TEST(BareRobot, KeepsEverythingElse) {
   EXPECT_FALSE(robot.profile().allowed_self_contact.empty());
 }
 
-// a model of masses alone, as one is whose meshes were taken out: soles must be guessed, and are
-// better than none; shapes would be judged by
+// A model with masses but without meshes: soles must be guessed, which is better than none; guessed
+// shapes would distort metrics.
 TEST(BareRobot, GuessesSolesWithoutShapes) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
@@ -120,7 +120,7 @@ TEST(BareRobot, KeepsShapesOfTheModel) {
   EXPECT_EQ(completed->shapeless, 7);
 }
 
-// feet are no rectangles: a corner beyond the spheres of a narrow heel would touch before they do
+// Feet are not rectangles: a corner beyond the spheres of a narrow heel would touch first.
 TEST(BareRobot, SolesMatchTheFootContacts) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-// the side of a cylinder
+// Points on the side of a cylinder.
 void add_cylinder(const Vector3d& from, const Vector3d& to, double radius, Points& points) {
   const Vector3d axis = (to - from).normalized();
   const Vector3d side = axis.unitOrthogonal(), other = axis.cross(side);
@@ -58,9 +58,9 @@ TEST(Capsules, FindsATiltedRod) {
   EXPECT_LT(farthest_outside(points, shapes), 0.003);
 }
 
-// a hip: a thick motor across the top of a slender leg; one shape around all of it would be as wide as the
-// motor all the way down
-TEST(Capsules, TakesAThighApart) {
+// A hip: a thick motor across the top of a slender leg. A single shape would be as wide as the
+// motor all the way down.
+TEST(Capsules, SplitsAThigh) {
   Points points;
   add_cylinder({0, -0.12, 0}, {0, 0.12, 0}, 0.06, points);
   add_cylinder({0, 0, 0}, {0, 0, -0.4}, 0.04, points);
@@ -72,11 +72,11 @@ TEST(Capsules, TakesAThighApart) {
   for (const CollisionShape& shape : shapes) sum += volume(shape);
   const double truth = std::numbers::pi * (0.06 * 0.06 * 0.24 + 0.04 * 0.04 * 0.34);
   EXPECT_LT(sum, 1.8 * truth);
-  // beside the leg, half way down, there is nothing
+  // Half way down, the space next to the leg is empty.
   EXPECT_GT(distance_from({0, 0.09, -0.25}, shapes), 0.02);
 }
 
-TEST(Capsules, TakesAnyPoints) {
+TEST(Capsules, AcceptsAnyPoints) {
   for (const Points& points :
        {Points{{0, 0, 0}}, Points{{0, 0, 0}, {0, 0, 0.1}}, Points(20, Vector3d(1, 2, 3))}) {
     const auto shapes = capsules_around(1, points);
@@ -90,7 +90,7 @@ TEST(Capsules, TakesAnyPoints) {
   }
 }
 
-TEST(Capsules, ThinnedKeepsOneOfACell) {
+TEST(Capsules, ThinningKeepsOnePointPerCell) {
   const Points points = {{0, 0, 0}, {0.001, 0, 0}, {0.02, 0, 0}, {0, 0.002, 0}, {0.02, 0, 0}};
   const Points kept = thinned(points, 0.01);
   ASSERT_EQ(kept.size(), 2U);

@@ -27,7 +27,7 @@ std::vector<int> bodies_of(const RobotAnatomy& limbs) {
   return bodies;
 }
 
-// the error of a model that is refused
+// The error of a rejected model.
 std::string refusal(const std::string& mjcf) {
   const auto robot = robot_from_text(mjcf);
   const auto limbs = find_limbs(*robot, "robot.xml");
@@ -78,7 +78,7 @@ TEST(FindLimbs, IgnoresNames) {
 }
 
 TEST(FindLimbs, BoneAxesAreTheCanonicalOnes) {
-  // T-pose at zero, bodies aligned with the world: the bones' axes are those of the canonical pose
+  // T-pose at zero with bodies aligned with the world: the bone axes are the canonical ones.
   const auto robot = robot_from_text(tiny_humanoid(false));
   const auto limbs = find_limbs(*robot, "");
   ASSERT_TRUE(limbs);
@@ -95,7 +95,7 @@ TEST(FindLimbs, BoneAxesAreTheCanonicalOnes) {
 }
 
 TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
-  // the same robot turned by 90 and 180 degrees about z in its own base frame
+  // The same robot, rotated by 90 and 180 degrees about z in its own base frame.
   for (const auto& [quat, forward] :
        {std::pair<std::string, Eigen::Vector3d>{"0.70710678118654757 0 0 0.70710678118654757",
                                                 Eigen::Vector3d::UnitY()},

@@ -22,7 +22,7 @@ std::string write_below(const TemporaryFolder& folder, const std::string& name,
   return folder.write(name, text);
 }
 
-// a box as an OBJ file: from lower to upper corner, all faces as two triangles
+// A box as an OBJ file: from lower to upper corner, each face as two triangles.
 std::string box_obj(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
   std::string text;
   for (const double x : {lower.x(), upper.x()}) {
@@ -38,7 +38,8 @@ std::string box_obj(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) 
   return text;
 }
 
-// the tiny humanoid with feet and thighs that are meshes in millimetres, and a head whose file is nowhere
+// The tiny humanoid with meshes in millimetres for feet and thighs, and a missing mesh file for the
+// head.
 std::string with_mesh_feet() {
   std::string text = tiny_humanoid(true);
   const std::string box = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
@@ -76,8 +77,8 @@ void expect_mesh_soles(const Robot& robot) {
   }
 }
 
-// the head's file is missing, which MuJoCo would take for an error of the whole model
-TEST(MeshPoints, GiveSolesThoughOtherMeshesAreMissing) {
+// The head's file is missing, which MuJoCo would report as an error of the whole model.
+TEST(MeshPoints, ProvideSolesIfOtherMeshesAreMissing) {
   const TemporaryFolder folder;
   write_below(folder, "assets/foot.obj", box_obj({-60, -35, -70}, {130, 35, -20}));
   const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
@@ -86,7 +87,7 @@ TEST(MeshPoints, GiveSolesThoughOtherMeshesAreMissing) {
   expect_mesh_soles(*completed.robot);
 }
 
-TEST(MeshPoints, SayWhichFilesTheyLack) {
+TEST(MeshPoints, NameMissingFiles) {
   const TemporaryFolder folder;
   const CompletedRobot completed = completed_from(folder.write("robot.xml", with_mesh_feet()));
   EXPECT_TRUE(completed.guessed);
@@ -97,7 +98,7 @@ TEST(MeshPoints, SayWhichFilesTheyLack) {
 
 TEST(MeshPoints, FollowPackagesAndCollada) {
   const TemporaryFolder folder;
-  // a foot in centimetres that its node puts in place
+  // A foot in centimetres, positioned by its node.
   std::string positions;
   for (const char* x : {"-1", "1"}) {
     for (const char* y : {"-1", "1"}) {
@@ -123,7 +124,7 @@ TEST(MeshPoints, FollowPackagesAndCollada) {
   text.replace(text.find("foot.obj\" scale=\".001 .001 .001\""), 32,
                "package://tiny/meshes/foot.dae\"");
   text.replace(text.find(" meshdir=\"assets\""), 17, "");
-  // MJCF names no packages: this is read from a URDF's kind of name by the same code
+  // MJCF has no packages: the same code reads names of URDF form.
   const std::string model = write_below(folder, "tiny/robot.xml", text);
   const CompletedRobot completed = completed_from(model);
   EXPECT_FALSE(completed.guessed) << completed.note;

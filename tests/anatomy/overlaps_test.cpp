@@ -43,7 +43,7 @@ std::vector<ModelOverlap> overlaps_of(const Robot& robot) {
       .overlaps;
 }
 
-// thighs whose boxes are thicker than the space between the hips
+// Thighs with boxes thicker than the gap between the hips.
 std::string with_thick_thighs() {
   std::string text = tiny_humanoid(true);
   for (const std::string side : {"left", "right"}) {
@@ -53,11 +53,11 @@ std::string with_thick_thighs() {
   return text;
 }
 
-TEST(ModelOverlaps, FindsThighsThatAreInEachOther) {
+TEST(ModelOverlaps, FindsOverlappingThighs) {
   const auto robot = robot_from_text(with_thick_thighs());
   const auto overlaps = overlaps_of(*robot);
   ASSERT_EQ(names_of(*robot, overlaps), (Names{{"left_thigh", "right_thigh"}}));
-  // each is 0.12 thick, 0.1 from the middle
+  // Each is 0.12 thick, 0.1 from the middle.
   EXPECT_NEAR(overlaps[0].depth, 0.04, 1e-9);
   EXPECT_GT(overlaps[0].share, 0.1);
   EXPECT_LT(overlaps[0].share, 1.0);
@@ -65,7 +65,7 @@ TEST(ModelOverlaps, FindsThighsThatAreInEachOther) {
               HasSubstr("\"left_thigh\" and \"right_thigh\" overlap by 4.0 cm at rest and in "));
 }
 
-// a shell around everything near it is found although no pose is given
+// A shell around all neighbours is found without any pose.
 TEST(ModelOverlaps, FindsPairsThatOverlapInNearlyAllPoses) {
   std::string text = tiny_humanoid(true);
   add_geom(text, "torso", "<geom type=\"box\" pos=\"0 0 0.2\" size=\"0.3 0.4 0.3\"/>");
@@ -84,8 +84,8 @@ TEST(ModelOverlaps, FindsPairsThatOverlapInNearlyAllPoses) {
   }
 }
 
-// hands that hang against the thighs come apart as soon as an arm moves: a motion in which they are in
-// each other is at fault
+// Hands against the thighs separate as soon as an arm moves, so an overlap is a fault of the
+// motion.
 TEST(ModelOverlaps, IgnoresHandsNextToTheThighs) {
   std::string text = tiny_humanoid(true);
   for (const std::string side : {"left", "right"}) {
@@ -97,7 +97,7 @@ TEST(ModelOverlaps, IgnoresHandsNextToTheThighs) {
   EXPECT_THAT(names_of(*robot, overlaps_of(*robot)), IsEmpty());
 }
 
-// boxes are apart along an axis of one of them, or along one that is square to an edge of each
+// Boxes are separate along an axis of one of them, or along the normal of an edge of each.
 bool boxes_touch(const Pose& a, const Pose& b, const Eigen::Vector3d& half) {
   const Eigen::Matrix3d ra = a.rotation.toRotationMatrix(), rb = b.rotation.toRotationMatrix();
   const Eigen::Vector3d between = b.translation - a.translation;
@@ -117,8 +117,8 @@ bool boxes_touch(const Pose& a, const Pose& b, const Eigen::Vector3d& half) {
   return gap < -1e-3;
 }
 
-// against many more poses of another kind, and another test of boxes
-TEST(ModelOverlaps, ShareIsThatOfPosesAtRandom) {
+// Compares with many more poses from another distribution, and another box test.
+TEST(ModelOverlaps, ShareMatchesRandomPoses) {
   const auto robot = robot_from_text(with_thick_thighs());
   const double share = overlaps_of(*robot).at(0).share;
   unsigned state = 12345;
@@ -145,7 +145,7 @@ TEST(ModelOverlaps, ShareIsThatOfPosesAtRandom) {
   EXPECT_NEAR(share, static_cast<double>(touching) / kPoses, 0.02);
 }
 
-TEST(AllowedContacts, TakesTheModelsOwnExclusions) {
+TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
   const TemporaryFolder folder;
   std::string text = with_thick_thighs();
   text.insert(text.find("</mujoco>"),
@@ -156,7 +156,7 @@ TEST(AllowedContacts, TakesTheModelsOwnExclusions) {
   ASSERT_TRUE(bare) << describe(bare.error());
   const auto completed = complete_bare_robot(**bare, model);
   ASSERT_TRUE(completed) << describe(completed.error());
-  // said by the model, so nothing to tell
+  // The model excludes the pair, so there is nothing to report.
   EXPECT_THAT(completed->overlaps, IsEmpty());
   const auto pair = [&](const char* a, const char* b) {
     return std::pair((*bare)->find_body(a).value(), (*bare)->find_body(b).value());

@@ -1,5 +1,5 @@
-// Hands of robots are found from their trees: which branch is which finger, how palms lie, where fingers
-// end, and which joints others move.
+// Hands of robots are found from their trees: fingers of branches, palm axes, finger ends and
+// coupled joints.
 
 #include "robot/anatomy/robot_hands.h"
 
@@ -27,7 +27,7 @@ void expect_near(const Eigen::Vector3d& found, const Eigen::Vector3d& expected) 
   EXPECT_LT((found - expected).norm(), 1e-9) << found.transpose();
 }
 
-TEST(RobotHandsTest, ThreeFingersOfTheG1) {
+TEST(RobotHandsTest, FindsTheThreeFingersOfTheG1) {
   const auto robot = load_shipped_robot("unitree_g1_with_hands");
   const RobotHands hands = find_hands(*robot);
   for (std::size_t side = 0; side < 2; ++side) {
@@ -40,7 +40,7 @@ TEST(RobotHandsTest, ThreeFingersOfTheG1) {
     EXPECT_EQ(fingers_of(hand), (std::vector{Finger::kThumb, Finger::kIndex, Finger::kMiddle}));
     EXPECT_FALSE(hand.is_gripper);
     EXPECT_EQ(hand.variables.size(), 7U);
-    // fingers point along the palm link's x, the thumb across the palm; the index finger is above
+    // Fingers point along x of the palm link, the thumb across the palm; the index finger is above.
     expect_near(hand.palm_axes.col(0), {1, 0, 0});
     expect_near(hand.palm_axes.col(1), {0, 0, 1});
     expect_near(hand.palm_axes.col(2), {0, -s, 0});
@@ -61,7 +61,7 @@ TEST(RobotHandsTest, OuterJointsFollowInnerOnes) {
     EXPECT_EQ(fingers_of(hand), std::vector(kFingers.begin(), kFingers.end()));
     EXPECT_EQ(hand.joints.size(), 12U);
     EXPECT_EQ(hand.variables.size(), 6U);
-    // in the world of the zero configuration, where no body is turned
+    // In the world of the zero configuration, in which no body is rotated.
     const Eigen::Matrix3d axes =
         robot->tree().attachment(hand.palm_body).link_from_body.rotation.conjugate() *
         hand.palm_axes;
@@ -128,7 +128,7 @@ TEST(RobotHandsTest, TwoJawsAreAGripper) {
   }
 }
 
-TEST(RobotHandsTest, OtherRobotsHaveNone) {
+TEST(RobotHandsTest, FindsNoneOnOtherRobots) {
   int looked_at = 0;
   for (const char* const folder : {"robots", "robots/unverified"}) {
     for (const auto& entry :
@@ -154,7 +154,7 @@ TEST(RobotHandsTest, IgnoresHeldFingers) {
   EXPECT_FALSE(hands[0] || hands[1]);
 }
 
-TEST(RobotHandsTest, JointsThatLeadEachOtherInACircleAreFree) {
+TEST(RobotHandsTest, FreesCyclicallyCoupledJoints) {
   const auto loaded = std::const_pointer_cast<Robot>(robot_from_text(six_motor_hands()));
   RobotProfile profile = loaded->profile();
   profile.coupled_joints = {{"left_index_proximal", {"left_index_intermediate", 1.0, 0.0}},
@@ -163,7 +163,7 @@ TEST(RobotHandsTest, JointsThatLeadEachOtherInACircleAreFree) {
   loaded->set_profile(profile);
   const RobotHands hands = find_hands(*loaded);
   ASSERT_TRUE(hands[0]);
-  // a circle has one joint that leads; a joint of the arm leads none of the hand's
+  // A cycle has one driving joint; a joint of the arm drives no joint of the hand.
   EXPECT_EQ(hands[0]->variables.size(), 11U);
 }
 

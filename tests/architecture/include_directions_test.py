@@ -1,5 +1,5 @@
-"""Modules include only what they may; the library neither prints nor ends the process, and computes
-with nothing that differs from machine to machine."""
+"""Modules only include permitted headers; the library neither prints nor exits and computes identically on
+all machines."""
 
 import pathlib
 import re
@@ -67,7 +67,7 @@ def is_private(folder):
 
 
 def fault_of(folder, included):
-    """None, or a sentence on an include that points in a wrong direction."""
+    """Describes an include in a wrong direction; None if it is allowed."""
     if folder == included:
         return None
     room, other = folder.partition("/")[0], included.partition("/")[0]

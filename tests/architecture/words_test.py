@@ -125,15 +125,14 @@ class Files(unittest.TestCase):
 
 
 class Repository(unittest.TestCase):
-    """The modes, in a small repository of their own."""
+    """The modes, in a small separate repository."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
-        for name, value in (("ROOT", self.root), ("BASELINE", self.root / "words_baseline.txt")):
-            self.addCleanup(setattr, check_words, name, getattr(check_words, name))
-            setattr(check_words, name, value)
+        self.addCleanup(setattr, check_words, "ROOT", check_words.ROOT)
+        check_words.ROOT = self.root
 
     def run_check(self, *arguments):
         """(exit code, what was printed)"""
@@ -147,36 +146,22 @@ class Repository(unittest.TestCase):
         subprocess.run(["git", "-C", self.root, *identity, *arguments], check=True,
                        capture_output=True)
 
-    def test_baseline_only_falls(self):
+    def test_hits_are_errors(self):
         page = self.root / "a.md"
         page.write_text(f"It {BAD}. It {BAD}.\n")
-        code, text = self.run_check("--lower")  # the first one
-        self.assertEqual((code, check_words.read_baseline()), (0, {"a.md": 2}))
-        self.assertIn("nothing new; 2 hits in 1 files", text)
-
-        page.write_text(f"It {BAD}. It {BAD}. It {BAD}.\n")
         code, text = self.run_check()
         self.assertEqual(code, 1)
         self.assertIn(f'a.md:1:4: "{BAD}": write "is fixed"', text)
-        self.assertIn("a.md: 3 hits, 2 in the baseline", text)
-        self.assertEqual(self.run_check("--lower")[0], 1)
-        self.assertEqual(check_words.read_baseline(), {"a.md": 2})
-
-        page.write_text(f"It {BAD}.\n")
-        code, text = self.run_check()
-        self.assertEqual(code, 0)
-        self.assertIn("tools/check_words.py --lower", text)
-        self.run_check("--lower")
-        self.assertEqual(check_words.read_baseline(), {"a.md": 1})
+        self.assertIn("words: 2 hits", text)
 
         page.write_text("It is fixed.\n")
-        self.assertEqual(self.run_check("--lower"), (0, "words: clean over the whole repository\n"))
-        self.assertEqual(check_words.read_baseline(), {})
+        self.assertEqual(self.run_check(), (0, "words: clean\n"))
 
-    def test_files_outside_of_the_baseline_may_have_none(self):
-        check_words.write_baseline({}, check_words.BASELINE)
+    def test_named_files_are_checked_alone(self):
+        (self.root / "a.h").write_text("// It is fixed.\n")
         (self.root / "b.h").write_text(f"// It {BAD}.\n")
-        code, text = self.run_check()
+        self.assertEqual(self.run_check(str(self.root / "a.h"))[0], 0)
+        code, text = self.run_check(str(self.root / "b.h"))
         self.assertEqual(code, 1)
         self.assertIn("b.h:1:7", text)
 
@@ -207,7 +192,7 @@ class Repository(unittest.TestCase):
 
 
 class ThisRepository(unittest.TestCase):
-    def test_has_no_more_hits_than_its_baseline(self):
+    def test_has_no_hits(self):
         out = io.StringIO()
         with contextlib.redirect_stdout(out):
             code = check_words.main([])

@@ -8,7 +8,7 @@ namespace retarget {
 namespace {
 
 // RFC 4648, section 10
-TEST(Base64Test, WritesAndReadsTheExamplesOfTheStandard) {
+TEST(Base64Test, MatchesTheExamplesOfTheStandard) {
   const std::string bytes = "foobar";
   const char* texts[] = {"", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"};
   for (std::size_t size = 0; size <= bytes.size(); ++size) {
@@ -19,7 +19,7 @@ TEST(Base64Test, WritesAndReadsTheExamplesOfTheStandard) {
   EXPECT_EQ(bytes_from_base64("/+8="), "\xff\xef");
 }
 
-TEST(Base64Test, RefusesOtherTexts) {
+TEST(Base64Test, RejectsInvalidTexts) {
   for (const char* text : {"Z", "Zg=a", "Zm 9", "Zm9v\n", "Zm9vZ", "===="}) {
     EXPECT_FALSE(bytes_from_base64(text)) << text;
   }

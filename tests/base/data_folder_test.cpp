@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 class DataFolderTest : public ::testing::Test {
  protected:
-  // a folder below the root that holds robots/ and configs/
+  // A folder below the root with robots/ and configs/.
   fs::path data_folder(const std::string& name) const {
     fs::create_directories(root_ / name / "robots");
     fs::create_directories(root_ / name / "configs");
@@ -63,13 +63,13 @@ TEST_F(DataFolderTest, FindsSourceTreeAboveTheBinary) {
   DataFolderSearch search;
   const fs::path source = data_folder("source");
   search.executable = source / "build/release/tools/retarget/retarget";
-  // robots/ and configs/ alone may be anybody's
+  // robots/ and configs/ alone may belong to another program.
   EXPECT_FALSE(find_data_folder(search).has_value());
   fs::create_directories(source / "include/retarget");
   EXPECT_EQ(find_data_folder(search).value(), source);
 }
 
-// a program that is built somewhere below a source tree uses the library that it links
+// A program built somewhere below a source tree uses its linked library.
 TEST_F(DataFolderTest, InstalledLibraryComesBeforeASourceTree) {
   DataFolderSearch search;
   const fs::path source = data_folder("source");
@@ -77,14 +77,14 @@ TEST_F(DataFolderTest, InstalledLibraryComesBeforeASourceTree) {
   search.executable = source / "build/program";
   search.installed = data_folder("prefix/share/retarget").string();
   EXPECT_EQ(find_data_folder(search).value(), search.installed);
-  // a tree that was moved away since
+  // The tree was moved since.
   search.installed = (root_ / "gone").string();
   EXPECT_EQ(find_data_folder(search).value(), source);
   search.executable.clear();
   EXPECT_FALSE(find_data_folder(search).has_value());
 }
 
-// as of a package that was unpacked together with its program
+// As for a package unpacked together with its program.
 TEST_F(DataFolderTest, ProgramsOwnTreeComesBeforeTheInstalledLibrary) {
   DataFolderSearch search;
   search.executable = root_ / "package/bin/program";
@@ -121,7 +121,7 @@ TEST_F(DataFolderTest, TheUsersOwnFolderFollowsTheEnvironment) {
   ::setenv("HOME", "/home/somebody", 1);
   ::setenv("XDG_DATA_HOME", "/data", 1);
   EXPECT_EQ(user_data_folder(), "/data/retarget");
-  // a relative path does not count
+  // A relative path is ignored.
   ::setenv("XDG_DATA_HOME", "data", 1);
   EXPECT_EQ(user_data_folder(), "/home/somebody/.local/share/retarget");
   ::unsetenv("XDG_DATA_HOME");

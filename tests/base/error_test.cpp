@@ -25,8 +25,8 @@ TEST(Describe, OmitsUnknownParts) {
 }
 
 TEST(Describe, PutsTheHintOnItsOwnLine) {
-  EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "what", {}, "do this"}),
-            "error: what\n  hint: do this");
+  EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "fault", {}, "do this"}),
+            "error: fault\n  hint: do this");
 }
 
 TEST(Describe, ListsDetails) {
@@ -45,7 +45,7 @@ TEST(Describe, SpellsOptionsForTheAudience) {
             "a.bvh: error: no rate as fps asks\n  hint: give it with source_fps N");
   EXPECT_EQ(describe(error, option_as_flag),
             "a.bvh: error: no rate as --fps asks\n  hint: give it with --source-fps N");
-  // Characters outside of complete marks do not change.
+  // Characters outside complete marks do not change.
   EXPECT_EQ(spell_options("a\x0e b"), "a\x0e b");
   EXPECT_EQ(spell_options("a\x0f b\x0e"), "a\x0f b\x0e");
 }

@@ -24,7 +24,7 @@ TEST(FaultsTest, ListsErrorsBelowTheirCount) {
   EXPECT_EQ(message_of(faults), "2 errors in the file\n  - one\n  - two");
 }
 
-// A list of all errors of a file that has nothing else would be unreadable.
+// A list of all errors of a completely invalid file would be unreadable.
 TEST(FaultsTest, LimitsTheListLength) {
   Faults faults;
   for (int i = 0; i < 100'000; ++i) faults.add("fault " + std::to_string(i));
@@ -51,7 +51,7 @@ TEST(FaultsTest, TruncatesLongTexts) {
   faults.add("x" + name);
   const std::string message = message_of(faults);
   EXPECT_LT(message.size(), 5000U);
-  // whole characters
+  // Characters are never split.
   EXPECT_EQ(message.substr(message.size() - 5), "\xC3\xA4...");
 }
 

@@ -26,7 +26,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// every test has an empty folder of its own
+// Every test has its own empty folder.
 class FileTest : public ::testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const {
@@ -55,7 +55,7 @@ class FileTest : public ::testing::Test {
   fs::path folder_ = temporary_.path();
 };
 
-// a file size limit for the lifetime of the object, with errors in place of the signal
+// Sets a file size limit for the lifetime of the object, with errors instead of the signal.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_before_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -77,7 +77,7 @@ class FileSizeLimit {
 };
 
 TEST_F(FileTest, ReadsWrittenFiles) {
-  // beyond the first guess of the reader and with every byte there is
+  // Larger than the reader's first guess, and with every byte value.
   std::string bytes;
   for (int i = 0; i < 300'000; ++i) bytes.push_back(static_cast<char>(i % 256));
   ASSERT_TRUE(write_file(path("a"), bytes).has_value());

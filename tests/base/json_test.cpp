@@ -62,7 +62,7 @@ TEST(JsonTest, DeepNestingIsAnErrorWithoutOverflow) {
   EXPECT_TRUE(parse_json(brackets_in_text, "file.json").has_value());
 }
 
-// `count` members of distinct names
+// Returns `count` members with distinct names.
 std::string object_of(int count) {
   std::string text = "{";
   for (int i = 0; i < count; ++i) text += (i > 0 ? ",\"" : "\"") + std::to_string(i) + "\":0";
@@ -78,7 +78,7 @@ TEST(JsonTest, TooManyMembersAreAnError) {
   for (int i = 0; i < 101; ++i) objects += (i > 0 ? "," : "[") + object_of(2000);
   EXPECT_THAT(error_of(objects + "]").message, HasSubstr("more than 200000 members in total"));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  // colons in text are none of a member
+  // Colons in text do not belong to a member.
   EXPECT_TRUE(parse_json("[\"" + std::string(5000, ':') + "\"]", "file.json").has_value());
 }
 
@@ -97,7 +97,7 @@ TEST(JsonTest, ShortTextCutsAtCharacterBoundaries) {
   std::string umlauts;
   for (int i = 0; i < 100; ++i) umlauts += "\xc3\xa4";
   const std::string text = short_text(umlauts);
-  // a quote, 39 whole letters of two bytes, the dots
+  // A quote, 39 whole two-byte letters, the dots.
   EXPECT_THAT(text, SizeIs(1 + 39 * 2 + 3));
 }
 

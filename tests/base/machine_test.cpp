@@ -15,7 +15,7 @@ TEST(Machine, HasProcessorsAndMemory) {
   EXPECT_GT(usable_memory(), std::uint64_t{1} << 20U);
 }
 
-// control groups of either version, as the system shows them
+// Control groups of both versions, in the system's format.
 class ControlGroups : public ::testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) const {
@@ -34,7 +34,7 @@ TEST_F(ControlGroups, Version2LimitsProcessorsAndMemory) {
   write("system/job/memory.max", "max\n");
   EXPECT_EQ(usable_cores(files()), usable_cores({"none", "none"}));
   EXPECT_EQ(usable_memory(files()), usable_memory({"none", "none"}));
-  // the group above holds as well
+  // The limit of the parent group also applies.
   write("system/cpu.max", "50000 100000\n");
   write("system/memory.max", "300000000\n");
   EXPECT_EQ(usable_cores(files()), 1);

@@ -35,7 +35,7 @@ inline Result<NpyArray> read_array(const std::string& bytes, std::string_view na
   return file->read(name);
 }
 
-/// The one array of a file that must be good.
+/// The only array of a valid file.
 inline NpyArray array_of(const std::string& npy_bytes, const NpzBuilder::Style& style = {}) {
   const Result<NpyArray> array = read_array(NpzBuilder().add("a", npy_bytes, style).build(), "a");
   EXPECT_TRUE(array.has_value()) << describe(array.error());

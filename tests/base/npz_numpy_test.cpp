@@ -1,4 +1,4 @@
-// Files that NumPy itself wrote, held against what NumPy says is in them.
+// Compares files written by NumPy with the contents according to NumPy.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

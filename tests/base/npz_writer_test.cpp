@@ -85,7 +85,7 @@ TEST(NpzWriterTest, StreamsNameTheChange) {
 
 TEST(NpzWriterTest, Zip64IsRead) {
   std::string bytes;
-  // as if a plain field held less than 100
+  // Treats plain fields as limited to less than 100.
   ZipStream stream(
       [&bytes](std::string_view more) -> Result<void> {
         bytes += more;

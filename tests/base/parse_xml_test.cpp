@@ -17,7 +17,7 @@ std::string attributes(int count) {
   return text;
 }
 
-// the error's message; empty: the text is parsed
+// Returns the error message; empty if the text is parsed.
 std::string message_of(const std::string& text) {
   tinyxml2::XMLDocument document;
   const auto begin = std::chrono::steady_clock::now();
@@ -27,14 +27,14 @@ std::string message_of(const std::string& text) {
   return parsed ? std::string() : parsed.error().message;
 }
 
-TEST(ParseXml, TakesElementsOfUpToAHundredAttributes) {
+TEST(ParseXml, AcceptsUpToAHundredAttributes) {
   EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "/>"), "");
   EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "><b" +
                        attributes(kMaxXmlAttributes) + "/></a>"),
             "");
 }
 
-TEST(ParseXml, RefusesMoreWithTheLine) {
+TEST(ParseXml, RejectsMoreAttributesWithTheLine) {
   tinyxml2::XMLDocument document;
   const auto parsed =
       parse_xml("<a>\n<b/>\n<c\n" + attributes(kMaxXmlAttributes + 1) + "/></a>", document);

@@ -85,13 +85,13 @@ TEST(PickleTest, HandlesEveryChangedByte) {
 }
 
 TEST(PickleTest, NothingIsExecuted) {
-  // os.system('id') by GLOBAL and REDUCE
+  // os.system('id') by GLOBAL and REDUCE.
   EXPECT_THAT(error_of("\x80\x02"
                        "cos\nsystem\nX\x02\0\0\0id\x85R."s),
-              HasSubstr("the pickle names os.system, which is refused (byte 2 of the pickle)"));
-  // by STACK_GLOBAL
+              HasSubstr("the pickle names os.system, which is not allowed (byte 2 of the pickle)"));
+  // The same by STACK_GLOBAL.
   EXPECT_THAT(error_of("\x80\x04\x8c\x05posix\x8c\x06system\x93\x8c\x02id\x85R."s),
-              HasSubstr("the pickle names posix.system, which is refused"));
+              HasSubstr("the pickle names posix.system, which is not allowed"));
   EXPECT_THAT(error_of("\x80\x02"
                        "c__builtin__\neval\n."s),
               HasSubstr("__builtin__.eval"));
@@ -101,7 +101,7 @@ TEST(PickleTest, NothingIsExecuted) {
   EXPECT_THAT(error_of("\x80\x02"
                        "ctorch._utils\n_rebuild_tensor_v2\n."s),
               HasSubstr("tensor.cpu().numpy()"));
-  // INST and OBJ, the old ways to call
+  // INST and OBJ, the old call opcodes.
   EXPECT_THAT(error_of("\x80\x02(ios\nsystem\n."s), HasSubstr("the opcode INST"));
   EXPECT_THAT(error_of("\x80\x02(o."s), HasSubstr("the opcode OBJ"));
   EXPECT_THAT(error_of("\x80\x02Pabc\n."s), HasSubstr("the opcode PERSID"));
@@ -132,21 +132,21 @@ TEST(PickleTest, ClaimedSizesAllocateNothing) {
 }
 
 TEST(PickleTest, MemoAndStackAreBounded) {
-  EXPECT_THAT(error_of("\x80\x02h\x05."s), HasSubstr("its value 5, which it never kept"));
+  EXPECT_THAT(error_of("\x80\x02h\x05."s), HasSubstr("its value 5, which it never stored"));
   EXPECT_THAT(error_of("\x80\x02j\xff\xff\xff\xff."s), HasSubstr("4294967295"));
-  EXPECT_THAT(error_of("\x80\x02q\x01."s), HasSubstr("never made"));
+  EXPECT_THAT(error_of("\x80\x02q\x01."s), HasSubstr("never created"));
   EXPECT_THAT(error_of("\x80\x02N0."s), HasSubstr("POP"));
-  EXPECT_THAT(error_of("\x80\x02t."s), HasSubstr("never began"));
+  EXPECT_THAT(error_of("\x80\x02t."s), HasSubstr("never started"));
   EXPECT_THAT(error_of("\x80\x02(N\x85."s), HasSubstr(""));
-  EXPECT_THAT(error_of("\x80\x02N(s."s), HasSubstr("never made"));
-  EXPECT_THAT(error_of("\x80\x02."s), HasSubstr("never made"));
+  EXPECT_THAT(error_of("\x80\x02N(s."s), HasSubstr("never created"));
+  EXPECT_THAT(error_of("\x80\x02."s), HasSubstr("never created"));
   EXPECT_THAT(error_of("\x80\x02]]s."s), HasSubstr(""));
-  // a large index costs one entry
+  // A large index costs one entry.
   EXPECT_TRUE(read_pickle("\x80\x02Nr\xff\xff\xff\x7f."s, "x.pkl").has_value());
 }
 
 TEST(PickleTest, DepthAndCyclesDoNotOverflowTheStack) {
-  // a list in a list in a list ..., then appended one into the other
+  // A list in a list in a list ..., each appended to the next.
   std::string deep = "\x80\x02";
   for (int i = 0; i < 300000; ++i) deep += ']';
   for (int i = 0; i < 299999; ++i) deep += 'a';
@@ -154,7 +154,7 @@ TEST(PickleTest, DepthAndCyclesDoNotOverflowTheStack) {
   std::string tuples = "\x80\x02N";
   for (int i = 0; i < 300000; ++i) tuples += '\x85';
   EXPECT_TRUE(read_pickle(tuples + ".", "x.pkl").has_value());
-  // a list that holds itself
+  // A list that contains itself.
   EXPECT_TRUE(read_pickle("\x80\x02]q\0h\0a."s, "x.pkl").has_value());
   std::string marks = "\x80\x02" + std::string(3'000'000, '(');
   EXPECT_FALSE(read_pickle(marks + ".", "x.pkl").has_value());
@@ -163,7 +163,7 @@ TEST(PickleTest, DepthAndCyclesDoNotOverflowTheStack) {
 }
 
 TEST(PickleTest, RejectsManyArraysOfOneBuffer) {
-  // 4,000 bytes kept in the memo, and an array of them again and again
+  // 4,000 bytes in the memo, and an array of them repeatedly.
   PickleWriter pickle;
   const std::vector<double> values(500, 1.0);
   pickle.array(float64_array(values, {500}));
@@ -171,12 +171,12 @@ TEST(PickleTest, RejectsManyArraysOfOneBuffer) {
   once.pop_back();
   const std::size_t data = once.find('\x8e');
   ASSERT_NE(data, std::string::npos);
-  // keep the bytes as value 7, then use it in place of further copies
+  // Stores the bytes as value 7 and uses it instead of further copies.
   const std::string kept = once.substr(0, data + 9 + 4000) + "q\x07" + once.substr(data + 9 + 4000);
   const std::string again = once.substr(2, data - 2) + "h\x07" + once.substr(data + 9 + 4000);
   std::string bomb = "\x80\x04(" + kept.substr(2);
   for (int i = 0; i < 1000; ++i) bomb += again;
-  EXPECT_THAT(error_of(bomb + "t."), HasSubstr("repeats its arrays without end"));
+  EXPECT_THAT(error_of(bomb + "t."), HasSubstr("repeats its arrays too often"));
 }
 
 TEST(PickleTest, RejectsInconsistentArrays) {
@@ -185,7 +185,7 @@ TEST(PickleTest, RejectsInconsistentArrays) {
   NpyArray array = float64_array(values, {2});
   array.shape = {3};
   pickle.array(array);
-  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("should have 24 bytes and has 16"));
+  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("has an array of 16 bytes, expected 24"));
   PickleWriter overflow;
   array.shape = {std::size_t{1} << 62, 16};
   overflow.array(array);
@@ -209,15 +209,15 @@ TEST(PickleTest, ReadsCompressedJoblibFiles) {
   EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
   EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
   EXPECT_THAT(error_of(compressed("no pickle")),
-              HasSubstr("the compressed file does not hold a pickle"));
+              HasSubstr("the compressed file does not contain a pickle"));
 }
 
 TEST(PickleTest, RejectsDecompressionBombs) {
-  // 9 MiB of noughts in 9 kB; 7 MiB are let pass for what they are
+  // 9 MiB of zeros in 9 kB; 7 MiB are accepted at any ratio.
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{9} << 20, '\0'))),
               HasSubstr("unpacked, the file has more than 8388608 bytes"));
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{7} << 20, '\0'))),
-              HasSubstr("does not hold a pickle"));
+              HasSubstr("does not contain a pickle"));
 }
 
 TEST(PickleTest, RejectsOldProtocolsByName) {
@@ -247,7 +247,7 @@ TEST(PickleTest, WritesStringsAsUtf8) {
   EXPECT_THAT(read->keys(read->root()), ::testing::ElementsAre("bad\xEF\xBF\xBD name"));
 }
 
-// joblib's array: wrapper, its state, padding, raw bytes
+// joblib's array: wrapper, state, padding, raw bytes.
 std::string joblib_array(const std::string& alignment, const std::string& after) {
   const auto text = [](const std::string& value) {
     return "\x8c" + std::string(1, static_cast<char>(value.size())) + value;
@@ -268,7 +268,7 @@ TEST(PickleTest, ReadsJoblibArrays) {
        {joblib_array(aligned, "\x02\xff\xff" + data + "."), joblib_array("", data + ".")}) {
     const auto read = read_pickle(bytes, "x.pkl");
     ASSERT_TRUE(read.has_value()) << describe(read.error());
-    // Fortran order: columns one after the other
+    // Fortran order: the file has one column after the other.
     EXPECT_THAT(read->array(read->root()).numbers(), ::testing::ElementsAre(1, 3, 2, 4));
     EXPECT_FALSE(read_pickle(bytes.substr(0, bytes.size() - 3), "x.pkl").has_value());
   }

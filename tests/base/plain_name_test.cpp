@@ -50,11 +50,11 @@ TEST(PlainName, FollowsLinks) {
   EXPECT_FALSE(lies_in(inside, "link.csv"));
   EXPECT_FALSE(lies_in(inside, "up/victim.txt"));
   EXPECT_FALSE(lies_in(inside, "../victim.txt"));
-  // a folder that merely begins with the same letters
+  // A folder with the same prefix.
   fs::create_directory(folder.path() / "outside");
   fs::create_directory_symlink("../outside", inside / "other");
   EXPECT_FALSE(lies_in(inside, "other/walk.csv"));
-  // the folder itself may be reached through a link
+  // The folder itself may be a link.
   fs::create_directory_symlink("out", folder.path() / "alias");
   EXPECT_TRUE(lies_in(folder.path() / "alias", "sub/walk.csv"));
 }

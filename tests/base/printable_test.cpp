@@ -15,7 +15,7 @@ TEST(Printable, KeepsPlainText) {
 
 TEST(Printable, ReplacesTerminalControlSequences) {
   EXPECT_EQ(printable("\x1b[2J\r\x07\x7f"), "?[2J???");
-  // the one-byte and the Unicode form of ESC [
+  // The one-byte and the Unicode form of ESC [.
   EXPECT_EQ(printable("a\x9b"
                       "2J"),
             "a?2J");

@@ -23,7 +23,7 @@ TEST(NearestName, SuggestsNothingIfNothingIsNear) {
   EXPECT_EQ(did_you_mean("atlas", kRobots), "");
 }
 
-// a file may hold a name of megabytes
+// A file may contain a name of several megabytes.
 TEST(NearestName, SkipsVeryLongNames) {
   const std::vector<std::string> candidates = {std::string(100, 'a')};
   EXPECT_EQ(nearest_name(std::string(99, 'a'), candidates), candidates[0]);

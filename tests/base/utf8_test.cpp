@@ -16,7 +16,7 @@ TEST(Utf8, ReplacesInvalidBytes) {
   EXPECT_EQ(valid_utf8("a\xFFz"), "a" + mark + "z");
   EXPECT_EQ(valid_utf8("\xC3"), mark);
   EXPECT_EQ(valid_utf8("\xE2\x82"), mark + mark);
-  // too long, half of a pair, beyond U+10FFFF
+  // Overlong, half of a surrogate pair, beyond U+10FFFF.
   EXPECT_EQ(valid_utf8("\xC0\x80"), mark + mark);
   EXPECT_EQ(valid_utf8("\xED\xA0\x80"), mark + mark + mark);
   EXPECT_EQ(valid_utf8("\xF4\x90\x80\x80"), mark + mark + mark + mark);

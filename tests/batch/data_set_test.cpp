@@ -36,7 +36,7 @@ ManifestEntry done(const std::string& name, double jumps, std::optional<double> 
   return entry;
 }
 
-// two seconds of a pose that depends on the number
+// Two seconds of a pose that depends on the number.
 std::string signature(int number) {
   MotionSignature of;
   of.seconds = 2.0;
@@ -69,13 +69,13 @@ class DataSetTest : public ::testing::Test {
   std::vector<ManifestEntry> entries_;
 };
 
-TEST_F(DataSetTest, GatesAreHeldAgainstRecordedFigures) {
+TEST_F(DataSetTest, AppliesGatesToRecordedFigures) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 2.0)};
   judge({});
   EXPECT_TRUE(has_passed(entries_[0]));
   EXPECT_FALSE(has_passed(entries_[1]));
   EXPECT_EQ(reason_of(entries_[1]), "jumps 2 (at most 0)");
-  // a line as it is read again says the same
+  // A line round-trips through the file.
   const auto read = parse_manifest_line(manifest_line(entries_[1])).value();
   EXPECT_EQ(reason_of(read), reason_of(entries_[1]));
   EXPECT_EQ(read.quality->leg, 0.632);
@@ -117,7 +117,7 @@ TEST_F(DataSetTest, ListsPassedAndFailedClips) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "train.txt"));
 }
 
-TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
+TEST_F(DataSetTest, ListsAndOmitsDuplicates) {
   for (const char* name : {"a.bvh", "b.bvh", "c.bvh"}) entries_.push_back(done(name, 0.0));
   entries_[0].signature = entries_[2].signature = signature(3);
   entries_[1].signature = signature(-9);
@@ -132,7 +132,7 @@ TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
   EXPECT_EQ(written("duplicates.tsv"),
             "file\tof\tkind\tdistance_deg\trobot\nc.bvh\ta.bvh\tsame\t0.00\tg1\n"
             "c_mirrored.bvh\ta.bvh\tsame\t0.00\tg1\n");
-  // joining manifests keeps what they say, another run without the option forgets it
+  // Merging keeps the recorded duplicates; a run without the option drops them.
   judge_entries(entries_, {});
   EXPECT_TRUE(entries_[2].repeated);
   rules.dedupe = false;
@@ -140,7 +140,7 @@ TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
   EXPECT_FALSE(entries_[2].repeated);
 }
 
-TEST_F(DataSetTest, SearchesRepetitionsAmongTheRequestedClips) {
+TEST_F(DataSetTest, SearchesDuplicatesAmongTheRequestedClips) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 0.0)};
   entries_[0].signature = entries_[1].signature = signature(3);
   DataSetRules rules;
@@ -152,7 +152,7 @@ TEST_F(DataSetTest, SearchesRepetitionsAmongTheRequestedClips) {
   EXPECT_FALSE(entries_[1].repeated);
 }
 
-TEST_F(DataSetTest, AClipThatWasLeftOutStaysSo) {
+TEST_F(DataSetTest, KeepsOmittedClipsOmitted) {
   ManifestEntry left_out = done("c.bvh", 0.0);
   left_out.done = false;
   left_out.quality.reset();

@@ -19,7 +19,7 @@ namespace {
 
 const std::string kSource = RETARGET_SOURCE_DIR;
 
-// a sample and the human in it
+// A sample and its human.
 struct Sample {
   explicit Sample(const std::string& name)
       : clip(load_clip(kSource + "/data/" + name + ".bvh").value()),
@@ -38,7 +38,7 @@ Clip at_speed(const Clip& clip, double speed) {
   return change_timing(clip, {.speed = speed}).value();
 }
 
-// every joint turned a little, otherwise in every frame
+// Rotates every joint a little, differently in every frame.
 Clip with_noise(const Clip& clip, double degrees) {
   std::mt19937 random(1);
   std::normal_distribution<double> amount(0.0, degrees * 0.0174532925 / 2.0);
@@ -53,7 +53,7 @@ Clip with_noise(const Clip& clip, double degrees) {
   return noisy;
 }
 
-TEST(MotionSignature, IsOfTheMovementAlone) {
+TEST(MotionSignature, DependsOnlyOnTheMovement) {
   for (const char* name : {"walk", "wave", "squat", "turn_in_place", "get_up"}) {
     const Sample sample(name);
     const MotionSignature original = sample.signature();
@@ -61,7 +61,7 @@ TEST(MotionSignature, IsOfTheMovementAlone) {
       return signature_distance(original, sample.signature_of(other));
     };
     EXPECT_EQ(distance(sample.clip), 0.0) << name;
-    // another rate, a few frames less at either end, noise
+    // Another rate, a few frames fewer at either end, noise.
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{25, 1}}).value()), 1.0)
         << name;
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{120, 1}}).value()), 1.0)
@@ -72,16 +72,16 @@ TEST(MotionSignature, IsOfTheMovementAlone) {
   }
 }
 
-TEST(MotionSignature, MirrorImagesAreKnown) {
+TEST(MotionSignature, RecognisesMirrorImages) {
   const Sample wave("wave");
   const Clip image = mirror(wave.clip, wave.human.calibration).value();
   EXPECT_LT(signature_distance(mirrored(wave.signature()), wave.signature_of(image)), 0.5);
   EXPECT_GT(signature_distance(wave.signature(), wave.signature_of(image)), 20.0);
 }
 
-TEST(MotionSignature, OthersAreFarApart) {
+TEST(MotionSignature, SeparatesOtherMotions) {
   const Sample walk("walk");
-  // as fast again as people differ in their walks
+  // Twice as fast as the walks of different people differ.
   for (const double speed : {0.92, 1.08}) {
     MotionSignature other = walk.signature_of(at_speed(walk.clip, speed));
     other.seconds = walk.signature().seconds;  // of the same length: more of its cycles
@@ -89,7 +89,7 @@ TEST(MotionSignature, OthersAreFarApart) {
   }
 }
 
-TEST(MotionSignature, SurvivesBytes) {
+TEST(MotionSignature, RoundTripsThroughBytes) {
   const MotionSignature original = Sample("walk").signature();
   const MotionSignature read = signature_from_bytes(signature_bytes(original));
   EXPECT_NEAR(read.seconds, original.seconds, 1e-3);
@@ -100,7 +100,7 @@ TEST(MotionSignature, SurvivesBytes) {
   }
 }
 
-// limbs that swing at random, smoothly
+// Limbs that swing smoothly at random.
 MotionSignature random_signature(std::mt19937& random) {
   std::uniform_real_distribution<double> even(-1.0, 1.0);
   MotionSignature signature;
@@ -118,7 +118,7 @@ MotionSignature random_signature(std::mt19937& random) {
   return signature;
 }
 
-TEST(FindDuplicates, FindsThemAmongManyAndNoOthers) {
+TEST(FindDuplicates, FindsExactlyTheDuplicatesAmongMany) {
   constexpr std::size_t kCount = 20000, kTwins = 100;
   std::mt19937 random(7);
   std::vector<MotionSignature> clips;
@@ -148,7 +148,7 @@ TEST(FindDuplicates, FindsThemAmongManyAndNoOthers) {
   }
 }
 
-TEST(FindDuplicates, NamesTheFirstOfSeveral) {
+TEST(FindDuplicates, KeepsTheFirstOfSeveral) {
   std::mt19937 random(3);
   const MotionSignature clip = random_signature(random), other = random_signature(random), empty;
   const auto found = find_duplicates({&empty, &other, &clip, nullptr, &clip, &clip, &empty});

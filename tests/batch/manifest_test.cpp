@@ -106,7 +106,7 @@ TEST(Manifest, ReadsTruncatedFilesUpToTheLastWholeLine) {
   for (std::size_t size = 0; size <= whole.size(); ++size) {
     const auto read = read_manifest(folder.write("m", whole.substr(0, size)));
     ASSERT_TRUE(read);
-    // a line lacking its line feed alone is whole
+    // A line that only lacks its line feed is complete.
     const std::size_t complete = size + 1 >= whole.size() ? 2 : size + 1 >= first ? 1 : 0;
     EXPECT_EQ(read->entries.size(), complete) << size;
     const bool torn = size != 0 && size != first && size + 1 != first && size + 1 < whole.size();

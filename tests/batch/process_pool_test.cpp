@@ -49,7 +49,7 @@ TEST(ProcessPool, RunsEveryTaskOnceForAnyWorkerCount) {
   for (const int workers : {0, 1, 3, 16}) {
     ProcessPoolOptions options = with_exit();
     options.workers = workers;
-    // answers longer than a pipe holds, and empty ones
+    // Answers longer than a pipe buffer, and empty ones.
     const auto ends = ends_of(std::vector<std::uint64_t>(50, 1), options, [](std::size_t task) {
       return std::string(task % 7 == 0 ? 300'000 : task % 3, static_cast<char>('a' + task % 26));
     });
@@ -85,7 +85,7 @@ TEST(ProcessPool, OneWorkerKeepsOrderAndProcess) {
 }
 
 TEST(ProcessPool, RunningTasksStayBelowTheMemoryLimit) {
-  // the first is larger than the bound and runs alone
+  // The first is larger than the bound and runs alone.
   const std::vector<std::uint64_t> memory = {50, 8, 8, 8, 1, 1, 1, 8, 2, 7};
   ProcessPoolOptions options = with_exit();
   options.workers = 8;

@@ -105,13 +105,13 @@ TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
     return clips.outputs_of("walk.bvh", "g1", true);
   };
   EXPECT_EQ(verified(), std::vector<std::string>{"walk.csv"});
-  // the same size, edited since
+  // The same size, but edited since.
   folder_.write("out/walk.csv", "OUTPUT");
   EXPECT_TRUE(verified().empty());
   folder_.write("out/walk.csv", "output");
   entry_.outputs.front().hash.clear();
   EXPECT_TRUE(verified().empty());
-  // outside, by name and by a link
+  // Outside by name, and by a link.
   const std::string victim = folder_.write("victim.txt", "victim");
   entry_.outputs = {record_file(victim, "../victim.txt").value()};
   EXPECT_TRUE(verified().empty());

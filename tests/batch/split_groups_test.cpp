@@ -21,7 +21,7 @@ ManifestEntry clip(const std::string& name, const std::string& hash) {
   return entry;
 }
 
-// ten seconds of limbs that swing, each number at its own pace
+// Ten seconds of swinging limbs; each number has a different pace.
 MotionSignature swinging(int pace) {
   MotionSignature of;
   of.seconds = 10.0;
@@ -47,23 +47,23 @@ std::vector<std::string> keys_of(const std::vector<ManifestEntry>& entries) {
   return split_groups(pointers).keys;
 }
 
-TEST(SplitGroups, AreTheNamesWhereAllInputsDiffer) {
+TEST(SplitGroups, AreTheNamesIfAllInputsDiffer) {
   const std::vector<std::string> keys =
       keys_of({clip("a/walk.bvh", "1"), clip("walk1_subject5.bvh", "2"),
                clip("run1_subject5.bvh", "3"), clip("a/walk_mirrored.bvh", "4")});
   EXPECT_EQ(keys, (std::vector<std::string>{"a/walk", "subject 5", "subject 5", "a/walk"}));
 }
 
-TEST(SplitGroups, ClipsOfTheSameInputAreOne) {
+TEST(SplitGroups, JoinClipsOfTheSameInput) {
   const auto keys = keys_of({clip("copy.bvh", "1"), clip("a/walk.bvh", "1"), clip("run.bvh", "2")});
   EXPECT_EQ(keys, (std::vector<std::string>{"a/walk", "a/walk", "run"}));
 }
 
-TEST(SplitGroups, InputsOfUnknownHashAreNotOne) {
+TEST(SplitGroups, DoNotJoinInputsOfUnknownHash) {
   EXPECT_EQ(keys_of({clip("a.bvh", ""), clip("b.bvh", "")}), (std::vector<std::string>{"a", "b"}));
 }
 
-TEST(SplitGroups, ACopyJoinsAllOfTwoPersons) {
+TEST(SplitGroups, ACopyJoinsTwoPersons) {
   const auto keys = keys_of({clip("walk1_subject1.bvh", "1"), clip("run1_subject1.bvh", "2"),
                              clip("walk1_subject2.bvh", "3"), clip("copy_subject2.bvh", "2"),
                              clip("walk1_subject3.bvh", "4")});
@@ -71,7 +71,7 @@ TEST(SplitGroups, ACopyJoinsAllOfTwoPersons) {
                                             "subject 3"}));
 }
 
-TEST(SplitGroups, PartsAndMirrorImagesOfCopiesAreOne) {
+TEST(SplitGroups, JoinPartsAndMirrorImagesOfCopies) {
   ManifestEntry part = clip("b/one.bvh", "1");
   part.variant = {"b/take.bvh", "f0:f10", ""};
   ManifestEntry image = clip("c_mirrored.bvh", "1");
@@ -96,7 +96,7 @@ TEST(SplitGroups, DoNotDependOnTheOrder) {
   } while (std::ranges::next_permutation(entries, {}, &ManifestEntry::relative).found);
 }
 
-TEST(SplitGroups, MirroredFilesOfAnyNameAreOneWhereTheMotionIsKnown) {
+TEST(SplitGroups, JoinMirroredFilesOfAnyName) {
   std::vector<ManifestEntry> entries = {clip("x.bvh", "1"), clip("y.bvh", "2"), clip("z.bvh", "3")};
   entries[0].signature = signature_bytes(mirrored(swinging(3)));
   entries[1].signature = signature_bytes(swinging(3));

@@ -30,12 +30,12 @@ TEST(Split, ReadsThreeShares) {
   EXPECT_EQ(split.seed, "seed");
   EXPECT_EQ(parse_split("0.7,0.2,0.1").value().test, 0.1);
   EXPECT_EQ(parse_split("0.333,0.333,0.334").value().seed, "");
-  // two shares are a ratio
+  // Two shares form a ratio.
   EXPECT_EQ(parse_split("0.8,0.2").value().ratio, 0.8);
   EXPECT_EQ(parse_split("0.8,0.2").value().test, 0.0);
 }
 
-TEST(Split, RefusesSharesThatDoNotAddUpToOne) {
+TEST(Split, RejectsSharesThatDoNotAddUpToOne) {
   for (const char* text : {"0.8,0.1,0.2", "0.8,0.1,0.05:1", "0.9,0.2", "80,10,10", "0.9,0.1,0",
                            "0.4,0.3,0.2,0.1", "0.8,,0.2", "0.8,0.1,", "1.1,-0.2,0.1", ","}) {
     const auto split = parse_split(text);
@@ -73,7 +73,7 @@ TEST(GroupOf, IsTheFileWithoutASubject) {
     EXPECT_FALSE(group_of(name).is_subject) << name;
   }
   EXPECT_EQ(group_of("a/walk.bvh").key, "a/walk");
-  // images of one motion
+  // Mirror images of one motion.
   EXPECT_EQ(group_of("joints/M000123.npy").key, group_of("joints/000123.npy").key);
   EXPECT_EQ(group_of("a/walk_mirrored.bvh").key, "a/walk");
   EXPECT_NE(group_of("b/walk.bvh").key, "a/walk");
@@ -112,7 +112,7 @@ TEST(SplitClips, KeepsThreeShares) {
   EXPECT_EQ(std::ranges::count(sides, SplitSide::kTest), 70);
 }
 
-TEST(SplitClips, TestShareLeavesTheValidationClipsAsTheyAre) {
+TEST(SplitClips, TestShareDoesNotChangeTheValidationClips) {
   const std::vector<std::string> groups = persons(50, 3);
   const auto two = split_clips(groups, {0.8, "7"}).value();
   const auto three = split_clips(groups, {0.6, "7", 0.2}).value();
@@ -121,7 +121,7 @@ TEST(SplitClips, TestShareLeavesTheValidationClipsAsTheyAre) {
   }
 }
 
-TEST(SplitClips, DependsOnSeedAndGroupsAlone) {
+TEST(SplitClips, DependsOnlyOnSeedAndGroups) {
   const std::vector<std::string> groups = persons(40, 3);
   std::vector<std::string> reversed(groups.rbegin(), groups.rend());
   auto one = split_clips(groups, {0.8, "a"}).value();
@@ -131,7 +131,7 @@ TEST(SplitClips, DependsOnSeedAndGroupsAlone) {
   EXPECT_NE(one, split_clips(groups, {0.8, "b"}).value());
 }
 
-TEST(SplitClips, LeavesNoSideEmptyWhereThereAreTwoGroups) {
+TEST(SplitClips, FillsBothSidesWithTwoGroups) {
   for (const double ratio : {0.01, 0.5, 0.99}) {
     const auto sides = split_clips(persons(2, 5), {ratio, ""}).value();
     EXPECT_EQ(std::ranges::count(sides, SplitSide::kTrain), 5) << ratio;
@@ -143,7 +143,7 @@ TEST(SplitClips, LeavesNoSideEmptyWhereThereAreTwoGroups) {
   EXPECT_TRUE(split_clips({}, {0.9, ""}).value().empty());
 }
 
-TEST(SplitClips, LeavesNoneOfThreeSidesEmptyWhereThereAreThreeGroups) {
+TEST(SplitClips, FillsThreeSidesWithThreeGroups) {
   for (const double ratio : {0.02, 0.34, 0.97}) {
     for (const double share : {0.3, 0.5, 0.9}) {
       const double test = share * (1.0 - ratio);

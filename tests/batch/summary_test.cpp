@@ -86,7 +86,7 @@ TEST(ClipQualityOf, ListsMissedGatesAndTheWorst) {
   EXPECT_EQ(clip_quality(report).worst_ratio, HUGE_VAL);
 }
 
-TEST(ClipQualityOf, BoundsAreExceededTheMoreTheFurtherAFigureIsBeyondThem) {
+TEST(ClipQualityOf, ExcessGrowsWithTheDistanceFromTheBound) {
   const auto ratio = [](std::optional<double> min, std::optional<double> max, double value) {
     QualityReport report;
     report.gates = {{"jumps", min, max, value, false}};

@@ -22,7 +22,7 @@ inline std::string file_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// The lines of a tab-separated file below its heading, cut into cells.
+/// Returns the cells of a tab-separated file below its heading.
 inline std::vector<std::vector<std::string>> table_rows(const std::filesystem::path& path) {
   std::istringstream lines(file_text(path));
   std::vector<std::vector<std::string>> rows;
@@ -43,7 +43,7 @@ inline Result<BvhFile> read_exactly(std::string_view text, const BvhReadOptions&
   return read_bvh({bytes.get(), text.size()}, "test.bvh", options);
 }
 
-/// The clip of a text that must be good.
+/// Returns the clip of a valid text.
 inline Clip clip_of(std::string_view text, const BvhReadOptions& options = {}) {
   Result<BvhFile> file = read_exactly(text, options);
   EXPECT_TRUE(file.has_value()) << describe(file.error());
@@ -51,7 +51,7 @@ inline Clip clip_of(std::string_view text, const BvhReadOptions& options = {}) {
   return {std::make_shared<const Skeleton>(std::vector<Joint>(1)), FrameRate{}, 0};
 }
 
-/// Bit for bit the same motion. Names, channels and end sites are not looked at.
+/// Asserts bit-identical motions. Ignores names, channels and end sites.
 inline void expect_same_motion(const Clip& a, const Clip& b) {
   ASSERT_EQ(a.skeleton().joint_count(), b.skeleton().joint_count());
   ASSERT_EQ(a.frame_count(), b.frame_count());

@@ -28,7 +28,7 @@ std::string conformance_file(const std::string& name) {
   return file_text(conformance_folder() / (name + ".bvh"));
 }
 
-// every rejection says what was expected and what was found, and where
+// Every rejection states expected and found values with a location.
 void expect_good_rejection(const Error& error, const std::string& name) {
   EXPECT_EQ(error.kind, ErrorKind::kInput) << name;
   EXPECT_GE(error.location.line, 1U) << name;
@@ -86,7 +86,7 @@ TEST(Conformance, RejectionsNameErrorAndPosition) {
       {"comma_dec", {"19:1", "\"1,5\" with a decimal comma"}},
       {"nan", {"19:1", "expected a finite number (value 1 of 9 in row 1 of 2), found \"nan\""}},
       {"zero_ft", {"18:13", "expected a frame time above 0 seconds, found \"0\""}},
-      {"no_ft", {"18:1", "expected Frame Time: and its seconds, found \"1\""}},
+      {"no_ft", {"18:1", "expected Frame Time: and seconds, found \"1\""}},
       {"two_roots", {"16:1", "found a second: \"Two\" after \"Hips\" on line 2"}},
       {"empty", {"1:1", "expected HIERARCHY, found an empty file"}},
       {"badnum", {"19:10", "found \"2x0\""}},
@@ -116,7 +116,7 @@ TEST(Conformance, RejectionsNameErrorAndPosition) {
   }
 }
 
-// quirk files
+// Quirk files.
 
 struct Quirk {
   std::string name;
@@ -137,7 +137,7 @@ class Quirks : public testing::Test {
     ASSERT_EQ(quirks_.size(), 45U);
   }
 
-  // by the number a quirk's name begins with
+  // Looked up by the number at the start of a quirk's name.
   const std::string& text(const std::string& number) const {
     for (const auto& [name, quirk] : quirks_) {
       if (name.starts_with(number + "_")) return quirk.text;
@@ -149,7 +149,7 @@ class Quirks : public testing::Test {
   std::map<std::string, Quirk> quirks_;
 };
 
-// where the table leaves the choice, the conformance table decides
+// If the table allows both, the conformance table decides.
 const std::set<std::string> kRejected = {"02", "05", "11", "13", "15", "16", "24", "25",
                                          "26", "27", "36", "38", "39", "40", "41", "42"};
 const std::set<std::string> kWarned = {"10", "14", "20", "28", "37"};
@@ -211,7 +211,7 @@ TEST_F(Quirks, KeepsFullNames) {
 
 TEST_F(Quirks, OptionsAcceptTheirFiles) {
   const Clip reference = clip_of(text("00"));
-  // the rate from outside
+  // The rate comes from the options.
   BvhReadOptions rate;
   rate.source_fps = 120.0;
   for (const char* number : {"11", "12"}) {
@@ -219,7 +219,7 @@ TEST_F(Quirks, OptionsAcceptTheirFiles) {
     EXPECT_EQ(clip.rate(), (FrameRate{120, 1}));
     expect_same_motion(clip, reference);
   }
-  // one tree of two
+  // Reads one of two trees.
   BvhReadOptions hips;
   hips.root = "Hips";
   expect_same_motion(clip_of(text("27"), hips), reference);
@@ -229,7 +229,7 @@ TEST_F(Quirks, OptionsAcceptTheirFiles) {
   ASSERT_TRUE(second.has_value());
   EXPECT_EQ(second->clip.skeleton().joint_count(), 1);
   EXPECT_THAT(second->roots, testing::ElementsAre("Hips", "Prop"));
-  // a skeleton alone
+  // Reads only the skeleton.
   BvhReadOptions skeleton;
   skeleton.motion_optional = true;
   const Result<BvhFile> alone = read_exactly(text("41"), skeleton);
@@ -256,7 +256,7 @@ TEST_F(Quirks, LenientKeepsCompleteRows) {
   ASSERT_TRUE(more.has_value());
   expect_same_motion(more->clip, reference);
   EXPECT_THAT(warnings_of(*more), HasSubstr("kept 2 of 5 declared rows"));
-  // nothing to keep
+  // No complete row remains.
   for (const char* number : {"05", "13", "42"}) {
     EXPECT_FALSE(read_exactly(text(number), lenient).has_value()) << number;
   }

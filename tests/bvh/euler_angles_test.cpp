@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
-// by rotation matrices, a path of its own
+// An independent computation with rotation matrices.
 Quaterniond composed(const std::vector<int>& axes, const std::vector<double>& angles) {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -86,7 +86,7 @@ TEST(EulerAngles, IsAccurateNearGimbalLock) {
 }
 
 TEST(EulerAngles, IsContinuousOverManyTurns) {
-  // Angles that wind up and pass through gimbal lock are recovered exactly.
+  // Angles that accumulate turns and pass through gimbal lock are recovered exactly.
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     std::vector<double> before = {0.0, 45.0, 0.0};
     for (int frame = 0; frame < 2000; ++frame) {

@@ -69,7 +69,7 @@ TEST_P(NumberLine, HandlesEveryWidthAndPointPosition) {
     for (std::size_t point = 0; point < length; ++point) {
       std::string number = digits.substr(0, length);
       if (point > 0) number[point - 1] = '.';
-      // a point at the end is a form that readers may decline
+      // Readers may decline a trailing decimal point.
       if (number.back() == '.') continue;
       numbers.push_back(number);
       numbers.push_back("-" + number);
@@ -78,7 +78,7 @@ TEST_P(NumberLine, HandlesEveryWidthAndPointPosition) {
   for (const std::string zero : {"0", "-0", "0.000000", "-0.000000", ".0", "-.5", "00012.50"}) {
     numbers.push_back(zero);
   }
-  // every number at every place of a block of 64 bytes
+  // Every number at every position of a block of 64 bytes.
   for (std::size_t shift = 0; shift < 64; ++shift) {
     std::string line = "1" + std::string(shift + 1, ' ');
     for (const std::string& number : numbers) line += number + " ";
@@ -139,7 +139,7 @@ TEST_P(NumberLine, DeclinesTextThatIsNotANumber) {
   }
 }
 
-// rarer forms may be declined, but not be read as something else
+// Readers may decline rarer forms but must not misread them.
 TEST_P(NumberLine, ReadsOrDeclinesRareForms) {
   for (const std::string token :
        {"1e5", "-1.5E-3", "+2", "5.", "123456789012345678", "1e-320", "0.1234567890123456789",
@@ -178,7 +178,7 @@ TEST(NumberLineReaders, AgreeOnRandomBytes) {
   int taken = 0;
   for (int round = 0; round < 200'000; ++round) {
     std::string line;
-    // mostly digits, else no line would be taken
+    // Mostly digits; otherwise no line would be accepted.
     for (unsigned i = 0; i < 24; ++i) {
       const unsigned kind = random() % 100;
       line += kind < 70 ? bytes[random() % 10] : kind < 95 ? ' ' : bytes[random() % bytes.size()];
@@ -194,16 +194,16 @@ TEST(NumberLineReaders, AgreeOnRandomBytes) {
   EXPECT_GT(taken, 10'000);
 }
 
-// a text may end anywhere: nothing past it is read (the sanitizers see it), nothing is lost
+// A text may end anywhere: nothing past it is read (the sanitizers detect it), nothing is lost.
 TEST_P(NumberLine, HandlesEndsOfTexts) {
   std::string line = std::string(16, ' ');
   for (int i = 0; i < 40; ++i) line += "1.25 ";
   for (std::size_t size = 16; size <= line.size(); ++size) {
-    // a buffer of exactly this size
+    // A buffer of exactly this size.
     const std::vector<char> text(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(size));
     std::vector<double> row(40 + kNumberLineSlack);
     const std::size_t end = reader_({text.data(), text.size()}, 16, 40, row);
-    // the first digit of the last number is the least
+    // The first digit of the last number is the minimum.
     if (end != kDeclined) {
       EXPECT_GE(size, 16 + 39 * 5 + 1U);
     }

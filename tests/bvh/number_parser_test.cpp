@@ -17,14 +17,14 @@ namespace retarget {
 namespace {
 
 ParsedNumber parse(std::string_view text) {
-  // a buffer of exactly the text's size, so that a sanitizer sees any read past it
+  // A buffer of exactly the text's size, so that a sanitizer sees any read past it.
   const std::vector<char> bytes(text.begin(), text.end());
   ParsedNumber number = parse_number(bytes.data(), bytes.data() + bytes.size());
   if (number.end != nullptr) number.end = text.data() + (number.end - bytes.data());
   return number;
 }
 
-// the correctly rounded value, by the C library
+// The correctly rounded value from the C library.
 void expect_same_as_strtod(const std::string& text) {
   char* stop = nullptr;
   const double expected = std::strtod(text.c_str(), &stop);
@@ -111,14 +111,14 @@ TEST(NumberParser, MatchesStrtodBitForBitOnRandomText) {
     expect_same_as_strtod(printed("%.17g", value));
   }
   for (int i = 0; i < 100000; ++i) {
-    // any double at all
+    // Any double.
     const double value = std::bit_cast<double>(random());
     if (!std::isfinite(value)) continue;
     expect_same_as_strtod(printed("%.17g", value));
     expect_same_as_strtod(printed("%.5e", value));
   }
   for (int i = 0; i < 100000; ++i) {
-    // strings of digits around the edges of the fast path
+    // Strings of digits around the limits of the fast path.
     std::string text(random() % 2 == 0 ? "-" : "");
     const int whole = static_cast<int>(random() % 12);
     const int decimals = static_cast<int>(random() % 25) + (whole == 0 ? 1 : 0);
@@ -130,7 +130,7 @@ TEST(NumberParser, MatchesStrtodBitForBitOnRandomText) {
 }
 
 TEST(NumberParser, RoundsTiesToEven) {
-  // exactly half way between two doubles, and one digit beyond
+  // Exactly half way between two doubles, and one digit beyond.
   std::mt19937_64 random(7);
   for (int i = 0; i < 2000; ++i) {
     const double low = std::ldexp(1.0 + std::ldexp(static_cast<double>(random() >> 12), -52),

@@ -35,7 +35,7 @@ ROOT Hips
 }
 )";
 
-// a row of the skeleton above; the number makes rows differ
+// A row of the skeleton above; the number makes rows differ.
 std::string row(int number) {
   return std::to_string(number) + " 2 3 10 20 30 40 50 60\n";
 }
@@ -50,7 +50,7 @@ std::string motion(const std::string& frames, const std::string& data) {
   return std::string(kHierarchy) + "MOTION\nFrames: " + frames + "\nFrame Time: 0.033333\n" + data;
 }
 
-// a root of one line, for faults inside it
+// A single-line root, for errors inside it.
 std::string root(const std::string& inside) {
   return "HIERARCHY\nROOT Hips\n{\n" + inside + "\n}\nMOTION\nFrames: 0\nFrame Time: 1\n";
 }
@@ -75,7 +75,7 @@ std::vector<double> first_values(const Clip& clip) {
   return values;
 }
 
-// semantics
+// Semantics.
 
 TEST(ReadBvh, RotationsComposeLeftToRightInDegrees) {
   const Clip clip = clip_of(motion("1", "1 2 3 10 20 30 40 50 60"));
@@ -116,12 +116,12 @@ TEST(ReadBvh, AllZeroPositionsKeepTheOffset) {
   EXPECT_EQ(still->clip.translation(1, 1), Eigen::Vector3d(1, 2, 3));
   ASSERT_EQ(still->warnings.size(), 1U);
   EXPECT_THAT(still->warnings[0].message, HasSubstr("the OFFSET is used for \"b\""));
-  // A channel that differs from 0 by a good part of the OFFSET is a position.
+  // A channel that differs from 0 by a significant part of the OFFSET is a position.
   const Clip moved = clip_of(hierarchy + "0 0 0 0 0 0\n0 0 0 0 0 0.5\n");
   EXPECT_EQ(moved.translation(0, 1), Eigen::Vector3d::Zero());
 }
 
-// a root and a chain of joints of 6 channels, with the same positions below the root in each row
+// A root and a chain of joints with 6 channels, with the same positions below the root in each row.
 std::string chain_with_positions(const std::vector<std::string>& rows) {
   std::string text =
       "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\n";
@@ -157,7 +157,7 @@ TEST(ReadBvh, AddsLargerPositionsIfMostAreIncrements) {
 }
 
 TEST(ReadBvh, KeepsPositionsOfBoneLength) {
-  // shorter than the OFFSET, and in one frame even 0
+  // Shorter than the OFFSET, and 0 in one frame.
   const BvhFile file =
       read_chain({"0 90 0  0 12 1 0  0 11 0 0  0 10 0 0", "0 90 0  0 0 0 0  0 11 0 0  0 10 0 0"});
   EXPECT_EQ(file.clip.translation(0, 1), Eigen::Vector3d(0, 12, 1));
@@ -252,7 +252,7 @@ TEST(ReadBvh, CanReadOnlyTheSkeleton) {
   EXPECT_FALSE(read_exactly(motion("3", ""), options).has_value());
 }
 
-// the ways rows lie on lines
+// Arrangements of rows on lines.
 
 TEST(ReadBvh, AcceptsWrappedAndSharedLines) {
   const Clip plain = clip_of(motion("4",
@@ -266,7 +266,7 @@ TEST(ReadBvh, AcceptsWrappedAndSharedLines) {
         "3 2 3 10 20 30 40 50 60",
         "0 2 3 10 20 30 40 50 60 1 2 3 10 20 30 40 50 60\r2 2 3 10 20 30 40 50 60 3 2 3 10 20 "
         "30 40 50 60",
-        // twelve values a line, whatever the rows
+        // Twelve values per line, independent of the rows.
         "0 2 3 10 20 30 40 50 60 1 2 3\n10 20 30 40 50 60 2 2 3 10 20 30\n"
         "40 50 60 3 2 3 10 20 30 40 50 60\n"}) {
     SCOPED_TRACE(data);
@@ -275,7 +275,7 @@ TEST(ReadBvh, AcceptsWrappedAndSharedLines) {
 }
 
 TEST(ReadBvh, NeverShiftsColumns) {
-  // one value too many and one too few: the sum is right
+  // One value too many and one too few: the total is correct.
   EXPECT_THAT(error_of(motion("4", row(0) + "1 2 3 10 20 30 40 50 60 70\n" +
                                        "2 3 10 20 30 40 50 60\n" + row(3))),
               HasSubstr(":20:1: error: expected rows of 9 values, one per channel of HIERARCHY, "
@@ -283,7 +283,7 @@ TEST(ReadBvh, NeverShiftsColumns) {
   EXPECT_THAT(error_of(motion("4", row(0) + "1 2 3 10 20 30 40 50\n" +
                                        "2 2 3 10 20 30 40 50 60 70\n" + row(3))),
               HasSubstr(":20:1: error: expected rows of 9 values"));
-  // nine lines of ten values are ten rows of nine, to a stream
+  // For a stream, nine lines of ten values are ten rows of nine.
   std::string tens;
   for (int i = 0; i < 9; ++i) tens += "0 1 2 3 4 5 6 7 8 9\n";
   for (const char* frames : {"9", "5"}) {
@@ -308,7 +308,7 @@ TEST(ReadBvh, CountsLinesForAllLineEndings) {
   EXPECT_THAT(error_of(mixed), HasSubstr(":20:5: "));
 }
 
-// oddities that pass with a warning
+// Oddities that pass with a warning.
 
 TEST(ReadBvh, WarnsOncePerKindInOrder) {
   const Result<BvhFile> file = read_exactly(
@@ -323,24 +323,24 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "test.bvh:5:14: warning: 2 OFFSETs with more than three numbers: the first three are used\n"
       "test.bvh:7:12: warning: 1 scale channel ignored\n"
       "test.bvh:8:7: warning: 1 joint without CHANNELS: read as CHANNELS 0\n"
-      "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their place in the "
-      "file tells them apart\n"
+      "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their positions "
+      "in the file distinguish them\n"
       "test.bvh:19:1: warning: 1 End Site with CHANNELS: ignored\n"
       "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
-      "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and what "
-      "follows\n");
+      "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and the "
+      "rest\n");
   EXPECT_EQ(file->clip.frame_count(), 2);
 }
 
-// rejections
+// Rejections.
 
 TEST(ReadBvh, HierarchyErrorsHaveALocation) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {"OFFSET 0 0 0\nOFFSET 0 0 0", ":5:1: error: expected one OFFSET in joint \"Hips\", found"},
       {"CHANNELS 0\nCHANNELS 0", ":5:1: error: expected one CHANNELS"},
       {"CHANNELS 0", ":5:1: error: expected OFFSET before the end of joint \"Hips\" (line 2)"},
-      {"OFFSET 0 0 0\nCHANNELS x", ":5:10: error: expected the number of channels"},
-      {"OFFSET 0 0 0\nCHANNELS -1", ":5:10: error: expected the number of channels"},
+      {"OFFSET 0 0 0\nCHANNELS x", ":5:10: error: expected the channel count"},
+      {"OFFSET 0 0 0\nCHANNELS -1", ":5:10: error: expected the channel count"},
       {"OFFSET 0 0 0\nCHANNELS 1 Xpos", ":5:12: error: expected channel 1 of the 1 of joint"},
       {"CHANNELS 1 Xrotation Yrotation", "hint: CHANNELS lists more names than its count"},
       {"CHANNELS 2 Xposition xposition", ":4:22: error: expected each position channel once"},
@@ -348,7 +348,7 @@ TEST(ReadBvh, HierarchyErrorsHaveALocation) {
       {"OFFSET 0 0 1e999", ":4:12: error: expected a number within the range of double"},
       {"OFFSET 0 0 nan", "expected a finite number"},
       {"OFFSETS 0 0 0", "found \"OFFSETS\" (did you mean \"OFFSET\"?)"},
-      {"JOINT\n{", ":5:1: error: expected the name of a joint, found \"{\""},
+      {"JOINT\n{", ":5:1: error: expected a joint name, found \"{\""},
       {"JOINT a\x01z\n{", "found a control character in \"a\\x01z\""},
       {"JOINT a\nOFFSET 0 0 0", ":5:1: error: expected '{' after joint \"a\", found \"OFFSET\""},
       {"JOINT a { OFFSET 0 0 0 }\nCHANNELS 0", "before its child joints"},
@@ -368,12 +368,12 @@ TEST(ReadBvh, HierarchyErrorsHaveALocation) {
 
 TEST(ReadBvh, MotionHeaderErrorsHaveALocation) {
   const std::vector<std::pair<std::string, std::string>> faults = {
-      {"", ":17:1: error: expected Frames: and their number, found the end of the file"},
-      {"1 2 3", ":17:1: error: expected Frames: and their number, found \"1\""},
+      {"", ":17:1: error: expected Frames: and a count, found the end of the file"},
+      {"1 2 3", ":17:1: error: expected Frames: and a count, found \"1\""},
       {"Frames:\n2",
-       ":17:8: error: expected the number of frames, a whole number, found the end "
+       ":17:8: error: expected the frame count, a whole number, found the end "
        "of the line"},
-      {"Frames: 99999999999999999999", ":17:9: error: expected the number of frames"},
+      {"Frames: 99999999999999999999", ":17:9: error: expected the frame count"},
       {"Frames: 1\nFrame Rate: 30", ":18:7: error: expected Time: after Frame, found \"Rate:\""},
       {"Frames: 1\nFrame Time:\n1 2 3",
        ":18:12: error: expected a number (the frame time in "
@@ -388,7 +388,7 @@ TEST(ReadBvh, MotionHeaderErrorsHaveALocation) {
   const std::string rigid = root("OFFSET 0 0 0\nCHANNELS 0");
   EXPECT_TRUE(read_exactly(rigid).has_value());
   EXPECT_THAT(error_of(std::string(rigid).replace(rigid.find("Frames: 0"), 9, "Frames: 2")),
-              HasSubstr("expected no frames, as no joint has a channel, found \"2\""));
+              HasSubstr("expected no frames, because no joint has a channel, found \"2\""));
 }
 
 TEST(ReadBvh, RowErrorsHaveALocation) {
@@ -428,7 +428,7 @@ TEST(ReadBvh, RecognisesFilesThatAreNotBvh) {
       {" \n\t\n", ":3:1: error: expected HIERARCHY, found the end of the file"},
       {"\xef\xbb\xbf", "found an empty file"},
       {"\x80\xff\x01", "found \"\\x80\\xff\\x01\""},
-      {"HIERARCHY\nJOINT a", ":2:1: error: expected ROOT and its name, found \"JOINT\""},
+      {"HIERARCHY\nJOINT a", ":2:1: error: expected ROOT and a name, found \"JOINT\""},
   };
   for (const auto& [bytes, message] : files) EXPECT_THAT(error_of(bytes), HasSubstr(message));
 }
@@ -438,7 +438,7 @@ TEST(ReadBvh, UnreadableFilesAreErrors) {
   EXPECT_EQ(load_bvh(testing::TempDir()).error().kind, ErrorKind::kInput);
 }
 
-// damaged files
+// Damaged files.
 
 TEST(ReadBvh, LenientSkipsDamagedLines) {
   for (const char* bad : {"9 2 3 nan 20 30 40 50 60\n", "9 2 3 10 20 30 40 50\n", "x\n",
@@ -472,7 +472,7 @@ TEST(ReadBvh, LenientKeepsCompleteFramesOfWrappedRows) {
       read_exactly(motion("4", wrapped + "2 2 nan 10 20\n30 40 50 60\n" + wrapped), lenient());
   ASSERT_TRUE(file.has_value());
   EXPECT_THAT(first_values(file->clip), ElementsAre(0, 1));
-  EXPECT_THAT(warnings_of(*file), HasSubstr("what follows them was dropped"));
+  EXPECT_THAT(warnings_of(*file), HasSubstr("the rest of the file was dropped"));
 
   const Result<BvhFile> shared = read_exactly(
       motion("4", "0 2 3 10 20 30 40 50 60 1 2 3 10 20 30 40 50 60 2 2 nan"), lenient());
@@ -487,7 +487,7 @@ TEST(ReadBvh, LenientWarnsAndNeedsACompleteFrame) {
   EXPECT_FALSE(read_exactly(motion("5", ""), lenient()).has_value());
   EXPECT_FALSE(read_exactly(motion("1", "1 2 3"), lenient()).has_value());
   EXPECT_FALSE(read_exactly(motion("x", rows(3)), lenient()).has_value());
-  // nothing wrong, nothing said
+  // A valid file causes no warning.
   const Result<BvhFile> good = read_exactly(motion("2", rows(2)), lenient());
   ASSERT_TRUE(good.has_value());
   EXPECT_TRUE(good->warnings.empty());

@@ -1,4 +1,5 @@
-// For any bytes the reader returns a clip or an error: no crash, no memory beyond the file's size.
+// For any bytes the reader returns a clip or an error, without a crash and without memory beyond
+// the file's size.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +67,7 @@ TEST(BvhRobustness, ReadsOrRejectsEveryTruncation) {
 
 TEST(BvhRobustness, NeverReadsATruncatedFileAsComplete) {
   const std::string text = conformance_file("base");
-  // without its last value's last digit the file is whole to any reader
+  // Without the last digit of its last value, the file is still complete for any reader.
   for (std::size_t size = 0; size + 2 < text.size(); ++size) {
     EXPECT_FALSE(read_exactly(std::string_view(text).substr(0, size)).has_value()) << size;
   }
@@ -157,7 +158,7 @@ TEST(BvhRobustness, JointsWithoutChannelsDoNotExhaustMemory) {
   ASSERT_FALSE(file.has_value());
   EXPECT_EQ(
       file.error().message,
-      "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
+      "40000 frames of 2001 joints need 2561.3 MB of memory, at most 33.6 MB are allowed for a "
       "file of this size");
   EXPECT_LT(peak_kilobytes() - before, 80'000);
   // Missing rows are an error unless the reader is lenient.

@@ -48,7 +48,7 @@ std::vector<Channel> rotation_channels(std::vector<int> axes) {
   return channels;
 }
 
-// one joint for each order of three turns, each second one with positions after its rotations
+// One joint per order of three rotations, every second one with positions after its rotations.
 std::shared_ptr<const Skeleton> skeleton_of_all_orders() {
   std::vector<Joint> joints;
   for (int i = 0; i < 3; ++i) {
@@ -62,7 +62,7 @@ std::shared_ptr<const Skeleton> skeleton_of_all_orders() {
       }
     }
   }
-  // a chain of the even joints, each with an odd one beside it
+  // A chain of the even joints, each with an odd sibling.
   for (int i = 0; i < static_cast<int>(joints.size()); ++i) {
     joints[i].parent = i == 0 ? -1 : i % 2 == 1 ? i - 1 : i - 2;
   }
@@ -218,7 +218,7 @@ TEST(WriteBvh, AnglesAreContinuous) {
 }
 
 TEST(WriteBvh, JointsAtZeroRoundTrip) {
-  // zeros in all position channels would mean: at the offset
+  // Zeros in all position channels would select the offset.
   for (const std::optional<int> decimals : {std::optional<int>(), std::optional<int>(6)}) {
     std::vector<Joint> joints = {make_joint("Hips", -1, kPositions),
                                  make_joint("Hand", 0, kPositions)};
@@ -264,7 +264,7 @@ TEST(WriteBvh, RejectsClipsThatCannotBeReadBack) {
   const auto rigid = std::make_shared<const Skeleton>(std::vector<Joint>{make_joint("a", -1, {})});
   EXPECT_TRUE(format_bvh(Clip(rigid, FrameRate{30, 1}, 0)).has_value());
   EXPECT_FALSE(format_bvh(Clip(rigid, FrameRate{30, 1}, 1)).has_value());
-  // 0 - (1 - 3, 2): joint 3 would come after its parent was closed
+  // 0 - (1 - 3, 2): joint 3 would follow its closed parent.
   const auto tangled = std::make_shared<const Skeleton>(
       std::vector<Joint>{make_joint("a", -1, kPositions), make_joint("b", 0, {}),
                          make_joint("c", 0, {}), make_joint("d", 1, {})});
@@ -275,7 +275,7 @@ TEST(WriteBvh, RejectsClipsThatCannotBeReadBack) {
   EXPECT_EQ(format_bvh(bent, options).error().kind, ErrorKind::kUsage);
 }
 
-// the decimal comma of the streams; the C library's comes from an installed locale
+// The stream locale has a decimal comma; the C locale comes from an installed one.
 class CommaPunctuation : public std::numpunct<char> {
  protected:
   char do_decimal_point() const override { return ','; }

@@ -34,7 +34,7 @@ class BadInput(ToolTest):
             self.assertEqual(result.returncode, 2, option)
             self.assertEqual(self.files(), [])
 
-    def test_words_for_wrong_options(self):
+    def test_messages_for_wrong_options(self):
         self.assert_refused(self.retarget("--limit", "x"), 2, "--limit ", 'did you mean "--limits"')
         self.assert_refused(self.run_tool("walk.bvh"), 2, "no robot and no output")
         for option in ("--source-fps", "--start", "--end"):
@@ -205,7 +205,7 @@ class Outputs(ToolTest):
 
 
 def heed_interrupts():
-    """A shell that starts its work with & makes it ignore SIGINT, and children inherit that."""
+    """Restores SIGINT: a shell ignores it for background jobs, and children inherit that."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 

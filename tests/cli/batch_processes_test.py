@@ -13,7 +13,7 @@ from tool import SOURCE, TOOL, sample
 
 
 class Isolation(BatchTest):
-    """A clip that takes its process with it is a failed line and not the end."""
+    """A clip that crashes its process is a failed line; the batch continues."""
 
     def setUp(self):
         super().setUp()
@@ -44,20 +44,20 @@ class Isolation(BatchTest):
         except FileNotFoundError:
             return False
 
-    def test_one_that_takes_too_long(self):
+    def test_clip_that_takes_too_long(self):
         for jobs in ("1", "3"):
             result = self.batch("--redo", "--clip-timeout", "0.5", "--jobs", jobs)
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("long.bvh: error: the clip took longer than 0.5 s", result.stderr)
             self.assert_only_the_long_one_failed("longer than 0.5 s")
-        # the timeout decides nothing about the motions that there are
+        # The timeout does not affect motions that are already done.
         result = self.batch("--resume")
         self.assert_done(result)
         self.assertIn("6 of 7 are done", result.stderr)
 
     @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
-    def test_one_that_crashes(self):
-        # a sanitizer would make an exit of the signal
+    def test_clip_that_crashes(self):
+        # A sanitizer would turn the signal into an exit code.
         plain = {**os.environ,
                  "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
         for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory may have run out")):
@@ -71,7 +71,7 @@ class Isolation(BatchTest):
                 while worker is None and time.monotonic() < deadline:
                     with open(children) as file:
                         worker = next(iter(file.read().split()), None)
-                # the longest comes first
+                # The longest starts first.
                 time.sleep(0.2)
                 os.kill(int(worker), number)
                 _, text = run.communicate(timeout=60)
@@ -178,7 +178,7 @@ class Machine(BatchTest):
             while not (self.folder / "out/manifest.jsonl").exists():
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.001)
-            # it must not be through before the others come
+            # It must not finish before the others arrive.
             first.send_signal(signal.SIGSTOP)
             self.assertIsNone(first.poll())
             for arguments in (["--resume"], ["--redo"], ["--resume", "--shard", "1/2"]):
@@ -188,7 +188,7 @@ class Machine(BatchTest):
         finally:
             first.kill()
             first.wait()
-        # a killed run's lock is gone with it
+        # The lock of a killed run disappears with it.
         self.assert_done(self.batch("--resume"))
         self.assertEqual(len(self.outputs()), 20)
 
@@ -207,7 +207,7 @@ class Machine(BatchTest):
     def test_full_disk(self):
         self.clips("a.bvh", frames=30)
         self.clips("b.bvh")
-        # room for the short one, the manifest and the options; not for the long one
+        # Space for the short clip, the manifest and the options, but not for the long clip.
         script = 'ulimit -f 8; exec "$0" "$@"'
         result = subprocess.run(["bash", "-c", script, TOOL, "batch", "in", "-o", "out", "--robot",
                                  "unitree_g1", *FAST], cwd=self.folder, text=True,

@@ -25,12 +25,12 @@ class Resume(BatchTest):
         return {name: (self.folder / "out" / name).stat().st_mtime_ns for name in self.outputs()}
 
     def redone(self, *arguments, **options):
-        """Which outputs another run writes again."""
+        """Returns the outputs that another run rewrites."""
         before = self.times()
         self.assert_done(self.batch("--resume", *arguments, **options))
         return [name for name, at in self.times().items() if before.get(name) != at]
 
-    def test_only_what_is_not_done_or_has_changed(self):
+    def test_only_missing_or_changed_clips_are_redone(self):
         self.clips("a.bvh", "b.bvh", "c.bvh")
         self.assert_done(self.batch())
         whole = (self.folder / "out/manifest.jsonl").read_bytes()
@@ -70,7 +70,7 @@ class Resume(BatchTest):
         at = '<body name="left_elbow_link"'
         before, behind = (robot / "model.xml").read_text().split(at)
         tag, behind = behind.split(">", 1)
-        # the elbow's own shapes go before a mesh
+        # The elbow's own shapes take precedence over a mesh.
         elbow, behind = behind.split("<body", 1)
         elbow = "\n".join(line for line in elbow.splitlines() if "<geom" not in line)
         asset = '<asset><mesh name="arm" file="arm.obj"/></asset>'
@@ -115,7 +115,7 @@ class Resume(BatchTest):
         self.assertNotIn("earlier options", self.batch("--resume", "--format", "pkl-gmr",
                                                        "--fps", "25").stderr)
 
-    def test_failed_clips_that_are_gone_are_no_failures(self):
+    def test_deleted_failed_clips_are_not_failures(self):
         self.clips("a.bvh")
         bad = self.write("in/bad.bvh", "HIERARCHY\n")
         self.assertEqual(self.batch().returncode, 1)
@@ -124,7 +124,7 @@ class Resume(BatchTest):
         self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out"))
         self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
-        # the same from the manifests of parts
+        # The same for the manifests of parts.
         self.write("in/bad.bvh", "HIERARCHY\n")
         self.clips("c.bvh")
         codes = [self.batch("--shard", f"{i}/2", output="parts").returncode for i in (1, 2)]
@@ -135,7 +135,7 @@ class Resume(BatchTest):
         self.assertEqual([row["clip"] for row in self.summary("parts/summary.csv")],
                          ["a.bvh", "c.bvh"])
 
-    def test_torn_and_foreign_lines_count_for_nothing(self):
+    def test_truncated_and_foreign_lines_are_ignored(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch())
         path = self.folder / "out/manifest.jsonl"
@@ -149,7 +149,7 @@ class Resume(BatchTest):
         left = self.write("out/sub/.retarget-1-0.tmp", "half")
         self.assert_done(self.batch())
         self.assertFalse(left.exists())
-        # parts may be at work beside each other, so the merging of them does it
+        # Parts may run at the same time, so only their merge removes files.
         left = self.write("parts/sub/.retarget-1-0.tmp", "half")
         for part in ("1/2", "2/2"):
             self.assert_done(self.batch("--shard", part, output="parts"))
@@ -157,7 +157,7 @@ class Resume(BatchTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
         self.assertFalse(left.exists())
 
-    def test_interrupt_keeps_what_is_done(self):
+    def test_interrupt_keeps_finished_clips(self):
         for i in range(30):
             self.clips(f"{i}.bvh", frames=12)
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -208,14 +208,14 @@ class NothingIsLost(BatchTest):
         self.assertTrue((self.folder / "out/y.csv").is_dir())
 
     def forge(self, **changes):
-        """The manifest's only line with other values, `output` those of its first output."""
+        """Replaces values in the manifest's only line; `output` applies to its first output."""
         path = self.folder / "out/manifest.jsonl"
         entry = json.loads(path.read_text())
         entry["outputs"][0].update(changes.pop("output", {}))
         entry.update(changes)
         path.write_text(json.dumps(entry) + "\n")
 
-    def test_a_manifest_names_nothing_outside_its_folder(self):
+    def test_manifest_paths_stay_inside_the_folder(self):
         victim = self.write("victim.txt", "precious")
         record = {"bytes": 8, "modified_ns": victim.stat().st_mtime_ns,
                   "hash": "sha256:" + hashlib.sha256(b"precious").hexdigest()}
@@ -241,7 +241,7 @@ class NothingIsLost(BatchTest):
         self.assert_fails(self.retarget("--smpl-model", "none.npz", bvh=clip), 2, "--smpl-model")
         self.write("body.npz", "any")
         self.assert_fails(self.retarget("--smpl-model", "body.npz", bvh=clip), 2, "--smpl-model")
-        # the clips of a batch may be of both kinds
+        # The clips of a batch may have both formats.
         self.assert_done(self.batch("--smpl-model", "body.npz"))
 
     def test_edited_files_are_not_removed(self):
@@ -264,7 +264,7 @@ class NothingIsLost(BatchTest):
             self.assertTrue(outside.exists(), relative)
             self.batch("--redo")
 
-    def test_a_clock_that_was_ahead_does_not_undo_what_is_done(self):
+    def test_clock_skew_does_not_redo_clips(self):
         self.clips("a.bvh")
         good = (self.folder / "in/a.bvh").read_bytes()
         self.write("in/a.bvh", "junk")

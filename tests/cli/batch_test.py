@@ -30,7 +30,7 @@ class Outputs(BatchTest):
             self.assertIn("LAFAN1", entry["taken_as"])
         self.assertFalse([f for f in self.files() if "lock" in f or "tmp" in f])
 
-    def test_names_that_are_no_utf8(self):
+    def test_names_that_are_not_utf8(self):
         name = os.fsdecode(b"bad\xff name.bvh")
         self.clips(name)
         self.assert_done(self.batch())
@@ -39,7 +39,7 @@ class Outputs(BatchTest):
         result = self.batch("--resume")
         self.assertIn("1 of 1 are done", result.stderr)
 
-    def test_several_robots_have_folders_of_their_own(self):
+    def test_several_robots_have_separate_folders(self):
         self.clips("a/walk.bvh")
         self.assert_done(self.batch(robot="unitree_g1,unitree_h1"))
         self.assertEqual(self.outputs(), ["unitree_g1/a/walk.csv", "unitree_h1/a/walk.csv"])
@@ -59,7 +59,7 @@ class Outputs(BatchTest):
         self.assert_done(self.batch("--jobs", 3, "--memory", "0.001"))
         self.assertEqual(len(self.outputs()), 3)
 
-    def test_a_format_that_a_short_clip_cannot_have_is_left_out_alone(self):
+    def test_only_the_impossible_format_of_a_short_clip_is_omitted(self):
         self.write("in/long.bvh", short_clip("walk", 12))
         for frames in (1, 2):
             self.write(f"in/short{frames}.bvh", short_clip("walk", frames))
@@ -117,13 +117,13 @@ class Outputs(BatchTest):
         self.assertEqual(self.outputs(), ["a/walk.csv", "b/walk.csv"])
         both = self.batch("--base", "in", "--relative-to", "in", inputs=("@list.txt",), output="b")
         self.assert_fails(both, 2, "--base", "--relative-to", "give only one of them")
-        # neither a folder nor a kind of base
+        # Neither a folder nor a kind of base.
         self.assert_fails(self.batch("--base", "fxied", output="c"), 2, '"fxied"', "auto", "fixed")
         self.assertFalse((self.folder / "c").exists())
 
     def test_the_base_of_the_robot_is_fixed_as_in_a_single_run(self):
         self.clips("walk.bvh", frames=12)
-        # a folder of this name is not meant
+        # A folder with this name is not used.
         (self.folder / "fixed").mkdir()
         for method in ("fit", "gmr"):
             held = self.run_tool("batch", "in", "-o", method, "--robot", "g1", "--base", "fixed",
@@ -136,7 +136,7 @@ class Outputs(BatchTest):
                                            bvh=self.folder / "in/walk.bvh"))
             self.assertEqual((self.folder / "out.csv").read_bytes(),
                              (self.folder / method / "walk.csv").read_bytes())
-        # another base makes other motions, so nothing is done already
+        # Another base changes all motions, so nothing counts as done.
         again = self.run_tool("batch", "in", "-o", "gmr", "--robot", "g1", "--method", "gmr",
                               "--base", "auto", "--resume")
         self.assert_done(again)
@@ -184,14 +184,14 @@ class Outputs(BatchTest):
             found = measured[key]
             self.assertEqual(value, found[0] if isinstance(found, list) else found, key)
 
-    def test_the_fit_is_the_same_as_alone(self):
+    def test_fit_equals_a_single_run(self):
         self.clips("walk.bvh", frames=8)
         self.assert_done(self.batch(fast=False))
         self.assert_done(self.retarget(bvh=self.folder / "in/walk.bvh"))
         self.assertEqual(self.contents()["walk.csv"], (self.folder / "out.csv").read_bytes())
 
 
-    def test_summary_is_a_name_like_others_where_nothing_is_called_so(self):
+    def test_summary_is_an_ordinary_clip_name(self):
         self.clips("summary.bvh")
         self.assert_done(self.batch("--format", "pkl-gmr"))
         self.assertEqual(self.outputs(end=".pkl"), ["summary.pkl"])

@@ -1,4 +1,4 @@
-"""Chromium without a window, driven over the DevTools protocol with the standard library alone."""
+"""Headless Chromium, driven over the DevTools protocol with only the standard library."""
 
 import base64
 import fcntl
@@ -33,7 +33,7 @@ FLAGS = [
 
 
 def chromium():
-    """The browser's program; None if it is missing."""
+    """Returns the path of the browser; None if it is missing."""
     names = [os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome"]
     return next((found for name in names if name and (found := shutil.which(name))), None)
 
@@ -112,7 +112,7 @@ class Browser:
         return json.loads(message)
 
     def send(self, method, params=None, browser=False, wait=60.0):
-        """Calls a method of the protocol; gives its result. Events on the way are kept."""
+        """Calls a protocol method and returns its result. Keeps events that arrive meanwhile."""
         number = next(self.numbers)
         message = {"id": number, "method": method, "params": params or {}}
         if self.session and not browser:
@@ -163,7 +163,7 @@ class Browser:
         self.wait_for("document.readyState === 'complete'")
 
     def run(self, script, wait=60.0):
-        """The value of a script, promises awaited; an exception in it is one here."""
+        """Evaluates a script and awaits promises; raises its exceptions."""
         result = self.send(
             "Runtime.evaluate",
             {"expression": script, "returnByValue": True, "awaitPromise": True},
@@ -189,7 +189,7 @@ class Browser:
             )
 
     def press(self, key, code=None, text=None):
-        """A key by its name, such as `ArrowRight`, ` ` or `f`."""
+        """Presses a key by name, such as `ArrowRight`, ` ` or `f`."""
         text = key if text is None and len(key) == 1 else text
         self.send(
             "Input.dispatchKeyEvent",
@@ -203,7 +203,7 @@ class Browser:
         self.send("Input.dispatchKeyEvent", {"type": "keyUp", "key": key, "code": code or key})
 
     def screenshot(self):
-        """The window's picture, PNG."""
+        """Returns a screenshot, PNG."""
         return base64.b64decode(self.send("Page.captureScreenshot", {"format": "png"})["data"])
 
     def complaints(self):
@@ -229,7 +229,7 @@ class Browser:
         return found
 
     def requests(self):
-        """Addresses that the page asked for."""
+        """Returns the addresses that the page requested."""
         self.run("0")
         return [
             event["params"]["request"]["url"]

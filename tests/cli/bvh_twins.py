@@ -12,7 +12,7 @@ class Joint:
 
 
 class Bvh:
-    """A clip as our own samples are written: one token stream, one row a line."""
+    """A clip in the format of the samples: one token stream, one row per line."""
 
     def __init__(self, path):
         lines = path.read_text().splitlines()
@@ -58,7 +58,7 @@ class Bvh:
         return len(self.values[0])
 
     def drop(self, *names):
-        """Removes joints and all that hang below them."""
+        """Removes joints and their descendants."""
         gone = set()
         for i, joint in enumerate(self.joints):
             if joint.name in names or joint.parent in gone:
@@ -73,7 +73,7 @@ class Bvh:
             joint.parent = new[joint.parent]
 
     def in_front(self, rows):
-        """Puts frames in front: one list of values a joint."""
+        """Prepends frames: one list of values per joint."""
         self.values = [numpy.vstack([[row[i]] for row in rows] + [v])
                        for i, v in enumerate(self.values)]
 

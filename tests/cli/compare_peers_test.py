@@ -31,7 +31,7 @@ class ComparePeers(ToolTest):
         return json.loads((self.folder / "out.json").read_text())
 
     def test_without_the_peer_our_engines_run_alone(self):
-        # no shared data either: the sample clip serves
+        # Without shared data, the sample clip replaces it.
         result = self.compare("--repetitions", 1, RETARGET_SHARED=str(self.folder))
         report = self.report(result)
         self.assertIn("Python reference is missing", result.stderr)
@@ -50,7 +50,7 @@ class ComparePeers(ToolTest):
         for words in ("machine", "load", "compiler", "walk, 301 frames", "fast to reference"):
             self.assertIn(words, result.stdout)
 
-    def test_a_python_without_the_packages_is_named(self):
+    def test_python_without_the_packages_is_reported(self):
         (self.folder / "oracle").mkdir()
         (self.folder / "oracle/retarget_oracle.py").touch()
         result = self.compare("--repetitions", 1, "--python", "no-such-python", sample("wave"),
@@ -80,7 +80,7 @@ class ComparePeers(ToolTest):
         peer = report["clips"][0]["peers"]["peer"]
         self.assertEqual(peer["frames"], 50)
         self.assertTrue(peer["whole_is_estimated"])
-        # as long as the rate says for all 301 frames
+        # Consistent with the rate for all 301 frames.
         expected = peer["start_s"]["median"] + 300 / peer["frames_per_s"]["median"]
         self.assertAlmostEqual(peer["whole_s"]["median"], expected)
 

@@ -1,4 +1,4 @@
-"""Which configuration a run takes: the published one for LAFAN1, else the robot's own."""
+"""The configuration of a run: the published one for LAFAN1, otherwise the robot's own."""
 
 import json
 import pathlib
@@ -10,7 +10,7 @@ from tool import SOURCE, ToolTest, sample
 
 PUBLISHED = "configs/lafan1_to_unitree_g1.json"
 DERIVED = "robots/unitree_g1/ik.json"
-# what GAMES-105 calls the joints of LAFAN1
+# GAMES-105's names of LAFAN1's joints.
 OTHER_NAMES = {"Hips": "RootJoint", "Spine": "pelvis_lowerback", "Spine1": "lowerback_torso",
                "LeftUpLeg": "lHip", "LeftLeg": "lKnee", "LeftFoot": "lAnkle",
                "LeftToe": "lToeJoint", "RightUpLeg": "rHip", "RightLeg": "rKnee", "RightFoot": "rAnkle",
@@ -54,7 +54,7 @@ class ConfigurationChoice(ToolTest):
             self.assertEqual(configuration, PUBLISHED)
             self.assertNotEqual(other, found)
 
-    def test_a_configuration_of_ones_own_keeps_its_scale_for_lafan1(self):
+    def test_custom_configuration_keeps_its_scale_for_lafan1(self):
         run = self.run_with(sample("wave"), "--ik-config", SOURCE / PUBLISHED, "--sidecar")
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
         self.assertEqual(sidecar["found"]["scale"], "table")
@@ -100,7 +100,7 @@ class ConfigurationChoice(ToolTest):
                              "--ik-config", "derived")
         self.assert_done(both)
 
-    def test_a_folder_of_ones_own_keeps_its_configuration(self):
+    def test_custom_robot_folder_keeps_its_configuration(self):
         folder = pathlib.Path(shutil.copytree(SOURCE / "robots/unitree_g1",
                                               self.folder / "mine/unitree_g1"))
         self.assertEqual(self.run_with(sample("wave"), robot=folder)[1], str(folder / "ik.json"))

@@ -17,14 +17,14 @@ SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"
 
 
 class Conversions(FormatsTest):
-    def test_there_and_back(self):
+    def test_round_trip(self):
         golden = read_rows((GOLDEN / "walk.csv").read_text())
         self.converted(GOLDEN / "walk.csv", "out", "--format", "csv,csv-soma,pkl-gmr",
                        "--precision", "9")
         for name in ("out.csv", "out.soma.csv", "out.gmr.pkl"):
             self.converted(name, "back.csv", "--precision", "9")
             self.assert_same(self.rows("back.csv"), golden, 2e-9)
-        # both trackers' files are known for what they are and hold the same motion
+        # Both tracking formats are recognised and contain the same motion.
         self.converted(GOLDEN / "walk.csv", "out", "--format", "npz-mjlab,npz-beyondmimic")
         for flavour in ("mjlab", "beyondmimic"):
             said = self.converted(f"out.{flavour}.npz", f"{flavour}.csv")
@@ -58,7 +58,7 @@ class Conversions(FormatsTest):
         self.assert_fails(self.convert("other.csv", "x.csv", *degrees), 3, "--source-unit")
         self.converted("other.csv", "back.csv", *degrees, "--source-unit", "cm", "--precision", "9")
         self.assert_same(self.rows("back.csv"), golden, 1e-8)
-        # a walk on a roof, which was written back on the ground, a hundredth of its size
+        # A walk on a roof, which was once written on the ground at a hundredth of its size.
         high = np.array(golden)
         high[:, 2] += 7.0
         np.savetxt(self.folder / "high.csv", high, delimiter=",")
@@ -82,19 +82,19 @@ class Conversions(FormatsTest):
         # 23 columns are those of two variants
         np.savetxt(self.folder / "few.csv", rows[:, :30], delimiter=",")
         self.assert_fails(self.convert("few.csv", "x.csv"), 3, "--source-dof", "23, 23-pbhc")
-        # a robot that lies still
+        # A robot that lies still.
         lying = np.repeat(rows[:1], 20, axis=0)
         lying[:, 3:7] = [0.5, 0.5, 0.5, 0.5]
         np.savetxt(self.folder / "lying.csv", lying, delimiter=",")
         self.assert_fails(self.convert("lying.csv", "x.csv"), 3, "--source-quat")
         np.savetxt(self.folder / "crooked.csv", 2 * rows, delimiter=",")
-        self.assert_fails(self.convert("crooked.csv", "y.csv"), 3, "should have 1")
+        self.assert_fails(self.convert("crooked.csv", "y.csv"), 3, "expected 1")
         self.assertFalse((self.folder / "y.csv").exists())
 
     def test_variants(self):
         said = self.converted(GOLDEN / "walk.csv", "few.csv", "--dof", "23-pbhc",
                               "--precision", "9")
-        self.assertIn("held and lost", said)
+        self.assertIn("with movement would be held", said)
         self.assertEqual(len(self.rows("few.csv")[0]), 30)
         self.converted("few.csv", "all.csv", "--source-dof", "23-pbhc", "--precision", "9")
         wanted = np.loadtxt(GOLDEN / "walk.csv", delimiter=",")
@@ -117,7 +117,7 @@ class Conversions(FormatsTest):
         self.assertEqual(len(found), 121)
         self.assertLess(np.abs(found[:, 0] - (0.01 * fine + 1e-5 * fine ** 2)).max(), 1e-8)
         self.assertLess(np.abs(found[:, 10] - np.sin(0.05 * fine)).max(), 1e-6)
-        # a column of times has the rate
+        # A column of times determines the rate.
         timed = np.column_stack([frames / 120, rows])
         np.savetxt(self.folder / "timed.csv", timed, delimiter=",", fmt="%.9f")
         self.assertIn("at 120 fps", self.converted("timed.csv", "d.csv", "--source-quat",
@@ -161,7 +161,7 @@ class Conversions(FormatsTest):
         self_folder = self.folder
         for protocol in (2, 4):
             self.write("evil.pkl", pickle.dumps({"fps": 30, "root_pos": Evil()}, protocol))
-            self.assert_fails(self.convert("evil.pkl", "x.csv"), 3, "system, which is refused")
+            self.assert_fails(self.convert("evil.pkl", "x.csv"), 3, "system, which is not allowed")
         self.assertEqual(self.files(), ["evil.pkl"])
 
     def test_other_files_are_named(self):
@@ -174,7 +174,7 @@ class Conversions(FormatsTest):
 
 class Lengths(ToolTest):
     def test_a_walk_on_the_ground_is_not_in_metres(self):
-        """A hundredth, a tenth and a thousandth of a walk were written without a word."""
+        """Scaled walks were once written without a warning."""
         self.assert_done(self.retarget("--frames", "0:90", bvh=sample("walk")))
         rows = read_rows((self.folder / "out.csv").read_text())
         for scale in (0.1, 0.01, 0.001):
@@ -197,7 +197,7 @@ class Lengths(ToolTest):
 
 
 class RealFiles(FormatsTest):
-    """Files that others made."""
+    """Files made by other programs."""
 
     def setUp(self):
         super().setUp()
@@ -213,7 +213,7 @@ class RealFiles(FormatsTest):
         found = np.array(self.rows("a.csv"))
         found[:, 3:7] *= np.sign((found[:, 3:7] * wanted[:, 3:7]).sum(1, keepdims=True))
         self.assertLess(np.abs(found - wanted).max(), 1e-9)
-        # its true rate is another one
+        # Its true rate is different.
         said = self.converted(self.data / "gmr_g1_soma_walk_forward.pkl", "b.csv", "--source-fps",
                               "120", "--fps", "30")
         self.assertIn("273 frames at 30 fps", said)
@@ -226,7 +226,7 @@ class RealFiles(FormatsTest):
             self.assertEqual(found.shape, (frames, 36))
             self.assertEqual(np.abs(found[:, [26, 27, 28, 33, 34, 35]]).max(), 0)
             self.assertGreater(np.abs(found[:, 7:26]).max(), 0.3)
-            # and back
+            # Back again.
             self.converted(f"{name}.csv", f"{name}.pkl", "--format", "pkl-pbhc")
             self.converted(f"{name}.pkl", "again.csv")
             self.assert_same(self.rows("again.csv"), found.tolist(), 2e-6)

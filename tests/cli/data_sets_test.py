@@ -32,7 +32,7 @@ class DataSetTest(BatchTest):
 
 
 class Gates(DataSetTest):
-    def test_lists_say_who_passed_and_why_not(self):
+    def test_lists_name_passed_and_failed_motions(self):
         self.clips("b.bvh", "sub/a.bvh")
         self.write("in/bad.bvh", "HIERARCHY\n")
         result = self.measured("--gate", "none", "--gate", "peak_speed<=0", "--sidecar")
@@ -44,7 +44,7 @@ class Gates(DataSetTest):
         self.assertRegex(rows[0][1], r"^peak_speed \d.* \(at most 0\)$")
         self.assertIn("bad.bvh:2:1: error", rows[1][1])
         self.assertIn("0 of 3 clips in out/passed.txt; 2 miss a gate; 1 failed", result.stderr)
-        # other gates cost nothing: no clip is done again
+        # Other gates need no work: no clip is redone.
         self.assertEqual(self.measured("--gate", "none", "--resume", "--sidecar").returncode, 1)
         self.assertEqual(self.lines("passed.txt"), ["b.csv", "sub/a.csv"])
         self.assertEqual(len(self.rows("failed.tsv")), 2)
@@ -73,24 +73,24 @@ class Gates(DataSetTest):
         self.assertEqual(self.lines("passed.txt"), ["a.csv"])
         self.assertEqual(self.lines("train.txt") + self.lines("validation.txt"), ["a.csv"])
         self.assertIn("3 clips of the manifest are not part of this call", again.stderr)
-        # nothing is forgotten
+        # Nothing is lost.
         self.assertEqual(len(self.manifest()), 4)
         self.assertIn("4 of 4 are done", self.batch("--resume", "--mirror").stderr)
         self.assertEqual(len(self.lines("passed.txt")), 4)
 
-    def test_options_tell_the_gates_of_the_last_call(self):
+    def test_options_json_has_the_gates_of_the_last_call(self):
         self.clips("a.bvh")
         self.assert_done(self.measured("--gate", "jumps<=3"))
         def gates():
             return json.loads((self.folder / "out/options.json").read_text())[0]["gates"]
         self.assertEqual(gates()["jumps"], {"max": 3.0})
-        # as configs/quality/default.json has them
+        # The gates of configs/quality/default.json.
         self.assertEqual(gates()["stance_slip_mean"], {"max": 0.002, "leg_m": 0.632})
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--gate", "none", "--gate",
                                        "jumps<=5"))
         self.assertEqual(gates(), {"jumps": {"max": 5.0}})
 
-    def test_joining_manifests_refuses_what_is_about_clips(self):
+    def test_merge_rejects_clip_options(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         for option in (["--clips", "x.csv"], ["--mirror"], ["--exclude", "a*"], ["--shard", "1/2"],
@@ -118,7 +118,7 @@ class Gates(DataSetTest):
         (self.folder / "out.csv.json").unlink()
         self.assertEqual(report("--dof", "23"), by_sidecar)
 
-    def test_a_single_run_asks_with_the_same_option(self):
+    def test_single_run_accepts_gates(self):
         clip = self.write("wave.bvh", short_clip("wave", 4))
         result = self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=0", bvh=clip)
         self.assert_fails(result, 1, "out.csv: error: the motion misses a gate: peak_speed",
@@ -126,7 +126,7 @@ class Gates(DataSetTest):
         self.assertTrue((self.folder / "out.csv").exists())
         self.assert_done(self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=1000",
                                        bvh=clip))
-        # without the option quality decides nothing
+        # Without the option, quality has no effect.
         self.assert_done(self.retarget(*GMR, bvh=clip))
         self.assert_fails(self.retarget(*GMR, "--gate", "peek_speed<=1", bvh=clip), 2,
                           'did you mean "peak_speed"?')
@@ -157,7 +157,7 @@ class Splits(DataSetTest):
     LISTS = ("train.txt", "validation.txt", "test.txt")
 
     def excerpt(self, name, sample_name, first, count=45):
-        """A part of a sample that is long enough to differ from all other parts."""
+        """Returns a part of a sample that is long enough to differ from all other parts."""
         lines = sample(sample_name).read_text().splitlines()
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
         rows = lines[motion + 2 + first:motion + 2 + first + count]
@@ -171,7 +171,7 @@ class Splits(DataSetTest):
             self.excerpt(name, each, first)
 
     def side_of(self, name, folder="out"):
-        """The list that holds a motion."""
+        """Returns the list that contains a motion."""
         lists = [each for each in self.LISTS
                  if (self.folder / folder / each).exists() and name in self.lines(each, folder)]
         self.assertEqual(len(lists), 1, (name, lists))
@@ -196,7 +196,7 @@ class Splits(DataSetTest):
         self.assertIn("8 clips of 4 groups for training, 2 clips of 1 group for validation",
                       result.stderr)
         self.assertIn("5 groups by the subject", result.stderr)
-        # in parts, joined, the same
+        # The same in parts that are merged.
         for part in (1, 2, 3):
             part_done = self.batch("--split", "0.8:7", "--shard", f"{part}/3", output="parts")
             self.assert_done(part_done)
@@ -224,7 +224,7 @@ class Splits(DataSetTest):
             self.assert_together(*together)
             self.assertIn("3 groups joined with others", result.stderr)
             self.assertGreater(len(self.lines("validation.txt")), 0)
-        # the order of inputs, shards, resume and merges make no difference
+        # The result is independent of the order of inputs, shards, resume and merges.
         whole = {name: self.lines(name) for name in ("train.txt", "validation.txt")}
         files = sorted(str(file) for file in (self.folder / "in").rglob("*.bvh"))
         self.assert_done(self.batch("--split", "0.6:5", "--base", self.folder / "in",
@@ -300,7 +300,7 @@ class Splits(DataSetTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts", "--split",
                                        "0.6,0.2,0.2:1"))
         self.assertEqual([self.lines(name, "parts") for name in self.LISTS], lists)
-        # a list that two shares do not renew is old
+        # A list that a two-way split does not rewrite is outdated.
         again = self.batch("--resume", "--split", "0.8:1")
         self.assert_done(again)
         self.assertIn("test.txt: warning: this list is from an earlier call", again.stderr)
@@ -313,7 +313,7 @@ class Splits(DataSetTest):
 
 
 class MirrorImages(DataSetTest):
-    def test_twins_are_as_good_as_their_originals(self):
+    def test_mirror_images_are_as_good_as_their_originals(self):
         self.write("in/wave.bvh", short_clip("wave", 40))
         self.assert_done(self.batch("--mirror", "--sidecar", fast=False))
         self.assertEqual(self.outputs(), ["wave.csv", "wave_mirrored.csv"])
@@ -323,7 +323,7 @@ class MirrorImages(DataSetTest):
         for key in ("limb_angle_deg", "trunk_lean_error_deg", "track_pos_cm"):
             self.assertAlmostEqual(original["quality"]["figures"][key],
                                    image["quality"]["figures"][key], delta=0.3)
-        # left and right have changed places
+        # Left and right are exchanged.
         ours, theirs = ([[float(x) for x in line.split(",")] for line in self.lines(name)]
                         for name in ("wave.csv", "wave_mirrored.csv"))
         left, right = 7 + 15 + 3, 7 + 22 + 3  # elbows
@@ -331,7 +331,7 @@ class MirrorImages(DataSetTest):
             self.assertAlmostEqual(a[left], b[right], delta=0.06)
             self.assertAlmostEqual(a[right], b[left], delta=0.06)
         self.assertGreater(max(abs(a[left] - a[right]) for a in ours), 0.5)
-        # the same as of a file that was mirrored before, and as a single run
+        # Equal to the result of a mirrored file, and of a single run.
         single = self.retarget("--mirror", bvh=self.folder / "in/wave.bvh")
         self.assert_done(single)
         self.assertEqual((self.folder / "out.csv").read_bytes(),
@@ -381,7 +381,7 @@ class Parts(DataSetTest):
         self.assertIn("2 of 3 are done", self.batch("--clips", "parts.csv", "--resume").stderr)
         self.assertEqual(len(self.lines("a/one.csv")), 12)
 
-    def test_the_table_alone_says_where_files_are(self):
+    def test_table_locates_the_files(self):
         self.write("set/x/wave.bvh", short_clip("wave", 20))
         self.write("set/parts.csv", "x/wave.bvh,f0,f5,a\nx/wave.bvh,f5,f10,b\n")
         self.assert_done(self.batch("--clips", "set/parts.csv", "--mirror", inputs=()))
@@ -412,7 +412,7 @@ class Duplicates(DataSetTest):
                           ("trim", "in/a.bvh", "--frames", "3:117", "-o", "in/trimmed.bvh")):
             self.assert_done(self.run_tool("edit", *arguments))
 
-    def test_they_are_left_out_and_not_even_solved(self):
+    def test_duplicates_are_not_solved(self):
         self.prepare()
         result = self.batch("--dedupe", "--mirror")
         self.assert_done(result)
@@ -430,10 +430,10 @@ class Duplicates(DataSetTest):
         again = self.batch("--dedupe", "--mirror", "--resume")
         self.assert_done(again)
         self.assertIn("4 of 4 are done", again.stderr)
-        # without the option they are clips like others
+        # Without the option they are ordinary clips.
         self.assert_done(self.batch("--mirror", "--resume"))
         self.assertEqual(len(self.lines("passed.txt")), 10)
-        # and with it again they are found among what is done
+        # With it, they are found again among the finished ones.
         self.assert_done(self.batch("--mirror", "--resume", "--dedupe"))
         self.assertEqual(len(self.lines("passed.txt")), 4)
         self.assert_done(self.run_tool("view", "out", "-o", "gallery"))
@@ -452,7 +452,7 @@ class Duplicates(DataSetTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--dedupe"))
         self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
 
-    def test_files_that_cannot_be_read_fail_as_ever(self):
+    def test_unreadable_files_fail(self):
         self.prepare()
         self.write("in/bad.bvh", "HIERARCHY\n")
         result = self.batch("--dedupe")
@@ -460,7 +460,7 @@ class Duplicates(DataSetTest):
         self.assertEqual([row[0] for row in self.rows("failed.tsv")[1:]], ["bad.bvh"])
         self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
 
-    def test_ctrl_c_leaves_a_folder_to_go_on_with(self):
+    def test_ctrl_c_leaves_a_resumable_folder(self):
         for i in range(40):
             self.write(f"in/{i}.bvh", sample("walk").read_bytes())
         process = subprocess.Popen(

@@ -25,7 +25,7 @@ class DefaultMotion(ToolTest):
 
 class StandingStraight(DefaultMotion):
     def test_a_human_who_stands_straight_gives_a_robot_that_does(self):
-        # the person turns on the spot, upright within two degrees of the skeleton's T-pose
+        # The person turns in place, upright within two degrees of the skeleton's T-pose.
         for robot in ROBOTS:
             with self.subTest(robot):
                 lean = self.report_of_run(sample("turn_in_place"), robot)["trunk_lean"]
@@ -35,7 +35,7 @@ class StandingStraight(DefaultMotion):
                 self.assertLess(abs(lean["robot_deg"] - lean["human_deg"]), allowed)
 
     def test_a_human_who_has_got_up_stands_straight(self):
-        # most of the clip is no standing; the last frame is
+        # Only the last frame of the clip is standing.
         self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",
                                        "whole.csv"))
         self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",
@@ -58,7 +58,7 @@ class LikeThePublishedData(DefaultMotion):
         if not SHARED.is_dir():
             self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
 
-    def test_it_is_as_like_the_human_and_calmer(self):
+    def test_fit_is_similar_and_smoother(self):
         for name in ("walk4_subject1", "dance1_subject2", "fallAndGetUp2_subject2"):
             with self.subTest(name):
                 clip = SHARED / f"data/lafan1/{name}.bvh"
@@ -80,7 +80,7 @@ class LikeThePublishedData(DefaultMotion):
         for name in ("lafan1/dance1_subject2",
                      "lafan1_cuts/dance1_subject1_stumbling_filtered_60fps"):
             self.report_of_run(SHARED / f"data/{name}.bvh")
-            # the 22nd column; the joint goes from -0.52 to 0.52 rad
+            # The 22nd column; the joint moves from -0.52 to 0.52 rad.
             pitch = [float(line.split(",")[21])
                      for line in (self.folder / "out.csv").read_text().splitlines()]
             self.assertGreater(max(map(abs, pitch)), 0.2)

@@ -6,7 +6,7 @@ import unittest
 
 from tool import SAMPLES, ToolTest, sample
 
-# glibc's names; it ignores names that the processor or the version lacks
+# glibc's names; it ignores names that the processor or version lacks.
 OLD_PROCESSOR = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX,-AVX2,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
 
 
@@ -27,7 +27,7 @@ class AnyProcessor(ToolTest):
         for name in SAMPLES:
             for options in ((), ("--fps", "24"), ("--normalize-start",)):
                 with self.subTest(sample=name, options=options):
-                    # every digit that there is
+                    # All digits.
                     self.assertEqual(*self.both(name, "--precision", 17, *options))
 
 

@@ -1,4 +1,4 @@
-"""Whatever happens to a batch on its way, `--resume` ends where an undisturbed one ends.
+"""After any disturbance of a batch, `--resume` gives the result of an undisturbed one.
 
 RETARGET_DISTURBED_CLIPS and RETARGET_DISTURBED_KILLS set how much (300 and 50 take minutes),
 RETARGET_DISTURBED_SEED repeats a round; a failure names its seed.
@@ -35,7 +35,7 @@ def without_times(value):
 
 
 def files_below(root, leave_out=()):
-    """Every file below a folder with its bytes, links as what they say."""
+    """Returns all files below a folder with their bytes, links with their targets."""
     found = {}
     for path in root.rglob("*"):
         name = str(path.relative_to(root))
@@ -46,7 +46,7 @@ def files_below(root, leave_out=()):
 
 
 def own_mounts():
-    """Whether this process may mount what no other process sees."""
+    """Whether this process may create private mounts."""
     if os.geteuid() != 0 or not sys.platform.startswith("linux"):
         return False
     libc = ctypes.CDLL(None, use_errno=True)
@@ -67,7 +67,7 @@ def children_of(process):
 
 
 def runs_in_session(leader):
-    """Whether a process of the session still runs; one that ended and waits for its parent does not."""
+    """Whether a process of the session still runs; zombies do not count."""
     for stat_file in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
             state, _, _, session = stat_file.read_text().rpartition(")")[2].split()[:4]
@@ -95,7 +95,7 @@ class Disturbed(ToolTest):
         for i in range(CLIPS):
             name = f"in/{i % 7:02}/clip {i:03}.bvh"
             self.write(name, short_clip(names[i % 5], self.chance.randint(30, 60)))
-        # failures are results as well
+        # Failures are results as well.
         self.write("in/03/bad.bvh", sample("wave").read_bytes()[:-400])
         self.write("beside/summary.csv", "not the batch's\n")
         self.before = files_below(self.folder)
@@ -113,7 +113,7 @@ class Disturbed(ToolTest):
 
     @staticmethod
     def state_of(folder):
-        """All that a batch left, apart from times."""
+        """Returns everything that a batch left, except times."""
         found = files_below(folder)
         lines = found.pop("manifest.jsonl").decode().splitlines()
         found["manifest"] = [without_times(json.loads(line)) for line in lines]
@@ -122,7 +122,7 @@ class Disturbed(ToolTest):
         return found
 
     def undisturbed(self):
-        """The same call in a folder of its own, which sees the same clips."""
+        """Runs the same call in a separate folder with the same clips."""
         calm = self.folder / "calm"
         shutil.rmtree(calm, ignore_errors=True)
         calm.mkdir()
@@ -137,7 +137,7 @@ class Disturbed(ToolTest):
                 if "/" in name and name.endswith((".csv", ".npz"))}
 
     def assert_whole_so_far(self, *states):
-        """No motion is half a one: each is as one of the undisturbed runs made it."""
+        """Asserts that every motion equals that of one of the undisturbed runs."""
         for name, content in self.motions_in().items():
             self.assertIn(content, [state.get(name) for state in states], f"{name}, seed {SEED}")
 
@@ -159,7 +159,7 @@ class Disturbed(ToolTest):
 
 
 class Killed(Disturbed):
-    """kill -9 of everything, of the batch alone, of a worker; a second batch at times."""
+    """kill -9 of everything, of the batch, or of a worker; sometimes with a second batch."""
 
     def kill_something(self, batch):
         how = self.chance.choice(("group", "batch", "worker", "worker, then batch"))
@@ -185,14 +185,14 @@ class Killed(Disturbed):
         return how
 
     def change_some_inputs(self, versions):
-        """Other bytes under the same name, at times the same number of them."""
+        """Changes the bytes of inputs, sometimes with the same size."""
         for _ in range(2):
             name = f"in/{self.chance.randrange(CLIPS) % 7:02}"
             clip = self.chance.choice(sorted((self.folder / name).glob("clip*.bvh")))
             key = str(clip.relative_to(self.folder))
             clip.write_bytes(self.chance.choice(versions[key]))
 
-    def test_it_ends_as_if_nothing_had_happened(self):
+    def test_resumed_batch_equals_an_undisturbed_one(self):
         first = {name: content for name, content in self.before.items() if "clip" in name}
         second = {name: short_clip("wave", 30 + i % 20) for i, name in enumerate(sorted(first))}
         for name, content in second.items():
@@ -227,7 +227,7 @@ class TwoAtOnce(Disturbed):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
             texts = [batch.communicate(timeout=300)[1] for batch in both]
-            # one is refused, or comes after the other and finds it all done
+            # One is rejected, or runs after the other and finds all clips done.
             told = sum("another batch is writing" in text or "are done and unchanged" in text
                        for text in texts)
             self.assertEqual(told, 1, texts)
@@ -283,7 +283,7 @@ class NoRoom(Disturbed):
 
 class ReadOnly(Disturbed):
     def forbid(self, folder):
-        """Makes a folder read-only; gives what undoes it."""
+        """Makes a folder read-only; returns a function that restores it."""
         if os.geteuid() != 0:
             folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
             return lambda: folder.chmod(0o700)
@@ -348,7 +348,7 @@ int open64(const char *path, int flags, ...) {
 
 
 class NamedFiles(Disturbed):
-    """On file systems without nameless files, such as those of networks."""
+    """File systems without unnamed files, such as network file systems."""
 
     def setUp(self):
         super().setUp()
@@ -358,7 +358,7 @@ class NamedFiles(Disturbed):
         library = self.folder / "named.so"
         source = self.write("named.c", NO_NAMELESS_FILES)
         subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source], check=True)
-        # the loader takes a blank for the end of a name, and the tool runs in this folder
+        # The loader ends a name at a blank, and the tool runs in this folder.
         self.environment = {**os.environ, "LD_PRELOAD": "./" + library.name}
 
     def unfinished(self):
@@ -373,7 +373,7 @@ class NamedFiles(Disturbed):
         batch = self.start("--jobs", "1", env=self.environment)
         seen = False
         deadline = time.monotonic() + 60
-        # the longest comes first
+        # The longest starts first.
         while not seen and batch.poll() is None and time.monotonic() < deadline:
             seen = bool(self.unfinished()) and bool(children_of(batch.pid))
             time.sleep(0.005)

@@ -24,7 +24,7 @@ EXIT_CODES = {
 }
 
 ROBOT = SOURCE / "robots/unitree_g1"
-# how lines begin that are commands of a shell
+# Prefixes of lines that are shell commands.
 COMMAND = re.compile(r"^(?:[A-Za-z_]+=\S+ +)*"
                      r"(retarget|tools/\S+|bench/\S+|cmake|ctest|sbatch|seq|python3|job=\S+)(?: |$)")
 
@@ -34,7 +34,7 @@ def documents():
 
 
 def code_lines(text):
-    """Lines of indented and fenced code; lines that a backslash breaks are joined."""
+    """Returns lines of indented and fenced code, with continued lines joined."""
     fenced, before, pending = False, "", ""
     for line in text.splitlines():
         if line.startswith("```"):
@@ -56,7 +56,7 @@ def commands(document):
 SMPL = ("pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
         "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
         "left_elbow right_elbow left_wrist right_wrist").split()
-# places of these joints, metres, Y up, facing z
+# Positions of these joints, metres, Y up, facing z.
 STANDING = [
     (0, 0, 0), (.09, -.08, 0), (-.09, -.08, 0), (0, .11, 0), (.09, -.46, .02), (-.09, -.46, .02),
     (0, .25, 0), (.09, -.87, 0), (-.09, -.87, 0), (0, .31, 0), (.09, -.92, .12), (-.09, -.92, .12),
@@ -81,7 +81,7 @@ def npy(table):
 
 class Commands(ToolTest):
     def prepare(self):
-        """The files that the documents' commands read."""
+        """Creates the input files of the documents' commands."""
         for names, clip in (("walk IN CLIP A", "walk"), ("wave other OTHER T clip B C", "wave")):
             for name in names.split():
                 shutil.copy(sample(clip), self.folder / f"{name}.bvh")
@@ -111,7 +111,7 @@ class Commands(ToolTest):
         self.write_places()
 
     def write_places(self):
-        """A body that sways, as places of SMPL's joints: HumanML3D's array, MDM's, one with names."""
+        """Writes joint positions of a swaying body: HumanML3D's array, MDM's, one with names."""
         frames = [[[x + 0.002 * frame * y, y, z] for x, y, z in STANDING] for frame in range(20)]
         motion = [[[[frame[joint][axis] for frame in frames] for axis in range(3)]
                    for joint in range(22)]] * 3
@@ -160,7 +160,7 @@ class Commands(ToolTest):
 
 
 class OtherLines(unittest.TestCase):
-    """Lines that a test cannot run: builds, job arrays. The files that they name exist."""
+    """Lines that a test cannot run, such as builds and job arrays; their files must exist."""
 
     def test_programs_and_presets_exist(self):
         presets = {preset["name"] for preset in
@@ -173,7 +173,7 @@ class OtherLines(unittest.TestCase):
                     for name in re.findall(r"--preset (\w+)", line):
                         self.assertIn(name, presets)
 
-    def test_what_cannot_run_is_in_a_document(self):
+    def test_excluded_commands_occur_in_documents(self):
         every = [line for document in documents() for line in commands(document)]
         for start in CANNOT_RUN:
             self.assertTrue(any(line.startswith(start) for line in every), start)

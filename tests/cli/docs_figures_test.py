@@ -56,7 +56,7 @@ class Marks(unittest.TestCase):
 
 
 class Measured(unittest.TestCase):
-    """Texts that are put together from reports which are given."""
+    """Texts computed from given reports."""
 
     def fresh(self, text, known, **options):
         clips = quality_tables.Clips()
@@ -112,14 +112,14 @@ class Figures(ToolTest):
             self.skipTest("a build with sanitizers takes long and makes the same figures")
 
     def test_stated_figures_are_those_that_are_measured(self):
-        """Those of data/ always; those of LAFAN1 and others where the shared data is, of the G1 alone."""
+        """Always checks data/; with shared data also LAFAN1 and others, only for the G1."""
         now = docs_figures.fresh_documents(TOOL, docs_figures.shared_data(), quick=True)
         stale = docs_figures.stale_lines(now)
         self.assertFalse(stale, "\n".join([AGAIN, *stale]))
 
     def test_drawings_are_what_the_tool_draws(self):
         for name, content in docs_figures.draw_with_tool(TOOL, self.folder).items():
-            # of PNG the packing depends on zlib: view_test compares their pixels
+            # The compression of PNG depends on zlib: view_test compares the pixels.
             if name.endswith(".svg"):
                 self.assertTrue(content == (SOURCE / "docs/pictures" / name).read_bytes(),
                                 f"{name}: {AGAIN}")

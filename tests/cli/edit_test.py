@@ -11,7 +11,7 @@ SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shar
 
 class Edit(ToolTest):
     def robot_rows(self, bvh, *options):
-        # the fit would make more of a BVH's rounding than the published method does
+        # The fit amplifies the rounding of a BVH more than the published method.
         result = self.retarget("--precision", 9, "--method", "gmr", *options, bvh=bvh, output="-")
         self.assert_done(result)
         return read_rows(result.stdout)
@@ -35,7 +35,7 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "rest", walk, "-o", "x.bvh"), 2, "--like")
         self.assert_fails(self.run_tool("edit", "lafan", walk), 2, "--output")
         self.assert_fails(self.run_tool("edit", walk), 2)
-        # an empty word in a value's place: a shell's variable that is not set
+        # An empty word as a value: an unset shell variable.
         self.assert_fails(self.run_tool("edit", "path", walk, "-o", ""), 2, "empty")
         self.assert_fails(self.run_tool("edit", "trim", walk, "--frmes", ":9", "-o", "x.bvh"), 2,
                           "--frames")
@@ -62,7 +62,7 @@ class Edit(ToolTest):
             len(self.frames(self.edited("resample", walk, "--speed", 2, "--fps", 60))), 301)
         part = self.frames(self.edited("trim", walk, "--start", 2, "--end", 4))
         self.assertEqual(len(part), 61)
-        # angles may differ by whole turns
+        # Angles may differ by whole turns.
         self.assertIsNone(difference([row[:3] for row in part],
                                      [row[:3] for row in self.frames(walk)[60:121]], 1e-6))
         self.assert_fails(self.run_tool("edit", "resample", walk, "-o", "x.bvh"), 2, "--fps")
@@ -76,7 +76,7 @@ class Edit(ToolTest):
         back = self.frames(self.edited("turn", "turned.bvh", "90"))
         self.assertIsNone(difference([row[:3] for row in back], [row[:3] for row in expected], 1e-6))
         moved = self.frames(self.edited("move", walk, "-1.5,0.25"))
-        # x is x and y is -z of a y-up file in centimetres
+        # x is x and y is -z of a y-up file in centimetres.
         self.assertAlmostEqual(moved[40][0] - expected[40][0], -150.0, 5)
         self.assertAlmostEqual(moved[40][2] - expected[40][2], -25.0, 5)
         self.assertIn("floor", self.said("ground", walk, "-o", "g.bvh"))
@@ -88,7 +88,7 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "turn", walk, "left", "-o", "x.bvh"), 2, "left")
 
     def in_other_unit(self, bvh, factor):
-        """The file with its lengths multiplied."""
+        """Scales all lengths of a file."""
         lines, motion = [], False
         for line in pathlib.Path(bvh).read_text().splitlines():
             words = line.split()
@@ -100,10 +100,10 @@ class Edit(ToolTest):
             lines.append(" ".join(words))
         return self.write("other_unit.bvh", "\n".join(lines) + "\n")
 
-    def test_edits_that_need_no_unit_do_without(self):
+    def test_edits_without_a_unit(self):
         walk = sample("walk")
         self.edited("mirror", walk).rename(self.folder / "mirrored.bvh")
-        # hips at 1.8 m in centimetres, at 4.6 m in inches
+        # Hips at 1.8 m in centimetres, at 4.6 m in inches.
         twice = self.in_other_unit(walk, 2.0)
         mirrored = self.frames(self.edited("mirror", twice))
         self.assertIsNone(difference(
@@ -124,13 +124,13 @@ class Edit(ToolTest):
                           "--times", 3, "-o", "loop.bvh")
         cycle = int(words.split("cycle")[1].split()[0])
         self.assertEqual(len(self.frames(self.folder / "loop.bvh")), 3 * cycle)
-        # how far the body comes does not hang on where in the world it walks
+        # The travelled distance is independent of the location in the world.
         advance = words.split("advance")[1].splitlines()[0]
         self.edited("turn", sample("walk"), "40").rename(self.folder / "turned.bvh")
         self.edited("move", "turned.bvh", "-40,90").rename(self.folder / "far.bvh")
         far = self.said("loop", "far.bvh", "--start", 3.4, "--end", 7, "--shortest", 0.6, "-o", "x.bvh")
         self.assertEqual(far.split("advance")[1].splitlines()[0], advance)
-        # in the written motion
+        # In the written motion.
         rows = self.frames(self.folder / "loop.bvh")
         way = [0.01 * (rows[cycle][i] - rows[0][i]) for i in (0, 2)]
         self.assertAlmostEqual(float(advance.split()[0]), (way[0] ** 2 + way[1] ** 2) ** 0.5, 3)
@@ -140,7 +140,7 @@ class Edit(ToolTest):
         self.said("loop", up, "--force", "-o", "x.bvh")
 
     def with_zeros_in_front(self, bvh, name="zeros.bvh", held=1):
-        """The file with frames in front that have no rotation, from which the motion jumps."""
+        """Prepends frames without rotation, from which the motion jumps."""
         hierarchy, motion = pathlib.Path(bvh).read_text().split("MOTION")
         _, time, *rows = motion.strip().splitlines()
         first = rows[0].split()
@@ -149,7 +149,7 @@ class Edit(ToolTest):
         return self.write(name, hierarchy + "\n".join(
             ["MOTION", f"Frames: {len(rows)}", time, *rows]) + "\n")
 
-    def test_what_is_none_of_the_motion_is_left_out(self):
+    def test_leading_frames_are_dropped(self):
         up, walk = sample("get_up"), sample("walk")
         zeros = self.with_zeros_in_front(up)
         for arguments in (("path", "--rotate", "30"), ("loop", "--force"), ("ground",),
@@ -158,12 +158,12 @@ class Edit(ToolTest):
             with self.subTest(edit=arguments):
                 words = self.said(arguments[0], zeros, *arguments[1:], "-o", "one.bvh")
                 self.assertRegex(words, r"lead-in +1 frame at the start skipped.*--start 0 keeps it")
-                # times are the file's, which begins a frame earlier
+                # Times refer to the file, which begins one frame earlier.
                 plain = ["2.96667" if word == "3" else word for word in arguments]
                 self.said(plain[0], up, *plain[1:], "-o", "other.bvh")
                 self.assertIsNone(difference(self.frames(self.folder / "one.bvh"),
                                              self.frames(self.folder / "other.bvh"), 1e-6))
-        # a path is not blamed for the jump, which is rare among many frames
+        # The path is not blamed for the jump, which is rare among many frames.
         self.assert_done(self.run_tool("edit", "resample", walk, "--fps", 150, "-o", "long.bvh"))
         rare = self.with_zeros_in_front(self.folder / "long.bvh", "rare.bvh")
         self.assertNotIn("warning", self.said("path", rare, "--to", "circle", "-o", "x.bvh"))
@@ -195,7 +195,7 @@ class Edit(ToolTest):
         self.assertIsNone(difference([row[:3] for row in joined],
                                      [row[:3] for row in self.frames(walk)], 1e-6))
         self.assertTrue((self.folder / "d.pgm").read_bytes().startswith(b"P5\n"))
-        # three clips, one of another skeleton and rate
+        # Three clips, one of them with another skeleton and rate.
         self.assert_done(self.run_tool("edit", "resample", sample("wave"), "--fps", 60, "-o", "w.bvh"))
         text = (self.folder / "w.bvh").read_text().replace("CHANNELS 3 Zrotation Yrotation Xrotation",
                                                            "CHANNELS 3 Zrotation Xrotation Yrotation")
@@ -217,7 +217,7 @@ class Edit(ToolTest):
         self.edited("turn", "b.bvh", "50").rename(self.folder / "turned.bvh")
         self.edited("move", "turned.bvh", "60,-80").rename(self.folder / "far.bvh")
         words = self.said("concat", "a.bvh", "far.bvh", "-o", "ab.bvh")
-        # the second begins at the seam: the body goes back by what it was moved
+        # The second clip begins at the seam: the body returns by its displacement.
         self.assertIn("rotated by -50 degrees", words)
         x, y = (float(word) for word in
                 words.split("and moved by ")[1].split(" m")[0].split(", "))
@@ -237,12 +237,12 @@ class Edit(ToolTest):
             with self.subTest(height=height):
                 self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
 
-    def test_a_refused_seam_still_has_its_picture(self):
+    def test_rejected_seam_writes_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
                               "--matrix", "d.pgm", "-o", "x.bvh")
         self.assert_fails(fails, 1, "cm apart")
         self.assertEqual(self.files(), ["d.pgm"])
-        # with nothing said of the search, the seam behind the lying is found
+        # Without search options, the seam after lying is found.
         words = self.said("concat", sample("walk"), sample("get_up"), "-o", "x.bvh")
         self.assertIn("meets frame", words)
 
@@ -265,7 +265,7 @@ class Edit(ToolTest):
                    ["--to", "line", "--scale", "0.8", "--keep", "speed"], ["--rotate", "30"]):
             with self.subTest(to=to):
                 self.edited("path", walk, *to, "--svg", "new.svg")
-        # the motion on its new path goes to a robot like any other
+        # The motion on its new path is retargeted like any other.
         self.edited("path", walk, "--to", "circle")
         self.assertEqual(len(self.robot_rows(self.folder / "edited.bvh")), 301)
         self.assert_fails(self.run_tool("edit", "path", walk), 2, "--fit")
@@ -277,7 +277,7 @@ class Edit(ToolTest):
                           "3n + 1")
 
     def test_transfer_carries_or_names_all_joints(self):
-        # the walk with a finger below its last joint, which bends
+        # The walk with a finger below its last joint, which bends.
         text = sample("walk").read_text()
         hierarchy, motion = text.split("MOTION")
         finger = ("JOINT RightIndex\n{\nOFFSET 8 1 0\n"
@@ -306,7 +306,7 @@ class Edit(ToolTest):
         self.assertIn("JOINT Spine2", shaped.read_text())
         self.assertEqual(len(self.robot_rows(shaped)), len(self.robot_rows(source)))
         self.edited("transfer", sample("walk"), "--to", source)
-        # a run in an A-pose skeleton goes to the T-pose one of the same bones
+        # A run in an A-pose skeleton is transferred to the T-pose one with the same bones.
         result = self.run_tool("edit", "rest", dialects / "games105_run_forward.bvh", "--like",
                                source, "-o", "t.bvh")
         self.assert_done(result)

@@ -32,7 +32,7 @@ def judge_python():
 
 
 def cut_bvh(clip, start, stop):
-    """A BVH's frames from start up to stop, as text."""
+    """Returns frames [start, stop) of a BVH as text."""
     lines = (LAFAN1 / f"{clip}.bvh").read_text().splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
     header = [f"Frames: {stop - start}\n" if line.startswith("Frames:") else line
@@ -41,7 +41,7 @@ def cut_bvh(clip, start, stop):
 
 
 class AgainstTheJudge(ToolTest):
-    """The same figures as a judge that has none of our code."""
+    """The figures equal those of a judge without code of this project."""
 
     def setUp(self):
         super().setUp()
@@ -80,7 +80,7 @@ class AgainstTheJudge(ToolTest):
         return json.loads((self.folder / "report.json").read_text())["motions"]
 
     def test_published_motions(self):
-        # parts with jumps, in the middle of a fall, and of walking
+        # Parts with jumps, in the middle of a fall, and of walking.
         for clip, start in zip(CLIPS, (500, 1500, 3000)):
             with self.subTest(clip):
                 lines = (PUBLISHED / f"{clip}.csv").read_text().splitlines(keepends=True)
@@ -104,7 +104,7 @@ class AgainstTheJudge(ToolTest):
 
 
 class Crawling(ToolTest):
-    """Feet on the instep, whose joints are as high as those of feet that stand."""
+    """Feet on the instep, whose joints are as high as those of standing feet."""
 
     def test_soles_of_feet_that_lie_are_not_judged(self):
         if not (LAFAN1 / "ground1_subject1.bvh").exists():
@@ -114,7 +114,7 @@ class Crawling(ToolTest):
         self.assert_done(result)
         self.assertNotIn("missed   ", result.stderr)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
-        # by their heights some feet stand, and no sole is near the floor
+        # By their heights some feet stand, but no sole is near the floor.
         self.assertGreater(motion["contact_pct"], 14)
         self.assertNotIn("stance_height_p50_cm", motion)
         # Elbows, knees and insteps support the body.
@@ -124,7 +124,7 @@ class Crawling(ToolTest):
 
 
 class PublishedFigures(ToolTest):
-    """Figures measured on the published G1 data by others (numpy, the reference MJCF)."""
+    """Figures of the published G1 data, measured independently (numpy, the reference MJCF)."""
 
     # clip: foot penetration over 1 cm (% of frames) and depth (cm), peak speed (rad/s), faster
     # than 3 pi (%), frames with a step, beyond the model's limits by 1 mrad (%)
@@ -136,7 +136,7 @@ class PublishedFigures(ToolTest):
         model = REFERENCE / "g1_mocap_29dof.xml"
         if not model.exists():
             self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
-        # of this model's shapes only the four spheres under each foot need no mesh
+        # Only the four spheres under each foot of this model need no mesh.
         result = self.run_tool("evaluate", *(PUBLISHED / f"{clip}.csv" for clip in CLIPS),
                                "--robot-xml", model, "--limits",
                                REFERENCE / "g1_29dof_rev_1_0.xml", "--gate", "none", "--json", "-")
@@ -210,7 +210,7 @@ class EvaluateCommand(ToolTest):
     def test_gates_decide_the_exit_code(self):
         self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", "jumps=0"))
         result = self.evaluate(self.good, "--gate", "none", "--gate", "peak_speed=0")
-        # a result and no error
+        # A result instead of an error.
         self.assertEqual(result.returncode, 1)
         self.assertNotIn("error", result.stderr)
         self.assertRegex(result.stderr, r"missed +wave.csv: peak_speed [\d.]+ \(at most 0\)\n"
@@ -222,7 +222,7 @@ class EvaluateCommand(ToolTest):
         self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", gates, "--gate",
                                        "peak_speed=none"))
 
-    def test_gates_that_are_wrong(self):
+    def test_invalid_gates(self):
         self.assert_fails(self.evaluate(self.good, "--gate", "jmps=0"), 2, 'did you mean "jumps"?')
         self.assert_fails(self.evaluate(self.good, "--gate", "jumps=few"), 2, '"few"')
         self.assert_fails(self.evaluate(self.good, "--gate", "no.json"), 4, "no.json")
@@ -235,7 +235,7 @@ class EvaluateCommand(ToolTest):
         self.assertEqual(report["motions"][0]["file"], "wave.csv")
         self.assertIn("definition", report["metrics"]["acc_p99"])
 
-    def test_what_the_terms_of_a_fit_cost_is_in_the_report(self):
+    def test_report_has_the_costs_of_the_fit_terms(self):
         result = self.retarget("--report", "run.json", "--without", "self-collision")
         self.assert_done(result)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
@@ -268,7 +268,7 @@ class EvaluateCommand(ToolTest):
         self.assertIn("force along", faults.stdout)
         plain = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--gate", "none")
         self.assertNotIn("dynamics_bad_pct", plain.stdout)
-        # a run and a batch measure the same
+        # A run and a batch measure the same values.
         self.assert_done(self.run_tool("--bvh", "step.bvh", "--robot", "unitree_g1", "-o", "run.csv",
                                        "--dynamics", "--report", "run.json"))
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
@@ -284,7 +284,7 @@ class EvaluateCommand(ToolTest):
         wrong = self.run_tool("--bvh", "step.bvh", "--robot", "g1", "-o", "x.csv", "--with", "dynamic")
         self.assert_fails(wrong, 2, 'did you mean "dynamics"?')
 
-    def test_a_fit_that_has_not_converged_says_so(self):
+    def test_unconverged_fit_is_reported(self):
         few = self.write("few.json", '{"iterations": 1, "extra_iterations": 0}')
         for options, converged in (((), True), (("--fit-config", few), False)):
             with self.subTest(options):

@@ -1,4 +1,4 @@
-"""The fit on synthetic clips of every kind: it ends, and what it guarantees holds for the file."""
+"""The fit on synthetic clips of every kind terminates and satisfies its guarantees in the file."""
 
 import json
 import math
@@ -39,7 +39,7 @@ class OddSources(ToolTest):
         return self.folder / folder / f"{name}.bvh"
 
     def fit(self, clip, fps=30, *options):
-        """The rows of the motion that the tool writes, after they have been checked."""
+        """Returns the rows of the motion after checking them."""
         self.assert_done(self.retarget("--method", "fit", "--fps", fps, *options, bvh=clip))
         rows = numpy.array(read_rows((self.folder / "out.csv").read_text()))
         self.assertTrue(numpy.isfinite(rows).all())
@@ -68,7 +68,7 @@ class OddSources(ToolTest):
     def test_standing_still_for_a_minute_stands_still(self):
         rows = self.fit(self.make("stand_still", 10, "--duration", "60"))
         self.assertEqual(len(rows), 1801)
-        # breathing moves the root by two millimetres
+        # Breathing moves the root by two millimetres.
         self.assertLess(numpy.ptp(rows[:, :3], axis=0).max(), 0.01)
 
     def test_one_and_two_frames(self):
@@ -76,11 +76,11 @@ class OddSources(ToolTest):
         self.assertEqual(len(self.fit(self.make("two_frames"))), 2)
 
     def test_a_clip_that_starts_in_the_air(self):
-        # the jump is in flight from 1.30 to 1.65 s
+        # The jump is in flight from 1.30 to 1.65 s.
         jump = self.make("jump")
         rows = self.fit(jump, 30, "--frames", "43:90")
         self.assertEqual(len(rows), 47)
-        # and one that is nowhere but there
+        # A flight occurs only there.
         self.assertEqual(len(self.fit(jump, 30, "--frames", "41:48")), 7)
 
     def test_feet_through_the_floor(self):
@@ -90,12 +90,12 @@ class OddSources(ToolTest):
         for number, line in enumerate(lines[1:]):
             values = line.split()
             if len(values) > 3:
-                # in the second half everything sinks by up to 30 cm
+                # In the second half everything sinks by up to 30 cm.
                 values[1] = str(float(values[1]) - min(30.0, max(0.0, number - 60.0)))
             sunk.append(" ".join(values))
         clip = self.write("sunk.bvh", head + "Frame Time:" + "\n".join(sunk) + "\n")
         rows = self.fit(clip)
-        # the robot stays above its floor: a root as low as the clip's would have the legs in it
+        # The robot stays above its floor: a root as low as the clip's would put the legs into it.
         self.assertGreater(rows[:, 2].min(), 0.2)
 
     def test_a_jump_keeps_its_height(self):

@@ -39,7 +39,7 @@ class Outputs(FormatsTest):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--format",
                                        ",".join(FORMATS), output="out"))
         self.assertEqual(self.files(), sorted(FORMATS.values()))
-        # an ending after -o is left out
+        # An extension of -o is omitted.
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--format", "csv",
                                        "--format", "pkl-gmr", output="again.csv"))
         self.assertEqual((self.folder / "again.csv").read_bytes(),
@@ -47,7 +47,7 @@ class Outputs(FormatsTest):
         self.assertEqual((self.folder / "again.gmr.pkl").read_bytes(),
                          (self.folder / "out.gmr.pkl").read_bytes())
 
-    def test_names_that_do_not_tell_the_format(self):
+    def test_ambiguous_names_need_a_format(self):
         self.assert_fails(self.retarget(output="x.npz"), 2, "npz-mjlab, npz-beyondmimic")
         self.assert_fails(self.retarget(output="x.pkl"), 2, "pkl-gmr, pkl-pbhc")
         self.assert_fails(self.retarget("--format", "npz-mjlab", output="x.csv"), 2, "ends in .csv")
@@ -59,7 +59,7 @@ class Outputs(FormatsTest):
         self.assertEqual(self.files(), [])
 
     def test_all_appear_or_none(self):
-        # a clip of two frames has no tracking NPZ
+        # A clip of two frames has no tracking NPZ.
         result = self.retarget("--method", "gmr", "--frames", "0:2", "--format", "csv,npz-mjlab",
                                output="x")
         self.assert_fails(result, 3, "three frames at 50 fps, but the motion has 2 at 30 fps")
@@ -131,7 +131,7 @@ class Documentation(FormatsTest):
                 blocks.append([])
         programs = [block for block in blocks if block and block[0].startswith("import")]
         self.assertEqual(len(programs), 9)
-        # as a batch packs a single clip
+        # Like a batch with a single clip.
         (self.folder / "train").mkdir()
         clip = dict(np.load(self.folder / "walk.mjlab.npz"))
         np.savez(self.folder / "train/motions.npz", **clip, clip_names=["walk"], clip_starts=[0],
@@ -160,7 +160,7 @@ class Variants(FormatsTest):
                 motion = np.load(self.folder / f"{dof}.{flavour}.npz")
                 names = list(motion["body_names"])
                 self.assertEqual((motion["joint_pos"].shape[1], len(names)), (joints, bodies))
-                # the anchor over the pelvis: where every one of the three models has it
+                # The anchor relative to the pelvis, equal in all three models.
                 place = {name: motion["body_pos_w"][:, names.index(name)].astype(float)
                          for name in ("pelvis", "torso_link")}
                 apart = np.linalg.norm(place["torso_link"] - place["pelvis"], axis=1)
@@ -196,7 +196,7 @@ class Tracking(FormatsTest):
             self.assertEqual(motion["body_names"][0], "pelvis")
         joints = [name.removesuffix("_joint") for name in motion["joint_names"]]
         self.assertEqual(joints, BREADTH_FIRST)
-        # bodies follow the joints that move them
+        # Bodies follow the joints that move them.
         self.assertEqual(list(motion["body_names"][1:4]),
                          ["left_hip_pitch_link", "right_hip_pitch_link", "waist_yaw_link"])
 

@@ -47,7 +47,7 @@ class Records(ToolTest):
         self.write("changed.json", json.dumps(told))
         return self.run_tool("verify", "changed.json")
 
-    def test_sidecars_that_say_nothing_sound_are_refused(self):
+    def test_invalid_sidecars_are_rejected(self):
         self.assert_done(self.run_tool(*("--bvh", "in/wave.bvh"), *G1, "--method", "gmr", "-o", "out.csv",
                                        "--sidecar"))
         self.assert_done(self.sidecar())
@@ -83,7 +83,7 @@ class Interrupts(ToolTest):
 
 
 class Evaluations(ToolTest):
-    def test_the_robot_is_not_told_of(self):
+    def test_summary_omits_the_robot(self):
         self.write("wave.bvh", short_clip("wave", 20))
         self.assert_done(self.run_tool("wave.bvh", "g1", "-o", "wave.csv"))
         told = self.run_tool("evaluate", "wave.csv", *G1, "--bvh", "wave.bvh", "--gate", "none")
@@ -91,7 +91,7 @@ class Evaluations(ToolTest):
         self.assertIn("taken as", told.stderr)
         self.assertNotIn("limits official, configuration", told.stderr)
 
-    def test_terms_may_be_parted_by_blanks(self):
+    def test_terms_may_be_separated_by_blanks(self):
         self.write("wave.bvh", short_clip("wave", 5))
         self.assert_done(self.run_tool("wave.bvh", "g1", "-o", "x.csv", "--without", "floor",
                                        "contact"))

@@ -82,7 +82,7 @@ class Gallery(GalleryTest):
         index = "../index.html"
         self.assertEqual(pages[0][1], {"index": index, "previous": "", "next": pages[1][0]})
         self.assertEqual(pages[1][1], {"index": index, "previous": pages[0][0], "next": ""})
-        # a second time: the same bytes, and nothing else
+        # A second run: the same bytes and no other files.
         before = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
         self.assert_done(self.gallery())
         after = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
@@ -107,7 +107,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("stance_slip_mean", recorded)
         self.assertEqual(shown & {"stance_slip_mean", "body_pen_cm_p99"}, set())
 
-    def test_what_is_missing_is_said_and_the_rest_is_shown(self):
+    def test_missing_motions_are_reported_and_the_rest_is_shown(self):
         self.batch()
         (self.folder / "out/walk.csv").unlink()
         (self.folder / "clips/squat.bvh").unlink()
@@ -123,7 +123,7 @@ class Gallery(GalleryTest):
         squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
         header = data_of(self.folder / "gallery" / squat["page"], "page-header")
         self.assertNotIn("human", header["motions"][0])
-        # a source that is another file now keeps nothing from being seen
+        # A changed source does not block the page.
         self.write("clips/squat.bvh", b"HIERARCHY\n")
         self.assert_done(self.gallery())
         squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
@@ -137,7 +137,7 @@ class Gallery(GalleryTest):
         self.assert_done(self.gallery())
         self.assertEqual(len(self.index()["clips"]), 2)
 
-    def test_a_motion_that_cannot_be_read_has_a_page_that_says_so(self):
+    def test_unreadable_motion_has_a_page_with_the_reason(self):
         self.batch()
         self.write("out/walk.csv", "1,2,<b>3\n")
         result = self.gallery()
@@ -155,7 +155,7 @@ class Gallery(GalleryTest):
 
     def test_a_source_that_has_changed_is_not_shown(self):
         self.batch(clips=("walk", "squat"))
-        # another clip, which can be read: only its content tells
+        # Another readable clip: only its content differs.
         self.write("clips/walk.bvh", short_clip("squat", 40))
         self.assert_done(self.gallery())
         clips = {clip["name"]: clip for clip in self.index()["clips"]}
@@ -177,7 +177,7 @@ class Gallery(GalleryTest):
 
     def test_paths_are_those_of_the_batchs_call_or_of_its_folder(self):
         self.batch(clips=("walk",))
-        # moved with its sources: the same names lead there from the batch's folder
+        # Moved with its sources: the same names are found from the batch's folder.
         (self.folder / "clips").rename(self.folder / "out/clips")
         self.write("clips/walk.bvh", short_clip("squat", 40))
         self.assert_done(self.gallery())
@@ -229,7 +229,7 @@ class Gallery(GalleryTest):
         motion = self.folder / "out/walk.csv"
         rows = read_rows(motion.read_text())
         for row in rows:
-            # on a high platform, as if in centimetres; an arm turned around, as if in degrees
+            # On a high platform, as if in centimetres; a rotated arm, as if in degrees.
             row[2] += 30.0
             row[-1] += 12.56637
         motion.write_text("".join(",".join(map(repr, row)) + "\n" for row in rows))
@@ -243,7 +243,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("message", clip)
         self.assertIn("picture", clip)
 
-    def test_pages_of_a_former_gallery_go(self):
+    def test_pages_of_an_earlier_gallery_are_removed(self):
         self.batch()
         self.assert_done(self.gallery())
         self.write("gallery/clips/notes.html", "my own")
@@ -275,7 +275,7 @@ class Gallery(GalleryTest):
         self.assertFalse((self.folder / "gallery").exists())
 
     def data_with_a_gate_of_its_own(self):
-        """A data folder whose gates are a pipe: making a page waits for them."""
+        """A data folder whose gates are a pipe, so that making a page waits for them."""
         data = self.folder / "data"
         data.mkdir()
         for name in ("robots", "configs"):
@@ -300,7 +300,7 @@ class Gallery(GalleryTest):
         return process
 
     def feed(self):
-        """Lets one go on that waits for gates; whether there was one."""
+        """Releases one process that waits for gates; returns whether there was one."""
         try:
             end = os.open(self.folder / "data/configs/quality/default.json",
                           os.O_WRONLY | os.O_NONBLOCK)
@@ -335,7 +335,7 @@ class Gallery(GalleryTest):
             return list(self.folder.glob("gallery/clips/*.html"))
 
         self.wait_until(first_page)
-        # the next pages wait, so that it cannot be through
+        # The next pages wait, so that it cannot finish.
         process.send_signal(signal.SIGINT)
         time.sleep(0.3)
 
@@ -357,7 +357,7 @@ class Gallery(GalleryTest):
 
     def test_it_fails_when_every_process_dies(self):
         self.batch()
-        # at its end the leak checker starts a child of its own and waits forever when that is killed
+        # At its end the leak checker starts a child process, and hangs if that is killed.
         options = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "detect_leaks=0"]))
         process = self.start_waiting_gallery(ASAN_OPTIONS=options)
 
@@ -373,19 +373,19 @@ class Gallery(GalleryTest):
         self.assertIn("no page could be created", told)
         self.assertFalse((self.folder / "gallery/index.html").exists())
 
-    def test_where_one_process_dies_the_ways_lead_on(self):
+    def test_links_skip_a_page_that_failed(self):
         self.batch(clips=("walk", "squat", "wave"))
-        # on one processor there is one process at a time
+        # On one processor there is one process at a time.
         process = self.start_waiting_gallery(processors=[min(os.sched_getaffinity(0))])
         gates = self.folder / "data/configs/quality/default.json"
 
         def waiting():
-            """The other end of the pipe as soon as a process, which has a clip by then, reads it."""
+            """Returns the other end of the pipe as soon as a process reads it."""
             with contextlib.suppress(OSError):
                 return os.open(gates, os.O_WRONLY | os.O_NONBLOCK)
 
         end = self.wait_until(waiting)
-        # the processes after it need not wait
+        # Later processes need not wait.
         ready = self.write("ready.json", (SOURCE / "configs/quality/default.json").read_bytes())
         os.replace(self.folder / ready, gates)
         os.kill(self.children(process)[0], signal.SIGKILL)
@@ -403,7 +403,7 @@ class Gallery(GalleryTest):
         process = self.start_waiting_gallery()
         child = self.wait_until(lambda: self.children(process))[0]
         limits = pathlib.Path(f"/proc/{child}/limits")
-        # the bound comes first in a process that has just been made
+        # The bound applies first in a new process.
         self.wait_until(lambda: "unlimited" not in re.search("Max data size +(.+)",
                                                              limits.read_text())[1].split()[0])
 
@@ -429,13 +429,13 @@ class GalleryInABrowser(GalleryTest):
                     "document.getElementById('tools').dispatchEvent(new Event('input'))")
 
     def follow(self, browser, condition):
-        """Waits for it on the page that another one leads to."""
+        """Follows a link and waits for the page."""
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline:
             try:
                 return browser.wait_for(condition, wait=deadline - time.monotonic())
             except RuntimeError:
-                # asked while the browser was between two pages
+                # Requested while the browser was between two pages.
                 time.sleep(0.05)
         return self.fail(condition)
 
@@ -505,7 +505,7 @@ class GalleryInABrowser(GalleryTest):
             pages = browser.run("[...document.querySelectorAll('a.clip')].map((node) => node.href)")
             self.assertEqual(len(pages), 3)
             browser.run("document.querySelector('a.clip').click()")
-            # into the first, on to the others, back, and to the index
+            # Into the first, on to the others, back, and to the index.
             for key, wanted in (("", 0), ("]", 1), ("]", 2), ("]", 2), ("[", 1)):
                 if key:
                     browser.press(key)

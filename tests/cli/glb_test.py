@@ -1,4 +1,4 @@
-"""`--format glb`: valid, and everything where the kinematics put it."""
+"""`--format glb`: valid files whose nodes match the kinematics."""
 
 import json
 import shutil
@@ -48,7 +48,7 @@ class GlbFiles(ToolTest):
         times = glb.times()
         self.assertEqual(len(times), len(tracking["body_pos_w"]) + 1)
         np.testing.assert_allclose(times, np.arange(len(times)) / 50, atol=1e-6)
-        # orientations as well: the pelvis turned from Y up is the tracker's
+        # Orientations as well: the pelvis, rotated from Y up, equals the tracker's.
         world = glb.world(len(times) - 1)
         w, x, y, z = tracking["body_quat_w"][:, 0].T
         up = gltf.matrix([-np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
@@ -89,16 +89,16 @@ class GlbFiles(ToolTest):
         names = (self.folder / "places.csv").read_text().splitlines()[0].split(",")
         places = np.loadtxt(self.folder / "places.csv", delimiter=",", skiprows=1)
         joints = glb.json["skins"][0]["joints"]
-        # the clip has 30 frames a second, the motion 50: both have the times 0, 0.1, 0.2, ...
+        # The clip has 30 frames per second, the motion 50: both have the times 0, 0.1, 0.2, ...
         world = glb.world(len(glb.times()))
         for joint in joints:
             name = glb.nodes[joint]["name"]
             columns = [names.index(f"{name}.{axis}") for axis in "xyz"]
-            # centimetres in the file; its axes, Y up, are those of glTF
+            # Centimetres in the file; its axes, Y up, match glTF.
             wanted = 0.01 * places[::3][:, columns]
             found = world[joint][1][::5][:len(wanted)]
             np.testing.assert_allclose(found, wanted[:len(found)], atol=1e-5)
-        # at rest every joint's inverse bind matrix undoes its place
+        # At rest, the inverse bind matrix of every joint cancels its pose.
         bind = glb.accessor(glb.json["skins"][0]["inverseBindMatrices"]).reshape(-1, 4, 4)
         for joint, inverse in zip(joints, bind):
             place, index = np.zeros(3), joint

@@ -48,7 +48,7 @@ def matrix(quaternion_xyzw):
 
 
 class Glb:
-    """A GLB file: its JSON, its numbers, where its nodes are at its animation's times."""
+    """A GLB file: its JSON, its numbers, and its node poses over the animation."""
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
@@ -77,7 +77,7 @@ class Glb:
         return next(i for i, node in enumerate(self.nodes) if node.get("name") == name)
 
     def times(self):
-        """Of the first sampler's keys, seconds."""
+        """Returns the key times of the first sampler, seconds."""
         return self.accessor(self.json["animations"][0]["samplers"][0]["input"])[:, 0]
 
     def local(self, frames):
@@ -114,6 +114,6 @@ class Glb:
 
 
 def z_up(points):
-    """Points (..., 3) of glTF's world, Y up, in one with Z up."""
+    """Converts points (..., 3) from glTF's world, Y up, to Z up."""
     points = np.asarray(points)
     return np.stack([points[..., 0], -points[..., 2], points[..., 1]], axis=-1)

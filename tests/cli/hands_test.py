@@ -1,4 +1,4 @@
-"""Fingers of a source in the columns of a robot's hands: followed, relaxed, left alone, measured."""
+"""Source fingers in the columns of a robot's hands: followed, relaxed, ignored, measured."""
 
 import json
 import math
@@ -14,7 +14,7 @@ except ImportError:
 
 FRAMES = 90
 
-# by finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres
+# By finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres.
 FINGERS = {
     "Thumb": ((2.5, 2.2, 1.2), (4.6, 3.2, 2.6)),
     "Index": ((9.0, 2.5, 0.0), (4.0, 2.3, 2.0)),
@@ -26,18 +26,18 @@ FIST = (80.0, 95.0, 50.0)
 
 
 def hand_axes(side):
-    """Rows: along the hand, to the thumb's side, out of the palm, in the axes of LAFAN1's hand."""
+    """Returns rows along the hand, to the thumb's side, out of the palm, in LAFAN1's hand axes."""
     return ((1, 0, 0), (0, -1, 0), (0, 0, -1 if side == "Left" else 1))
 
 
 def to_hand(side, palm):
-    """A place in the palm as an OFFSET of the hand joint."""
+    """Converts a position in the palm to an OFFSET of the hand joint."""
     axes = hand_axes(side)
     return [sum(palm[i] * axes[i][k] for i in range(3)) for k in range(3)]
 
 
 def finger_lines(side):
-    """The joints of a hand's fingers, as a BVH's hierarchy has them."""
+    """Returns the finger joints of a hand as BVH hierarchy lines."""
     lines = []
     for finger, (knuckle, bones) in FINGERS.items():
         way = (0.75, 0.55, 0.35) if finger == "Thumb" else (1.0, 0.0, 0.0)
@@ -54,7 +54,7 @@ def finger_lines(side):
 
 
 def with_fingers(bvh, closing):
-    """A clip of LAFAN1's kind with fingers that bend, fists where closing(frame) is 1.
+    """Returns a LAFAN1 clip with bending fingers; a fist where closing(frame) is 1.
 
     @return  the text of the BVH
     """
@@ -130,7 +130,7 @@ class Hands(ToolTest):
         self.assertEqual(plain, self.columns("--hands", "off", robot="unitree_g1"))
 
     def test_the_body_keeps_clear_of_its_fingers(self):
-        """A fit holds them as they will be: half open beside the thighs of one who gets up."""
+        """A fit uses their final pose: half open next to the thighs while getting up."""
         ways = []
         for hands in ("relaxed", "off"):
             self.assert_done(self.retarget("--hands", hands, "--report", "r.json",
@@ -141,7 +141,7 @@ class Hands(ToolTest):
         moved = max(abs(a - b) for one, other in zip(*ways) for a, b in zip(one[:29], other[:29]))
         self.assertGreater(moved, 1e-3)
 
-    def test_the_published_method_has_fingers_when_asked(self):
+    def test_published_method_has_fingers_on_request(self):
         exact, follow = (self.columns("--method", "gmr", *more) for more in ((), ("--hands", "follow")))
         self.assertEqual(set(exact["left_hand_index_0_joint"]), {0.0})
         self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)
@@ -153,7 +153,8 @@ class Hands(ToolTest):
         poses = numpy.zeros((frames, 165))
         poses[:, 0] = math.pi / 2  # stands along z
         bend = numpy.clip((numpy.arange(frames) - 10) / 20.0, 0.0, 1.0)
-        # fingers point along x, palms down: the left ones close about -z; thumbs, the last three, keep still
+        # Fingers point along x, palms down: the left ones close about -z; thumbs, the last three,
+        # do not move.
         for joint in range(12):
             poses[:, 75 + 3 * joint + 2] = -1.4 * bend
             poses[:, 120 + 3 * joint + 2] = 1.4 * bend
@@ -169,7 +170,7 @@ class Hands(ToolTest):
                          self.without_fingers(poses, robot="unitree_g1"))
 
     def without_fingers(self, poses, **options):
-        """Columns of the same motion from a file that has no fingers."""
+        """Returns the columns of the same motion from a file without fingers."""
         numpy.savez(self.folder / "body.npz", poses=poses[:, :66], trans=numpy.zeros((len(poses), 3)),
                     betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral",
                     surface_model_type="smplx")

@@ -1,4 +1,4 @@
-"""Small files that stand for much: refused, or done in bounded memory and time."""
+"""Small files that expand: rejected, or processed in bounded memory and time."""
 
 import io
 import os
@@ -10,14 +10,14 @@ from tool import ToolTest, sample
 
 
 def joints_without_channels(joints, frames):
-    """Joints that no number moves, and one that a number a frame moves."""
+    """Returns joints without channels and one joint with a single channel."""
     hierarchy = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n"
     hierarchy += "".join(f"JOINT j{i}{{OFFSET 0 0 0}}" for i in range(joints)) + "}\n"
     return hierarchy + f"MOTION\nFrames: {frames}\nFrame Time: 0.01\n" + "0\n" * frames
 
 
 def zeros(shape):
-    """A NumPy file of bytes that are 0."""
+    """Returns a NumPy file of zero bytes."""
     header = f"{{'descr': '|u1', 'fortran_order': False, 'shape': {shape}, }}"
     header += " " * (63 - (10 + len(header)) % 64) + "\n"
     size = 1
@@ -48,7 +48,7 @@ class HostileInput(ToolTest):
             self.assert_small(result)
             self.assertEqual(result.returncode, 3)
             self.assertIn("clip.bvh:", result.stderr)
-            self.assertIn("40000 frames of 2001 joints take", " ".join(result.stderr.split()))
+            self.assertIn("40000 frames of 2001 joints need", " ".join(result.stderr.split()))
 
     def test_few_numbers_for_many_frames(self):
         def body(joints, indent=0):
@@ -78,7 +78,7 @@ class HostileInput(ToolTest):
             self.assert_small(result)
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertIn("frames", result.stderr)
-        # the same at an honest rate is a motion
+        # The same at a plausible rate is a motion.
         result = self.run_measured("--bvh", clip, "--source-fps", 30, "--robot", "unitree_g1",
                                    "-o", "o.csv")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -108,7 +108,7 @@ class HostileInput(ToolTest):
         self.assertEqual(result.returncode, 3)
         self.assertIn("expected at most 25000000 bytes", " ".join(result.stderr.split()))
 
-    def test_memory_is_the_bound_of_one_run_and_of_a_batch(self):
+    def test_memory_bounds_a_run_and_a_batch(self):
         # 60 joints that move, 20,000 frames: 40 MB as a clip
         text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n"
         text += "".join(f"JOINT j{i}{{OFFSET 0 0 0 CHANNELS 1 Xrotation}}" for i in range(59))

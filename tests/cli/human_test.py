@@ -26,7 +26,7 @@ def joined(hierarchy, header, rows):
 
 
 def scaled(name, factor):
-    """Other units: offsets and the root's positions."""
+    """Scales offsets and root positions."""
     hierarchy, header, rows = parts(name)
     hierarchy = re.sub(
         rf"OFFSET ({NUMBER}) ({NUMBER}) ({NUMBER})",
@@ -36,7 +36,7 @@ def scaled(name, factor):
 
 
 def under_a_root(name, turns):
-    """The whole tree below another joint that turns it about z, y, x by so many degrees."""
+    """Places the tree below another joint, rotated about z, y, x by the given degrees."""
     hierarchy, header, rows = parts(name)
     hierarchy = re.sub(
         r"ROOT Hips",
@@ -128,7 +128,7 @@ class WhatIsUnderstood(ToolTest):
 
     def test_a_body_without_arms(self):
         hierarchy, header, rows = parts("walk")
-        # arms come last, and so do their columns
+        # Arms come last, and so do their columns.
         cut = hierarchy[:hierarchy.index("JOINT LeftShoulder")]
         depth = cut.count("{") - cut.count("}")
         columns = sum(int(n) for n in re.findall(r"CHANNELS (\d)", cut))
@@ -148,7 +148,7 @@ class WhatIsUnderstood(ToolTest):
         report = self.inspect(sample("walk"), "--tpose-frame", "3")
         self.assertEqual(report["rest_pose"], "frame 3")
 
-    def test_two_motions_are_one_too_many(self):
+    def test_two_motions_are_an_error(self):
         self.assert_fails(self.retarget("--smpl", "x.npz"), 2, "--bvh", "--smpl")
 
     def test_wrong_values_are_explained(self):
@@ -188,7 +188,7 @@ class SharedFiles(ToolTest):
                 result = self.run_tool("--smpl", file, "--robot", "unitree_g1", "-o", "smpl.csv")
                 self.assert_done(result)
                 self.assertIn("generic body", result.stderr)
-                # known by its content where it is named without an option
+                # Recognised by content if named without an option.
                 self.assert_done(self.run_tool(file, "g1", "-o", "word.csv"))
                 self.assertEqual((self.folder / "word.csv").read_bytes(),
                                  (self.folder / "smpl.csv").read_bytes())

@@ -1,4 +1,4 @@
-"""No output of any command overwrites a file that the command reads, whatever it is called."""
+"""No output of any command overwrites an input of the command, under any name."""
 
 import json
 import os

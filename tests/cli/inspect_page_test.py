@@ -24,7 +24,7 @@ class InspectPage(ToolTest):
         self.assert_done(self.run_tool("inspect", name, "--html", "page.html", *options))
         return (self.folder / "page.html").read_text()
 
-    def test_what_was_found_stands_on_it(self):
+    def test_page_shows_the_findings(self):
         skeleton = page_header(self.page())["skeleton"]
         self.assertEqual(skeleton["frames"], 40)
         self.assertTrue(skeleton["understood"])
@@ -85,12 +85,12 @@ Frame Time: 0.1
                 self.assertEqual(len(shown), 27)
                 for joint in shown:
                     columns = [names.index(f"{joint['name']}.{axis}") for axis in "xyz"]
-                    # centimetres, Y up in the file; metres, Z up there
+                    # Centimetres, Y up in the file; metres, Z up there.
                     x, y, z = 0.01 * places[frame, columns]
                     np.testing.assert_allclose(joint["position"], [x, -z, y], atol=2e-4)
             self.assertEqual(browser.complaints(), [])
             self.assertEqual(len(browser.requests()), 1)
-            # the rest pose is the skeleton with all rotations zero: offsets alone
+            # The rest pose has zero rotations: only the offsets.
             thighs = []
             for points in (browser.run("window.retarget.rest()"), shown):
                 places = {point["name"]: np.array(point["position"]) for point in points}

@@ -10,7 +10,7 @@ import unittest
 
 from tool import SOURCE, ToolTest, sample
 
-# a root that moves and turns, a child with a quarter turn about z, two ends
+# A root that moves and rotates, a child with a quarter turn about z, two ends.
 CLIP = """HIERARCHY
 ROOT Hips
 {

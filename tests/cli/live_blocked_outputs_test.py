@@ -19,7 +19,7 @@ PROMPT = 20.0 if is_sanitized() else 3.0  # seconds that an end may take on a bu
 
 
 class Receiver:
-    """A UDP receiver that notes when robot frames come."""
+    """A UDP receiver that records arrival times of robot frames."""
 
     def __init__(self, test):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -108,7 +108,7 @@ class BlockedOutputs(LiveTest):
         return unwrapped("".join(self.told))
 
     def interrupt(self, code=0):
-        """Interrupts once with Ctrl-C: the run ends soon. Returns its messages."""
+        """Sends one Ctrl-C, waits for the prompt end, and returns the messages."""
         self.assertIsNone(self.process.poll(), self.messages())
         began = time.monotonic()
         self.process.send_signal(signal.SIGINT)
@@ -121,7 +121,7 @@ class BlockedOutputs(LiveTest):
         return self.messages()
 
     def assert_goes_on(self, seconds=1.0, silence=0.5):
-        """Robot frames leave to the receiver, one after the other."""
+        """Asserts that the receiver gets consecutive robot frames."""
         count = len(self.receiver.frames)
         time.sleep(seconds)
         frames, times = self.receiver.frames[count:], self.receiver.times[count:]
@@ -166,13 +166,13 @@ class BlockedOutputs(LiveTest):
                 self.wait_for(lambda: "more than a second behind" in self.messages())
                 self.interrupt()
 
-    def test_a_tcp_receiver_that_comes_and_goes(self):
+    def test_reconnects_to_a_tcp_receiver(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:
             self.start_beside(f"tcp:{listener.getsockname()[1]}")
             for visit in range(3):
                 connection, _ = listener.accept()
                 with connection, connection.makefile("rb") as lines:
-                    # each connection begins with the line that names the joints
+                    # Each connection begins with the line of joint names.
                     self.assertIn("joints", json.loads(lines.readline()))
                     frames = [json.loads(lines.readline())["frame"] for _ in range(20)]
                     self.assertEqual(frames, list(range(frames[0], frames[0] + 20)), visit)
@@ -180,7 +180,7 @@ class BlockedOutputs(LiveTest):
             told = self.interrupt()
         self.assertRegex(told, r"\d+ sent, \d+ dropped, [23] reconnects")
 
-    def test_a_reader_of_standard_output_that_sleeps(self):
+    def test_sleeping_reader_of_standard_output(self):
         self.start_beside("-", fps=200, stdout=subprocess.PIPE)
         self.addCleanup(self.process.stdout.close)
         self.wait_for(lambda: "standard output does not accept robot frames: it does not keep up" in self.messages())
@@ -190,7 +190,7 @@ class BlockedOutputs(LiveTest):
         lines = self.process.stdout.read().splitlines()
         self.assertGreater(len([json.loads(line) for line in lines]), 20)
 
-    def test_a_reader_of_standard_output_that_goes(self):
+    def test_vanished_reader_of_standard_output(self):
         self.start_beside("-", stdout=subprocess.PIPE)
         self.process.stdout.readline()
         self.process.stdout.close()
@@ -216,7 +216,7 @@ class BlockedOutputs(LiveTest):
         self.interrupt()
 
     def limited(self):
-        """Runs in the process: a disk that is full after 30,000 bytes."""
+        """Runs in the child process: limits files to 30,000 bytes, like a full disk."""
         resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))
 
     def test_a_full_disk_does_not_stop_another_output(self):
@@ -225,7 +225,7 @@ class BlockedOutputs(LiveTest):
         self.assert_goes_on()
         told = self.interrupt(code=1)
         self.assertRegex(told, r"live.csv: error: \d+ robot frames could not be written: File too large")
-        # no row is cut
+        # No row is truncated.
         text = (self.folder / "live.csv").read_text()
         self.assertTrue(text.endswith("\n"))
         self.assertEqual({line.count(",") for line in text.splitlines()}, {35})
@@ -269,7 +269,7 @@ class BlockedOutputs(LiveTest):
                 self.assertEqual(player.wait(PROMPT), 0)
 
     def wait_until_blocked(self, process):
-        """Until it has used no processor time for a second."""
+        """Waits until the process uses no processor time for a second."""
         def used():
             fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
             return int(fields[11]) + int(fields[12])
@@ -280,7 +280,7 @@ class BlockedOutputs(LiveTest):
             self.assertIsNone(process.poll())
 
     def long_walk(self):
-        """The sample so often that no socket holds it."""
+        """Repeats the sample until no socket buffer can hold it."""
         head, rows = sample("walk").read_text().split("Frame Time:")
         rows = rows.splitlines()
         count = int(head.rsplit("Frames:", 1)[1])
@@ -289,7 +289,7 @@ class BlockedOutputs(LiveTest):
 
 
 class Pipes(LiveTest):
-    """With a pipe as input no reader has a deadline: nothing is lost."""
+    """With a pipe as input, readers have no deadline and nothing is lost."""
 
     def test_a_slow_reader_gets_every_frame(self):
         self.write("input.txt", self.played("lines"))

@@ -18,7 +18,7 @@ PROCESSOR = 0.15 # of its time, for everything
 
 
 def lz4_frame(text):
-    """By the system's library; None without it."""
+    """Compresses with the system's library; None without it."""
     name = ctypes.util.find_library("lz4")
     if not name:
         return None
@@ -32,7 +32,7 @@ def lz4_frame(text):
 
 
 def processor_time(process):
-    """Seconds that a process has used."""
+    """Returns the processor time of a process, seconds."""
     fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 

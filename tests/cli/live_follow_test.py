@@ -16,12 +16,12 @@ FRAMES = 90
 
 
 def walk_at(seconds):
-    """Where an operator is who walks in a circle: turn about the vertical, metres ahead and to the left."""
+    """Returns the pose of an operator on a circle: heading, metres ahead and to the left."""
     return 0.8 * seconds, 1.5 * math.sin(0.6 * seconds), 1.5 - 1.5 * math.cos(0.6 * seconds)
 
 
 def walking_smpl(text):
-    """Lines of `smplx` of an operator who walks while doing the same; z up."""
+    """Returns `smplx` lines of a walking operator with the same arm motion; z up."""
     lines = text.splitlines()
     for i, line in enumerate(lines):
         frame = json.loads(line)
@@ -53,7 +53,7 @@ def walking_vmc(packet, seconds):
 
 class Follow(LiveTest):
     def assert_arms_alone(self, rows, names):
-        """Base and all joints but the arms' stand; the arms move."""
+        """Asserts that only the arms move."""
         held = [i for i, name in enumerate(names) if name not in ARMS]
         self.assertEqual(len(held), len(names) - len(ARMS))
         for row in rows:
@@ -104,7 +104,7 @@ class Follow(LiveTest):
         taken.bind(("127.0.0.1", 0))
         taken.settimeout(30)
         self.write("short.bvh", short_clip("wave", FRAMES))
-        # read while it plays: a socket holds fewer packets
+        # Read during playback: a socket buffer holds fewer packets.
         self.start("-q", "--play", "short.bvh", "--to", f"udp:{taken.getsockname()[1]}?format=vmc", "--speed", "4")
         packets = [taken.recv(65536) for _ in range(FRAMES)]
         standing = self.vmc(packets)
@@ -116,7 +116,7 @@ class Follow(LiveTest):
                     continue
                 share = (seconds - begin) / (end - begin)
                 found = [a + share * (b - a) for a, b in zip(before, after)]
-                # both are sampled thirty times a second, at times of their own
+                # Both are sampled thirty times a second, at different times.
                 self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), 0.03, seconds)
                 compared += 1
         self.assertGreater(compared, FRAMES // 2)

@@ -13,7 +13,7 @@ try:
     import numpy
 except ImportError:
     numpy = None
-# other people's clients, where tools/setup.sh --python has put them
+# Third-party clients installed by tools/setup.sh --python.
 sys.path.append(str(SOURCE / "build/deps/python"))
 try:  # of PyPI: python-osc
     from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
@@ -32,7 +32,7 @@ except ImportError:
 
 
 def turned(q, v):
-    """A vector turned by a quaternion x y z w."""
+    """Rotates a vector by a quaternion x y z w."""
     x, y, z, w = q
     uv = (y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0])
     uuv = (y * uv[2] - z * uv[1], z * uv[0] - x * uv[2], x * uv[1] - y * uv[0])
@@ -58,7 +58,7 @@ for _side in ("Left", "Right"):
 
 class Vmc(LiveTest):
     def received(self, frames):
-        """A sample's first frames as the bytes of the packets that a player sends."""
+        """Returns the player's packets for the first frames of a sample."""
         taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(taken.close)
         taken.bind(("127.0.0.1", 0))
@@ -106,7 +106,7 @@ class Vmc(LiveTest):
                 turn[bone] = product(turn[parent], rotation)
         self.assertLess(abs(min(at["LeftToes"][1], at["RightToes"][1])), 0.08)
         self.assertGreater(at["Head"][1], at["Hips"][1] + 0.5)
-        # a body without turns faces z, and its right is x
+        # A body without rotations faces z, and its right is x.
         right, ahead = turned(turn["Hips"], (1, 0, 0)), turned(turn["Hips"], (0, 0, 1))
         for bone in ("Hand", "Foot", "UpperArm"):
             across = [at["Right" + bone][i] - at["Left" + bone][i] for i in range(3)]
@@ -251,7 +251,7 @@ class Smpl(LiveTest):
                              "left_hand_pose": poses[i, 75:120].tolist()}) for i in range(90)]
         played = self.run_tool("live", "--play", "walk.npz", "--to", "stdout?format=smplx", "--speed", 0)
         self.assert_done(played)
-        # which way is up the motion shows, and no single pose
+        # The motion determines the up axis; a single pose does not.
         header = self.run_tool("live", "--play", "walk.npz", "--to", "stdout?format=lines", "--speed", 0)
         self.assertEqual(json.loads(header.stdout.splitlines()[0])["skeleton"]["up"], "z")
         for text in ("\n".join(lines) + "\n", played.stdout):

@@ -81,7 +81,7 @@ class Subscriber:
 
 
 def fields_of(test, message):
-    """The arrays of a message, by the header that the deployment documents."""
+    """Returns the arrays of a message, according to the documented header."""
     test.assertEqual(message[:4], b"pose")
     text, _, rest = message[4:4 + HEADER].partition(b"\0")
     test.assertEqual(rest.strip(b"\0"), b"")
@@ -114,7 +114,7 @@ def breadth_first_joints(robot):
 
 
 def matrix(q):
-    """Of a unit quaternion w x y z."""
+    """Returns the rotation matrix of a unit quaternion w x y z."""
     w, x, y, z = q
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -122,7 +122,7 @@ def matrix(q):
 
 
 def rotation_vector(turn):
-    """Of a rotation by less than half a turn."""
+    """Returns the rotation vector of a rotation below half a turn."""
     axis = numpy.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2
     sine = numpy.linalg.norm(axis)
     angle = math.atan2(sine, (numpy.trace(turn) - 1) / 2)
@@ -140,7 +140,7 @@ def twist2_body(frame, before):
 
 
 class OutputTest(LiveTest):
-    """A live run with outputs that others read."""
+    """A live run with outputs for third-party readers."""
 
     def setUp(self):
         super().setUp()
@@ -178,7 +178,7 @@ class OutputTest(LiveTest):
         self.assert_done(self.run_tool("live", "--play", "short.bvh", "--to", f"udp:{port}?format=bvh"))
 
     def frames(self):
-        """The joints' names, and the frames that left."""
+        """Returns the joint names and the sent frames."""
         header, *lines = (self.folder / "frames.jsonl").read_text().splitlines()
         return json.loads(header)["joints"], [json.loads(line) for line in lines]
 
@@ -210,7 +210,7 @@ class Sonic(OutputTest):
         return taken, *self.frames()
 
     def check(self, message, joints, frames, count):
-        """A message against the JSON lines of the same frames."""
+        """Compares a message with the JSON lines of the same frames."""
         fields = fields_of(self, message)
         self.assertEqual({name: fields[name].shape for name in ("joint_pos", "joint_vel", "body_quat", "frame_index")},
                          {"joint_pos": (count, 29), "joint_vel": (count, 29), "body_quat": (count, 4),
@@ -245,7 +245,7 @@ class Sonic(OutputTest):
             expected = [frames[-1]["joints"][joints.index(name)] for name in names]
             self.assertTrue(numpy.array_equal(fields[f"{side}_hand_joints"], numpy.array(expected).astype("<f4")))
 
-    def test_refuses_what_the_deployment_would_not_understand(self):
+    def test_rejects_unsupported_requests(self):
         def run(robot, output, *arguments):
             return self.run_tool("live", "--robot", robot, "-o", output, *arguments)
         self.need("ZeroMQ")
@@ -268,7 +268,7 @@ class Sonic(OutputTest):
         self.assertEqual(places, [f"0100007F:{ports['publishing']:04X}"])
         finish()
 
-    def test_a_build_without_it_says_so(self):
+    def test_build_without_the_library_reports_it(self):
         if "this build lacks ZeroMQ" not in self.formats:
             self.skipTest("this build has ZeroMQ")
         self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "-o", "zmq:0"), 2, "this build lacks ZeroMQ")
@@ -276,7 +276,7 @@ class Sonic(OutputTest):
 
 class Redis(OutputTest):
     def start_server(self, port=0):
-        """redis-server at a port that is free, or that it had before."""
+        """Starts redis-server at a free port or at its former port."""
         self.need("hiredis")
         if not SERVER or not CLIENT:
             absent("there is no Redis server")
@@ -365,12 +365,12 @@ class Redis(OutputTest):
         self.assertEqual(told.count("does not accept robot frames: it does not answer"), 1, told)
         self.assertRegex(told, r"accepts robot frames again; \d+ frames? dropped")
         _, frames = self.frames()
-        # none is late because of the server: as many frames left as time passed, and each at once
+        # The server delays none of them: frames leave on time.
         self.assertGreater(len(frames), FPS * min(passed, 8) * 0.8)
         worst = float(re.search(r"max ([\d.]+) ms", told)[1])
         self.assertLess(worst, 5000 if is_sanitized() else 500)
 
-    def test_a_server_that_comes_back_is_found_again(self):
+    def test_reconnects_to_a_restarted_server(self):
         server, port = self.start_server()
         ports, finish = self.run_beside("-o", f"redis:{port}")
         player = threading.Thread(target=self.play, args=(ports["listening"], 240))
@@ -420,7 +420,7 @@ class Redis(OutputTest):
         self.assertEqual(told.count("does not accept robot frames"), 1, told)
         self.assertGreater(len(self.frames()[1]), 50)
 
-    def test_a_build_without_it_says_so(self):
+    def test_build_without_the_library_reports_it(self):
         if "this build lacks hiredis" not in self.formats:
             self.skipTest("this build has hiredis")
         self.assert_fails(self.run_tool("live", "--robot", "unitree_g1", "-o", "redis:6379"), 2,

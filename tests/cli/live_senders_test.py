@@ -19,7 +19,7 @@ class SendersTest(LiveTest):
 
     @contextlib.contextmanager
     def sender(self, host="127.0.0.1", port=0):
-        """A UDP socket with an address of its own."""
+        """Returns a UDP socket with a separate address."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
             made.bind((host, port))
             yield made
@@ -71,7 +71,7 @@ class Connections(SendersTest):
         time.sleep(0.3)
         self.assertEqual(self.packets(process)[:2], (40, 0))
 
-    def test_the_next_one_takes_the_place_of_a_sender_that_ends(self):
+    def test_next_sender_replaces_one_that_ends(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         first, second = self.connect(port), None
         first.sendall(b"".join(self.lines[:60]))
@@ -84,7 +84,7 @@ class Connections(SendersTest):
         time.sleep(0.5)
         self.assertEqual(self.packets(process)[:2], (111, 0))
 
-    def test_a_sender_that_pauses_has_its_place_back(self):
+    def test_paused_sender_is_accepted_again(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         sender = self.connect(port)
         sender.sendall(b"".join(self.lines[:60]))
@@ -101,7 +101,7 @@ class Connections(SendersTest):
         time.sleep(0.5)
         self.assertEqual(self.packets(process)[:2], (100, 0))
 
-    def test_an_address_that_may_not_connect(self):
+    def test_forbidden_address(self):
         process, port = self.listen("-o", "live.csv", transport="tcp", extras="?from=127.0.0.2")
         with socket.create_connection(("127.0.0.1", port)) as other:
             other.sendall(self.lines[0])
@@ -125,7 +125,7 @@ class Datagrams(SendersTest):
                 self.send(first, port, [line])
                 other.sendto(b"{}\n", ("127.0.0.1", port))
                 far.sendto(b"{}\n", ("127.0.0.1", port))
-            # once it is silent the next one has the place
+            # Once it is silent, the next sender is accepted.
             time.sleep(SILENCE)
             self.send(other, port, self.lines[60:70])
             self.send(first, port, [b"{}\n"])
@@ -155,11 +155,11 @@ class Datagrams(SendersTest):
                 self.send(first, port, [line])
                 self.send(second, port, [line])
         taken, malformed, told = self.packets(process)
-        # one of them, and the other's first one
+        # One of them, and the first one of the other.
         self.assertLessEqual(abs(taken - 41), 1, told)
         self.assertEqual(malformed, 0, told)
 
-    def test_an_address_that_may_send(self):
+    def test_permitted_address(self):
         process, port = self.listen("-o", "live.csv", extras="?from=127.0.0.2")
         with self.sender() as other, self.sender("127.0.0.2") as sender:
             for line in self.lines[:30]:
@@ -176,7 +176,7 @@ class Datagrams(SendersTest):
                 self.send(sender, port, [line])
         self.assertEqual(self.packets(process)[:2], (30, 0))
 
-    def test_everybody(self):
+    def test_from_any_accepts_all_senders(self):
         process, port = self.listen("-o", "live.csv", extras="?from=any")
         with self.sender() as first, self.sender("127.0.0.2") as second:
             for line in self.lines[:20]:

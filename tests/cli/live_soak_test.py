@@ -9,7 +9,7 @@ from tool import SOURCE, TOOL, ToolTest, is_sanitized, sample
 
 SOAK = SOURCE / "bench/live_soak.py"
 
-# gives a frame for each row but the thousandth, or keeps every row
+# Returns a frame for each row except every thousandth, or leaks every row.
 FAULTY = """#!{python}
 import sys
 kept = []
@@ -29,7 +29,7 @@ class Soak(ToolTest):
                               text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=500)
 
     def test_frames_and_memory_of_both_modes(self):
-        # a sanitizer is slower by ten and keeps what is freed
+        # A sanitizer is ten times slower and keeps freed memory.
         memory = ["--any-memory"] if is_sanitized() else []
         for mode, minutes in (([], 2.0), (["--lag", "0.2"], 1.0)):
             minutes = 0.3 if is_sanitized() else minutes

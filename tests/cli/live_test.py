@@ -13,14 +13,14 @@ from tool import MEGABYTE, TOOL, ToolTest, difference, is_sanitized, read_rows, 
 
 
 def free_port():
-    """A port that is free at the moment."""
+    """Returns a port that is currently free."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         return taken.getsockname()[1]
 
 
 class LiveTest(ToolTest):
-    """A test that may leave a live run behind; it is ended then."""
+    """Ends a live run that a test left behind."""
 
     def start(self, *arguments):
         process = subprocess.Popen([TOOL, "live", *map(str, arguments)], cwd=self.folder, text=True,
@@ -33,7 +33,7 @@ class LiveTest(ToolTest):
         return process
 
     def listen(self, *arguments, transport="udp", extras=""):
-        """A live run of the G1 that listens, and its port."""
+        """Starts a listening live run of the G1; returns it and its port."""
         process = self.start("--robot", "unitree_g1", "--input", f"{transport}:0{extras}", *arguments)
         for line in process.stderr:
             found = re.search(r"listening at \w+:127\.0\.0\.1:(\d+)", line)
@@ -43,21 +43,21 @@ class LiveTest(ToolTest):
         return None
 
     def end(self, process):
-        """The printed text, after Ctrl-C."""
+        """Sends Ctrl-C and returns the printed text."""
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, err)
         return out, unwrapped(err)
 
     def played(self, form, clip="wave", speed=0):
-        """A sample as a player sends it."""
+        """Returns the bytes that a player sends for a sample."""
         result = self.run_tool("live", "--play", sample(clip), "--to", f"stdout?format={form}",
                                "--speed", speed)
         self.assert_done(result)
         return result.stdout
 
     def live(self, text, *arguments):
-        """The output of a live run for this standard input."""
+        """Returns the output of a live run for this standard input."""
         self.write("input.txt", text)
         with open(self.folder / "input.txt") as stream:
             return self.run_tool("live", "--robot", "unitree_g1", *arguments, stdin=stream)
@@ -144,7 +144,7 @@ class Pipes(LiveTest):
         self.assertIn("0 frames", result.stderr)
 
 
-# of MVN's segments: name, parent, place in the T-pose, metres, Z up, facing x
+# Of MVN's segments: name, parent, position in the T-pose, metres, Z up, facing x.
 SEGMENTS = (
     ("Pelvis", None, (0, 0, 0.95)), ("L5", 0, (0, 0, 1.05)), ("L3", 1, (0, 0, 1.15)), ("T12", 2, (0, 0, 1.25)),
     ("T8", 3, (0, 0, 1.35)), ("Neck", 4, (0, 0, 1.49)), ("Head", 5, (0, 0, 1.58)),
@@ -160,7 +160,7 @@ SEGMENTS = (
 
 
 def about(axis, angle):
-    """A quaternion w x y z about an axis of the world."""
+    """Returns a quaternion w x y z about a world axis."""
     return [math.cos(angle / 2), *(math.sin(angle / 2) if i == axis else 0.0 for i in range(3))]
 
 
@@ -211,7 +211,7 @@ class BinaryFormats(LiveTest):
     """Xsens MVN and OptiTrack NatNet, from the player to the robot."""
 
     def motion(self, clip, form, *arguments):
-        """The robot's motion of a clip that is piped in a format."""
+        """Returns the robot motion of a clip piped in a format."""
         with open(self.folder / "played.bin", "wb") as played:
             subprocess.run([TOOL, "live", "-q", "--play", clip, "--speed", "0", "--to", f"stdout?format={form}"],
                            cwd=self.folder, check=True, stdout=played, timeout=60)
@@ -222,15 +222,15 @@ class BinaryFormats(LiveTest):
         self.assertIn(" 0 malformed", result.stderr)
         return read_rows((self.folder / "live.csv").read_text())
 
-    def test_natnet_gives_the_motion_of_lines(self):
-        # frames at whole milliseconds and 50 a second, as the robot's
+    def test_natnet_equals_lines(self):
+        # Frames at whole milliseconds and 50 per second, like the robot's.
         self.write("walk.bvh", re.sub("Frame Time: .*", "Frame Time: 0.02", sample("walk").read_text()))
         lines = self.motion("walk.bvh", "lines")
         self.assertIsNone(difference(self.motion("walk.bvh", "natnet"), lines, 1e-4))
         # MVN's segments are those of the human in the clip: fewer, and calibrated as any skeleton is
         self.assertIsNone(difference(self.motion("walk.bvh", "mvn"), lines, 0.02))
 
-    def test_mvn_gives_the_motion_of_lines(self):
+    def test_mvn_equals_lines(self):
         self.write("steps.mvnx", mvnx_document(150))
         lines = self.motion("steps.mvnx", "lines")
         self.assertIsNone(difference(self.motion("steps.mvnx", "mvn"), lines, 1e-4))
@@ -261,7 +261,7 @@ class BinaryFormats(LiveTest):
     def test_natnet_asks_its_server(self):
         command = free_port()
         process, port = self.ask(command, "--record", "kept")
-        # frames go elsewhere, and to those who ask
+        # Frames go elsewhere, and to clients that request them.
         self.assert_done(self.run_tool("live", "--play", "short.bvh", "--to",
                                        f"udp:{free_port()}?format=natnet&command={command}"))
         time.sleep(0.3)

@@ -66,7 +66,7 @@ class Body:
 
 
 class Character:
-    """A model as the two readers take it."""
+    """A model as read by the two readers."""
 
     def __init__(self, file):
         model = ElementTree.parse(file).getroot()
@@ -132,7 +132,7 @@ class ModelReaders(ToolTest):
             yield file.parent.name, (("--dof", variant) if variant else ()), file
 
     def assert_moves_alike(self, file, robot, options=(), frames=8):
-        """Bodies are where the tool, which compiles the model by MuJoCo, has them."""
+        """Asserts that bodies match the tool, which compiles the model with MuJoCo."""
         character = Character(file)
         held = character.joints()
         shown = self.run_tool("robots", "show", robot, "--json")
@@ -141,7 +141,7 @@ class ModelReaders(ToolTest):
         dice = random.Random(1)
         rows = []
         for frame in range(frames):
-            # joints that a variant lacks stand at 0
+            # Joints that a variant lacks are at 0.
             turns = [dice.uniform(*held[joint].range) if joint in held else 0 for joint in columns]
             rows.append([0.1 * frame, -0.2, 0.9, 0, 0, 0, 1, *turns])
         self.write("pose.csv", "".join(",".join(f"{value:.9f}" for value in row) + "\n" for row in rows))
@@ -178,7 +178,8 @@ class ModelReaders(ToolTest):
     def test_new_robots_are_readable(self):
         """Anchors, several joints of a body and joints without limits are written so that the readers take them."""
         text = (SOURCE / "robots/unverified/booster_k1/model.xml").read_text()
-        # both hips' joints on one body, knees off their bodies' origins, shoulders without limits
+        # Both hips have joints on one body, knees off their bodies' origins, shoulders without
+        # limits.
         for side, joint in (("Left", "ALeft"), ("Right", "ARight")):
             text = without_body(text, f"{side}_Hip_Roll")
             text = text.replace(f'<joint name="{side}_Knee_Pitch"', f'<joint name="{side}_Knee_Pitch" pos="0.01 0 -0.02"')
@@ -192,7 +193,7 @@ class ModelReaders(ToolTest):
         except NotReadable as error:
             self.fail(str(error))
         self.assert_moves_alike(self.folder / "odd/model.xml", "odd")
-        # and the files of motions have the bodies that the model has
+        # Motion files have the bodies of the model.
         motion = np.load(self.folder / "pose.npz")
         names = {body.get("name") for body in ElementTree.parse(model).iter("body")}
         self.assertEqual(set(map(str, motion["body_names"])), names)
@@ -206,7 +207,7 @@ def without_range(text, joint):
 
 
 def without_body(text, name):
-    """The body's joint goes to the body below it, which takes its place."""
+    """Moves the joint of a body to the body below, which replaces it."""
     tree = ElementTree.ElementTree(ElementTree.fromstring(text))
     above = {child: parent for parent in tree.iter() for child in parent}
     body = next(body for body in tree.iter("body") if body.get("name") == name)

@@ -42,7 +42,7 @@ class Differences(ToolTest):
         self.write("c.csv", "0.043510,1,2\n0.1,1,2\n")
         self.assert_fails(self.run_tool("compare", "a.csv", "c.csv", "--tolerance", "1e-6"), 1)
 
-    def test_rates_count_and_nothing_is_no_agreement(self):
+    def test_rates_are_compared_and_empty_files_do_not_agree(self):
         self.assert_done(self.retarget("--method", "gmr"))
         for fps in ("30", "25"):
             self.assert_done(self.run_tool("convert", "out.csv", f"{fps}.pkl", "--robot",
@@ -63,12 +63,12 @@ class MotionFilesTest(ToolTest):
 
     def assert_plain(self, name="out.csv"):
         found, wanted = (read_rows((self.folder / each).read_text()) for each in (name, "plain.csv"))
-        # quaternions are brought to length 1
+        # Quaternions are normalised.
         self.assertIsNone(difference(found, wanted, 1.5e-6))
 
 
 class Headers(MotionFilesTest):
-    """Columns of a CSV are what their names say, or nothing is read."""
+    """CSV columns are read by their names, or the file is rejected."""
 
     def setUp(self):
         super().setUp()
@@ -79,8 +79,8 @@ class Headers(MotionFilesTest):
         self.write("in.csv", header + "\n" + (self.rows if rows is None else rows))
         return self.run_tool("convert", "in.csv", "out.csv", *G1, *arguments)
 
-    def test_names_as_others_write_them(self):
-        # in another order, so that columns by their number would be another motion
+    def test_names_in_foreign_spellings(self):
+        # In another order, so that reading by position would give another motion.
         names = self.header.split(",")[::-1]
         self.header = ",".join(names)
         self.rows = "".join(",".join(line.split(",")[::-1]) + "\n"
@@ -100,7 +100,7 @@ class Headers(MotionFilesTest):
         self.assert_done(self.convert(letters, "--ignore-header"))
         self.assert_plain()
 
-    def test_joints_that_are_left_out_are_named(self):
+    def test_omitted_joints_are_reported(self):
         names = self.header.split(",")
         few = [",".join(line.split(",")[:20]) for line in self.rows.splitlines()]
         self.assert_fails(self.convert(",".join(names[:20]), rows="\n".join(few)), 3,
@@ -130,9 +130,9 @@ class Headers(MotionFilesTest):
 
 
 class Rates(ToolTest):
-    """A motion is as fast after it went through a file as before."""
+    """Files preserve the speed of a motion."""
 
-    def test_soma_comes_back_as_it_went(self):
+    def test_soma_round_trips(self):
         self.assert_done(self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
                                        "--precision", "9"))
         result = self.run_tool("convert", "soma.csv", "back.pkl", *G1, "--format", "pkl-gmr")
@@ -240,21 +240,21 @@ class Reading(MotionFilesTest):
         numpy.savez_compressed(self.folder / "bomb.npz",
                                joint_pos=numpy.zeros((400_000, 29), numpy.float32))
         self.assertLess((self.folder / "bomb.npz").stat().st_size, 100_000)
-        self.assert_fails(self.run_tool("compare", "bomb.npz", "bomb.npz"), 3, "packed as tightly")
+        self.assert_fails(self.run_tool("compare", "bomb.npz", "bomb.npz"), 3, "compression ratio is implausible")
         self.write("bomb.pkl", gzip.compress(b"\x80\x04" + bytes(40 << 20)))
         self.assert_fails(self.run_tool("convert", "bomb.pkl", "x.csv", *G1), 3, "unpacked")
 
 
 class Losses(ToolTest):
-    def test_wrists_that_a_format_has_no_place_for(self):
+    def test_lost_wrists_are_reported(self):
         for command in (("convert", GOLDEN, "out.pkl"),
                         ("--bvh", sample("walk"), "-o", "out.pkl", "--frames", "0:30", "--method",
                          "gmr")):
             result = self.run_tool(*command, *G1, "--format", "pkl-pbhc")
             self.assert_done(result)
-            self.assertIn("warning: pkl-pbhc has the joints of the variant 23-pbhc: 6 joints that "
-                          "move are held and lost, by up to 0.", result.stderr)
-            self.assertIn("--dof 23-pbhc leaves them out", result.stderr)
+            self.assertIn("warning: pkl-pbhc has the joints of the variant 23-pbhc: 6 joints "
+                          "with movement would be held, losing up to 0.", result.stderr)
+            self.assertIn("--dof 23-pbhc omits them", result.stderr)
         largest = max(max(abs(value) for value in row[26:29] + row[33:36])
                       for row in read_rows(GOLDEN.read_text()))
         result = self.run_tool("convert", GOLDEN, "out.pkl", *G1, "--format", "pkl-pbhc")
@@ -266,7 +266,7 @@ class Losses(ToolTest):
 
 
 class Names(ToolTest):
-    def test_names_say_what_a_file_is(self):
+    def test_names_identify_the_file(self):
         for name, words in (("x.NPZ", "npz-mjlab, npz-beyondmimic"), ("x.Pkl", "pkl-gmr, pkl-pbhc"),
                             ("x.pickle", "pkl-gmr"), ("x.joblib", "pkl-gmr"),
                             ("x.bvh", "ends in .bvh"), ("x.json", "ends in .json"),
@@ -280,7 +280,7 @@ class Names(ToolTest):
         self.assert_done(self.run_tool("convert", GOLDEN, "z.pickle", *G1, "--format", "pkl-gmr"))
         self.assertEqual(self.files(), ["x.NPZ", "y.csv", "y.mjlab.npz", "z.pickle"])
 
-    def test_names_that_are_no_utf8(self):
+    def test_names_that_are_not_utf8(self):
         clip = os.fsdecode(b"bad\xff clip.bvh")
         self.write(clip, short_clip("wave", 3))
         out = os.fsdecode(b"bad\xff out")
@@ -320,7 +320,7 @@ class EditedSidecars(ToolTest):
 
 
 class FramesInFront(ToolTest):
-    """A frame of zeros in front, from which the motion jumps away."""
+    """A leading frame of zeros, from which the motion jumps."""
 
     def setUp(self):
         super().setUp()
@@ -334,12 +334,12 @@ class FramesInFront(ToolTest):
         self.assert_done(self.retarget("--sidecar", *arguments, bvh="in.bvh"))
         return json.loads((self.folder / "out.csv.json").read_text())
 
-    def test_sidecars_tell_how_many(self):
+    def test_sidecars_store_the_lead_in(self):
         self.assertEqual(self.sidecar()["found"]["lead_in_frames"], 1)
         self.assertEqual(self.sidecar("--lead-in", "keep")["found"]["lead_in_frames"], 0)
         self.assertEqual(self.sidecar("--frames", "0:9")["found"]["lead_in_frames"], 0)
 
-    def test_sidecars_of_before_took_every_frame(self):
+    def test_old_sidecars_keep_every_frame(self):
         kept = self.sidecar("--lead-in", "keep")
         del kept["options"]["lead-in"]
         self.write("out.csv.json", json.dumps(kept))
@@ -354,7 +354,7 @@ class FramesInFront(ToolTest):
 class Messages(ToolTest):
     def test_columns_that_do_not_fit(self):
         golden = SOURCE / "tests" / "golden" / "walk.csv"
-        # the whole robot is a variant by its number of joints, as of --dof
+        # The joint count selects the whole robot, as with --dof.
         self.assert_done(self.run_tool("convert", golden, "same.csv", *G1, "--source-dof", 29))
         self.assert_done(self.run_tool("compare", golden, "same.csv"))
         self.assert_fails(self.run_tool("convert", golden, "x.csv", *G1, "--source-dof", 23), 3,

@@ -8,7 +8,7 @@ from tool import SOURCE, absent
 
 
 def load_mujoco():
-    """The module; a test is skipped where this Python has none."""
+    """Returns the module; skips the test if it is missing."""
     folders = [SOURCE / "build/deps"]
     if os.environ.get("MuJoCo_ROOT"):
         folders.insert(0, pathlib.Path(os.environ["MuJoCo_ROOT"]).parent)

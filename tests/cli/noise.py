@@ -107,7 +107,7 @@ def rotation_vector(v):
 
 
 def ar1(rng, frames, sigma, seconds, frame_time):
-    """Noise with a standard deviation that is forgotten over some seconds."""
+    """Noise with a standard deviation and a correlation time in seconds."""
     keep = math.exp(-frame_time / seconds)
     fresh = sigma * math.sqrt(1.0 - keep * keep)
     value, values = rng.gauss(0.0, sigma), []
@@ -118,7 +118,7 @@ def ar1(rng, frames, sigma, seconds, frame_time):
 
 
 def rotation_noise(motion, degrees, seed=1, seconds=0.3):
-    """AR(1) noise on every joint's rotation, so many degrees (RMS of the angle)."""
+    """AR(1) noise on all joint rotations, with this RMS angle in degrees."""
     rng, frames = random.Random(seed), len(motion.rows)
     sigma = math.radians(degrees) / math.sqrt(3.0)
     for joint in motion.joints:
@@ -153,7 +153,7 @@ def floor_drift(motion, metres):
 
 
 def foot_sliding(motion, factor):
-    """The root goes farther than the feet do."""
+    """The root moves farther than the feet."""
     start = list(motion.rows[0])
     for row in motion.rows:
         for axis in (0, 2):
@@ -161,7 +161,7 @@ def foot_sliding(motion, factor):
 
 
 def frozen_frames(motion, count=4, frames=6, seed=1):
-    """The motion stops and jumps after."""
+    """The motion freezes and then jumps."""
     rng = random.Random(seed)
     for _ in range(count):
         first = rng.randrange(10, len(motion.rows) - frames - 10)
@@ -170,7 +170,7 @@ def frozen_frames(motion, count=4, frames=6, seed=1):
 
 
 def lost_joint(motion, name, share=0.03, seed=1):
-    """A joint's rotation is zero for a few frames, again and again."""
+    """The rotation of a joint is repeatedly zero for a few frames."""
     rng = random.Random(seed)
     column = next(joint["column"] for joint in motion.joints if joint["name"] == name)
     for row in motion.rows[2:-2]:

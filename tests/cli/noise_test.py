@@ -58,7 +58,7 @@ class Clean(ToolTest):
                 self.assertLess(found["dynamics_bad_pct"], 1.2 * clean["dynamics_bad_pct"])
                 self.assertLess(found["limb_angle_deg"][0], clean["limb_angle_deg"][0] + 1.0)
 
-    def test_without_it_feet_hover_and_slide(self):
+    def test_without_cleaning_feet_hover_and_slide(self):
         self.run_on(self.noisy("walk", lambda m: noise.root_noise(m, 0.15, 0.06)),
                     "--clean", "off")
         found = self.figures("walk")
@@ -81,7 +81,7 @@ class Clean(ToolTest):
         for name in ("walk", "get_up", "turn_in_place"):
             self.run_on(sample(name), output="clean.csv")
             clean[name] = self.figures(name, "clean.csv", "--dynamics")
-        # limb angle: the limbs' own slow noise; off: how much more bad frames, percent
+        # limb angle: the slow noise of the limbs; off: the increase of bad frames, percent
         cases = (("walk", 3.0, 0.01, 5.5, 0.0), ("get_up", 3.0, 0.01, 9.5, 0.0),
                  ("turn_in_place", 3.0, 0.01, 6.0, 6.0), ("get_up", 7.0, 0.05, 15.0, 0.0))
         for name, degrees, slip, angle, more in cases:
@@ -123,13 +123,13 @@ class Clean(ToolTest):
                 frames = noise.keypoints(motion, white=0.01, slow=0.01, dropouts=0.03, lost=lost)
                 source = self.write("points.npy", noise.npy(frames))
                 said = self.run_on(source, "--joint-names", names, *KEYPOINT_RATE)
-                self.assertRegex(said, r"22 joints without a place|21 joints without a place")
+                self.assertRegex(said, r"22 joints untracked|21 joints untracked")
                 self.assertRegex(said, r"cleaned  jitter of [\d.]+ % of the body size per frame")
                 found = self.figures("squat")
                 self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
                 self.assertLess(found["contact_slip_p95"], 0.05)
 
-    def test_the_published_method_takes_clips_as_they_are(self):
+    def test_published_method_does_not_clean(self):
         source = self.noisy("squat", lambda m: noise.sway(m, 0.2))
         said = self.run_on(source, "--method", "gmr", output="auto.csv")
         self.assertNotIn("cleaned", said)

@@ -18,7 +18,7 @@ ROBOT = "unitree_g1"
 
 
 def product(a, b):
-    """Of two quaternions x y z w."""
+    """Returns the product of two quaternions x y z w."""
     (x1, y1, z1, w1), (x2, y2, z2, w2) = a, b
     return [w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2, w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
             w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2, w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2]
@@ -47,7 +47,7 @@ def npy(numbers, shape):
 
 
 def first_row(array):
-    """Of an array of floats in a .npy file."""
+    """Returns the first row of a float array in a .npy file."""
     header_size = struct.unpack("<H", array[8:10])[0]
     header = array[10:10 + header_size].decode()
     shape = [int(part) for part in re.search(r"\(([^)]*)\)", header).group(1).split(",") if part]
@@ -128,7 +128,7 @@ class StandingStill(ToolTest):
                 self.assertEqual(report["solver_failures"], 0)
 
     def test_movements_too_large_to_compute_with_are_measured(self):
-        """Whatever a file says: a report or an error, no signal."""
+        """Any file gives a report or an error, never a signal."""
         for value in (1e5, 1e15, 1e100, 1e200, 1e300):
             for column in (0, 2, 3, 9, 20):
                 rows = standing_rows(self.pose, 1e-9, 40)
@@ -143,7 +143,7 @@ class StandingStill(ToolTest):
 
 
 class FailedSolvers(ToolTest):
-    """A robot so heavy that its forces are not finite; its joints are solved like any other's."""
+    """A robot so heavy that its forces overflow; its joints are solved as usual."""
 
     def setUp(self):
         super().setUp()
@@ -156,10 +156,10 @@ class FailedSolvers(ToolTest):
         self.write("clips/wave.bvh", sample("wave").read_bytes())
         self.options = ["--with", "dynamics", "--end", "1.5"]
 
-    def test_the_verdict_of_a_run_says_so(self):
+    def test_verdict_reports_the_failure(self):
         result = self.retarget(*self.options, "--report", "r.json", robot="heavy")
         self.assert_done(result)
-        self.assertIn("warning: fit with dynamics: numbers were not finite in frames 0 to 45",
+        self.assertIn("warning: fit with dynamics: non-finite numbers in frames 0 to 45",
                       result.stderr)
         self.assertIn("missed   solver_failures 1 (at most 0)", result.stderr)
         report = json.loads((self.folder / "r.json").read_text())["motions"][0]
@@ -168,7 +168,7 @@ class FailedSolvers(ToolTest):
         self.assertTrue(report["fit"]["solver"]["dynamics_failed"])
         self.assertEqual([fault["where"] for fault in report["faults"]
                           if fault["metric"] == "solver_failures"], ["fit with dynamics"])
-        # the frames are those without dynamics
+        # The frames equal those without dynamics.
         self.assert_done(self.retarget("--end", "1.5", robot="heavy", output="without.csv"))
         self.assertEqual((self.folder / "out.csv").read_bytes(),
                          (self.folder / "without.csv").read_bytes())
@@ -186,7 +186,7 @@ class FailedSolvers(ToolTest):
             if isinstance(value, float):
                 self.assertTrue(math.isfinite(value))
 
-    def test_batches_do_not_pass_it(self):
+    def test_batches_reject_the_motion(self):
         for more in ((), ("--no-quality",)):
             with self.subTest(more=more):
                 out = "out" + "".join(more)
@@ -197,7 +197,7 @@ class FailedSolvers(ToolTest):
                 entry = json.loads((self.folder / out / "manifest.jsonl").read_text())
                 self.assertEqual(entry["quality"]["gates_missed"], ["solver_failures"])
                 self.assertEqual(entry["quality"]["figures"]["solver_failures"], 1)
-                self.assertIn("numbers were not finite", entry["warnings"][0])
+                self.assertIn("non-finite numbers", entry["warnings"][0])
 
 
 if __name__ == "__main__":

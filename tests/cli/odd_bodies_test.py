@@ -19,7 +19,7 @@ OTHER_NAMES = {"Hips": "pelvis", "Spine": "spine_a", "Spine1": "spine_b", "Spine
 
 
 def with_other_names(clip):
-    """No kind of skeleton is called like this."""
+    """Returns joint names that no skeleton profile has."""
     parts = {"UpLeg": "thigh", "Leg": "shin", "Foot": "foot", "Toe": "toe", "Shoulder": "clavicle",
              "Arm": "upper_arm", "ForeArm": "forearm", "Hand": "hand"}
     for joint in clip.joints:
@@ -43,7 +43,7 @@ class OddBody(ToolTest):
         return rows, done.stderr, json.loads(report.read_text())
 
     def limb_angle(self, motion, clip, *options):
-        """Of a motion against the whole clip's own positions."""
+        """Returns the limb angle of a motion against the positions of the whole clip."""
         source = self.write("whole.bvh", clip.text())
         out = self.folder / "evaluation.json"
         self.run_tool("evaluate", motion, "--robot", "unitree_g1", "--bvh", source, "--json", out,
@@ -107,7 +107,7 @@ class MissingFeet(OddBody):
             self.assertIn(f"the source has no {side.lower()} foot", said)
             self.assertEqual(len(rows), clip.frames)
 
-    def test_a_batch_goes_on_behind_them(self):
+    def test_batch_continues(self):
         clip = Bvh(sample("wave"))
         clip.drop("LeftUpLeg", "RightUpLeg")
         self.write("in/a.bvh", clip.text())
@@ -130,7 +130,7 @@ class FramesInFront(OddBody):
             self.assertEqual(rows.shape, expected.shape)
             self.assertLess(abs(rows - expected).max(), 1e-5)
 
-    def test_they_are_kept_when_asked_for(self):
+    def test_frames_are_kept_on_request(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--lead-in", "keep")
@@ -143,7 +143,7 @@ class FramesInFront(OddBody):
     def test_a_frame_that_faces_the_other_way(self):
         clip = Bvh(sample("walk"))
         first = [v[0].copy() for v in clip.values]
-        # half a turn about the vertical, in the order Z, Y, X of the root's channels
+        # Half a turn about the vertical, in the order Z, Y, X of the root's channels.
         turn = (Bvh(sample("walk")).world()[1][0, 0])
         turned = numpy.diag([-1.0, 1.0, -1.0]) @ turn
         first[0][3:] = numpy.degrees([numpy.arctan2(turned[1, 0], turned[0, 0]),
@@ -152,17 +152,17 @@ class FramesInFront(OddBody):
         clip.in_front([first] * 8)
         expected, _, _ = self.run_clip(Bvh(sample("walk")), name="expected")
         rows, _, _ = self.run_clip(clip, "--lead-in", "keep")
-        # the trunk is not wound up by the turn
+        # The turn does not wind up the trunk.
         self.assertLess(numpy.degrees(abs(rows[30:, 7:] - expected[22:, 7:]).mean()), 1.5)
 
-    def test_part_of_a_clip_is_what_was_asked_for(self):
+    def test_requested_parts_are_exact(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         rows, said, _ = self.run_clip(clip, "--frames", "0:40")
         self.assertNotIn("skipped", said)
         self.assertEqual(len(rows), 40)
 
-    def test_motions_of_others_are_held_against_all_frames(self):
+    def test_foreign_motions_are_compared_with_all_frames(self):
         clip = Bvh(sample("walk"))
         clip.in_front([clip.zero_row()])
         self.run_clip(clip, "--lead-in", "keep")
@@ -195,7 +195,7 @@ class ToesThatTurnAsNoneDo(OddBody):
             rows, said, _ = self.run_clip(clip)
             self.assertIn("the toes turn farther than toes can", said)
             self.assertLess(abs(rows[:, :3] - expected[:, :3]).mean(), 0.01)
-            # as if they never turned
+            # As if they never turned.
             stiff = rename(Bvh(sample("walk")))
             for joint, values in zip(stiff.joints, stiff.values):
                 if joint.name.lower().endswith("toe"):
@@ -227,7 +227,7 @@ class RotationsThatCarryNothing(OddBody):
             expected = self.limb_angle("whole_motion.csv", whole)
             self.assertLess(self.limb_angle("clip.csv", whole), expected + 3.0)
 
-    def test_files_with_positions_that_agree_stay_as_they_are(self):
+    def test_consistent_files_do_not_change(self):
         clip = Bvh(sample("walk"))
         expected, _, _ = self.run_clip(with_other_names(Bvh(sample("walk"))), name="expected")
         for i, joint in enumerate(clip.joints):

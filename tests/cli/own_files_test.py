@@ -1,4 +1,4 @@
-"""Files that this tool wrote are read as what they are: by header, sidecar or the robot's own numbers."""
+"""Files of this tool are read correctly by header, sidecar or the robot's data."""
 
 import json
 import shutil
@@ -14,7 +14,7 @@ except ImportError:
 
 ROBOTS = sorted(file.parent.name for file in [*SOURCE.glob("robots/*/robot.json"),
                                               *SOURCE.glob("robots/unverified/*/robot.json")])
-# a robot that a user may bring: 30 cm, joints without ranges (a made-up one)
+# An unusual user robot: 30 cm, joints without ranges (artificial).
 FREE_ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="base" pos="0 0 0.3">
   <freejoint/><geom size="0.05" mass="1"/>
   <body name="left_foot" pos="0 0.05 -0.3"><joint name="left" axis="0 0 1"/>
@@ -25,7 +25,7 @@ FREE_ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="base" pos
 
 
 class OwnFiles(FormatsTest):
-    # ways of writing that a file tells by itself
+    # Layouts that a file identifies by itself.
     TOLD = {
         "plain": (),
         "header": ("--csv-header",),
@@ -33,7 +33,7 @@ class OwnFiles(FormatsTest):
         "all": ("--csv-header", "--csv-quat", "wxyz", "--csv-frame-column", "--csv-degrees",
                 "--csv-centimetres", "--csv-delimiter", "tab"),
     }
-    # and those that only a sidecar or an option tells
+    # Layouts that need a sidecar or an option.
     UNTOLD = ("--csv-degrees", "--csv-centimetres", "--csv-quat", "wxyz")
 
     def own_rows(self, robot, clip):
@@ -65,7 +65,8 @@ class OwnFiles(FormatsTest):
                                                   *self.UNTOLD, robot=robot))
                     self.assert_fails(self.convert("way.csv", "x.csv", robot=robot), 3,
                                       "--source-angles deg")
-                    # as metres it is refused, or doubted where it may be the top of a wall
+                    # Read as metres it is rejected, or causes a warning where it may be the top of
+                    # a wall.
                     result = self.convert("way.csv", "x.csv", "--source-angles", "deg",
                                           robot=robot)
                     self.assertIn(result.returncode, (0, 3))
@@ -104,7 +105,7 @@ class Sidecars(FormatsTest):
         self.assert_done(self.retarget(*common, output="plain.csv"))
         self.assert_done(self.retarget(*common, *OwnFiles.UNTOLD, "--sidecar", output="odd.csv"))
 
-    def test_tell_what_a_csv_cannot(self):
+    def test_sidecars_supply_missing_properties(self):
         said = self.converted("odd.csv", "back.csv", "--precision", "9", "--dof", "23")
         self.assertIn("at 60 fps", said)
         self.assertIn("odd.csv.json records", said)
@@ -119,13 +120,13 @@ class Sidecars(FormatsTest):
         self.assert_done(self.run_tool("compare", "back.csv", "odd.csv", "--robot", "unitree_g1",
                                        "--source-dof", "23", "--tolerance", "1e-6"))
 
-    def test_of_another_content_do_not_count(self):
+    def test_sidecars_of_other_content_are_ignored(self):
         with open(self.folder / "odd.csv", "a") as file:
             file.write("\n")
         options = ("--source-dof", "23", "--source-angles", "deg", "--source-unit", "cm")
         self.assert_fails(self.convert("odd.csv", "x.csv", *options[:2]), 3, "--source-angles")
         said = self.converted("odd.csv", "back.csv", *options)
-        self.assertIn("another content", said)
+        self.assertIn("another version", said)
         self.assertIn("30 fps, not given in the file", said)
 
     def test_other_files_are_not_changed(self):
@@ -137,7 +138,7 @@ class Sidecars(FormatsTest):
             self.assertNotIn("plain.csv.json", said)
         self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
 
-    def test_options_go_first(self):
+    def test_options_take_precedence(self):
         said = self.converted("odd.csv", "back.csv", "--source-fps", "50", "--source-unit", "m")
         self.assertIn("at 50 fps", said)
         self.assertGreater(self.rows("back.csv")[0][2], 50.0)

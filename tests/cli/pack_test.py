@@ -54,7 +54,7 @@ class Packs(BatchTest):
         names = ["a", "b", "sub/c", "ä"]
         arrays = self.assert_holds("out/motions.npz", names)
         self.assertIn(f"out/motions.npz: 4 clips, {len(arrays['joint_pos'])} frames", result.stderr)
-        # the same whatever the number of processes, and when nothing is left to do
+        # Independent of the number of processes, also if nothing remains to be done.
         self.batch(*NPZ, "--jobs", 1, output="one")
         self.assertEqual(self.bytes_of("one/motions.npz"), self.bytes_of("out/motions.npz"))
         (self.folder / "one/motions.npz").unlink()
@@ -62,7 +62,7 @@ class Packs(BatchTest):
         self.assertEqual(self.bytes_of("one/motions.npz"), self.bytes_of("out/motions.npz"))
         # Reading the pack as one motion is an error.
         self.assert_fails(self.run_tool("convert", "out/motions.npz", "x.csv", "--robot", "g1"), 3,
-                          "holds many clips")
+                          "contains many clips")
 
     def test_contacts_go_along(self):
         self.motions()
@@ -127,7 +127,7 @@ class Packs(BatchTest):
         self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "has changed since the batch wrote it")
         (self.folder / "out/b.npz").unlink()
         self.assert_fails(self.run_tool(*merge), 3, "out/b.npz", "no longer exists")
-        # another rate, from another batch that was joined with this one
+        # Another rate, from a merged batch.
         self.assert_done(self.batch("--format", "npz-mjlab", "--npz-fps", "25", output="slow"))
         entries = {entry["relative"]: entry for entry in self.manifest("slow/manifest.jsonl")}
         self.write("out/b.npz", self.bytes_of("slow/b.npz"))

@@ -110,7 +110,7 @@ class Perturbations(ToolTest):
                 self.assertTrue(missed & expected, f"missed {missed}, none of {expected}")
 
     def judge(self, clip, rows, exit_code):
-        """The gates that a motion misses."""
+        """Returns the missed gates of a motion."""
         text = "\n".join(",".join(f"{value:.7g}" for value in row) for row in rows)
         self.write("motion.csv", text + "\n")
         done = self.run_tool("evaluate", "motion.csv", "--robot", "unitree_g1", "--bvh", clip,
@@ -152,7 +152,7 @@ class NeverOnTheFloor(ToolTest):
         rows = read_rows((self.folder / "good.csv").read_text())
         lines = clip.read_text().splitlines()
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
-        # every frame a metre on, at the same pose: 30 m/s
+        # Each frame is one metre further, with the same pose: 30 m/s.
         slid = []
         for i, line in enumerate(lines[motion + 2:]):
             values = line.split()

@@ -49,7 +49,7 @@ def write_png(pixels):
 
 
 def coarse(pixels, side=8):
-    """The picture in blocks of side x side pixels, each its mean; without what fills none."""
+    """Averages a picture over blocks of side x side pixels; drops incomplete blocks."""
     height, width = (length - length % side for length in pixels.shape[:2])
     blocks = (
         pixels[:height, :width].astype(float).reshape(height // side, side, width // side, side, 3)

@@ -17,7 +17,7 @@ except ImportError:
 
 SHARED = os.environ.get("RETARGET_SHARED")
 
-# limbs of the G1 between origins of its links
+# Limbs of the G1 between the origins of its links.
 SEGMENTS = [(f"{side}_{a}_link", f"{side}_{b}_link") for side in ("left", "right") for a, b in (
     ("hip_roll", "knee"), ("knee", "ankle_pitch"), ("shoulder_roll", "elbow"),
     ("elbow", "wrist_roll"))]
@@ -150,7 +150,7 @@ class PositionsFiles(ToolTest):
             "json.npy": (lambda f: numpy.save(f, places[:, ::-1]),
                          ("--joint-names", "names.json")),
         }
-        # as Windows' editors write it
+        # As written by Windows editors.
         self.write("names.txt", "\ufeff" + "\r\n".join(SMPL[::-1]) + "\r\n")
         self.write("names.json", json.dumps(SMPL[::-1]))
         for name, (write, options) in files.items():
@@ -192,7 +192,7 @@ class PositionsFiles(ToolTest):
         self.assertTrue((self.folder / "out/clip.csv").exists())
         self.assertFalse((self.folder / "out/weights.csv").exists())
 
-    def test_what_is_no_motion(self):
+    def test_invalid_motions(self):
         self.write("few.txt", "a\nb\n")
         for array, options, words in (
                 (numpy.zeros((5, 22, 3)), (), ("in the joint order of SMPL", "--joint-names")),
@@ -204,20 +204,20 @@ class PositionsFiles(ToolTest):
                  ("22 joints", "2 names")),
                 (numpy.zeros((5, 2, 3)), ("--joint-names", "few.txt", "--source-fps", 30),
                  ("no human found in the joints a, b",)),
-                (numpy.zeros((5, 263)), (), ("HumanML3D's features", "new_joints"))):
+                (numpy.zeros((5, 263)), (), ("HumanML3D features", "new_joints"))):
             numpy.save(self.folder / "odd.npy", array)
             self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", *options), 3, *words)
         self.assertNotIn("out.csv", self.files())
         self.write("empty.txt", "\n\n")
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                        "empty.txt"), 4, "names no joints")
+                                        "empty.txt"), 4, "contains no joint names")
         for text, words in (('{"a": 1}', "found an object"), ("a,b,c\n", "one line with commas")):
             self.write("wrong.txt", text)
             self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                            "wrong.txt"), 4, words, "one name a line")
+                                            "wrong.txt"), 4, words, "one name per line")
         self.write("bad.json", '["a", 3]')
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
-                                        "bad.json"), 4, "found something else")
+                                        "bad.json"), 4, "found another value")
         self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
                                         "few.txt"), 2, "--joint-names applies only to joint positions")
 
@@ -225,7 +225,7 @@ class PositionsFiles(ToolTest):
         names, places = self.places_of(sample("walk"))
         places = 0.01 * places[:, [names.index(joint) for joint in LAFAN1]]
         turns = numpy.tile(numpy.eye(3), (len(places), 22, 1, 1))
-        # a body that glides in a T-pose, as its rotations have it
+        # A body that glides in a T-pose, according to its rotations.
         still = self.t_pose() + places[:, :1]
         numpy.savez(self.folder / "kimodo.npz", posed_joints=still, global_rot_mats=turns,
                     local_rot_mats=turns, foot_contacts=numpy.zeros((len(places), 4)),

@@ -32,14 +32,14 @@ class Provenance(FormatsTest):
         self.assertIn("metrics", json.dumps(sidecar["quality"]))
         self.assert_done(self.verify())
         self.assert_done(self.verify("out.mjlab.npz.json"))
-        # nothing was written
+        # No file was written.
         self.assertEqual(len(self.files()), 5)
 
     def test_changed_inputs_are_named(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar",
                                        bvh="in.bvh"))
         bvh = (self.folder / "in.bvh").read_text()
-        # as moved to another folder
+        # As after a move to another folder.
         moved = self.folder / "moved"
         moved.mkdir()
         for name in ("in.bvh", "out.csv", "out.csv.json"):

@@ -25,7 +25,7 @@ PAIRS = {
 
 
 def joints_rms(found, expected):
-    """Root mean square of the differences of joints, degrees, over all frames."""
+    """Returns the RMS joint difference over all frames, degrees."""
     squares = [(a - b)**2 for row, wanted in zip(found, expected)
                for a, b in zip(row[7:], wanted[7:])]
     return math.sqrt(sum(squares) / len(squares)) / DEGREE
@@ -33,7 +33,7 @@ def joints_rms(found, expected):
 
 class RobotToRobot(ToolTest):
     def make(self, name="walk", robot="unitree_g1", output="made.csv", *options):
-        """A robot's motion of a sample."""
+        """Returns the robot motion of a sample."""
         self.assert_done(self.retarget(*options, bvh=sample(name), robot=robot, output=output))
         return self.folder / output
 
@@ -53,12 +53,12 @@ class RobotToRobot(ToolTest):
         return self.report(name)["limb_angle_deg"][0]
 
     def y_up(self, rows):
-        """The same motion as programs with Y up have it: (x, y, z) is (x, z, -y) there."""
+        """Converts a motion to Y up: (x, y, z) becomes (x, z, -y)."""
         half = math.sqrt(0.5)
         turned = []
         for row in rows:
             x, y, z, qx, qy, qz, qw = row[:7]
-            # a quarter turn about x takes z to y: (-half, 0, 0, half) times q
+            # A quarter turn about x maps z to y: (-half, 0, 0, half) times q.
             quaternion = [half * (qx - qw), half * (qy + qz), half * (qz - qy), half * (qw + qx)]
             turned.append([x, z, -y, *quaternion, *row[7:]])
         return turned
@@ -82,7 +82,7 @@ class RobotToRobot(ToolTest):
         told = self.convert("turned.csv", "g1", "g1", "told.csv", "--up", "z")
         self.assertNotIn("as the up axis", told.stderr)
 
-    def test_same_robot_gives_it_back(self):
+    def test_same_robot_reproduces_the_motion(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):
             self.make(name)
             result = self.convert("made.csv", "g1", "g1", "back.csv")
@@ -101,7 +101,7 @@ class RobotToRobot(ToolTest):
 
     def test_every_format_is_read(self):
         names = [name for name in FORMATS if name != "glb"]
-        # joints of PBHC's files are fewer, and trackers have a rate of their own
+        # PBHC's files have fewer joints, and tracking files their own rate.
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:60", "--npz-fps", 30,
                                        "--format", ",".join(names), bvh=sample("walk"),
                                        output="walk"))
@@ -120,7 +120,7 @@ class RobotToRobot(ToolTest):
     def test_other_rates(self):
         for fps in (24, 120):
             self.make("walk", "unitree_g1", "made.csv", "--fps", fps, "--sidecar")
-            # the sidecar beside it tells the rate
+            # The sidecar next to it states the rate.
             self.convert("made.csv", "g1", "g1", "back.csv", "--fps", "source")
             made, back = self.rows("made.csv"), self.rows("back.csv")
             self.assertEqual(len(made), len(back))
@@ -184,13 +184,13 @@ class RobotToRobot(ToolTest):
         self.assertTrue((self.folder / "out" / "sub" / "plain.csv").is_file())
         options = json.loads((self.folder / "out" / "options.json").read_text())[0]
         self.assertEqual(options["source_robot"], "unitree_g1")
-        # done and unchanged, the folder too
+        # Done and unchanged, including the folder.
         again = self.run_tool(*arguments, "--resume")
         self.assert_done(again)
         self.assertIn("4 of 4 are done and unchanged", again.stderr)
 
     def test_own_robot_folder(self):
-        """A robot that the user added works as a source as well."""
+        """A robot added by the user also works as a source."""
         self.assert_done(self.run_tool("robots", "add", "mine", "--model",
                                        SOURCE / "robots" / "fourier_n1" / "model.xml"))
         self.make("walk", "./mine", "made.csv", "--method", "gmr")
@@ -218,7 +218,7 @@ class RobotToRobot(ToolTest):
 
 @unittest.skipIf(SHARED is None, "RETARGET_SHARED is not set: no published motions of the G1")
 class PublishedMotions(ToolTest):
-    """Published motions of the G1, and the clips that they were made of."""
+    """Published motions of the G1 and their source clips."""
 
     PART = ("--start", "2", "--end", "8")
 
@@ -235,7 +235,7 @@ class PublishedMotions(ToolTest):
         report = json.loads((self.folder / "made.json").read_text())
         return report["motions"][0]["limb_angle_deg"][0]
 
-    def test_g1_gives_itself_back(self):
+    def test_g1_reproduces_itself(self):
         """The fit tracks the motion itself; its other terms repair the motion's faults."""
         self.limb_angle(self.motion, "g1", "--from-robot", "g1", "--without",
                         "contact,floor,self-collision,foot-height,smoothness,speed")
@@ -252,7 +252,7 @@ class PublishedMotions(ToolTest):
         lines = self.motion.read_text().splitlines()
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 2.5)
 
-    def test_another_robot_moves_as_by_the_clip(self):
+    def test_another_robot_moves_as_from_the_clip(self):
         for name in ("dance1_subject2", "walk4_subject1", "fallAndGetUp2_subject2"):
             with self.subTest(clip=name):
                 of_clip = self.limb_angle(self.clips / f"{name}.bvh", "booster_t1_29dof")

@@ -135,7 +135,7 @@ class Robots(ToolTest):
         self.assertIn(pair, unwrapped(run.stderr))
         motion = json.loads((self.folder / "r.json").read_text())["motions"][0]
         self.assertEqual(motion["self_1cm_pct"], 0)
-        # a list that lacks them is spoken of
+        # A missing entry is reported.
         profile = json.loads((self.folder / "thick/robot.json").read_text())
         profile["allowed_self_contact"].remove(["Left_Hip_Yaw", "Right_Hip_Yaw"])
         self.write("thick/robot.json", json.dumps(profile))
@@ -189,7 +189,7 @@ class Robots(ToolTest):
                          (dotted.returncode, dotted.stdout))
         self.assertNotIn("error", bare.stderr)
 
-    def test_names_do_not_command_the_terminal(self):
+    def test_names_are_printed_safely(self):
         for file in (SOURCE / "robots/unitree_g1").iterdir():
             if file.is_file():
                 self.write(f"odd/{file.name}", file.read_bytes())
@@ -212,7 +212,7 @@ class Robots(ToolTest):
             for text in (result.stdout, result.stderr):
                 self.assertFalse(set("\x1b\x9b\u202e") & set(text), text)
 
-    def test_files_that_cannot_be_looked_at_are_not_passed_over(self):
+    def test_inaccessible_files_are_errors(self):
         for file in (SOURCE / "robots/unverified/booster_k1").iterdir():
             if file.is_file():
                 self.write(f"mine/{file.name}", file.read_bytes())
@@ -227,7 +227,7 @@ class Robots(ToolTest):
             if content is not None:
                 path.write_bytes(content)
 
-    def test_force_replaces_robots_alone(self):
+    def test_force_replaces_only_robots(self):
         self.write("mine.xml", K1.read_bytes())
         kept = self.write("mine/thesis.txt", "years")
         add = ("robots", "add", "mine", "--model", "mine.xml", "--force")
@@ -236,12 +236,12 @@ class Robots(ToolTest):
         for _ in range(2):
             self.assert_done(self.run_tool("robots", "add", "new", "--model", "mine.xml",
                                            "--force"))
-        # the model may not be in the folder that is replaced
+        # The model must not be in the replaced folder.
         inside = self.run_tool("robots", "add", "new", "--model", "new/model.xml", "--force")
         self.assert_fails(inside, 2, "new/model.xml")
         self.assertTrue((self.folder / "new/model.xml").exists())
 
-    def test_a_robot_cannot_be_called_like_a_folder_above(self):
+    def test_robot_names_must_not_be_parent_folders(self):
         for file in (SOURCE / "robots/unitree_g1").iterdir():
             if file.is_file():
                 self.write(f"bad/{file.name}", file.read_bytes())
@@ -253,7 +253,7 @@ class Robots(ToolTest):
             result = self.run_tool("batch", "in", "-o", "out", "--robot", robots, "--method", "gmr")
             self.assert_fails(result, 4, '"name"', '".."')
         self.assertEqual(self.files(), before)
-        # a model file that leaves no name either
+        # A model file without a usable name.
         self.write("...xml", (SOURCE / "robots/unitree_g1/model.xml").read_bytes())
         self.assert_done(self.run_tool(
             "batch", "in", "-o", "out", "--robot-xml", "...xml", "--ik-config",
@@ -261,7 +261,7 @@ class Robots(ToolTest):
         self.assertEqual(json.loads((self.folder / "out/manifest.jsonl").read_text())["robot"],
                          "model")
 
-    def test_check_tells_every_fault(self):
+    def test_check_reports_every_fault(self):
         config = (SOURCE / "robots/unverified/booster_k1/ik.json").read_text()
         self.write("odd/model.xml", K1.read_bytes())
         self.write("odd/ik.json", config.replace('"Left_Shank"', '"Left_Shnak"')
@@ -272,7 +272,7 @@ class Robots(ToolTest):
         self.assertIn("RightUpLge", result.stdout)
         self.assertIn("note: the soles are unknown", result.stdout)
 
-    def test_what_is_refused(self):
+    def test_rejected_models(self):
         self.write("arm.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/>"
                    "<geom size='1'/></body></body></worldbody></mujoco>")
         self.assert_fails(self.run_tool("robots", "add", "arm", "--model", "arm.xml"), 4, "arm")
@@ -284,7 +284,7 @@ class Robots(ToolTest):
 
 
 class RobotsThatAreNotInstalled(ToolTest):
-    """A data folder as packages have it: some robots are known and not there."""
+    """A data folder like that of packages: some known robots are not installed."""
 
     def setUp(self):
         super().setUp()
@@ -306,7 +306,7 @@ class RobotsThatAreNotInstalled(ToolTest):
             self.assert_fails(result, 4, "the robot booster_t1 is not installed",
                               "retarget robots install booster_t1 --source SOURCE")
         self.assert_fails(self.move("booster_k1"), 4, "its maker states no licence")
-        # the robot may be named before the motion
+        # The robot may precede the motion.
         result = self.run_here("booster_t1", sample("wave"), "-o", "x.csv")
         self.assert_fails(result, 4, "the robot booster_t1 is not installed")
         self.assert_fails(self.move("booster"), 4, "booster_k1 (not installed)", "booster_t1_29dof")
@@ -343,7 +343,7 @@ class RobotsThatAreNotInstalled(ToolTest):
             for file in (SOURCE / source).iterdir():
                 self.assertEqual((folder / file.name).read_bytes(), file.read_bytes())
         self.assert_moves_as_in_the_source("booster_k1")
-        # with the published configuration, as a robot of the data folder
+        # With the published configuration, like a robot of the data folder.
         self.assert_moves_as_in_the_source("t1", "--method", "gmr")
         again = self.run_here("robots", "install", "booster_k1", "--source", SOURCE)
         self.assert_fails(again, 2, "already exists", "--force")
@@ -362,7 +362,7 @@ class RobotsThatAreNotInstalled(ToolTest):
         done = self.run_here("robots", "install", "--source", "robots.zip")
         self.assert_done(done)
         self.assertIn("are installed", done.stderr)
-        # into a folder of one's own choice
+        # Into a chosen folder.
         (self.folder / "mine").mkdir()
         self.assert_done(self.run_here("robots", "install", "limx_oli", "--source", "robots.zip", "-o", "mine"))
         self.assertTrue((self.folder / "mine/limx_oli/model.xml").is_file())

@@ -1,4 +1,4 @@
-"""The folders that an ELF file tells the loader to search, and which of them are no fixed places."""
+"""The library search paths of an ELF file, and which of them are not fixed folders."""
 
 import struct
 

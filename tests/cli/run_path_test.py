@@ -1,4 +1,4 @@
-"""Libraries come from fixed places: nothing in the working directory is loaded as code."""
+"""Libraries come from fixed folders: nothing in the working directory is loaded as code."""
 
 import os
 import pathlib
@@ -14,11 +14,11 @@ from tool import TOOL, ToolTest, absent
 @unittest.skipUnless(sys.platform == "linux", "ELF files")
 class RunPath(ToolTest):
     def test_the_tool_searches_no_folder_of_its_user(self):
-        # an installed tree is checked by the same test, see tests/consumer
+        # The same test checks an installed tree, see tests/consumer.
         self.assertEqual(run_path.loose_entries(pathlib.Path(TOOL)), [], run_path.run_path(
             pathlib.Path(TOOL)))
 
-    def test_libraries_next_to_the_tool_neither(self):
+    def test_libraries_next_to_the_tool_are_not_loaded(self):
         folder = pathlib.Path(TOOL).resolve().parent
         for library in [*folder.glob("../lib/**/*.so*"), *folder.glob("../../*.so*")]:
             if library.is_file():

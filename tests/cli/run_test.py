@@ -36,7 +36,7 @@ class Output(ToolTest):
         norms = numpy.linalg.norm(rows[:, 3:7], axis=1)
         self.assertLess(abs(norms - 1).max(), 2e-6)
         self.assertGreater((rows[1:, 3:7] * rows[:-1, 3:7]).sum(axis=1).min(), 0)
-        # upright, at a plausible height, as far as the human walked scaled down
+        # Upright, at a plausible height, over the scaled distance of the human.
         self.assertTrue(0.6 < rows[:, 2].min() and rows[:, 2].max() < 0.95)
         self.assertTrue(5.5 < math.hypot(*(rows[-1, :2] - rows[0, :2])) < 7.5)
 
@@ -134,12 +134,12 @@ class Output(ToolTest):
         fingers = [i for i, name in enumerate(header.split(",")) if "_hand_" in name]
         self.assertEqual(len(fingers), 14)
         self.assertEqual({row[i] for row in rows for i in fingers}, {0.0})
-        # a source without fingers: half open, in all frames
+        # A source without fingers: half open, in all frames.
         relaxed = read_rows(self.text(robot="unitree_g1_with_hands"))
         self.assertEqual(len({tuple(row[i] for i in fingers) for row in relaxed}), 1)
         self.assertGreater(min(abs(relaxed[0][i]) for i in fingers if "thumb" not in
                                header.split(",")[i]), 0.3)
-        # the fit keeps these wider hands away from the body; the published method knows no hands
+        # The fit keeps these wider hands away from the body; the published method has no hands.
         others = [i for i in range(len(rows[0])) if i not in fingers]
         body = [[[row[i] for i in others] for row in each] for each in (relaxed, rows)]
         self.assertIsNone(difference(*body, 0.3))
@@ -167,7 +167,7 @@ class Output(ToolTest):
         result = self.run_tool(*words, "--method", "gmr")
         self.assert_done(result)
         self.assertEqual(read_rows(result.stdout), plain)
-        # without a profile soles are found in the model: feet neither float nor slip
+        # Without a profile, soles are found in the model: feet neither float nor slip.
         words = ("--bvh", sample("turn_in_place"), *words[2:])
         result = self.run_tool(*words)
         self.assert_done(result)
@@ -182,7 +182,7 @@ class Output(ToolTest):
         self.assertEqual(self.run_tool(*words, *profile).stdout,
                          self.text("--ik-config", "published"))
 
-    def test_soles_that_nothing_tells_are_doubted(self):
+    def test_unknown_soles_cause_a_warning(self):
         model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
         bare = self.write("bare.xml", model.replace("<geom ", '<geom contype="0" conaffinity="0" '))
         config = SOURCE / "configs/lafan1_to_unitree_g1.json"
@@ -190,12 +190,12 @@ class Output(ToolTest):
         result = self.run_tool(*words, "--robot-xml", bare)
         self.assert_done(result)
         self.assertIn("warning: the soles cannot be found in the model", result.stderr)
-        # a profile without soles is no better than none
+        # A profile without soles is no better than none.
         profile = self.write("robot.json", '{"name": "mine"}')
         result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
         self.assertIn("warning: the soles cannot be found in the model", result.stderr)
 
-    def test_summary_says_what_was_done(self):
+    def test_summary_lists_all_decisions(self):
         summary = self.retarget().stderr
         for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
                       "limits official", "contact phases", "IK steps per frame", "comes nearest",
@@ -215,7 +215,7 @@ class Output(ToolTest):
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*stance_height_p50_cm [\d.]+ \(at most 0.3\)")
         self.assertRegex(verdict, r"^verdict  \d+ of 28 gates kept")
-        # small robots have small bounds: 0.002 m/s of legs of 0.632 m are 0.00073 of 0.231
+        # Small robots have small bounds: 0.002 m/s for legs of 0.632 m become 0.00073 for 0.231.
         small = self.run_tool("--bvh", sample("squat"), "--robot", "stanford_toddy", "--method",
                               "gmr", "-o", "small.csv")
         self.assertRegex(small.stderr, r"stance_slip_mean [\d.]+ \(at most 0.00073\)")
@@ -225,7 +225,7 @@ class Output(ToolTest):
         told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"),
                              "--ik-config", "published")
         self.assertIn(f"verdict  out.csv: {kept - 1} of {gates - 1} gates kept", told.stderr)
-        # digits that leave no quaternion spoil the verdict and not the run
+        # Precision too low for a quaternion spoils the verdict but not the run.
         self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)
 
     def on_a_terminal(self, *words):
@@ -243,7 +243,7 @@ class Output(ToolTest):
         except OSError:
             pass  # Linux reports this when the other end is closed.
         run.wait(timeout=300)
-        # progress lines are overwritten
+        # Progress lines are overwritten.
         lines = text.decode().replace("\r\n", "\n").split("\n")
         return [re.sub(r"\x1b\[[0-9;]*[mK]", "", line.split("\r")[-1]) for line in lines]
 
@@ -256,14 +256,14 @@ class Output(ToolTest):
                 if not any(len(word) > 40 for word in line.split()):
                     self.assertLessEqual(len(line), 80, line)
 
-    def test_programs_read_a_message_a_line(self):
+    def test_piped_messages_have_one_line_each(self):
         bad = self.write("a_file_with_quite_a_long_name_for_a_clip.bvh",
                          short_clip("wave", 3).replace(b"Frame Time", b"Frame Tim", 1))
         told = self.retarget(bvh=bad).printed.splitlines()
         self.assertEqual(len([line for line in told if line.startswith(str(bad))]), 1)
         self.assertGreater(len(told[0]), 80)
 
-    def test_words_for_the_floor(self):
+    def test_messages_about_the_floor(self):
         head, rows = sample("wave").read_text().split("Frame Time:", 1)
         time, *rows = rows.splitlines()
 

@@ -1,4 +1,4 @@
-"""FBX, glTF and MVNX through the front door: run, inspect, batch, convert, edit; other files."""
+"""FBX, glTF and MVNX in run, inspect, batch, convert and edit; other files."""
 
 import csv
 import json
@@ -11,7 +11,7 @@ from tool import SOURCE, ToolTest, read_rows, sample
 DATA = SOURCE / "tests" / "scene" / "data"
 
 
-# a sample's joints as MVN's segments
+# The joints of a sample as MVN's segments.
 SEGMENTS = {"Hips": "Pelvis", "Spine": "L5", "Spine1": "L3", "Spine2": "T8", "Neck": "Neck", "Head": "Head",
             **{f"{side}{joint}": f"{side}{segment}" for side in ("Left", "Right") for joint, segment in (
                 ("Shoulder", "Shoulder"), ("Arm", "UpperArm"), ("ForeArm", "ForeArm"), ("Hand", "Hand"),
@@ -19,7 +19,7 @@ SEGMENTS = {"Hips": "Pelvis", "Spine": "L5", "Spine1": "L3", "Spine2": "T8", "Ne
 
 
 def mvnx(joints, parents, rows):
-    """A document of the places that `inspect --positions` writes (cm, Y up), in metres, Z up."""
+    """Returns a document with the positions of `inspect --positions` (cm, Y up), in metres, Z up."""
     half = 0.5 ** 0.5
     connections = "".join(
         f"<joint><connector1>{SEGMENTS[parents[joint]]}/j</connector1><connector2>{SEGMENTS[joint]}/j</connector2></joint>"
@@ -31,7 +31,7 @@ def mvnx(joints, parents, rows):
             x, y, z = (0.01 * float(row[f"{joint}.{axis}"]) for axis in "xyz")
             places.append(f"{x:.6f} {-z:.6f} {y:.6f}")
             a, b, c, d = (float(row[f"{joint}.q{axis}"]) for axis in "wxyz")
-            # a quarter turn about x first in the product
+            # A quarter turn about x comes first in the product.
             turns.append(" ".join(f"{half * value:.7f}" for value in (a - b, a + b, c - d, c + d)))
         frames.append(f'<frame type="normal"><orientation>{" ".join(turns)}</orientation>'
                       f'<position>{" ".join(places)}</position></frame>')
@@ -84,7 +84,7 @@ class SceneFiles(ToolTest):
         second = self.run_tool("two.glb", "g1", "-o", "second.csv", "--root", told[1], "--take",
                                told[2])
         self.assert_done(second)
-        # A requested skeleton is no reason for a note.
+        # A requested skeleton needs no note.
         self.assertNotIn("another skeleton", second.stderr)
         self.assertEqual(*(((self.folder / name).read_bytes()) for name in
                            ("first.csv", "second.csv")))
@@ -124,7 +124,7 @@ class SceneFiles(ToolTest):
             self.assert_done(self.run_tool(DATA / name, "g1", "-o", "out.csv"))
             rows.append(read_rows((self.folder / "out.csv").read_text()))
         joints = max(abs(a - b) for one, two in zip(*rows) for a, b in zip(one[7:], two[7:]))
-        # without a skin the zero pose is a guess
+        # Without a skin, the zero pose is a guess.
         self.assertLess(joints, 0.3)
 
     def test_inspect_lists_takes(self):
@@ -135,10 +135,10 @@ class SceneFiles(ToolTest):
         found = json.loads(self.run_tool("inspect", DATA / "takes.glb", "--json").stdout)
         self.assertEqual(sorted(found["takes"]), ["Squat", "Wave"])
 
-    def test_takes_that_are_not_there(self):
+    def test_missing_takes_are_errors(self):
         result = self.run_tool(DATA / "walk.fbx", "g1", "-o", "out.csv", "--take", "9")
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("--take asks for", result.stderr)
+        self.assertIn("(--take)", result.stderr)
         result = self.run_tool(sample("wave"), "g1", "-o", "out.csv", "--take", "1")
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("contains one motion", result.stderr)
@@ -161,12 +161,12 @@ class SceneFiles(ToolTest):
         again = json.loads(self.run_tool("inspect", "walk.glb", "--json").stdout)
         self.assertEqual(again["frames"], 11)
 
-    def test_other_formats_say_what_they_are(self):
+    def test_other_formats_are_named(self):
         headers = struct.pack("<BB", 2, 0x50) + bytes(600)
         usdz = b"PK\x03\x04" + bytes(22) + struct.pack("<HH", 9, 0) + b"body.usdc" + bytes(20)
         for name, content, words in (
-                ("a.c3d", headers, "C3D file, which holds markers and no skeleton"),
-                ("a.trc", b"PathFileType\t4\t(X/Y/Z)\ta.trc\n", "TRC file, which holds markers"),
+                ("a.c3d", headers, "C3D file, which contains markers but no skeleton"),
+                ("a.trc", b"PathFileType\t4\t(X/Y/Z)\ta.trc\n", "TRC file, which contains markers"),
                 ("a.usda", b"#usda 1.0\n", "USD file"), ("a.usdc", b"PXR-USDC" + bytes(80), "USD file"),
                 ("a.usdz", usdz, "USD archive"), ("a.abc", b"Ogawa\xff" + bytes(8), "Alembic"),
                 ("a.blend", b"BLENDER-v300", "Blender"), ("b.blend", b"\x28\xb5\x2f\xfd1234", "zstd"),

@@ -1,4 +1,4 @@
-"""tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
+"""tools/setup.sh installs the pinned MuJoCo wheel and selects one complete Python."""
 
 import functools
 import hashlib
@@ -23,7 +23,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 class Strict(unittest.TestCase):
     """RETARGET_STRICT_TESTS: the dependencies of all other tests are installed (.ci/run)."""
 
-    def test_nothing_is_skipped_that_setup_can_install(self):
+    def test_setup_installs_every_test_dependency(self):
         if os.environ.get("RETARGET_STRICT_TESTS", "0") in ("", "0"):
             self.skipTest("RETARGET_STRICT_TESTS is not set")
         result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True,
@@ -31,7 +31,7 @@ class Strict(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIsNotNone(importlib.util.find_spec("numpy"), f"{sys.executable} lacks numpy")
 
-    def test_what_is_absent_fails_where_that_is_asked_for(self):
+    def test_strict_mode_fails_for_missing_dependencies(self):
         with unittest.mock.patch.dict(os.environ, RETARGET_STRICT_TESTS="1"):
             with self.assertRaisesRegex(AssertionError, "no browser"):
                 absent("no browser")
@@ -43,14 +43,14 @@ class Strict(unittest.TestCase):
 
 @functools.cache
 def missing_packages():
-    """The packages besides MuJoCo that setup.sh reports as missing; may be empty."""
+    """Returns the missing packages besides MuJoCo according to setup.sh."""
     result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True, stderr=subprocess.PIPE,
                             timeout=300, env={**os.environ, "MuJoCo_ROOT": str(SOURCE)})
     return result.stderr or "something" if result.returncode else ""
 
 
 class Setup(unittest.TestCase):
-    """A copy of tools/ in a tree of its own, and an index of wheels that is a folder."""
+    """A copy of tools/ in a separate tree, and a folder as wheel index."""
 
     def setUp(self):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="it's a test "))
@@ -58,7 +58,7 @@ class Setup(unittest.TestCase):
         self.tree = folder / "tree"
         shutil.copytree(SOURCE / "tools", self.tree / "tools",
                         ignore=shutil.ignore_patterns("retarget", "samples"))
-        # pip takes a blank for the end of a folder's name
+        # pip ends a folder name at a blank.
         self.index = pathlib.Path(tempfile.mkdtemp(prefix="retarget_wheels_"))
         self.addCleanup(shutil.rmtree, self.index, ignore_errors=True)
         self.environment = {k: v for k, v in os.environ.items()
@@ -77,7 +77,7 @@ class Setup(unittest.TestCase):
 
 class Wheel(Setup):
     def add_wheel(self, package, version):
-        """A wheel that looks like MuJoCo's; gives its hash."""
+        """Adds a wheel that looks like MuJoCo's; returns its hash."""
         name = f"{package}-{version}"
         path = self.index / f"{name}-py3-none-any.whl"
         files = {"mujoco/include/mujoco/mujoco.h": "", f"mujoco/libmujoco.so.{version}": "",
@@ -106,14 +106,14 @@ class Wheel(Setup):
         result = self.setup()
         self.assert_nothing_installed(result)
         self.assertIn(digest, result.stderr)
-        # the same call takes it once its hash is the pinned one
+        # The same call accepts it once its hash is pinned.
         self.pin("mujoco.txt", "mujoco-core==4.0.0", digest)
         result = self.setup()
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertTrue((self.tree / "build/deps/mujoco/libmujoco.so.4.0.0").exists())
         self.assertEqual([f.name for f in (self.tree / "build/deps").iterdir()], ["mujoco"])
 
-    def test_no_other_version_without_being_asked_for(self):
+    def test_other_versions_need_an_option(self):
         self.pin("mujoco_older.txt", "mujoco==3.3.7", self.add_wheel("mujoco", "3.3.7"))
         result = self.setup()
         self.assert_nothing_installed(result)
@@ -144,7 +144,7 @@ class OnePython(Setup):
              "fetches": "*-m?pip*"}
 
     def python(self, *lacks, version="3.11"):
-        """The path of a program that answers as a Python without some things would."""
+        """Returns a program that imitates a Python without some packages."""
         path = self.tree / "-".join(["python", version, *lacks])
         codes = [self.CODES[name] for name in lacks] or ["nothing"]
         path.write_text(FAKE_PYTHON.format(version=version, lacks="|".join(codes)))
@@ -152,7 +152,7 @@ class OnePython(Setup):
         return str(path)
 
     def setup_python(self, *arguments, **variables):
-        """With a MuJoCo of one's own."""
+        """Runs setup with a user's MuJoCo."""
         return self.setup("--python", *arguments, MuJoCo_ROOT=str(self.tree), **variables)
 
     def unpack(self, *left_out):
@@ -162,7 +162,7 @@ class OnePython(Setup):
             if name not in left_out:
                 (self.tree / f"build/deps/python/{name}-{version}.dist-info").mkdir(parents=True)
 
-    def test_the_first_that_lacks_nothing_is_taken(self):
+    def test_first_complete_python_is_used(self):
         whole = self.python()
         self.assertEqual(self.setup_python("--print-python", PYTHON=whole).stdout.strip(), whole)
         for lack in ("numpy", "headers", "venv", "pip"):
@@ -177,7 +177,7 @@ class OnePython(Setup):
         taken = self.setup_python("--tool", "--print-python", PYTHON=python)
         self.assertEqual(taken.stdout.strip(), python)
 
-    def test_a_named_python_is_taken_or_refused(self):
+    def test_named_python_is_used_or_rejected(self):
         whole = self.python()
         taken = self.setup_python("--print-python", RETARGET_PYTHON=whole, PYTHON=self.python("numpy"))
         self.assertEqual(taken.stdout.strip(), whole)
@@ -188,9 +188,9 @@ class OnePython(Setup):
                 self.assertRegex(result.stderr, f"lacks: .*{lack}")
         result = self.setup_python(RETARGET_PYTHON=str(self.tree / "nothing"))
         self.assertEqual(result.returncode, 1)
-        self.assertIn("which is no Python", result.stderr)
+        self.assertIn("which is not a Python interpreter", result.stderr)
 
-    def test_pip_is_not_needed_where_the_tools_are(self):
+    def test_pip_is_not_needed_with_installed_tools(self):
         self.unpack()
         result = self.setup_python("--check", RETARGET_PYTHON=self.python("pip"))
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -205,13 +205,13 @@ class OnePython(Setup):
         self.assertEqual(self.setup_python("--check", RETARGET_PYTHON=new).returncode, 0)
         self.assertEqual(self.setup_python("--check", RETARGET_PYTHON=old).returncode, 1)
 
-    def test_a_fetch_that_fails_names_the_way_around_it(self):
+    def test_failed_fetch_names_the_workaround(self):
         result = self.setup_python("--tool", RETARGET_PYTHON=self.python("fetches"))
         self.assertEqual(result.returncode, 1)
         self.assertIn("RETARGET_NO_PYTHON=1 tools/test.sh", result.stderr)
         self.assertEqual(list((self.tree / "build/deps").iterdir()), [])
 
-    def test_tests_run_without_the_module_where_that_is_asked_for(self):
+    def test_tests_can_run_without_the_module(self):
         programs = self.tree / "programs"
         programs.mkdir()
         for name in ("cmake", "ctest"):

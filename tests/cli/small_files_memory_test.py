@@ -1,4 +1,4 @@
-"""No file of less than 100 kB, whatever it says, takes more than 300 MB, ends by a signal or hangs."""
+"""No file below 100 kB needs more than 300 MB, ends by a signal or hangs."""
 
 import io
 import os
@@ -57,7 +57,7 @@ def tracking(frames):
 
 class SmallFiles(ToolTest):
     def try_all(self, files, *commands, seconds=120):
-        """Every command (FILE stands for the file) on every file, by name."""
+        """Runs every command (FILE is the file) on every file, by name."""
         for name, content in files.items():
             path = self.write(name, content)
             self.assertLess(path.stat().st_size, 100_000, name)
@@ -87,7 +87,7 @@ class SmallFiles(ToolTest):
 
     @unittest.skipIf(is_sanitized(), "a sanitizer takes minutes for long motions")
     def test_bvh_of_a_whole_body(self):
-        # one number moves a body of 22 joints: the most frames that there can be
+        # One number moves a body of 22 joints: the maximum number of frames.
         lines = sample("wave").read_text().splitlines()
         motion = lines.index("MOTION")
         body, first = [], True
@@ -117,7 +117,7 @@ class SmallFiles(ToolTest):
         files["gender.npz"] = npz(poses=npy((9, 66)), trans=npy((9, 3)), fps=rate(30.0),
                                   betas=npy((2000000,)), gender=npy((1,), "<U4000000"))
         self.try_all(files, ("inspect", "FILE"), run)
-        # and a body model
+        # Also with a body model.
         motion = self.write("motion.npz", npz(poses=npy((9, 66)), trans=npy((9, 3)),
                                               fps=rate(30.0)))
         bodies = {f"body{points}.npz": npz(v_template=npy((points, 3)), faces_tree=npy((9, 3)),
@@ -243,7 +243,7 @@ class SmallFiles(ToolTest):
                                                        for i in range(2000)) + "</default>"),
         }, ("robots", "check", "FILE"), ("robots", "add", "mine", "--model", "FILE", "--force"))
 
-    def test_pipes_without_an_end(self):
+    def test_endless_pipes(self):
         of_robot = ("--robot", "unitree_g1")
         for command in (("evaluate", "-", *of_robot, "--memory", "0.1"),
                         ("convert", "-", "o.csv", *of_robot, "--memory", "0.1"),
@@ -263,7 +263,7 @@ class SmallFiles(ToolTest):
                 self.assertIn("expected at most 25000000 bytes", " ".join(result.stderr.split()))
                 self.assertIn("--memory", result.stderr)
 
-    def test_settings_without_an_end(self):
+    def test_endless_settings(self):
         pipe = self.folder / "pipe"
         os.mkfifo(pipe)
         run = ("--bvh", sample("wave"), "--robot", "unitree_g1", "-o", "o.csv")

@@ -25,7 +25,7 @@ SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
 
 @functools.cache
 def is_sanitized():
-    """Whether the tool was built with a sanitizer, which takes memory and time of its own."""
+    """Whether the tool was built with a sanitizer, which needs more memory and time."""
     return bool(TOOL) and b"__asan_init" in pathlib.Path(TOOL).read_bytes()
 
 
@@ -71,12 +71,12 @@ def read_rows(text):
 
 
 def unwrapped(text):
-    """Messages with the lines that were broken to fit 80 columns put together again."""
+    """Joins message lines that were wrapped at 80 columns."""
     return re.sub(r"\n(?: {11}| {4})(?=\S)", " ", text)
 
 
 def difference(found, expected, tolerance):
-    """A text about the largest difference of two tables of rows; None if they agree."""
+    """Describes the largest difference of two tables of rows; None if they agree."""
     if len(found) != len(expected):
         return f"{len(found)} frames for {len(expected)}"
     worst, where = 0.0, None
@@ -92,7 +92,7 @@ def difference(found, expected, tolerance):
 
 
 class ToolTest(unittest.TestCase):
-    """A test with a folder of its own, in which the tool runs."""
+    """A test with a temporary folder, in which the tool runs."""
 
     def setUp(self):
         if not TOOL:
@@ -101,7 +101,7 @@ class ToolTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
     def tool_environment(self, **variables):
-        """This process's, without the robots that a user of this machine installed."""
+        """Returns the environment without robots installed by the user."""
         return {**os.environ, "XDG_DATA_HOME": str(self.folder / "data home"), **variables}
 
     def run_tool(self, *arguments, **options):
@@ -116,7 +116,7 @@ class ToolTest(unittest.TestCase):
         return result
 
     def run_measured(self, *arguments, seconds=60, **options):
-        """The tool's result with `peak`, the most memory that it had, in bytes."""
+        """Returns the tool's result with `peak`, its peak memory in bytes."""
         started = time.monotonic()
         with open(self.folder / "messages", "w+") as messages:
             options.setdefault("stdin", subprocess.DEVNULL)
@@ -136,7 +136,7 @@ class ToolTest(unittest.TestCase):
         return process
 
     def assert_small(self, result):
-        """No end by a signal, and no more than 300 MB."""
+        """Asserts no signal and at most 300 MB."""
         self.assertGreaterEqual(result.returncode, 0, result.stderr)
         if is_sanitized():
             return
@@ -160,7 +160,7 @@ class ToolTest(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def assert_fails(self, result, code, *words):
-        """One readable error (and perhaps a hint) with these words, and the exit code."""
+        """Asserts one readable error (perhaps with a hint) with these words, and the exit code."""
         self.assertEqual(result.returncode, code, result.stderr)
         errors = [line for line in result.stderr.splitlines() if "error:" in line]
         self.assertEqual(len(errors), 1, result.stderr)

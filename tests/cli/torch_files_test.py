@@ -32,7 +32,7 @@ def turned(vectors, axis, angle):
 
 
 def walking():
-    """A body that walks on the spot, Z up, as the arrays of an AMASS file (F rows, radians, m)."""
+    """Returns a body walking in place, Z up, as AMASS arrays (F rows, radians, m)."""
     phase = numpy.arange(FRAMES) / 30 * 2 * numpy.pi
     body = numpy.zeros((FRAMES, 63))
     swing = 0.5 * numpy.sin(phase)
@@ -51,7 +51,7 @@ def walking():
 @unittest.skipIf(numpy is None, "needs numpy")
 class TorchFiles(ToolTest):
     def csv_of(self, name, content, *options):
-        """The rows of the motion that a file becomes on the G1, and the result."""
+        """Retargets a file to the G1; returns the rows and the result."""
         self.write(name, content)
         result = self.run_tool(name, "g1", "-o", "out.csv", *options)
         self.assert_done(result)
@@ -66,7 +66,7 @@ class TorchFiles(ToolTest):
 
     def test_results_of_gvhmr(self):
         motion = walking()
-        # y up: a turn by a right angle against the clip; the numbers of the file are floats
+        # y up: rotated by a right angle relative to the clip; the file has floats.
         world = {"body_pose": motion["pose_body"].astype("f4"),
                  "global_orient": turned(motion["root_orient"], 0, -numpy.pi / 2).astype("f4"),
                  "transl": numpy.asfortranarray(motion["trans"][:, [0, 2, 1]].astype("f4")),
@@ -74,11 +74,11 @@ class TorchFiles(ToolTest):
         content = torch_bytes({"smpl_params_global": world, "smpl_params_incam": dict(world),
                                "K_fullimg": numpy.zeros((FRAMES, 3, 3), "f4"), "net_outputs": {}})
         rows, result = self.csv_of("hmr4d_results.pt", content)
-        self.assertIn("30 fps, to which GVHMR resamples videos, are assumed", result.stderr)
+        self.assertIn("assuming GVHMR's 30 fps", result.stderr)
         self.assertIn("up +z", result.stderr)
         first = (self.folder / "out.csv").read_bytes()
         self.assert_same(rows, self.npz_rows(motion), 2e-5)
-        # the same by its option, by standard input, and by another rate
+        # The same by its option, by standard input, and at another rate.
         result = self.run_tool("--smpl", "hmr4d_results.pt", "--robot", "g1", "-o", "again.csv")
         self.assert_done(result)
         self.assertEqual((self.folder / "again.csv").read_bytes(), first)
@@ -124,7 +124,7 @@ class TorchFiles(ToolTest):
         expected = self.npz_rows(motion)
         numpy.savez(self.folder / "cm.npz", **{**motion, "trans": 100 * motion["trans"]})
         rows, result = self.csv_of("cm.npz", (self.folder / "cm.npz").read_bytes())
-        self.assertIn("trans was taken as centimetres", result.stderr)
+        self.assertIn("assuming that trans is in centimetres", result.stderr)
         self.assert_same(rows, expected, 2e-6)
 
     def test_other_files_are_reported(self):
@@ -153,21 +153,21 @@ class TorchFiles(ToolTest):
             ("short.pt", whole[:len(whole) // 2], "the file was cut off"),
             ("nan.pt", torch_bytes(nan), 'array "trans": NaN in frame 3, column 1'),
             ("text.pt", torch_bytes({**motion, "poses": "walk"}), "found text of"),
-            ("beyond.pt", view(4, (1, 66), (1, 1)), "reaches beyond its storage of 6 numbers"),
+            ("beyond.pt", view(4, (1, 66), (1, 1)), "exceeds its storage of 6 numbers"),
             ("huge.pt", view(0, (1 << 40, 66), (0, 0)), "but its storage has 24 bytes"),
-            ("overflow.pt", view(0, (3, 66), (1 << 62, 1)), "reaches beyond its storage"),
+            ("overflow.pt", view(0, (3, 66), (1 << 62, 1)), "exceeds its storage"),
             ("strides.pt", view(0, (1, 66), (1,)), "do not match its shape"),
             ("weights.pt", torch_bytes({"conv.weight": numbers}), "a dictionary of conv.weight"),
             ("tensor.pt", torch_bytes(numbers), "one tensor of shape (6,)"),
-            ("robot.pt", torch_bytes({"dof_pos": numbers}), "found one of a robot"),
-            ("robot.pkl", pickle.dumps({"root_pos": 1, "dof_pos": 2}), "found one of a robot"),
+            ("robot.pt", torch_bytes({"dof_pos": numbers}), "found a robot motion"),
+            ("robot.pkl", pickle.dumps({"root_pos": 1, "dof_pos": 2}), "found a robot motion"),
             ("legacy.pt", b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.",
              "torch.save(torch.load("),
             ("two.p", pickle.dumps({0: walking(), 1: walking()}), "the file holds 2 motions: 0, 1"),
-            ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera's axes"),
+            ("camera.pt", torch_bytes({"smpl_params_incam": {"betas": numbers}}), "camera axes"),
             ("bomb.pt", torch_bytes({"poses": numpy.zeros((100000, 66), "f4"), **motion}, True),
              "but its storage has"),
-            ("wide.pt", torch_bytes(numpy.zeros((3, 591), "f4")), "no unit quaternion"),
+            ("wide.pt", torch_bytes(numpy.zeros((3, 591), "f4")), "not a unit quaternion"),
         )
         for name, content, words in cases:
             with self.subTest(name):
@@ -200,7 +200,7 @@ class RealFiles(ToolTest):
                 result = self.run_tool(folder / name, "g1", "-o", "o.csv", "--report", "o.json")
                 self.assert_done(result)
                 if name.startswith("gvhmr"):
-                    # its body is thrown about for two frames, late to come down again, and its feet do not rest
+                    # Its body is thrown about for two frames, lands late, and its feet do not rest.
                     self.assertRegex(result.stderr,
                                      r"missed +com_acc_p99 [^,]*,\s+hover_pct [^,]*,\s+source_slide_mean")
                     self.assertIn("verdict  25 of 28 gates kept", result.stderr)
@@ -209,7 +209,7 @@ class RealFiles(ToolTest):
 
     def test_a_robots_motion_is_reported(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"
-        self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found one of a robot",
+        self.assert_fails(self.run_tool(file, "g1", "-o", "o.csv"), 3, "found a robot motion",
                           "dof_pos", "--from-robot NAME", "retarget convert")
 
 

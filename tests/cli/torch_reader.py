@@ -40,14 +40,14 @@ class TorchUnpickler(pickle.Unpickler):
 
 def rebuild(storage: np.ndarray, offset: int, size: tuple, stride: tuple, requires_grad: bool,
             hooks: dict) -> np.ndarray:
-    """A tensor of a storage: offset and stride are in elements."""
+    """Returns a tensor as a view of a storage; offset and stride in elements."""
     assert not requires_grad and not hooks
     steps = [step * storage.itemsize for step in stride]
     return np.lib.stride_tricks.as_strided(storage[offset:], size, steps).copy()
 
 
 def load(path: pathlib.Path) -> dict[str, Any]:
-    """The dictionary in a file; every entry's checksum is looked at."""
+    """Returns the dictionary in a file; checks the checksum of every entry."""
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
         folders = {name.split("/")[0] for name in archive.namelist()}

@@ -62,7 +62,7 @@ class TorchPickle:
 
 
 def torch_bytes(value: Any, compress: bool = False) -> bytes:
-    """The file that torch.save would write of this; bytes in it are opcodes."""
+    """Returns the file that torch.save would write; bytes in the value are opcodes."""
     made = TorchPickle()
     return archive_of(b"\x80\x02" + made.value(value) + b".", made.storages, compress)
 

@@ -36,7 +36,7 @@ def rotation_vector(q):
 
 
 def samples(csv, fps, out_fps=50):
-    """Root position, root rotation (wxyz) and joints at out_fps, the end left out."""
+    """Returns root position, root rotation (wxyz) and joints at out_fps, without the end."""
     last = len(csv) - 1
     count = -(-last * out_fps // fps)  # times strictly before the last frame
     position, rotation, joints = [], [], []
@@ -51,7 +51,7 @@ def samples(csv, fps, out_fps=50):
 
 
 def fixed_to(model, bodies):
-    """For each body of the model the one of `bodies` that it moves with."""
+    """Returns, for each body of the model, the one of `bodies` that it moves with."""
     carrier = {0: None}
     for body in range(1, model.nbody):
         carrier[body] = body if body in bodies else carrier[model.body_parentid[body]]

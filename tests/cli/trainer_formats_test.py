@@ -45,18 +45,18 @@ def of_rotation_vectors(vectors):
 
 
 def same_rotations(a, b):
-    """Largest difference of quaternions, q and -q being one rotation."""
+    """Returns the largest quaternion difference, with q and -q equal."""
     return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1)).max()
 
 
 def read_sonic_csv(path):
-    """As MotionDataReader::ReadCSV: the first line is skipped, cells are parted by commas."""
+    """Reads like MotionDataReader::ReadCSV: skips the first line, splits cells at commas."""
     lines = path.read_text().splitlines()[1:]
     return np.array([[float(cell) for cell in line.split(",")] for line in lines])
 
 
 class Written(FormatsTest):
-    """Files made of the golden walk, which has 301 frames at 30 fps."""
+    """Files made from the golden walk, which has 301 frames at 30 fps."""
 
     def setUp(self):
         super().setUp()
@@ -80,7 +80,7 @@ class Written(FormatsTest):
         root = of_rotation_vectors(motion["pose_aa"][:, 0])
         self.assertLess(same_rotations(root, self.csv[:, 3:7]), 1e-6)
         self.assertLess(same_rotations(motion["root_rot"], self.csv[:, 3:7]), 1e-6)
-        # each joint turns about one axis
+        # Each joint rotates about one axis.
         self.assertLess(np.abs(motion["pose_aa"][:, 1:].sum(-1) - self.csv[:, 7:]).max(), 1e-6)
         self.assertNotIn("contact_mask", motion)
         self.read_back("lib.pkl")
@@ -111,7 +111,7 @@ class Written(FormatsTest):
         self.assertEqual(names, mjlab["joint_names"].tolist())
         for key, skipped in (("joint_pos", 7), ("joint_vel", 6)):
             self.assertTrue(np.array_equal(motion[key][:, skipped:], mjlab[key]), key)
-        # its loader looks bodies up by name, with the fixed ones among them
+        # Its loader looks up bodies by name, including fixed ones.
         self.assertIn("left_rubber_hand", bodies)
         self.assertEqual(len(set(bodies)), len(bodies))
         index = [bodies.index(name) for name in mjlab["body_names"]]
@@ -156,7 +156,7 @@ class Written(FormatsTest):
             expected = isaac[f"{name}_w"][:499, SONIC_BODIES]
             self.assertLess(np.abs(found - expected).max(), 1e-5, name)
         self.assertLess(np.abs(tables["joint_vel"][:499] - isaac["joint_vel"][:499]).max(), 1e-5)
-        # velocities of the bodies' origins
+        # Velocities of the body origins.
         steps = np.gradient(tables["body_pos"], 0.02, axis=0)
         self.assertLess(np.abs(steps - tables["body_lin_vel"])[1:-1].max(), 0.15)
         self.assertIn("csv-sonic", self.converted("walk", "a.csv"))
@@ -188,7 +188,7 @@ class Written(FormatsTest):
         speeds = np.gradient(motion["rigid_body_pos"], 1 / 30, axis=0)
         self.assertLess(np.abs(speeds - motion["rigid_body_vel"])[1:-1].max(), 0.4)
         self.read_back("walk.motion")
-        # the ending tells the format
+        # The extension identifies the format.
         self.converted(GOLDEN / "walk.csv", "again.motion")
         self.assertEqual((self.folder / "again.motion").read_bytes(),
                          (self.folder / "walk.motion").read_bytes())
@@ -221,7 +221,7 @@ class Published(FormatsTest):
             self.assertLess(np.abs(ours[key] - theirs[key]).max(), tolerance, key)
         self.assertLess(same_rotations(ours["rigid_body_rot"].reshape(-1, 4),
                                        theirs["rigid_body_rot"].reshape(-1, 4)), 2e-5)
-        # its velocities are smoothed over frames, ours are not
+        # Its velocities are smoothed over frames, retarget's are not.
         for key in ("rigid_body_vel", "rigid_body_ang_vel"):
             away = np.abs(ours[key] - theirs[key])
             self.assertLess(away.mean(), 0.1 * np.abs(theirs[key]).max(), key)
@@ -231,7 +231,7 @@ class Published(FormatsTest):
 
 
 class Solved(FormatsTest):
-    """Runs: contacts, and formats with a rate of their own."""
+    """Runs with contacts, and formats with their own rate."""
 
     FORMATS = ("csv", "npz-mjlab", "pkl-pbhc", "pkl-motion-lib", "protomotions", "csv-sonic")
 
@@ -255,7 +255,7 @@ class Solved(FormatsTest):
         for foot in (flags[:, :2], flags[:, 2:]):  # of a walk: both stand and swing
             self.assertTrue(0.2 < foot.any(-1).mean() < 0.95)
         feet = np.stack([flags[:, :2].any(-1), flags[:, 2:].any(-1)], -1)
-        # the loader's check: two dimensions, the second of two feet
+        # The loader's check: two dimensions, the second for two feet.
         mask = self.load("out.pbhc.pkl")["out"]["contact_mask"]
         self.assertEqual((mask.shape, mask.dtype), ((frames, 2), np.float32))
         self.assertTrue(np.array_equal(mask.astype(bool), feet))
@@ -265,7 +265,7 @@ class Solved(FormatsTest):
         self.assertEqual((motion.shape, motion.dtype), ((frames, 33), np.bool_))
         self.assertTrue(np.array_equal(motion[:, list(PROTO_FEET.values())], feet))
         self.assertEqual(motion.sum(), feet.sum())
-        # planted soles are on the floor and do not move
+        # Planted soles are on the floor and do not move.
         arrays = np.load(self.folder / "out.mjlab.npz")
         self.assertEqual(arrays["contact_names"].tolist(),
                          ["left_heel", "left_toe", "right_heel", "right_toe"])
@@ -287,7 +287,7 @@ class Solved(FormatsTest):
                        "a.csv")
         self.assertTrue(np.array_equal(self.contacts("a.csv")[:, 2:], flags))
         self.assertTrue(np.array_equal(np.load(self.folder / "a.npz")["contacts"], flags[:-1]))
-        # at another rate each sample has what the nearest frame has
+        # At another rate, each sample takes the values of the nearest frame.
         self.converted("out.mjlab.npz", "b.csv", "--fps", "25", "--contacts", "c.csv")
         self.assertTrue(np.array_equal(self.contacts("c.csv")[:, 2:], flags[::2]))
         for name in ("out.pbhc.pkl", "out.motion", "out.sonic"):
@@ -306,7 +306,7 @@ class Solved(FormatsTest):
         fast = np.array(self.rows("fast.csv"))
         together = np.load(self.folder / "out.mjlab.npz")
         self.assertLess(np.abs(together["joint_pos"] - fast[:-1, 7:]).max(), 1e-6)
-        # and alone, with the same bytes
+        # Also alone, with the same bytes.
         result = self.retarget("--frames", "0:90", "--format", "npz-mjlab", "--sidecar",
                                bvh=sample("walk"), output="alone.npz")
         self.assert_done(result)
@@ -314,7 +314,7 @@ class Solved(FormatsTest):
         self.assertEqual((self.folder / "alone.npz").read_bytes(),
                          (self.folder / "out.mjlab.npz").read_bytes())
         self.assert_done(self.run_tool("verify", "alone.npz.json"))
-        # interpolation has corners
+        # Interpolation leaves corners.
         self.converted("out.csv", "slow.npz", "--format", "npz-mjlab")
         slow = np.load(self.folder / "slow.npz")
 
@@ -404,9 +404,9 @@ class BadFiles(FormatsTest):
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "-", "--format", "csv-sonic"), 2,
                           "standard output")
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "x.csv", "--format", "csv-sonic"), 2,
-                          "makes a folder")
+                          "writes a folder")
 
-    def test_what_is_no_motion(self):
+    def test_invalid_motions(self):
         self.write("weights.pt", torch_bytes({"layer.weight": np.zeros((3, 3), np.float32)}))
         self.assert_fails(self.convert("weights.pt", "x.csv"), 3, "dof_pos", "layer.weight")
         row = [0.0, 0.0, 0.8, 0.0, 0.0, 0.0] + [0.0] * 29
@@ -417,16 +417,16 @@ class BadFiles(FormatsTest):
             with self.subTest(words=words):
                 self.write("bad.pkl", pickle.dumps({"loop_mode": 0, "fps": 30, "frames": frames}))
                 self.assert_fails(self.convert("bad.pkl", "x.csv"), 3, words)
-        # one row that stands for many
+        # One row that represents many.
         bomb = b"\x80\x04}(\x8c\x09loop_modeK\x00\x8c\x03fpsK\x1e\x8c\x06frames]("
         bomb += b"](" + b"K\x00" * 20_000 + b"eq\x00" + b"h\x00" * 20_000 + b"eu."
         self.write("bad.pkl", bomb)
-        self.assert_fails(self.convert("bad.pkl", "x.csv"), 3, "room for")
+        self.assert_fails(self.convert("bad.pkl", "x.csv"), 3, "than the file size allows")
         self.converted(GOLDEN / "walk.csv", "walk", "--format", "csv-sonic")
         text = (self.folder / "walk/joint_pos.csv").read_text()
         for changed, words in ((text.replace(",", ";", 40), "not a number"),
                                (text.rsplit(",", 1)[0] + "\n", "expected 29 numbers"),
-                               ("joint_0\n", "no frames"), ("a\n0\n", "disagree")):
+                               ("joint_0\n", "no frames"), ("a\n0\n", "different numbers of frames or bodies")):
             with self.subTest(words=words):
                 self.write("walk/joint_pos.csv", changed)
                 self.assert_fails(self.convert("walk", "x.csv"), 3, words)

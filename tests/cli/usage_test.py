@@ -64,7 +64,7 @@ class Words(ToolTest):
         self.assertTrue((self.folder / "two" / "unitree_g1" / "walk.csv").exists())
         self.assertTrue((self.folder / "two" / "booster_t1" / "walk.csv").exists())
 
-    def test_one_word_too_many(self):
+    def test_extra_words_are_errors(self):
         self.write("wave.bvh", sample("wave").read_bytes())
         for words in (("walk.bvh", "wave.bvh"), ("walk.bvh", "--bvh", "wave.bvh")):
             self.assert_fails(self.run_tool(*words, "-o", "x.csv"), 2, "two motions", "wave.bvh",
@@ -101,7 +101,7 @@ class Mistakes(ToolTest):
         self.assertIn("  help ", self.run_tool("--help").stdout)
         self.assert_fails(self.run_tool("help", "walk"), 2, '"walk"')
 
-    def test_help_fits_a_screen_and_all_of_it_is_to_be_had(self):
+    def test_short_help_fits_a_screen(self):
         for command in ((), *((name,) for name in COMMANDS), ("edit", "path")):
             short = self.run_tool(*command, "--help").stdout
             self.assertLessEqual(len(short.splitlines()), 60, command)
@@ -120,7 +120,7 @@ class Mistakes(ToolTest):
         self.assertEqual(made.stdout, page, "retarget generate options > docs/options.md")
 
     def test_a_name_has_one_meaning_in_all_commands(self):
-        """The kinds of value that a name takes: a flag, a file, seconds, one of some words."""
+        """Checks the value type of each name: a flag, a file, seconds, a choice."""
         kinds = {}
         for line in self.run_tool("generate", "options").stdout.splitlines():
             row = re.match(r"\| `--([a-z0-9-]+)`[^|]* \| ((?:\\\||[^|])*) \|", line)
@@ -192,10 +192,10 @@ class Mistakes(ToolTest):
                 (("robots", "add"), "no name and no --model are given"),
                 (("edit",), "retarget edit needs one of the commands rest, transfer")):
             self.assert_fails(self.run_tool(*words), 2, missing)
-        # a merge has neither clips nor a robot
+        # A merge has neither clips nor a robot.
         self.assert_fails(self.run_tool("batch", "--merge", "-o", "none"), 2, '"none" is not the output')
 
-    def test_a_folder_where_a_file_is_wanted(self):
+    def test_folder_instead_of_a_file(self):
         (self.folder / "clips").mkdir()
         for words in (("clips", "g1", "-o", "x.csv"), ("clips",), ("inspect", "clips"),
                       ("--bvh", "clips", "--robot", "g1", "-o", "x.csv"),
@@ -241,7 +241,7 @@ class Mistakes(ToolTest):
         self.assertNotIn("omit", told.stderr)
         self.assert_done(self.run_tool(*line, "--ik-config", "derived"))
 
-    def test_a_search_of_whole_clips_is_not_told_in_seconds(self):
+    def test_whole_clip_search_is_reported_without_seconds(self):
         # A clip of lying for a second and a third has no pose in common with a walk.
         self.write("lying.bvh", short_clip("get_up", 40))
         refused = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "-o", "x.bvh")

@@ -1,4 +1,4 @@
-"""Pages of `retarget view` and `--html` in a browser without a window."""
+"""Pages of `retarget view` and `--html` in a headless browser."""
 
 import base64
 import os
@@ -40,7 +40,7 @@ MOST_FRAME_TIME = 2.0  # of the time of the arithmetic: twice what it takes
 
 
 class InABrowser(ToolTest):
-    """One browser, and pages that are made once."""
+    """Tests that share one browser and its pages."""
 
     @classmethod
     def setUpClass(cls):
@@ -82,12 +82,12 @@ class InABrowser(ToolTest):
         return self.browser.run(script)
 
     def assert_quiet(self, page):
-        """Nothing on the console, and nothing asked for but the page itself."""
+        """Asserts an empty console and no requests except for the page."""
         self.assertEqual(self.browser.complaints(), [])
         self.assertEqual(self.browser.requests(), [(self.pages / page).resolve().as_uri()])
 
     def test_bodies_are_where_mujoco_has_them(self):
-        """The scene against MuJoCo's own kinematics of the CSV."""
+        """Compares the scene with MuJoCo's kinematics of the CSV."""
         mujoco = load_mujoco()
         model = mujoco.MjModel.from_xml_path(str(ROBOT))
         data = mujoco.MjData(model)
@@ -99,7 +99,7 @@ class InABrowser(ToolTest):
             self.assertEqual(self.run_script("retarget.motions[0].frames"), len(rows))
             worst = 0.0
             for frame in random.Random(7).sample(range(len(rows)), 20):
-                # quaternions of the CSV have w last
+                # CSV quaternions have w last.
                 data.qpos[:] = rows[frame]
                 data.qpos[3:7] = rows[frame, [6, 3, 4, 5]]
                 mujoco.mj_kinematics(model, data)
@@ -130,7 +130,7 @@ class InABrowser(ToolTest):
                 for each in self.run_script(f"retarget.bones(0, {frame})")
             }
             at = columns[hips]
-            # the file is in centimetres with y up
+            # The file is in centimetres with y up.
             x, y, z = places[frame, at : at + 3] / 100.0
             self.assertLess(np.abs(np.array([x, -z, y]) - bones["Hips"]).max(), 1e-4)
 
@@ -157,7 +157,7 @@ class InABrowser(ToolTest):
         self.assertEqual(self.time(), 0.0)
         self.browser.press("ArrowRight")
         self.assertAlmostEqual(self.time(), 1.0)
-        # a part that is looped, at four times the speed
+        # A looped part, at four times the speed.
         self.browser.press("i")
         self.run_script("retarget.player.seek(1.5)")
         self.browser.press("o")
@@ -194,7 +194,7 @@ class InABrowser(ToolTest):
             before = after
         self.assertEqual(self.time(), 2.0)
         self.assertEqual(self.run_script("retarget.player.speed"), 1)
-        # a click does not give it: arrows move through time again
+        # A click does not set the focus: arrows still move through time.
         self.browser.click(240, 120)
         self.assertEqual(self.run_script("document.activeElement.tagName"), "BODY")
         self.browser.press("ArrowRight")
@@ -241,7 +241,7 @@ class InABrowser(ToolTest):
         )
         self.browser.click(x, y)
         self.assertAlmostEqual(self.time(), floating["worst"] / 30.0)
-        # from the list as well
+        # Also from the list.
         self.run_script("document.getElementById('tab-faults').click()")
         self.run_script("[...document.querySelectorAll('.list button')].at(-1).click()")
         self.assertAlmostEqual(self.time(), faults[-1]["worst"] / 30.0)
@@ -289,7 +289,7 @@ class InABrowser(ToolTest):
         header, tracks = data_of(page)[0], tracks_of(page)
         bodies = self.run_script("retarget.bodies(0).map((each) => each.name)")
         name = "left_ankle_roll_link"
-        # fifteen a second
+        # Fifteen per second.
         self.assertEqual([each["error_stride"] for each in header["motions"]], [2, 2])
         self.run_script(
             "const select = document.querySelector('#panel-body select');"
@@ -310,7 +310,7 @@ class InABrowser(ToolTest):
                 self.assertAlmostEqual(shown["rotation"], values["rotation"], places=6)
                 for key, unit in (("position", "cm"), ("rotation", "\u00b0")):
                     self.assertIn(f"{values[key]:.1f}\u202f{unit}", panel)
-        # its curves, with the cursor in step
+        # Its curves, with a synchronous cursor.
         self.run_script("document.getElementById('tab-joints').click()")
         plots = "[...document.querySelectorAll('#panel-joints section .plot')]"
         self.assertEqual(
@@ -318,14 +318,14 @@ class InABrowser(ToolTest):
             ["position error, cm", "rotation error, \u00b0"],
         )
         cursor = f"{plots}[0].querySelector('.cursor').getBoundingClientRect().left"
-        # drawn once the browser has told its size
+        # Drawn once the browser has reported its size.
         area = "document.querySelector('#panel-joints section .area').getBoundingClientRect()"
         for frame in (250, 60):
             self.run_script(f"retarget.show({frame})")
             there = f"{area}.left + {frame} / 300 * {area}.width"
             self.browser.wait_for(f"Math.abs({cursor} + 0.75 - ({there})) < 3")
         self.assert_quiet("two.html")
-        # another body has its own, none has none
+        # Another body has its own curves, an empty selection has none.
         self.run_script(
             "select.value = ''; select.dispatchEvent(new Event('change'))"
         )
@@ -344,7 +344,7 @@ class InABrowser(ToolTest):
         humans = self.run_script("retarget.humans()")
         self.assertEqual([each["motion"] for each in humans], [0, 1])
         self.assertEqual(self.run_script(f"{button}.getAttribute('aria-pressed')"), "true")
-        # room is made for the second
+        # The layout makes room for the second one.
         self.assertGreater(np.linalg.norm(self.run_script(apart)), before + 0.3)
         places = [np.array(each["place"]) for each in humans]
         self.assertGreater(np.linalg.norm(places[1] - places[0]), 0.5)
@@ -356,7 +356,7 @@ class InABrowser(ToolTest):
         self.run_script(f"{button}.click()")
         self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
         self.assert_quiet("two.html")
-        # one motion has nothing to choose
+        # A single motion has no choice.
         self.open("one.html", size=(640, 420))
         self.assertTrue(self.run_script(f"{button} === undefined"))
 
@@ -372,7 +372,7 @@ class InABrowser(ToolTest):
         self.assertEqual(
             self.run_script("getComputedStyle(document.body).backgroundColor"), "rgb(20, 23, 28)"
         )
-        # everything that is pressed is within the window's width
+        # All controls are within the window's width.
         outside = self.run_script(
             "[...document.querySelectorAll('button, select, input')]"
             ".filter((each) => each.offsetParent && !each.closest('.lane'))"
@@ -573,7 +573,7 @@ class InABrowser(ToolTest):
         self.assertLess(min(ratios), MOST_FRAME_TIME)
 
     def frame_time(self):
-        """The median of what a frame's callback takes, milliseconds."""
+        """Returns the median time of the frame callback, milliseconds."""
         self.run_script("retarget.frameTimes.length = 0; retarget.player.play()")
         self.browser.wait_for("retarget.frameTimes.length >= 25", wait=150)
         self.run_script("retarget.player.pause()")
@@ -594,7 +594,7 @@ class InABrowser(ToolTest):
         })()""")))
 
     def test_pictures(self):
-        """Coarse pictures against those that are checked in.
+        """Compares coarse pictures with the committed ones.
 
         RETARGET_WRITE_PICTURES=1 writes them anew."""
         scenes = {
@@ -611,7 +611,7 @@ class InABrowser(ToolTest):
         for name, (page, fragment, features, script) in scenes.items():
             self.open(page, fragment, size=(640, 400), features=features)
             self.run_script(script)
-            # the scene alone, in a size that hangs on no letters: they look otherwise elsewhere
+            # Only the scene, at a size independent of fonts, which differ between machines.
             self.run_script("""Object.assign(document.getElementById('stage').style,
                 {position: 'fixed', left: 0, top: 0, width: '640px', height: '400px',
                  minHeight: 0});""")
@@ -619,7 +619,7 @@ class InABrowser(ToolTest):
                 "(({ width, height }) => width === 640 && height === 400)"
                 "(document.getElementById('canvas'))"
             )
-            # the camera as it would be in a window of this size
+            # The camera of a window of this size.
             self.browser.press("r")
             picture = self.run_script("retarget.picture()")
             pixels = np.frombuffer(base64.b64decode(picture["rgba"]), np.uint8)
@@ -637,7 +637,7 @@ class InABrowser(ToolTest):
                 mean, share = pictures.differences(picture, expected)
                 self.assertLess(mean, 4.0)
                 self.assertLess(share, 0.02)
-        # and the comparison can fail
+        # The comparison can fail.
         mean, share = pictures.differences(found["beside"], found["three"])
         self.assertTrue(mean > 4.0 and share > 0.02)
 

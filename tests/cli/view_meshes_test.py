@@ -9,9 +9,9 @@ from mujoco_python import load_mujoco
 from pages import data_of, tracks_of
 from tool import SOURCE, ToolTest
 
-# half a step of the page's vertices along each axis
+# Half a step of the page's vertices along each axis.
 TOLERANCE = 0.5 * 4e-4 * np.sqrt(3) + 1e-6
-# nothing is symmetric, so that no axis can be taken for another
+# Nothing is symmetric, so that axes cannot be confused.
 CORNERS = np.array(
     [[0, 0, 0], [0.13, 0.02, 0], [0.01, 0.21, 0.03], [0.02, 0.01, 0.34], [0.2, 0.1, 0.3]]
 )
@@ -76,7 +76,7 @@ class Meshes(ToolTest):
         file.write_bytes(content if isinstance(content, bytes) else content.encode())
 
     def make_maker(self):
-        """A model with its meshes, and a motion of it."""
+        """Creates a model with meshes, and a motion of it."""
         self.make("maker/model.xml", MODEL)
         self.make("maker/assets/trunk.stl", binary_stl(1000))
         self.make("maker/assets/arm.stl", binary_stl(1000))
@@ -104,13 +104,13 @@ class Meshes(ToolTest):
         }
 
     def assert_same_points(self, found, expected):
-        """Every point is one of the others, either way."""
+        """Asserts that both point sets are equal."""
         apart = np.linalg.norm(found[:, None] - expected[None], axis=2)
         self.assertLess(apart.min(axis=1).max(), TOLERANCE)
         self.assertLess(apart.min(axis=0).max(), TOLERANCE)
 
     def expected(self, mujoco, path):
-        """Vertices by body as MuJoCo puts them, of the geoms that are to be seen."""
+        """Returns the vertices of visible geoms by body, placed by MuJoCo."""
         model = mujoco.MjModel.from_xml_path(str(path))
         bodies = {}
         for geom in range(model.ngeom):
@@ -157,7 +157,7 @@ class Meshes(ToolTest):
             ).sum() / 6
             self.assertGreater(volume * np.sign(own), 0, name)
 
-    def test_a_run_draws_them_as_well(self):
+    def test_runs_draw_meshes(self):
         self.make("robot/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text().replace(
             "<worldbody>", '<asset><mesh file="knee.stl"/></asset><worldbody>', 1).replace(
             '<joint name="left_knee_joint"', '<geom type="mesh" mesh="knee"/>'

@@ -20,7 +20,7 @@ class PageFiles(ToolTest):
     """Without a browser."""
 
     def long_walk(self, times):
-        """The sample walk so many times, one after the other."""
+        """Returns the sample walk repeated `times` times."""
         lines = sample("walk").read_text().splitlines()
         at = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
         rows = lines[at + 2 :] * times
@@ -72,7 +72,7 @@ class PageFiles(ToolTest):
             both = [figure["value"], figure["p95"]] if "p95" in figure else figure["value"]
             self.assertEqual(both, report[figure["key"]])
         self.assertEqual(len(shown["faults"]), len(report["faults"]))
-        # and a page that is made of the file afterwards shows them, too
+        # A page made later from the file shows them, too.
         self.assert_done(
             self.run_tool(
                 "view", "walk.csv", "--robot", "unitree_g1", "--bvh", clip, "-o", "again.html"
@@ -85,12 +85,12 @@ class PageFiles(ToolTest):
 
     def test_errors_over_time_are_those_of_the_report(self):
         clip = self.write("walk.bvh", short_clip("walk", 61))
-        # at a rate of which every frame has its errors
+        # At a rate at which every frame has its errors.
         page = self.run_page("--method", "gmr", "--fps", 15, "--report", "walk.json", clip=clip)
         [report] = json.loads((self.folder / "walk.json").read_text())["motions"]
         header, tracks = data_of(page)[0], tracks_of(page)
         errors = {each["body"]: each for each in header["motions"][0]["errors"]}
-        # of each body its last table's
+        # The errors of each body's last table.
         rows = {row["body"]: row for row in report["tracking"]}
         self.assertEqual(errors.keys(), rows.keys())
         self.assertGreater(len(rows), 10)
@@ -157,7 +157,7 @@ class PageFiles(ToolTest):
         for name in ("two.svg", "p.html", "c.csv"):
             self.assertFalse((self.folder / name).exists(), name)
 
-    def test_what_is_only_for_pages_or_pictures_is_refused(self):
+    def test_options_for_the_other_output_are_rejected(self):
         clip = self.write("walk.bvh", short_clip("walk", 20))
         self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
         view = ("view", "a.csv", "--robot", "unitree_g1")
@@ -171,7 +171,7 @@ class PageFiles(ToolTest):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(message, result.stderr)
                 self.assertFalse((self.folder / arguments[1]).exists())
-        # both at once are for both
+        # Both options apply to both motions.
         self.assert_done(self.run_tool(*view, "-o", "P.HTML", "--png", "p.png", "--strip", 2))
         self.assertIn("<!doctype html>", (self.folder / "P.HTML").read_text())
 
@@ -199,7 +199,7 @@ class PageFiles(ToolTest):
             )
         )
         first, second = data_of((self.folder / "p.html").read_text())[0]["motions"]
-        # two seconds of both, though the source is looked at at the rate of the first
+        # Two seconds of both, although the source is sampled at the rate of the first.
         self.assertEqual(first["rate"], second["rate"])
         rate = first["rate"][0] / first["rate"][1]
         self.assertAlmostEqual(rate, 50)
@@ -213,7 +213,7 @@ class PageFiles(ToolTest):
         self.assert_done(
             self.retarget("--method", "gmr", bvh=clip, robot="unitree_g1", output="a.csv")
         )
-        # a quarter turn to the left about the vertical, and three metres on
+        # A quarter turn to the left about the vertical, and three metres ahead.
         half = math.sqrt(0.5)
         rows = []
         for line in (self.folder / "a.csv").read_text().splitlines():

@@ -1,4 +1,4 @@
-"""Where pages put bodies: their script, in Node, against kinematics of the models' files."""
+"""Body positions of pages: their script, in Node, against the kinematics of the models."""
 
 import base64
 import json
@@ -13,7 +13,7 @@ from pages import data_of
 from tool import NODE, SOURCE, ToolTest, run_in_node
 
 FRAMES = 7
-# of all positions; joints are rounded to 5e-5 rad
+# For all positions; joints are rounded to 5e-5 rad.
 TOLERANCE = 2e-4
 
 # a slide and a hinge with references, a hinge beside its body's origin
@@ -65,7 +65,7 @@ def numbers(element, name, default):
 
 
 class Model:
-    """An MJCF file of radians with one tree that floats."""
+    """An MJCF file in radians with one floating tree."""
 
     def __init__(self, text):
         root = xml.fromstring(text)
@@ -82,7 +82,7 @@ class Model:
         }
 
     def places(self, position, quaternion, values):
-        """World positions of all bodies by name; `values` by joint, those without one are at 0."""
+        """Returns world positions of all bodies by name; joints without a value are at 0."""
         found = {}
 
         def visit(body, place, turn):
@@ -121,7 +121,7 @@ class Positions(ToolTest):
         return [dict(frame) for frame in run_in_node(self, script)]
 
     def check(self, text, order, *options):
-        """A motion of all joints, anywhere and however turned."""
+        """Compares a motion of all joints at arbitrary root poses."""
         model = Model(text)
         numbers_of = np.random.default_rng(5)
         low, high = np.array(

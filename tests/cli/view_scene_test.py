@@ -1,4 +1,4 @@
-"""The motions that pages show, in numbers: parts of viewer/src that need no browser, in Node."""
+"""Numbers of the motions in pages: parts of viewer/src without a browser, in Node."""
 
 import json
 import unittest

@@ -42,7 +42,7 @@ class View(ToolTest):
         return (self.folder / output).read_bytes()
 
     def poses(self, svg):
-        """Times below the poses; well-formed XML, or this fails."""
+        """Returns the times below the poses; fails for malformed XML."""
         return [text.text for text in xml.fromstring(svg).iter(SVG + "text")]
 
     def shapes(self, svg):

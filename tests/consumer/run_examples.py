@@ -16,7 +16,7 @@ ROBOT = "unitree_g1"
 
 
 def hiding_command():
-    """Puts an empty folder over the source tree for one command; empty: not allowed here."""
+    """Mounts an empty folder over the source tree for one command; empty if not permitted."""
     command = ["unshare", "--mount", "--map-root-user", "sh", "-c",
                'mount -t tmpfs none "$0" && exec "$@"', str(SOURCE)]
     try:

@@ -1,4 +1,4 @@
-// How large robots are by their legs, and what of a movement's figures goes with it.
+// Robot size from the leg length, and the figures that scale with it.
 
 #include "solve/dynamics/body_size.h"
 
@@ -12,10 +12,10 @@
 namespace retarget {
 namespace {
 
-TEST(BodySize, IsTheLegsInTermsOfAG1s) {
+TEST(BodySize, IsTheLegLengthRelativeToTheG1) {
   EXPECT_EQ(body_size(*load_shipped("unitree_g1")), 1.0);
   EXPECT_EQ(body_size(*load_shipped("unitree_g1_with_hands")), 1.0);
-  // legs as reports measure them (docs/quality.md)
+  // Legs as measured by reports (docs/quality.md).
   const std::vector<std::pair<std::string, double>> legs = {
       {"booster_t1_29dof", 0.512}, {"engineai_pm01", 0.694}, {"fourier_n1", 0.569},
       {"pal_talos", 0.705},        {"pnd_adam_lite", 0.793}, {"stanford_toddy", 0.231},
@@ -25,8 +25,8 @@ TEST(BodySize, IsTheLegsInTermsOfAG1s) {
   }
 }
 
-// A torque that a G1 hardly notices topples a robot of a third of its size.
-TEST(BodySize, TorquesCountInTermsOfTheSize) {
+// A torque that is negligible for a G1 topples a robot of a third of its size.
+TEST(BodySize, ScalesTorques) {
   DynamicsSample sample;
   sample.unexplained_torque << 0.02, 0.0, 0.0;
   EXPECT_FALSE(sample.is_bad());

@@ -18,7 +18,7 @@ namespace {
 
 using RowMajor3Xd = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 
-TEST(CentroidalMap, RowsAreMujocos) {
+TEST(CentroidalMap, RowsMatchMujoco) {
   for (const char* name : {"unitree_g1", "pal_talos", "booster_t1_29dof"}) {
     const auto robot = load_shipped(name);
     const mjModel* model = robot->model();

@@ -1,5 +1,5 @@
-// How little a centre of mass has to be moved for contacts to carry it: closed forms, and that no
-// nearby answer is better.
+// Minimal movement of a centre of mass for contacts to carry it: closed forms, and comparison with
+// nearby solutions.
 
 #include "solve/dynamics/centroidal_step.h"
 
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr CentroidalScale kScale{35.0, 0.3, 1.0 / 30.0};
 
-// standing on two feet under a centre of mass 0.7 m high, which is at the origin
+// A stance on two feet, with the centre of mass 0.7 m high at the origin.
 std::vector<CentroidalFrame> standing(int count) {
   std::vector<CentroidalFrame> frames(static_cast<std::size_t>(count));
   for (CentroidalFrame& frame : frames) {
@@ -50,7 +50,7 @@ double missing(const std::vector<CentroidalFrame>& frames, const std::vector<Vec
   return sum;
 }
 
-// a surge that is a function of time, and a shiver of so much at half the frame rate
+// A surge as a function of time, and a tremor of this size at half the frame rate.
 std::vector<CentroidalFrame> surge(double fps, double shiver) {
   auto frames = standing(static_cast<int>(std::lround(2.0 * fps)) + 1);
   for (std::size_t t = 0; t < frames.size(); ++t) {
@@ -91,8 +91,8 @@ TEST(CentroidalStep, DoesNotMoveAStandingBody) {
   for (const Vector6d& rest : step.unexplained()) EXPECT_LT(rest.norm(), 1e-4);
 }
 
-// a surge of 0.8 g within three frames, as feet that snap into place make it
-TEST(CentroidalStep, ASurgeIsSmoothedAway) {
+// A surge of 0.8 g within three frames, as feet that snap into place cause it.
+TEST(CentroidalStep, SmoothsASurge) {
   auto frames = standing(40);
   for (const int t : {18, 19}) frames[static_cast<std::size_t>(t)].needed[0] += 0.8;
   for (const int t : {20, 21}) frames[static_cast<std::size_t>(t)].needed[0] -= 0.8;
@@ -104,12 +104,12 @@ TEST(CentroidalStep, ASurgeIsSmoothedAway) {
   EXPECT_LT(missing(frames, x, step.accelerations()), 0.15 * before);
   double largest = 0.0;
   for (const Vector6d& move : x) largest = std::max(largest, move.head<3>().norm());
-  // twice integrated, the surge is 0.8 g times four frames squared
+  // Integrated twice, the surge is 0.8 g times four frames squared.
   EXPECT_LT(largest, 4.0 * 0.8 * kGravity * kScale.frame_time * kScale.frame_time);
   EXPECT_GT(largest, 1e-3);
 }
 
-// with nothing to push against only free fall needs nothing: a body that is held up bends to it
+// Without contacts only free fall needs no force: a supported body is bent to it.
 TEST(CentroidalStep, AFlyingBodyFalls) {
   auto frames = standing(40);
   for (std::size_t t = 15; t < 25; ++t) {
@@ -120,7 +120,7 @@ TEST(CentroidalStep, AFlyingBodyFalls) {
   const std::vector<Vector6d> none(frames.size(), Vector6d::Zero());
   const std::vector<Vector6d> x = step.solve(frames, kScale, 8);
   EXPECT_LT(missing(frames, x, step.accelerations()), 0.4 * missing(frames, none, none));
-  // it rises before and after, and falls between
+  // It rises before and after, and falls between.
   EXPECT_GT(x[20][2], x[15][2]);
 }
 
@@ -132,7 +132,7 @@ TEST(CentroidalStep, DoesNotMoveUntrustedFrames) {
   for (const Vector6d& x : step.solve(frames, kScale, 4)) EXPECT_LT(x.norm(), 1e-9);
 }
 
-TEST(CentroidalStep, TheEndsStay) {
+TEST(CentroidalStep, DoesNotMoveTheEnds) {
   auto frames = standing(12);
   for (CentroidalFrame& frame : frames) frame.needed[0] += 0.9;
   CentroidalStep step;
@@ -160,7 +160,7 @@ TEST(CentroidalStep, TakesNoStepWithNumbersThatAreNotFinite) {
     ASSERT_EQ(x.size(), frames.size());
     for (const Vector6d& each : x) EXPECT_EQ(each, Vector6d::Zero());
     for (const Vector6d& each : step.accelerations()) EXPECT_EQ(each, Vector6d::Zero());
-    // of the next problem it knows nothing
+    // The next problem must not depend on the previous one.
     frames = surge(30.0, 0.0);
     step.find_unexplained(frames, kScale);
     step.solve(frames, kScale, 8);

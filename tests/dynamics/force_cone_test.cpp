@@ -40,7 +40,7 @@ TEST(ForceCone, ResidualIsZeroForForcesInTheCone) {
 
 // The residual to the nearest point of a cone is orthogonal to that point and makes no acute angle
 // with any edge.
-TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
+TEST(ForceCone, ResidualSatisfiesTheConditionsOfTheNearestPoint) {
   ConeProjector projector;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -51,13 +51,13 @@ TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
     const Vector6d rest = projector.project(cone, given);
     EXPECT_NEAR(rest.dot(given - rest), 0.0, 2e-5);
     EXPECT_LT((cone.edges().transpose() * rest).maxCoeff(), 2e-5);
-    // begun from nothing it is the same
+    // A cold start gives the same result.
     ForceCone fresh = two_feet();
     EXPECT_LT((projector.project(fresh, given) - rest).norm(), 1e-4);
   }
 }
 
-TEST(ForceCone, NothingPulls) {
+TEST(ForceCone, ContactsNeverPull) {
   ForceCone cone = two_feet();
   ConeProjector projector;
   const Vector6d down = wrench({0, 0, -1}, Vector3d::Zero());
@@ -69,20 +69,20 @@ TEST(ForceCone, NothingPulls) {
   EXPECT_EQ(projector.complement(), Matrix6d::Identity());
 }
 
-// one point, a horizontal force beyond its friction: the pyramid's side mu z = x is nearest
+// One point with a horizontal force beyond its friction: the pyramid face mu z = x is nearest.
 TEST(ForceCone, FrictionIsAPyramid) {
   ForceCone cone;
   cone.clear();
   cone.add_point(Vector3d::Zero(), 0.5);
   ConeProjector projector;
   const Vector6d rest = projector.project(cone, wrench({1, 0, 1}, Vector3d::Zero()));
-  // the point of (0.5, 0, 1) s nearest to (1, 0, 1)
+  // The point of (0.5, 0, 1) s nearest to (1, 0, 1).
   const Vector3d edge(0.5, 0, 1);
   const Vector3d nearest = edge * (1.5 / edge.squaredNorm());
   EXPECT_LT((rest.head<3>() - (Vector3d(1, 0, 1) - nearest)).norm(), 1e-4);
 }
 
-TEST(ForceCone, TheComplementIsTheDerivativeOfTheRest) {
+TEST(ForceCone, ComplementIsTheDerivativeOfTheResidual) {
   constexpr double kStep = 1e-5;
   ConeProjector projector;
   std::mt19937 random(7);
@@ -97,7 +97,7 @@ TEST(ForceCone, TheComplementIsTheDerivativeOfTheRest) {
     const Matrix6d complement = projector.complement();
     const Vector6d after = projector.project(cone, given + kStep * way);
     const Matrix6d complement_after = projector.complement();
-    // not across a kink
+    // Avoids kinks of the projection.
     if ((complement - complement_after).norm() > 1e-6) continue;
     ++compared;
     EXPECT_LT(((after - rest) / kStep - complement * way).norm(), 2e-3 * way.norm());

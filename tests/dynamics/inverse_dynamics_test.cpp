@@ -23,7 +23,7 @@ std::vector<std::shared_ptr<const Robot>> robots() {
           load_shipped("stanford_toddy")};
 }
 
-// MuJoCo's, with nothing but weight and inertia in it
+// MuJoCo's inverse dynamics with only weight and inertia.
 class Reference {
  public:
   explicit Reference(const Robot& robot)
@@ -70,7 +70,7 @@ void randomise(const Robot& robot, std::mt19937& random, MotionState& state) {
   for (double& a : state.acceleration) a = 20.0 * normal(random);
 }
 
-TEST(InverseDynamics, ForcesAreMujocos) {
+TEST(InverseDynamics, ForcesMatchMujoco) {
   for (const auto& robot : robots()) {
     const Inertias inertias = make_inertias(*robot);
     InverseDynamics own(robot->tree(), inertias);

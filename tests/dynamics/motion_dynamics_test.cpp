@@ -17,7 +17,7 @@
 namespace retarget {
 namespace {
 
-// the G1 in its zero configuration, its soles on the floor
+// The G1 in its zero configuration, with its soles on the floor.
 RobotClip standing(int frames, double fps = 30.0) {
   const auto robot = load_shipped("unitree_g1");
   RobotClip clip(robot, frame_rate_from_fps(fps), frames);
@@ -101,7 +101,7 @@ TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
   }
 }
 
-// a floor that is a few millimetres off is found by the soles that stand on it
+// A floor that is a few millimetres off is found from the standing soles.
 TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
   RobotClip clip = standing(60);
   for (int t = 0; t < 60; ++t) clip.qpos(t)[2] += 0.03;
@@ -110,7 +110,7 @@ TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
   EXPECT_EQ(bad_share(dynamics), 0.0);
 }
 
-TEST(MotionDynamics, ShortClipsHaveNoFigures) {
+TEST(MotionDynamics, ReportsNothingForShortClips) {
   EXPECT_TRUE(analyse_dynamics(standing(2)).samples.empty());
   EXPECT_EQ(analyse_dynamics(standing(3)).samples.size(), 8U);
 }
@@ -136,8 +136,8 @@ TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
   EXPECT_NEAR(margin({0.5, 1}, {{0, 0}, {1, 0}, {2, 0}}), -1.0, 1e-15);
 }
 
-// as a file with all digits of a robot that stands still: the turns from frame to frame are so small
-// that 1 - cos is 0
+// As in a full-precision file of a standing robot: rotations between frames are so small that 1 -
+// cos is 0.
 TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
   for (const double size : {1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 1.5e-8, 1e-7}) {
     RobotClip clip = standing(30);
@@ -158,7 +158,7 @@ TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
 }
 
 // A frame that overflows is bad and has no figures; the others are still measured.
-TEST(MotionDynamics, MovementsTooLargeToComputeWithAreBad) {
+TEST(MotionDynamics, RejectsMovementsBeyondTheNumberRange) {
   RobotClip clip = standing(30);
   clip.qpos(10)[0] = 1e200;
   clip.qpos(20)[12] = 1e305;
@@ -172,7 +172,7 @@ TEST(MotionDynamics, MovementsTooLargeToComputeWithAreBad) {
   EXPECT_EQ(bad_share(dynamics), 1.0);
 }
 
-TEST(SupportPolygon, LeavesOutCornersThatAreNotFinite) {
+TEST(SupportPolygon, OmitsNonFiniteCorners) {
   std::vector<Eigen::Vector2d> corners = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (int i = 0; i < 40; ++i) {
     const double nan = std::nan("");

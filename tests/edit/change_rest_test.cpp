@@ -38,7 +38,7 @@ Joint joint(const std::string& name, int parent, const Eigen::Vector3d& offset) 
   return result;
 }
 
-// a trunk with two arms of three joints each, moving at random
+// A trunk with two arms of three joints each, moving at random.
 Clip body() {
   std::vector<Joint> joints = {
       joint("hips", -1, {0, 0, 0}),      joint("chest", 0, {0, 3, 0.2}),
@@ -57,7 +57,7 @@ Clip body() {
   return clip;
 }
 
-// the same bones with every joint's own axes turned at random: another rest pose
+// The same bones with randomly rotated joint axes: another rest pose.
 std::shared_ptr<const Skeleton> with_other_rest(const Skeleton& skeleton, bool rigid) {
   std::vector<Joint> joints = skeleton.joints();
   std::vector<Eigen::Quaterniond> turns;
@@ -67,7 +67,7 @@ std::shared_ptr<const Skeleton> with_other_rest(const Skeleton& skeleton, bool r
     if (joint.parent >= 0) joint.offset = turns[joint.parent] * joint.offset;
     for (Eigen::Vector3d& site : joint.end_sites) site = turns[self] * site;
   }
-  // bones that leave one joint at other angles cannot be brought to each other
+  // Bones that leave one joint at different angles cannot be aligned.
   if (!rigid) {
     Eigen::Vector3d& arm = joints[2].offset;
     const Eigen::Vector3d axis = arm.cross(joints[5].offset).normalized();
@@ -76,7 +76,7 @@ std::shared_ptr<const Skeleton> with_other_rest(const Skeleton& skeleton, bool r
   return std::make_shared<const Skeleton>(joints);
 }
 
-// declared right before left
+// The left arm is declared right before the left.
 std::shared_ptr<const Skeleton> reordered(const Skeleton& skeleton) {
   const std::vector<int> order = {0, 1, 5, 6, 7, 2, 3, 4};
   std::vector<Joint> joints;
@@ -112,7 +112,7 @@ TEST(ChangeRest, KeepsJointPositions) {
     ASSERT_TRUE(changed) << describe(changed.error());
     EXPECT_LT(largest_distance(clip, changed->clip), 1e-9);
     EXPECT_LT(changed->largest_distance, 1e-9);
-    // and back
+    // Back again.
     const auto back = change_rest(changed->clip, clip.shared_skeleton(), "t.bvh", "a.bvh");
     ASSERT_TRUE(back);
     EXPECT_LT(largest_distance(clip, back->clip), 1e-9);

@@ -20,13 +20,13 @@ struct CutCase {
   int begin_of_b, end_of_a;
 };
 
-// cut in two: with a window in common, and with one frame (times that are both included)
+// Cut in two: with a common window, and with one common frame (end times are inclusive).
 TEST(Concatenation, FindsTheCutOfAClip) {
   for (const CutCase& cut_case :
        {CutCase{"walk", 130, 140}, CutCase{"walk", 150, 151}, CutCase{"get_up", 100, 110},
         CutCase{"get_up", 120, 121}, CutCase{"squat", 60, 61}}) {
     const EditSample& sample = data_sample(cut_case.name);
-    // not all of it, for the time it takes
+    // Only a part, to save time.
     const Clip whole = cut(sample.clip, 0, std::min(sample.clip.frame_count(), 200));
     const Clip a = cut(whole, 0, cut_case.end_of_a);
     Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
@@ -46,7 +46,7 @@ TEST(Concatenation, FindsTheCutOfAClip) {
   }
 }
 
-// the parts of a clip share no frame when they are cut with `:150` and `150:`
+// Parts cut with `:150` and `150:` share no frame.
 TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
   for (const char* name : {"walk", "get_up", "squat"}) {
     const EditSample& sample = data_sample(name);
@@ -58,7 +58,7 @@ TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
     EXPECT_TRUE(joined->check.faults.empty());
     EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-12) << name;
   }
-  // A clip with missing frames is no continuation of the first one.
+  // A clip with missing frames cannot continue the first one.
   const EditSample& walk = data_sample("walk");
   const auto later =
       concatenate(cut(walk.clip, 0, 150), cut(walk.clip, 153, 301), walk.calibration, {}, "a", "b");
@@ -82,7 +82,7 @@ TEST(Concatenation, IgnoresJoltsOfTheRecordingItself) {
   EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-12);
 }
 
-// wherever recorded clips are cut, with and without frames in common
+// Cuts at any position of recorded clips, with and without common frames.
 TEST(Concatenation, FindsTheCutOfRecordedClips) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
@@ -105,7 +105,7 @@ TEST(Concatenation, FindsTheCutOfRecordedClips) {
   }
 }
 
-// a root above the hips, which each clip may move in its own way
+// A root above the hips, which each clip may move differently.
 TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   const EditSample& plain = data_sample("walk");
   std::vector<Joint> joints = plain.clip.skeleton().joints();
@@ -115,7 +115,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   for (Joint& joint : joints) ++joint.parent;
   joints.insert(joints.begin(), root);
   const auto skeleton = std::make_shared<const Skeleton>(joints);
-  // the same motion, with so much of it in the root
+  // The same motion, with this share of it in the root.
   const auto with_root = [&](const Clip& clip, const Pose& world_from_root) {
     Clip result(skeleton, clip.rate(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -155,7 +155,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
 }
 
 TEST(Concatenation, KeepsMostOfBothClips) {
-  // a clip fits to itself best where nothing is left of it
+  // A clip matches itself best where nothing remains.
   const EditSample& walk = data_sample("walk");
   ConcatenateOptions options;
   options.seam.search_all = true;
@@ -173,7 +173,7 @@ TEST(Concatenation, FrameCountIsCorrect) {
   EXPECT_EQ(joined->clip.frame_count(), seam.a_frame + wave.clip.frame_count() - seam.b_frame);
   EXPECT_TRUE(joined->check.faults.empty());
   EXPECT_TRUE(seam.same_support);
-  // before and after the seam the clips are what they were
+  // Before and after the seam, the clips are unchanged.
   EXPECT_LT(largest_distance(cut(joined->clip, 0, seam.a_frame - 15),
                              cut(walk.clip, 0, seam.a_frame - 15), 0.01),
             1e-12);
@@ -206,7 +206,7 @@ TEST(Concatenation, InertialSeamsAreSmooth) {
 }
 
 TEST(Concatenation, ReportsMisfits) {
-  // from walking to lying on the floor
+  // From walking to lying on the floor.
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   ConcatenateOptions options;
   options.seam.band = options.widest_band = 0.5;
@@ -252,7 +252,7 @@ TEST(Concatenation, AlignsFloors) {
   }
 }
 
-// a clip that goes up is not brought down again where it is cut
+// A rising clip is not lowered again at the cut.
 TEST(Concatenation, CutStairClipIsRejoinedUnchanged) {
   const EditSample& sample = data_sample("walk");
   Clip climbing = sample.clip;
@@ -268,7 +268,7 @@ TEST(Concatenation, CutStairClipIsRejoinedUnchanged) {
   EXPECT_LT(largest_distance(joined->clip, climbing, 0.01), 1e-6);
 }
 
-// floors that are nearly one, and feet that stand differently: height and tilt go over steadily
+// Nearly equal floors and differently standing feet: height and tilt blend smoothly.
 TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
   const EditSample& sample = data_sample("walk");
   const Clip a = cut(sample.clip, 0, 160);
@@ -281,7 +281,7 @@ TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
     ASSERT_TRUE(joined);
     EXPECT_EQ(joined->lift, 0.0);
     EXPECT_LT(joined->check.jump, 0.1);
-    // in one frame the 1.5 cm would be 0.45 m/s
+    // Within one frame, 1.5 cm would be 0.45 m/s.
     for (int foot = 0; foot < 2; ++foot) {
       const auto ankles = ankle_poses(joined->clip, sample.calibration, *legs[foot]);
       const auto own = ankle_poses(sample.clip, sample.calibration, *legs[foot]);
@@ -291,7 +291,7 @@ TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
         EXPECT_LT(std::abs(rise - own_rise), 0.004) << i;
       }
     }
-    // and one that does jump is seen
+    // A foot that does jump is detected.
     options.fade = options.seam.window = 0.01;
     options.seam.max_seams = 1;
     const auto jumping =
@@ -301,7 +301,7 @@ TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
   }
 }
 
-// an arm that is elsewhere from one frame to the next: no faster than arms swing, but at once
+// An arm changes position between two frames: no faster than arms swing, but instantly.
 TEST(Concatenation, ReportsJolts) {
   const EditSample& sample = data_sample("walk");
   Clip b = cut(sample.clip, 150, 301);
@@ -344,7 +344,7 @@ TEST(Concatenation, HandlesOddClips) {
   EXPECT_TRUE(concatenate(walk.clip, walk.clip, walk.calibration, all, "a", "b"));
 }
 
-// the walk's skeleton with all joints' axes turned, and other channels
+// The walk's skeleton with rotated joint axes and other channels.
 TransferTarget turned_axes() {
   const EditSample& walk = data_sample("walk");
   const Eigen::Quaterniond axes(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -362,7 +362,7 @@ TransferTarget turned_axes() {
   return target;
 }
 
-// editing and transfer commute on equal proportions
+// Editing and transfer commute for equal proportions.
 TEST(EditsAndTransfer, Commute) {
   const EditSample& walk = data_sample("walk");
   const TransferTarget other = turned_axes();
@@ -394,7 +394,7 @@ TEST(EditsAndTransfer, Commute) {
   }
 }
 
-// recorded motions: a walk goes on to pushes and to a dance
+// Recorded motions: a walk continues with pushes and with a dance.
 TEST(Concatenation, RecordedClipsPassTheSeamChecks) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
@@ -405,7 +405,7 @@ TEST(Concatenation, RecordedClipsPassTheSeamChecks) {
   for (const char* name : {"push1_subject2", "dance1_subject2"}) {
     const EditSample next(cut(load(name), 0, 400));
     const Clip same_body = transfer(next.clip, next.calibration, walk.as_target());
-    // both begin with seconds of a T-pose, which no walk goes on to
+    // Both begin with seconds of a T-pose, which does not continue any walk.
     const auto joined = concatenate(walk.clip, same_body, walk.calibration, {}, "walk4", name);
     ASSERT_TRUE(joined) << describe(joined.error());
     EXPECT_TRUE(joined->check.faults.empty());

@@ -65,7 +65,7 @@ inline double largest_distance(const Clip& a, const Clip& b, double metres_per_u
     forward_kinematics(b, frame, in_b);
     for (std::size_t joint = 0; joint < in_a.size(); ++joint) {
       largest = std::max(largest, (in_a[joint].translation - in_b[joint].translation).norm());
-      // of what hangs from the joint, at a tenth of a metre
+      // Error of the descendants of a joint, at a tenth of a metre.
       const auto& p = in_a[joint].rotation.coeffs();
       const auto& q = in_b[joint].rotation.coeffs();
       largest = std::max(largest, 0.2 / metres_per_unit * std::min((p - q).norm(), (p + q).norm()));
@@ -74,7 +74,7 @@ inline double largest_distance(const Clip& a, const Clip& b, double metres_per_u
   return largest * metres_per_unit;
 }
 
-/// The clip as its own BVH text reads back.
+/// The clip after a round trip through BVH text.
 inline Clip through_bvh(const Clip& clip) {
   return read_bvh(format_bvh(clip).value(), "written").value().clip;
 }

@@ -28,7 +28,7 @@ TEST(Parts, AreGivenByTimesOrFrames) {
 TEST(Parts, DropLeadInFrames) {
   const Clip& walk = data_sample("walk").clip;
   EXPECT_TRUE(cut_lead_in(walk).notes.empty());
-  // the T-pose of all rotations zero, then the walk
+  // The T-pose with zero rotations, then the walk.
   Clip led(walk.shared_skeleton(), walk.rate(), 2);
   led.resize(2 + walk.frame_count());
   for (int frame = 0; frame < walk.frame_count(); ++frame) copy_frame(walk, frame, led, frame + 2);

@@ -26,8 +26,7 @@ Track track_of(const HumanClip& human, const char* bone) {
   return track;
 }
 
-// runs of frames in which a point is low and slow; nothing is taken from the contacts of the
-// library
+// Runs of frames in which a point is low and slow; independent of the library's contacts.
 std::vector<FrameRange> standing(const Track& track, double fps) {
   constexpr double kSlow = 0.1, kLow = 0.03;
   double lowest = track[0].z();
@@ -38,13 +37,13 @@ std::vector<FrameRange> standing(const Track& track, double fps) {
     if (runs.empty() || runs.back().end != i + 1) runs.push_back({i, i + 1});
     runs.back().end = i + 2;
   }
-  // without the frames in which it comes and goes
+  // Without the frames in which the contact begins and ends.
   for (FrameRange& run : runs) run = {run.begin + 1, run.end - 1};
   std::erase_if(runs, [&](const FrameRange& run) { return run.end - run.begin < 0.1 * fps; });
   return runs;
 }
 
-// how much farther points that stand in the source are moved over the floor than there, metres
+// Additional movement over the floor of points that stand in the source, metres.
 double largest_slide(const HumanClip& source, const HumanClip& edited, const char* bone) {
   const Track before = track_of(source, bone), after = track_of(edited, bone);
   double largest = 0.0;
@@ -127,7 +126,7 @@ TEST(FeetOnPaths, HandlesRecordedKneesAndToes) {
   }
 }
 
-// thighs and shins of other proportions
+// Thighs and shins with other proportions.
 Clip with_other_legs(const Clip& clip) {
   std::vector<Joint> joints = clip.skeleton().joints();
   for (Joint& joint : joints) {

@@ -17,7 +17,7 @@ Clip sample(const std::string& name) {
   return load_bvh((data / (name + ".bvh")).string()).value().clip;
 }
 
-// written and read as LAFAN1, the human is the same
+// The human survives a round trip through LAFAN1's layout.
 TEST(Lafan1Clip, RoundTripsTheHuman) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
@@ -41,7 +41,7 @@ TEST(Lafan1Clip, ScalesBodiesToOneSize) {
   const Clip clip = sample("walk");
   Calibration calibration = lafan1_calibration(clip.skeleton());
   const Clip expected = lafan1_clip(clip, calibration).value();
-  // a child that moves alike
+  // A child with the same movement.
   calibration.size *= 0.5;
   calibration.metres_per_unit *= 0.5;
   const Clip child = lafan1_clip(clip, calibration).value();

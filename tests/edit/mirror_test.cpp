@@ -14,7 +14,7 @@ namespace {
 
 using namespace edit_test;
 
-// by name; mirrored() is the library's
+// Mirrors by name; mirrored() is the library's function.
 Bone mate_of_bone(Bone bone) {
   const std::string name(bone_name(bone));
   if (name.starts_with("Left")) return *bone_from_name("Right" + name.substr(4));
@@ -39,7 +39,7 @@ TEST(Mirror, TwiceIsIdentity) {
   }
 }
 
-// the synthetic body is symmetric: every bone is where the mirror shows its counterpart
+// The synthetic body is symmetric: every bone is at the mirror image of its counterpart.
 TEST(Mirror, BonesAreMirrorImages) {
   const EditSample& sample = data_sample("wave");
   const Clip image = mirror(sample.clip, sample.calibration).value();
@@ -78,7 +78,7 @@ TEST(Mirror, PairsOtherJointsByShape) {
     joints.push_back(joint);
     return static_cast<int>(joints.size()) - 1;
   };
-  // two fingers on each hand, in another order; their places in LAFAN1's axes mirror about x, y
+  // Two fingers on each hand, in another order; in LAFAN1's axes their positions mirror about x, y.
   const int left = sample.map.joint(Bone::kLeftHand), right = sample.map.joint(Bone::kRightHand);
   const int thumb = add(left, "a", {3.0, 2.0, 1.0}), ring = add(left, "b", {9.0, 0.0, -2.0});
   const int other_ring = add(right, "c", {9.0, 0.0, 2.0});
@@ -86,7 +86,7 @@ TEST(Mirror, PairsOtherJointsByShape) {
   const auto mates = body_mirror(Skeleton(joints), sample.calibration).value().mates;
   EXPECT_EQ(mates[thumb], other_thumb);
   EXPECT_EQ(mates[other_ring], ring);
-  // one finger more on one hand has no counterpart
+  // An additional finger on one hand has no counterpart.
   add(right, "sixth", {4.0, -2.0, 0.0});
   const auto lonely = body_mirror(Skeleton(joints), sample.calibration);
   ASSERT_FALSE(lonely);
@@ -94,7 +94,7 @@ TEST(Mirror, PairsOtherJointsByShape) {
   EXPECT_THAT(lonely.error().message, testing::HasSubstr("counterpart"));
 }
 
-// real skeletons of other makes, with fingers and helper joints
+// Real skeletons of other software, with fingers and helper joints.
 TEST(Mirror, TwiceIsIdentityForEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
@@ -110,7 +110,7 @@ TEST(Mirror, TwiceIsIdentityForEveryDialect) {
         << file;
     EXPECT_LT(largest_distance(through_bvh(*once), *once, sample.calibration.metres_per_unit),
               1e-7);
-    // the mirrored body is a human that walks upright, its left at the left
+    // The mirrored body is an upright walking human with its left on the left.
     const EditSample again(*once);
     EXPECT_EQ(again.map.joint_of_bone, sample.map.joint_of_bone) << file;
   }
@@ -125,7 +125,7 @@ TEST(Mirror, TwiceIsIdentityThroughFiles) {
     if (entry.path().extension() != ".bvh") continue;
     const auto read = load_bvh(entry.path().string());
     if (!read || !recognise_skeleton(read->clip, all_profiles())) continue;
-    // a part in which the T-pose must be guessed
+    // A part in which the T-pose must be guessed.
     const int frames = read->clip.frame_count();
     const EditSample sample(cut(read->clip, std::min(10, frames - 1), std::min(frames, 100)));
     const std::string file = entry.path().filename().string();

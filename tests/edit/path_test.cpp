@@ -41,7 +41,7 @@ TEST(GroundPaths, AreParametrisedByArcLength) {
     EXPECT_NEAR(step.norm(), 0.01, 1e-5);
     EXPECT_LT(angle_between(path.at(along - 0.005).heading, std::atan2(step.y(), step.x())), 0.01);
   }
-  // straight on at both ends
+  // The path continues straight at both ends.
   EXPECT_LT((path.at(-2.0).position - Eigen::Vector2d(-2.0, -4.0) / std::sqrt(5.0)).norm(), 1e-12);
   EXPECT_LT((path.at(path.length() + 1.5).position -
              (Eigen::Vector2d(2.0, 5.0) +
@@ -69,7 +69,7 @@ TEST(GroundPaths, BuildLinesCirclesAndFigureEights) {
 }
 
 TEST(GroundPaths, HandleCoincidentPoints) {
-  // handles of no length, a segment of no length, all of it one point
+  // Zero-length handles, a zero-length segment, a path of one point.
   for (const GroundPath& path :
        {GroundPath({{0, 0}, {0, 0}, {2, 0}, {2, 0}}),
         GroundPath(
@@ -115,7 +115,7 @@ TEST(FittedPaths, FollowTheTrackWithoutCorners) {
     EXPECT_NEAR(in.x() * out.y() - in.y() * out.x(), 0.0, 1e-12);
     EXPECT_GT(in.dot(out), 0.0);
   }
-  // it stands at both ends
+  // The body stands at both ends.
   ASSERT_EQ(walk.still.size(), 2u);
   EXPECT_EQ(walk.still.front().begin, 0);
   EXPECT_EQ(walk.still.back().end, 301);
@@ -147,7 +147,7 @@ TEST(Rethreading, RigidPathMoveMovesTheMotionRigidly) {
   }
 }
 
-// ankles of planted feet, in contact as the clip itself says
+// Ankles of planted feet, in contact according to the clip itself.
 struct StepFacts {
   double mean_stride = 0.0;  // metres, both feet
   double slip = 0.0;         // mean speed over the floor, m/s
@@ -185,7 +185,7 @@ TEST(Rethreading, WalksAlongACircle) {
   EXPECT_LT(after.slip, before.slip + 0.002);
   EXPECT_LT(round.feet.largest_miss, 0.002);
 
-  // heading minus tangent stays, and so does the place beside the path
+  // The angle between heading and tangent is preserved, and so is the offset from the path.
   const auto hips = hips_over_ground(sample.human());
   const auto moved = hips_over_ground(sample.human_of(round.clip));
   const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
@@ -203,7 +203,7 @@ TEST(Rethreading, WalksAlongACircle) {
   }
 }
 
-// the same feet without the cleaning slide: it is what keeps them
+// Without planting, the same feet slide.
 TEST(Rethreading, PlantingPreventsSlip) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
@@ -240,7 +240,7 @@ TEST(Rethreading, KeepsTimeSpeedOrStride) {
   EXPECT_NEAR(way(in_stride), length, 0.02);
 }
 
-// slower motion has its feet planted as it is played, not as it was before
+// The feet of slower motion are planted at the played speed, not the original speed.
 TEST(Rethreading, FeetStayPlantedAtConstantSpeed) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
@@ -262,7 +262,7 @@ Clip walk_without_toe_joints() {
       joints.back().end_sites = {joint.offset};
       continue;
     }
-    // joints that are left out have no children
+    // Omitted joints have no children.
     if (joint.parent >= 0) {
       joint.parent = static_cast<int>(std::ranges::find(kept, joint.parent) - kept.begin());
     }
@@ -279,7 +279,8 @@ Clip walk_without_toe_joints() {
   return clip;
 }
 
-// toes are where the End Site of a foot is: a foot on them turns about them, not about its ankle
+// Without toe joints, the End Site of the foot is the toe: a foot on its toes turns about it, not
+// about its ankle.
 TEST(Rethreading, FeetWithoutToeJointsPivotOnTheirToes) {
   const EditSample &walk = data_sample("walk"), bare(walk_without_toe_joints());
   const PlantSummary with = follow(walk, path_of(walk).path.scaled(1.6)).feet,
@@ -290,7 +291,7 @@ TEST(Rethreading, FeetWithoutToeJointsPivotOnTheirToes) {
 }
 
 TEST(Rethreading, UTurnDoesNotSpin) {
-  // a walk out and back by a hairpin, then all of it straight on
+  // A walk out and back by a hairpin, and the same path straightened.
   const EditSample& sample = data_sample("walk");
   const GroundPose start = path_of(sample).path.at(0.0);
   const auto at = [&](double x, double y) { return start * Eigen::Vector2d(x, y); };
@@ -308,7 +309,7 @@ TEST(Rethreading, UTurnDoesNotSpin) {
   }
 }
 
-// degrees; bent forwards positive, about the mean axis of bent knees in the shin
+// Degrees; bent forwards positive, about the mean axis of bent knees in the shin.
 std::vector<double> knee_angles(const Clip& clip, const LegJoints& leg) {
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
   std::vector<Eigen::Vector3d> across;
@@ -330,7 +331,7 @@ std::vector<double> knee_angles(const Clip& clip, const LegJoints& leg) {
   return angles;
 }
 
-// legs that are almost straight, whose bend is noise: on other paths they bend as knees do
+// Almost straight legs, whose bend is noise, bend as knees do on other paths.
 TEST(Rethreading, KneesBendForwards) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
@@ -371,14 +372,14 @@ TEST(Rethreading, CornersAreTurnedAtALimitedRate) {
     const HumanClip moved = sample.human_of(follow(sample, path).clip);
     const auto hips = hips_over_ground(moved);
     for (std::size_t i = 1; i < hips.size(); ++i) {
-      // 4 rad/s and what the walk itself turns
+      // 4 rad/s, plus the walk's own turning.
       ASSERT_LT(std::abs(hips[i].heading - hips[i - 1].heading), 0.2) << i;
     }
   }
 }
 
 TEST(Rethreading, HeadingFollowsTheBodyWhileStanding) {
-  // the path comes back on itself at a corner, where the body stands and turns left
+  // The path reverses at a corner, where the body stands and turns left.
   const GroundPath path({{0, 0}, {1, 0}, {2, 0}, {2, 0}, {2, 0}, {1, 0}, {0, 0}});
   std::vector<double> along;
   for (int i = 0; i < 60; ++i)

@@ -1,4 +1,4 @@
-// moving whole bodies over the ground, the floor, cycles
+// Moves of whole bodies over the ground, the floor, cycles.
 
 #include <gmock/gmock.h>
 
@@ -102,7 +102,7 @@ TEST(Floor, SingleFrameUsesTheLowerFoot) {
   EXPECT_NEAR(floor, floor_height(sample.clip, sample.calibration).value(), 0.01);
 }
 
-// frames 100.. of the walk are periodic strides
+// Frames 100.. of the walk are periodic strides.
 TEST(Loops, WalkLoopsWithoutASeam) {
   const EditSample& sample = data_sample("walk");
   const Clip strides = cut(sample.clip, 100, 220);
@@ -114,7 +114,7 @@ TEST(Loops, WalkLoopsWithoutASeam) {
   EXPECT_EQ(loop.clip.frame_count(), 3 * loop.cycle);
   EXPECT_NEAR(loop.advance.position.norm(), 1.2 * loop.cycle / 30.0, 0.05);
   EXPECT_NEAR(loop.way.norm(), 1.2 * loop.cycle / 30.0, 0.05);
-  // accelerations at the seams are those of the strides themselves
+  // Accelerations at the seams equal those of the strides.
   const auto largest_acceleration = [&](const Clip& clip, int begin, int end) {
     const HumanClip human = sample.human_of(clip);
     double largest = 0.0;
@@ -147,7 +147,7 @@ TEST(Loops, FeetStayPlantedAndBadSeamsAreReported) {
   for (int foot = 0; foot < 2; ++foot) {
     const Bone bone = *bone_from_name(foot == 0 ? "LeftFoot" : "RightFoot");
     for (const ContactPhase& phase : contacts.phases[foot]) {
-      // the second time; on both sides of the seam a contact may be another
+      // The second cycle; contacts on both sides of the seam may differ.
       const int begin = std::max(phase.begin, 4), end = std::min(phase.end, loop.cycle - 4);
       if (begin >= end) continue;
       ++seen;

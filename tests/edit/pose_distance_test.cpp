@@ -17,7 +17,8 @@ constexpr double kPi = std::numbers::pi;
 
 using Cloud = std::vector<Eigen::Vector3d>;
 
-// the distance at an angle, by the definition; the best shift at an angle is the difference of means
+// The distance at an angle, by definition; the best shift at an angle is the difference of the
+// means.
 double distance_at(const Cloud& a, const Cloud& b, const std::vector<double>& weights,
                    double angle) {
   double sum = 0.0, squares = 0.0;
@@ -53,7 +54,8 @@ TEST(PoseDistance, AlignmentIsTheNumericOptimum) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise;
   for (int round = 0; round < 6; ++round) {
-    // turned by anything, half turns too: an arc tangent of one argument would fail
+    // Rotated by any angle, including half turns, at which an arc tangent of one argument would
+    // fail.
     const double angle = kPi * (round - 3) / 3.0;
     const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::UnitZ());
     Cloud a, b;

@@ -17,7 +17,7 @@ Result<Clip> change_speed(Clip clip, double speed) {
   return change_timing(std::move(clip), {.speed = speed});
 }
 
-// one joint that swings about z and along x
+// One joint that swings about z and along x.
 Clip swinging(FrameRate rate, int frames, double hertz) {
   using enum Channel;
   Joint joint{"root",
@@ -39,7 +39,7 @@ double turned(const Clip& clip, int frame) {
   return 2.0 * std::atan2(q.z(), q.w());
 }
 
-// both positions and rotations of a 3 Hz swing, of unit amplitude
+// Positions and rotations of a 3 Hz swing with unit amplitude.
 TEST(Timing, SineErrorFrom24To30IsBelow7PerMille) {
   const Clip fast = resample(swinging({24, 1}, 97, 3.0), {30, 1}).value();
   for (int i = 5; i + 5 < fast.frame_count(); ++i) {
@@ -60,7 +60,7 @@ TEST(Timing, RemovesFrequenciesAbove20HzFrom120To30) {
 }
 
 TEST(Timing, SpeedIsExactInTime) {
-  // at 0.8 times the speed a swing of 2 Hz is one of 1.6 Hz
+  // At 0.8 times the speed, a 2 Hz swing becomes a 1.6 Hz swing.
   const Clip slower = change_speed(swinging({30, 1}, 301, 2.0), 0.8).value();
   ASSERT_EQ(slower.frame_count(), 376);
   EXPECT_EQ(slower.rate(), (FrameRate{30, 1}));

@@ -54,7 +54,7 @@ TEST(Transfer, SameSkeletonIsIdentity) {
   }
 }
 
-// a body of half the size walks half the way, turned alike
+// A body of half the size walks half the distance, with the same heading.
 TEST(Transfer, ScalesThePathBySize) {
   const Clip clip = sample("walk");
   const TransferTarget whole = understood(clip);
@@ -71,7 +71,7 @@ TEST(Transfer, ScalesThePathBySize) {
   EXPECT_LT(half.rotations(100)[3].angularDistance(clip.rotations(100)[3]), 1e-7);
 }
 
-// a joint right below another, first of its children
+// A joint directly below another, as its first child.
 void insert_below(std::vector<Joint>& joints, int parent, Joint joint) {
   for (Joint& other : joints) {
     if (other.parent > parent) ++other.parent;
@@ -85,8 +85,8 @@ int index_of(const std::vector<Joint>& joints, const std::string& name) {
   return static_cast<int>(found - joints.begin());
 }
 
-// the walk on a skeleton with a finger, a second neck joint, a helper that moves and one in the
-// place of a hip that has a part of its turn; all of them turn
+// The walk on a skeleton with a finger, a second neck joint, a moving helper and one at a hip that
+// takes a part of its rotation; all of them rotate.
 Clip walk_with_more_joints() {
   using enum Channel;
   const Clip walk = sample("walk");
@@ -130,7 +130,7 @@ TEST(Transfer, CopiesSharedJoints) {
   const Clip clip = walk_with_more_joints();
   const TransferTarget same = understood(clip);
   EXPECT_LT(edit_test::largest_distance(transfer(clip, same.calibration, same), clip, 0.01), 1e-9);
-  // on a skeleton with all axes turned, the same places
+  // The same positions on a skeleton with rotated axes.
   const Eigen::Quaterniond axes(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   std::vector<Joint> joints = clip.skeleton().joints();
   for (Joint& joint : joints) {
@@ -154,7 +154,7 @@ TEST(Transfer, CopiesSharedJoints) {
   EXPECT_TRUE(none.left_out.empty() && none.at_rest.empty());
 }
 
-// a bone is turned by the last of the helpers in its joint's place, on one side or the other
+// The last helper at the position of a joint rotates the bone, on either side.
 TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
   const Clip helped = walk_with_more_joints(), plain = sample("walk");
   const TransferTarget with = understood(helped), without = understood(plain);
@@ -172,8 +172,8 @@ TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
   is_same(human_of(transfer(plain, without.calibration, with), with), human_of(plain, without));
 }
 
-// on a skeleton that hangs from the head, the trunk's joints turn other parts than their own; the
-// pelvis between Hips and Spine, which is of no bone there, stays at rest
+// On a skeleton rooted at the head, trunk joints rotate other parts than their own; the pelvis
+// between Hips and Spine maps to no bone and stays at rest.
 TEST(Transfer, HandlesTrunksRootedAtTheHead) {
   const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
   const TransferTarget source = understood(walk), target = understood(hanging);

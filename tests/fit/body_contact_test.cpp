@@ -92,7 +92,7 @@ TEST_F(BodyContactTest, HandsAndKneesLieOnTheFloorAndStay) {
   EXPECT_LT(bad_share(with.clip), 0.8 * bad_share(without.clip));
 }
 
-TEST_F(BodyContactTest, WithoutContactsNothingIsPlanted) {
+TEST_F(BodyContactTest, PlantsNothingWithoutContacts) {
   FitOptions options;
   options.contact = false;
   FitOptions nothing = options;
@@ -103,7 +103,7 @@ TEST_F(BodyContactTest, WithoutContactsNothingIsPlanted) {
   }
 }
 
-TEST_F(BodyContactTest, TheNumberOfThreadsChangesNothing) {
+TEST_F(BodyContactTest, IsIndependentOfTheThreadCount) {
   FitOptions one, three;
   one.window = three.window = 1.0;
   one.seam = three.seam = 0.2;

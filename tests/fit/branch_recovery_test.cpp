@@ -1,4 +1,4 @@
-// Limbs that hang on the wrong branch: motions on which the fit alone leaves them there.
+// Limbs on the wrong branch: motions in which the fit alone leaves them there.
 
 #include "solve/fit/branch_recovery.h"
 
@@ -38,8 +38,8 @@ Clip sample_clip(const std::string& name) {
   return std::move(clip->clip);
 }
 
-// where the upper arms point, degrees: up from the horizontal, outwards from the front; and how far the
-// elbow is bent, upwards
+// Directions of the upper arms, degrees: elevation from the horizontal, outwards from the front;
+// and the elbow flexion, upwards.
 struct ArmPose {
   double up, outwards, bend;
 };
@@ -115,7 +115,7 @@ Clip arm_movement(std::span<const ArmPose> poses) {
   return clip;
 }
 
-// sideways up over the head and down again in front: the shoulder has two ways down
+// Raised sideways over the head and lowered in front: the shoulder has two ways down.
 Clip up_sideways_down_in_front() {
   return arm_movement(std::array<ArmPose, 6>{
       {{-85, 90, 5}, {0, 90, 5}, {88, 90, 5}, {60, 0, 60}, {0, 0, 90}, {-85, 60, 10}}});
@@ -144,7 +144,7 @@ Result<FitResult> fitted(const Clip& clip, const RobotCase& robot, const FitOpti
              robot.robot->model_limits(), options, run);
 }
 
-// the fit alone
+// The fit without recovery.
 Result<FitResult> plainly_fitted(const Clip& clip, const RobotCase& robot,
                                  const FitOptions& options = {}, FitRun run = {}) {
   run.recover_limbs = false;
@@ -155,7 +155,7 @@ bool same(const RobotClip& a, const RobotClip& b, int frame) {
   return std::ranges::equal(a.qpos(frame), b.qpos(frame));
 }
 
-TEST(BranchRecovery, TakesArmsToTheBranchThatFollows) {
+TEST(BranchRecovery, MovesArmsToTheBranchThatTracks) {
   const Clip clip = up_sideways_down_in_front();
   for (const char* name : {"unitree_h1", "engineai_pm01"}) {
     SCOPED_TRACE(name);
@@ -169,18 +169,18 @@ TEST(BranchRecovery, TakesArmsToTheBranchThatFollows) {
                 Contains(HasSubstr("the left arm was stuck on a wrong branch in frames ")));
     EXPECT_THAT(recovered->report.notes,
                 Contains(HasSubstr("the right arm was stuck on a wrong branch in frames ")));
-    // the fit without it is wrong for about two seconds of five
+    // Without recovery, the fit is wrong for about two of five seconds.
     EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
     const auto rotation = [](const FitReport& report) {
       return std::ranges::find(report.terms, "rotation", &FitTermReport::name)->after;
     };
     EXPECT_LT(rotation(recovered->report), 0.5 * rotation(plain->report));
-    // the arms are free until they are up
+    // The arms are free until they are up.
     for (int t = 0; t < 5; ++t) EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
   }
 }
 
-TEST(BranchRecovery, LongTimesAreSolvedInParts) {
+TEST(BranchRecovery, SolvesLongIntervalsInParts) {
   const Clip clip = up_sideways_down_in_front();
   const RobotCase robot = robot_case("unitree_h1");
   FitOptions options;
@@ -192,7 +192,7 @@ TEST(BranchRecovery, LongTimesAreSolvedInParts) {
   EXPECT_LT(recovered->report.status.cost_after, 0.6 * plain->report.status.cost_after);
 }
 
-TEST(BranchRecovery, GivesTheSameForAnyNumberOfThreads) {
+TEST(BranchRecovery, IsIndependentOfTheThreadCount) {
   const Clip clip = up_sideways_down_in_front();
   const RobotCase robot = robot_case("unitree_h1");
   FitOptions options;
@@ -204,7 +204,7 @@ TEST(BranchRecovery, GivesTheSameForAnyNumberOfThreads) {
   for (int t = 0; t < clip.frame_count(); ++t) EXPECT_TRUE(same(one->clip, three->clip, t)) << t;
 }
 
-TEST(BranchRecovery, NothingCostsMoreThanBefore) {
+TEST(BranchRecovery, NeverIncreasesTheCost) {
   const std::array clips = {
       arm_movement(
           std::array<ArmPose, 4>{{{120, 30, 40}, {120, 30, 40}, {0, 90, 20}, {-80, 60, 15}}}),
@@ -223,7 +223,7 @@ TEST(BranchRecovery, NothingCostsMoreThanBefore) {
   }
 }
 
-TEST(BranchRecovery, MotionsWithoutTheFaultStayAsTheyAre) {
+TEST(BranchRecovery, DoesNotChangeMotionsWithoutTheFault) {
   for (const char* name : {"unitree_g1", "engineai_pm01"}) {
     const RobotCase robot = robot_case(name);
     for (const char* file : {"wave.bvh", "squat.bvh"}) {
@@ -246,7 +246,7 @@ TEST(BranchRecovery, CanBeStopped) {
   FitRun run;
   run.keep_going = [&](double) { return asked++ < limit; };
   ASSERT_TRUE(plainly_fitted(clip, robot, {}, run).has_value());
-  // the first question behind all of the plain fit's
+  // The first stop request after all those of the plain fit.
   limit = asked;
   asked = 0;
   const auto stopped = fitted(clip, robot, {}, run);
@@ -266,7 +266,7 @@ class LimbSolverTest : public testing::Test {
     limbs_ = find_limbs(model_);
   }
 
-  // targets of a configuration
+  // The targets of a configuration.
   FrameGoals goals_of(std::span<const double> qpos) {
     const TreeState pose(model_.tree, qpos);
     targets_.clear();

@@ -1,5 +1,5 @@
-// Distances of rounded shapes as the fit takes them, with nearest points that change evenly: closed
-// forms, and many points of both shapes for the rest.
+// Distances of rounded shapes in the fit, with continuously changing nearest points: closed forms,
+// and many sampled points for the other shapes.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ RoundedShape shape(std::vector<Vector3d> axes, double radius, const Vector3d& ce
   return result;
 }
 
-// as seen from b: the normal points to a, and points are those of the cores, one where they meet
+// Seen from b: the normal points to a; points lie on the cores and coincide where they meet.
 struct FitDistance {
   double distance;
   Vector3d normal, on_a, on_b;
@@ -78,7 +78,7 @@ TEST(FitDistance, CrossingLinesSeparatePerpendicularly) {
 }
 
 TEST(FitDistance, BoxInsideBoxUsesTheShortestSeparation) {
-  // 0.3 of two metres along x lie in each other, more along y and z
+  // They overlap by 0.3 of two metres along x, more along y and z.
   const auto found =
       fit_distance(shape({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05), moved({1.7, 0.2, 0}),
                    shape({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05), moved({0, 0, 0}));
@@ -86,7 +86,7 @@ TEST(FitDistance, BoxInsideBoxUsesTheShortestSeparation) {
   EXPECT_TRUE(found.normal.isApprox(Vector3d(1, 0, 0)));
 }
 
-// how far the nearest points move from one small turn of a to another
+// Movement of the nearest points for a small rotation of a.
 double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector3d& between,
                       const Vector3d& from, const Vector3d& to) {
   const auto distance = [&](const Vector3d& turn) {
@@ -99,11 +99,11 @@ double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector
 }
 
 TEST(FitDistance, NearParallelShapesAreStableToRounding) {
-  // two feet in each other, one 2 cm ahead
+  // Two overlapping feet, one 2 cm ahead.
   const RoundedShape foot = shape({{0.1, 0, 0}, {0, 0.04, 0}, {0, 0, 0.02}}, 0.008);
   const Vector3d bits(1e-9, 1.5e-9, 2e-9);
   EXPECT_LT(move_of_points(foot, foot, {0.02, 0.075, 0.0}, bits, -bits), 1e-5);
-  // two shanks
+  // Two shanks.
   const RoundedShape shank = shape({{0.15, 0, 0}}, 0.05);
   for (const double turn : {0.0, 1e-7, 1e-6, 1e-5, 1e-4}) {
     const Vector3d from(0.0, 0.0, 0.99 * turn), to(0.0, 0.0, 1.01 * turn + 1e-9);
@@ -111,7 +111,7 @@ TEST(FitDistance, NearParallelShapesAreStableToRounding) {
   }
 }
 
-// boxes in each other: as the exact distance has it, and its change as the normal and point say
+// Overlapping boxes: the exact distance, and its change according to normal and point.
 TEST(FitDistance, OverlappingBoxesHaveExactDepth) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -136,7 +136,7 @@ TEST(FitDistance, OverlappingBoxesHaveExactDepth) {
     if (exact.distance > -1e-3) continue;
     ++seen;
     EXPECT_NEAR(found.distance, exact.distance, 1e-9) << round;
-    // a small turn and way of a
+    // A small rotation and translation of a.
     const Vector3d turn = 1e-7 * vector(), way = 1e-7 * vector();
     at_a.rotation = exp_so3(turn) * at_a.rotation;
     const Vector3d arm = found.on_a - at_a.translation;

@@ -1,5 +1,5 @@
-// The term `dynamics`: it moves the body to where contacts can supply the forces, without damage to
-// the other terms.
+// The term `dynamics` moves the body to where contacts can supply the forces, without damage to the
+// other terms.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class FitDynamicsTest : public testing::Test {
     return std::move(*result);
   }
 
-  // share of the time in which contacts cannot supply what is needed
+  // Share of the time in which contacts cannot supply the required forces.
   double bad_share(const RobotClip& clip) {
     const MotionDynamics dynamics = analyse_dynamics(clip);
     const auto bad = std::ranges::count_if(dynamics.samples, &DynamicsSample::is_bad);
@@ -65,14 +65,14 @@ class FitDynamicsTest : public testing::Test {
 };
 std::shared_ptr<const Robot> FitDynamicsTest::robot_;
 
-TEST_F(FitDynamicsTest, AWalkBecomesPossible) {
+TEST_F(FitDynamicsTest, MakesAWalkPossible) {
   const Clip walk = sample("walk.bvh", 60, 240);
   const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
   const double before = bad_share(without.clip), after = bad_share(with.clip);
   EXPECT_GT(before, 0.1);
   EXPECT_LT(after, 0.3 * before);
   EXPECT_EQ(with.report.status.distrusted_frames, 0);
-  // centimetres and a few degrees are all it takes
+  // A few centimetres and degrees suffice.
   EXPECT_LT(largest_difference(without.clip, with.clip), 0.3);
   const auto contact = [](const FitResult& result) {
     return std::ranges::find(result.report.terms, "contact", &FitTermReport::name)->after;
@@ -90,7 +90,7 @@ double root_jerk(const RobotClip& clip) {
   return sum * fps * fps * fps / (clip.frame_count() - 3);
 }
 
-// at any rate a walk becomes possible, and hardly rougher than it is without the term
+// At every rate the walk becomes possible, and is hardly rougher than without the term.
 TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
   const Clip walk = sample("walk.bvh", 60, 160);
   for (const double fps : {24.0, 50.0, 120.0}) {
@@ -103,7 +103,7 @@ TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
   }
 }
 
-// short windows, too, whose seams have little between them
+// Also with short windows, whose seams are close together.
 TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
   const Clip walk = sample("walk.bvh", 60, 240);
   for (const double window : {2.0, 0.3}) {
@@ -120,7 +120,7 @@ TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
 
 // Getting up on hands without planned contacts: the result equals the one without the term, bit for
 // bit.
-TEST_F(FitDynamicsTest, IsTakenBackIfItDoesNotImproveTheFit) {
+TEST_F(FitDynamicsTest, IsRevertedIfItDoesNotImproveTheFit) {
   // The term is active in the first step, when positions and limbs are not yet solved.
   const Clip rising = sample("get_up.bvh", 180, 240);
   FitOptions too_early = with_dynamics();
@@ -136,7 +136,7 @@ TEST_F(FitDynamicsTest, IsTakenBackIfItDoesNotImproveTheFit) {
 TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   Clip walk = sample("walk.bvh", 60, 130);
   for (int t = 0; t < walk.frame_count(); ++t) {
-    // it rises by a metre as if in a lift with feet drawn up
+    // It rises by a metre as in a lift, with feet drawn up.
     walk.translations(t)[0].y() += 100.0 * std::clamp((t - 10) / 20.0, 0.0, 1.0);
   }
   const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());

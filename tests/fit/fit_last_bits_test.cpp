@@ -15,11 +15,11 @@
 namespace retarget {
 namespace {
 
-// The first stage amplifies these bits to at most 1e-9 where a limb is nearly stretched, and a step
-// of the fit perhaps another ten times. Without a change of branch the printed files are equal.
+// The first stage amplifies these bits to at most 1e-9 for nearly stretched limbs, and a step of
+// the fit perhaps tenfold. Without a change of branch the printed files are equal.
 constexpr double kBits = 1e-12, kSameMotion = 1e-6;
 
-// a clip with the last bits of every rotation changed
+// A clip with changed last bits in every rotation.
 Clip with_other_bits(Clip clip) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> bits(-kBits, kBits);
@@ -31,7 +31,7 @@ Clip with_other_bits(Clip clip) {
   return clip;
 }
 
-// largest difference of two motions
+// Largest difference of two motions.
 double difference(const RobotClip& a, const RobotClip& b) {
   double max = 0.0;
   for (int t = 0; t < a.frame_count(); ++t) {
@@ -42,7 +42,7 @@ double difference(const RobotClip& a, const RobotClip& b) {
   return max;
 }
 
-// how far the fits of a clip and of its copy are apart
+// Distance between the fits of a clip and of its copy.
 double apart(const std::shared_ptr<const Robot>& robot, const std::string& config_file,
              const Clip& clip) {
   const auto config = load_config(RETARGET_SOURCE_DIR "/configs/" + config_file, *robot);
@@ -63,13 +63,13 @@ Clip sample(const std::string& name, int begin, int end) {
 }
 
 TEST(FitLastBits, FloorContactsAreStableToRounding) {
-  // starts are lifted until their lowest point is on the floor exactly
+  // Starts are lifted until their lowest point is exactly on the floor.
   EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", sample("get_up.bvh", 50, 100)),
             kSameMotion);
 }
 
 TEST(FitLastBits, FootContactsAreStableToRounding) {
-  // boxes with parallel faces: Talos' feet stand in each other where the source's do not
+  // Boxes with parallel faces: Talos' feet overlap where the source's do not.
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");
   ASSERT_TRUE(robot.has_value());

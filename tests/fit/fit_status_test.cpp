@@ -1,4 +1,4 @@
-// The end of the iteration: a fit that converges reports nothing, one that does not is reported.
+// End of the iteration: only a fit that does not converge is reported.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ TEST_F(FitStatusTest, WithoutAStepNothingConverges) {
   EXPECT_THAT(report.notes, Contains(HasSubstr("no step was taken in frames 0 to 59")));
 }
 
-TEST_F(FitStatusTest, WindowsAddUp) {
+TEST_F(FitStatusTest, SummarisesWindows) {
   FitOptions options;
   options.window = 0.7;
   const FitReport report = report_of(options);
@@ -93,7 +93,7 @@ TEST_F(FitStatusTest, WindowsAddUp) {
   for (const FitStatus& part : report.windows) {
     EXPECT_EQ(part.converged, part.predicted_decrease <= kFitTolerance);
     decrease = std::max(decrease, part.predicted_decrease);
-    // seams come last and begin before the windows' end
+    // Seams come last and begin before the end of the windows.
     if (part.begin != frames) break;
     frames = part.end;
     before += part.cost_before;
@@ -132,7 +132,7 @@ TEST_F(FitStatusTest, BlocksThatAreNotFiniteAreCounted) {
   EXPECT_EQ(status.failed_blocks, options.iterations);
   EXPECT_TRUE(status.failed);
   EXPECT_EQ(clip.qpos, before);
-  // the same in a window that moves along a clip, which is empty at first
+  // The same in a moving window, which is empty at first.
   clip.frame_count = 0;
   const auto moving = make_moving_fit(model, options, clip, 0);
   clip.frame_count = 4;
@@ -144,7 +144,7 @@ TEST_F(FitStatusTest, BlocksThatAreNotFiniteAreCounted) {
   EXPECT_NE(clip.qpos, before);
 }
 
-// weights whose squares are not finite
+// Weights with infinite squares.
 TEST_F(FitStatusTest, StepsThatAreNotFiniteAreAFailure) {
   FitOptions options;
   options.smoothness_leg = 1e200;

@@ -46,7 +46,7 @@ class FitTest : public testing::Test {
     return std::move(*result);
   }
 
-  // Guarantees for every motion, on the numbers as they are printed.
+  // Guarantees for every motion, checked on the printed values.
   void expect_guarantees(const RobotClip& clip, const FitOptions& options = {}) {
     const double dt = clip.rate().frame_time();
     const auto printed = [](double x) { return std::round(x * 1e6) / 1e6; };
@@ -76,7 +76,7 @@ class FitTest : public testing::Test {
     }
   }
 
-  // heights of all sole points of a foot, lowest of each frame
+  // Heights of all sole points of a foot, lowest per frame.
   std::vector<double> sole_heights(const RobotClip& clip) {
     std::vector<Pose> bodies(robot_->bodies().size());
     std::vector<double> heights;
@@ -104,12 +104,12 @@ TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
   expect_guarantees(result.clip);
   EXPECT_TRUE(result.report.floor_found);
   EXPECT_GT(result.report.contact_phases, 2);
-  // one foot is always down, and none below the floor
+  // One foot is always on the floor, and none below it.
   for (const double height : sole_heights(result.clip)) {
     EXPECT_GT(height, -0.01);
     EXPECT_LT(height, 0.02);
   }
-  // a frame's contact costs little: a millimetre off its place costs 0.25
+  // The contact cost of a frame is small: one millimetre of deviation costs 0.25.
   const auto contact = std::ranges::find(result.report.terms, "contact", &FitTermReport::name);
   ASSERT_NE(contact, result.report.terms.end());
   EXPECT_LT(contact->after, 0.5);
@@ -117,7 +117,7 @@ TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
 }
 
 TEST_F(FitTest, FeetStandOnRaisedSupports) {
-  // everything is lifted by 0.3 m in a third of a second, as if by a platform
+  // Everything is lifted by 0.3 m within a third of a second, as by a platform.
   Clip clip = cut(sample("wave.bvh"), 0, 70);
   constexpr int kFirst = 30, kLast = 40;
   for (int t = kFirst; t < clip.frame_count(); ++t) {
@@ -128,7 +128,7 @@ TEST_F(FitTest, FeetStandOnRaisedSupports) {
   expect_guarantees(result.clip);
   const std::vector<double> heights = sole_heights(result.clip);
   EXPECT_NEAR(heights[20], 0.0, 0.002);
-  // the path of the G1's feet is a little shorter than the source's
+  // The foot path of the G1 is a little shorter than the source's.
   EXPECT_GT(heights[60], 0.22);
   EXPECT_LT(heights[60], 0.3);
   std::vector<Pose> before(robot_->bodies().size()), now = before;
@@ -146,7 +146,7 @@ TEST_F(FitTest, FeetStandOnRaisedSupports) {
 }
 
 TEST_F(FitTest, ContactPositionsConverge) {
-  // one more step that moves them hardly changes the motion
+  // One more step hardly changes the motion.
   const Clip clip = cut(sample("walk.bvh"), 60, 120);
   FitOptions options;
   options.anchor_iterations = 7;
@@ -172,7 +172,7 @@ TEST_F(FitTest, SamplesSatisfyTheGuarantees) {
 }
 
 TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
-  // no joint may turn faster than a quarter of a turn in a second
+  // No joint may turn faster than a quarter turn per second.
   FitOptions options;
   options.max_joint_speed = 0.6;
   options.iterations = 2;
@@ -189,7 +189,7 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
 }
 
 TEST_F(FitTest, BoundsHoldForImpossibleSources) {
-  // every joint anywhere in every frame, the root metres away from where it was
+  // Random joint values in every frame, and a root that jumps by metres.
   const Clip walk = sample("walk.bvh");
   for (const unsigned seed : {1U}) {
     SCOPED_TRACE(seed);
@@ -217,7 +217,7 @@ TEST_F(FitTest, BoundsHoldForImpossibleSources) {
 }
 
 TEST_F(FitTest, OverlappingFeetAreSeparated) {
-  // the T1 is small and its feet are not: a source whose feet stand side by side
+  // The T1 is small but its feet are not: a source with feet side by side.
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
   const auto config =
@@ -248,7 +248,7 @@ TEST_F(FitTest, HandlesClipsOfOneAndTwoFrames) {
 }
 
 TEST_F(FitTest, ThreadCountDoesNotChangeTheResult) {
-  // 13 windows and their seams, and those in front are solved before the last have their start
+  // 13 windows and their seams; the first ones are solved before the last ones have their start.
   FitOptions options;
   options.window = 0.8;
   options.seam = 0.1;

@@ -1,4 +1,4 @@
-// How a clip is cut, and what each window waits for.
+// The division of a clip into windows, and the dependencies of each window.
 
 #include "solve/fit/fit_windows.h"
 
@@ -28,7 +28,7 @@ TEST(FitWindows, CoverEveryFrameOnceWithSeamsOverBorders) {
   for (std::size_t i = 0; i < plan.seams.size(); ++i) {
     EXPECT_EQ((plan.seams[i].begin + plan.seams[i].end) / 2, plan.windows[i].end);
     EXPECT_TRUE(plan.seams[i].fixed_ends);
-    // a seam reads no frame of another, nor beyond the two windows that it waits for
+    // A seam reads no frames of other seams, nor beyond the two windows that it depends on.
     const int reach = plan.seams[i].context + 1;
     EXPECT_GE(plan.seams[i].begin - reach, plan.windows[i].begin);
     EXPECT_LE(plan.seams[i].end + reach, plan.windows[i + 1].end);
@@ -39,7 +39,7 @@ TEST(FitWindows, CoverEveryFrameOnceWithSeamsOverBorders) {
 }
 
 TEST(FitWindows, WaitForContactsAcrossTheirBorders) {
-  // one end of a foot or another stands all the time: contacts of 1 s follow each other
+  // One foot end always stands: contacts of 1 s follow each other.
   std::vector<PlantedPhase> phases;
   for (int begin = 0; begin + 60 <= 1800; begin += 30) {
     phases.push_back({begin, begin + 60, (begin / 30) % 2, kHeelEnd});

@@ -1,4 +1,4 @@
-// Standing heights, contact phases and clearances of feet whose paths are known in closed form.
+// Standing heights, contact phases and clearances of feet with closed-form paths.
 
 #include "solve/fit/foot_plan.h"
 
@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kAnkleHeight = 0.09, kToeHeight = 0.02;  // standing heights, metres
 
-// height and way of a foot at a time; both its ends go alike
+// Height and position of a foot over time; both ends are equal.
 struct FootPlace {
   double x = 0.0, height = 0.0;
 };
 using FootPath = std::function<FootPlace(double seconds)>;
 
-// one foot that goes along x
+// One foot that moves along x.
 SourceFeet make_feet(double seconds, double fps, const FootPath& path) {
   SourceFeet feet;
   feet.foot_count = 1;
@@ -34,7 +34,7 @@ SourceFeet make_feet(double seconds, double fps, const FootPath& path) {
   return feet;
 }
 
-// stands for a second, goes up at 1 m/s, and down, and stands half a metre ahead
+// Stands for a second, rises and falls at 1 m/s, and stands half a metre ahead.
 FootPlace step(double t) {
   const double up = std::max(0.0, 0.25 - std::abs(t - 1.25));
   return {0.5 * std::min(1.0, std::max(0.0, 2.0 * (t - 1.0))), up};
@@ -55,7 +55,7 @@ TEST(FootPlan, FindsStandingHeights) {
 
 TEST(FootPlan, LyingFeetAreNotStanding) {
   SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
-  // for half of the time the foot lies flat on its back, lower than it stands
+  // For half of the time the foot lies flat on its back, lower than when standing.
   for (std::size_t frame = 45; frame < feet.feet.size(); ++frame) {
     feet.feet[frame].ankle.z() = feet.feet[frame].toe.z() = -0.02;
   }
@@ -66,7 +66,7 @@ TEST(FootPlan, LyingFeetAreNotStanding) {
 }
 
 TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
-  // stands for ten seconds, and sinks in by 18 cm behind a flip
+  // Stands for ten seconds, and sinks by 18 cm after a flip.
   const auto feet = make_feet(12.0, 30.0, [](double t) {
     const bool sunk = t > 10.5 && t < 11.1;
     return FootPlace{0.0, sunk ? -0.18 : t > 10.0 && t <= 10.5 ? 0.6 : 0.0};
@@ -91,7 +91,7 @@ TEST(FootPlan, FloorIsTheLevelSteppedDownTo) {
 }
 
 TEST(FootPlan, LowestStepOfStairsIsTheFloor) {
-  // fifteen steps, none of which carries for a tenth of the time
+  // Fifteen steps, each with contact for less than a tenth of the time.
   const auto feet = make_feet(22.5, 30.0, [](double t) {
     return FootPlace{0.0, 0.15 * std::floor(t / 1.5)};
   });
@@ -113,7 +113,7 @@ TEST(FootPlan, FindsPhasesOfAStep) {
     const PlantedPhase& first = plan.phases[static_cast<std::size_t>(2 * end)];
     const PlantedPhase& second = plan.phases[static_cast<std::size_t>(2 * end + 1)];
     EXPECT_EQ(first.foot_end, end);
-    // speeds are those over two frames: the last one at rest already has that of the next step
+    // Speeds cover two frames: the last frame at rest already has the speed of the next step.
     EXPECT_EQ(first.begin, 0);
     EXPECT_EQ(first.end, 30);
     EXPECT_EQ(second.begin, 46);
@@ -133,7 +133,7 @@ TEST(FootPlan, PhasesAreIndependentOfTheFrameRate) {
 }
 
 TEST(FootPlan, PlantedFootIsReleasedAtTheReleaseSpeed) {
-  // 0.2 m/s lies between the speed that begins a contact and the one that ends it
+  // 0.2 m/s is between the start speed and the release speed of a contact.
   const auto later = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{t < 1.0 ? 0.0 : 0.2 * (t - 1.0), 0.0};
   });
@@ -147,7 +147,7 @@ TEST(FootPlan, PlantedFootIsReleasedAtTheReleaseSpeed) {
 }
 
 TEST(FootPlan, DropsShortContacts) {
-  // at rest for less than a tenth of a second
+  // At rest for less than a tenth of a second.
   const auto feet = make_feet(3.0, 30.0, [](double t) {
     return t < 1.0 ? FootPlace{} : FootPlace{t < 1.5 ? t - 1.0 : std::max(0.5, t - 1.1), 0.0};
   });
@@ -173,7 +173,7 @@ TEST(FootPlan, FootOnItsSideIsPlantedOnlyHorizontally) {
 
 TEST(FootPlan, ScalesClearanceAndWeightsFlight) {
   const FootPlan plan = plan_of(make_feet(3.0, 30.0, step), 0.5);
-  // in the middle of the step, a quarter of a metre up
+  // In the middle of the step, a quarter of a metre up.
   const FootEndGoal& middle = plan.ends_of(38)[0];
   EXPECT_NEAR(middle.clearance, 0.5 * step(38.0 / 30.0).height, 1e-12);
   EXPECT_DOUBLE_EQ(middle.importance, 5.0);
@@ -187,7 +187,7 @@ TEST(FootPlan, StandingOnABoxIsNotFlight) {
   EXPECT_EQ(plan_of(feet).ends_of(100)[0].importance, 1.0);
 }
 
-// stands for a second, then the foot is 0.3 m higher and half a metre ahead, and stays
+// Stands for a second; then the foot is 0.3 m higher and half a metre ahead, and stays.
 FootPlace step_up(double t) {
   const double way = std::clamp(2.0 * (t - 1.0), 0.0, 1.0);
   return {0.5 * way, 0.3 * way};
@@ -232,7 +232,7 @@ TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
 }
 
 TEST(FootPlan, FeetInTheAirAreNotInContact) {
-  // a foot that lingers at the height of a slow kick, and one that is held there but sways
+  // A foot that lingers at the top of a slow kick, and one that is held there but sways.
   const auto kick = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{0.0, t < 1.0 ? 0.0 : 0.4 * std::max(0.0, 1.0 - std::abs(t - 2.0))};
   });
@@ -247,7 +247,7 @@ TEST(FootPlan, FeetInTheAirAreNotInContact) {
 }
 
 TEST(FootPlan, FlightRequiresFreeFall) {
-  // feet go up and down while the hips stay where they are, or rise by g T^2 / 8
+  // Feet rise and fall while the hips stay in place, or rise by g T^2 / 8.
   SourceFeet feet = make_feet(3.0, 30.0, step);
   feet.hips.assign(feet.feet.size(), 0.2);
   EXPECT_EQ(plan_of(feet).ends_of(38)[kToeEnd].importance, 1.0);
@@ -259,7 +259,7 @@ TEST(FootPlan, FlightRequiresFreeFall) {
 }
 
 TEST(FootPlan, TuckedFootInFlightUsesItsLowerEnd) {
-  // a step into the air with the foot pointing down: the ankle a foot's length over the toe
+  // A jump with the foot pointing down: the ankle is a foot length above the toe.
   SourceFeet feet = make_feet(3.0, 30.0, step);
   for (std::size_t frame = 34; frame < 42; ++frame) {
     feet.feet[frame].ankle.z() += 0.12;

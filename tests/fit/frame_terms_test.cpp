@@ -26,7 +26,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// a configuration moved by a small change of its degrees of freedom
+// A configuration changed by a small step of its degrees of freedom.
 std::vector<double> moved(const FitModel& model, std::vector<double> qpos,
                           const std::vector<double>& step) {
   for (std::size_t k = 0; k < 3; ++k) qpos[k] += step[k];
@@ -70,7 +70,7 @@ class FrameTermsTest : public testing::Test {
     return qpos;
   }
 
-  // goals at the places of a configuration, then away from them
+  // Goals at the positions of a configuration, then displaced.
   void set_goals(const std::vector<double>& qpos, double away) {
     TreeState pose(model_.tree);
     pose.update(qpos);
@@ -97,7 +97,7 @@ class FrameTermsTest : public testing::Test {
           noise().head<2>();
     }
     upright_ = {0.6, 0.3};
-    // knees, elbows, hands and seat at their places, some of them only nearly
+    // Knees, elbows, hands and seat at their contact positions, some only nearly.
     supports_.assign(model_.supports.size(), {});
     for (std::size_t i = 0; i < model_.supports.size(); i += 2) {
       const SupportBody& body = model_.supports[i];
@@ -122,7 +122,8 @@ class FrameTermsTest : public testing::Test {
     return std::accumulate(costs_.begin(), costs_.end(), 0.0);
   }
 
-  // largest difference of the gradient from that of the cost, relative to the largest entry
+  // Largest difference between the gradient and finite differences of the cost, relative to the
+  // largest entry.
   double gradient_error(const std::vector<double>& qpos) {
     assemble(qpos);
     const std::vector<double> gradient = gradient_;
@@ -134,7 +135,7 @@ class FrameTermsTest : public testing::Test {
       const double above = assemble(moved(model_, qpos, step));
       step[i] = -kStep;
       const double below = assemble(moved(model_, qpos, step));
-      // the cost is the sum of squares, the gradient that of half of it
+      // The cost is the sum of squares, the gradient is that of half the sum.
       error = std::max(error, std::abs(0.25 * (above - below) / kStep - gradient[i]));
       largest = std::max(largest, std::abs(gradient[i]));
     }
@@ -170,7 +171,7 @@ TEST_F(FrameTermsTest, GradientMatchesTheCost) {
       if (costs_[static_cast<std::size_t>(term)] > 0.0) seen.insert(term);
     }
   }
-  // all terms have had their turn
+  // Every term was checked.
   EXPECT_EQ(seen.size(), static_cast<std::size_t>(kTermSelfCollision));
 }
 
@@ -184,7 +185,7 @@ TEST_F(FrameTermsTest, OverlapGradientMatchesTheCost) {
     set_goals(qpos, 0.05);
     if (assemble(qpos) == 0.0) continue;
     ++overlaps;
-    // nearest points of boxes are found by iteration
+    // Nearest points of boxes are found by iteration.
     EXPECT_LT(gradient_error(qpos), 1e-2) << round;
   }
   EXPECT_GT(overlaps, 3);
@@ -197,7 +198,7 @@ TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
   use(options);
   const auto qpos = random_configuration(0.3, 1.5);
   set_goals(qpos, 0.0);
-  // no height: it has no zero in this configuration
+  // Height is excluded: it has no zero in this configuration.
   ends_[0].level = false;
   upright_ = {1.0, 1.0};
   for (SupportGoal& support : supports_) support.height = 0.0;
@@ -251,8 +252,7 @@ TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
     const auto qpos = random_configuration(0.2, 0.8);
     clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
   }
-  // the smoothed steps count as constant: of the whole cost, minimised over them, the gradient is
-  // the same
+  // The smoothed steps count as constant: the gradient of the minimised cost is the same.
   const auto cost = [&] {
     JointSpeeds speeds(model_, options_, clip.frame_time);
     speeds.update(model_, clip, 0, clip.frame_count);
@@ -266,7 +266,8 @@ TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
   double gradient = terms[joint].force;
   speeds.terms(kFrame, terms);
   gradient -= terms[joint].force;
-  // by hand: the joint's steps, smoothed by a dense solve of the same least squares
+  // Independent computation: the joint's steps, smoothed by a dense solve of the same least
+  // squares.
   const auto address = static_cast<std::size_t>(model_.tree.links()[joint - 5].qpos_address);
   const auto total = [&](double change) {
     Eigen::VectorXd v(clip.frame_count - 1);
@@ -334,7 +335,7 @@ TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
     const double largest =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues().maxCoeff();
     EXPECT_GE(terms[20].weight, largest) << fps;
-    // and not by much: nothing is gained by steps that are too short
+    // The bound is tight enough: steps must not be too short.
     EXPECT_LT(terms[20].weight, 1.1 * largest) << fps;
   }
 }

@@ -1,5 +1,5 @@
-// Movements that no body makes on this floor: a fit with the term `dynamics` ends with a report, and
-// its motion is no worse by the metric than without the term.
+// Physically impossible movements on this floor: a fit with the term `dynamics` ends with a report,
+// and its motion is no worse by the metric than without the term.
 
 #include <gtest/gtest.h>
 
@@ -23,12 +23,12 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// files in centimetres, Y up; the root is the first joint
+// Files in centimetres, Y up; the root is the first joint.
 struct OddMovement {
   std::string name;
   std::string file;
   int begin, end;
-  // of a frame, at a time in seconds
+  // Changes a frame at a time in seconds.
   std::function<void(double time, Quaterniond& root, Vector3d& place)> change;
 };
 
@@ -53,7 +53,7 @@ OddMovement handstand() {
           }};
 }
 
-// backwards with the steps of who walks forwards
+// Backwards, with the steps of forward walking.
 OddMovement moonwalk() {
   return {"moonwalk", "walk.bvh", 60, 130, [](double, Quaterniond&, Vector3d& place) {
             place.x() = -place.x();
@@ -85,7 +85,7 @@ class OddMovements : public testing::TestWithParam<OddMovement> {
     return std::move(*result);
   }
 
-  // a share of the time, and the mean of what is missing, in weights
+  // Share of the time, and the mean of the missing force, in weights.
   struct Missing {
     double bad = 0.0, force = 0.0;
   };

@@ -1,4 +1,4 @@
-// The square of what is below 0, with a curvature that begins gradually: against finite differences.
+// The square of values below 0 with a gradually starting curvature, against finite differences.
 
 #include "solve/fit/one_sided.h"
 

@@ -89,7 +89,7 @@ TEST(BlockChain, WideVectorsGiveIdenticalBits) {
       0);
 }
 
-// random chains, one of whose blocks may be made not positive definite
+// Random chains; one of the blocks may be indefinite.
 struct RandomChain {
   RandomChain(int size, int blocks, std::mt19937& random, int indefinite = -1) : chain(size) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);

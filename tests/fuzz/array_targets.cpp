@@ -1,4 +1,4 @@
-// Any bytes as a file of arrays: NPY, NPZ, an SMPL motion or model, a pickle, a file of PyTorch.
+// Any bytes as an array file: NPY, NPZ, an SMPL motion or model, a pickle, a PyTorch file.
 
 #include <array>
 #include <cmath>
@@ -42,7 +42,7 @@ void check_clip(const Clip& clip) {
 
 void check_motion(std::string_view bytes) {
   SmplReadOptions options;
-  // of several motions the first one
+  // Of several motions, reads the first one.
   options.take = "1";
   const auto motion = read_array_motion(bytes, "fuzz.npz", options);
   if (!good(motion)) return;
@@ -54,7 +54,7 @@ void check_motion(std::string_view bytes) {
   check_clip(std::get<SmplMotion>(*motion).clip);
 }
 
-// SMPL's 22 joints of a body that stands, in two frames
+// SMPL's 22 joints of a standing body, in two frames.
 std::vector<double> standing_twice() {
   constexpr std::array kBody = {0.0,  0.0,  0.0,  .09,  -.08, 0.0,  -.09, -.08, 0.0,  0.0,  .11,
                                 0.0,  .09,  -.46, .02,  -.09, -.46, .02,  0.0,  .25,  0.0,  .09,
@@ -68,7 +68,7 @@ std::vector<double> standing_twice() {
   return values;
 }
 
-// the arrays of a sound motion, one of them given
+// The arrays of a valid motion, one of them from the input.
 std::string motion_with(const std::string& name, const std::string& array) {
   NpzBuilder builder;
   const auto add = [&](const std::string& own_name, const std::string& own) {
@@ -82,7 +82,7 @@ std::string motion_with(const std::string& name, const std::string& array) {
   return builder.build();
 }
 
-// the arrays of a body's places, the same
+// The same for the arrays of joint positions.
 std::string places_with(const std::string& name, const std::string& array) {
   NpzBuilder builder;
   const auto add = [&](const std::string& own_name, const std::string& own) {
@@ -143,7 +143,7 @@ void fuzz_smpl(std::string_view bytes) {
   check_motion(bytes);
 }
 
-// checksums keep most changes of a whole file away, so each array of a sound one is taken in turn
+// Checksums catch most changes of a whole file, so each array of a valid one is replaced in turn.
 void fuzz_smpl_arrays(std::string_view bytes) {
   for (const char* name : {"poses", "trans", "betas", "gender", "fps"}) {
     check_motion(motion_with(name, std::string(bytes)));
@@ -165,7 +165,7 @@ void fuzz_pickle(std::string_view bytes) {
   check_pickle("\x80\x04" + std::string(bytes));
 }
 
-// checksums keep most changes of a whole file away, so the bytes are its pickle as well
+// Checksums catch most changes of a whole file, so the bytes are also used as its pickle.
 void fuzz_torch(std::string_view bytes) {
   check_torch(bytes);
   check_motion(bytes);

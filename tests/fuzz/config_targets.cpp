@@ -1,5 +1,5 @@
-// Any bytes as a file of settings: retargeting configuration, skeleton profile, bone map, path, options of the fit,
-// gates, limits, profile, model.
+// Any bytes as a settings file: retargeting configuration, skeleton profile, bone map, path,
+// options of the fit, gates, limits, profile, model.
 
 #include <cmath>
 #include <string>

@@ -16,7 +16,7 @@ const retarget::fuzz::FuzzTarget* chosen = nullptr;
 
 }  // namespace
 
-// libFuzzer passes over what begins with two dashes
+// libFuzzer ignores arguments that begin with two dashes.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   constexpr std::string_view kOption = "--target=";
   for (int i = 1; i < *argc; ++i) {
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  // ends where its memory ends, so that the sanitizer sees any read past it
+  // The buffer ends with its memory, so that the sanitizer sees any read past it.
   const std::vector<char> bytes(data, data + size);
   chosen->run({bytes.data(), bytes.size()});
   return 0;

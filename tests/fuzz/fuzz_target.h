@@ -10,10 +10,10 @@
 
 namespace retarget::fuzz {
 
-/// A reader of untrusted bytes: accepted input must be valid, refusals must state the reason.
+/// A reader of untrusted bytes: accepted input must be valid, rejections must state the reason.
 struct FuzzTarget {
   std::string_view name;
-  /// Ends the process where the reader breaks a promise.
+  /// Ends the process if the reader violates a property.
   void (*run)(std::string_view bytes);
 };
 
@@ -23,20 +23,20 @@ struct FuzzTarget {
 /// The target of a name; nullptr for unknown names.
 [[nodiscard]] const FuzzTarget* find_fuzz_target(std::string_view name);
 
-/// Says what is not true and ends the process, so that a fuzzer keeps the input.
+/// Prints the violated property and ends the process, so that a fuzzer keeps the input.
 void require(bool condition, const char* what);
 
-/// Whether it was read; if not, the error must say something.
+/// Returns whether the input was read; otherwise the error must have a message.
 template <typename Value>
 bool good(const Result<Value>& result) {
   if (!result) require(!result.error().message.empty(), "errors say something");
   return result.has_value();
 }
 
-/// A path at which these bytes are a file, for readers of files alone; the next call overwrites it.
+/// Path of a file with these bytes, for readers that only read files; the next call overwrites it.
 [[nodiscard]] std::string file_of(std::string_view bytes, const char* name);
 
-/// The Unitree G1 of the repository, which motions and settings are read for.
+/// The Unitree G1 of the repository, for motions and settings.
 [[nodiscard]] const std::shared_ptr<const Robot>& fuzz_robot();
 
 void fuzz_bvh(std::string_view bytes);

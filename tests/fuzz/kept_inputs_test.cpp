@@ -1,4 +1,4 @@
-// The seeds of the fuzzing targets, and the inputs that once broke a reader, in every build.
+// Runs the seeds of the fuzzing targets, and inputs that once broke a reader, in every build.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ std::string name_of(const testing::TestParamInfo<FuzzTarget>& target) {
   return std::string(target.param.name);
 }
 
-// a broken promise ends the process, after the name of the file
+// A violated property ends the process, after the name of the file.
 TEST_P(KeptInputsTest, BreakNothing) {
   const fs::path folder = fs::path(RETARGET_SOURCE_DIR) / "tests" / "fuzz";
   std::vector<fs::path> files = files_of(folder / "seeds" / GetParam().name);

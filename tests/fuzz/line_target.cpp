@@ -1,4 +1,4 @@
-// Any bytes as a BVH file, and what it holds all the way to a robot's CSV and back.
+// Any bytes as a BVH file, through the whole pipeline to a robot CSV and back.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@
 namespace retarget::fuzz {
 namespace {
 
-// so small that a run stays far below a second under sanitizers
+// So small that a run takes much less than a second under sanitizers.
 constexpr int kMaxJoints = 48;
 constexpr int kMaxFrames = 6;
 
@@ -58,7 +58,7 @@ const Setup& setup() {
   return made;
 }
 
-// the motion as the tool takes it, or nothing where it refuses it
+// The motion as read by the tool; nothing if it is rejected.
 std::optional<Clip> short_clip(std::string_view bytes) {
   auto file = read_bvh(bytes, "fuzz.bvh");
   if (!good(file)) return std::nullopt;

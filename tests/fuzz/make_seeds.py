@@ -59,7 +59,7 @@ def short_bvh(name, frames):
 
 
 def renamed(text):
-    """The same body by the names of another kind of skeleton."""
+    """The same body with the names of another skeleton profile."""
     for old, new in (("LeftUpLeg", "lThigh"), ("LeftLeg", "lShin"), ("LeftFoot", "lFoot"), ("LeftToe", "lToe"),
                      ("RightUpLeg", "rThigh"), ("RightLeg", "rShin"), ("RightFoot", "rFoot"), ("RightToe", "rToe"),
                      ("LeftShoulder", "lCollar"), ("LeftArm", "lShldr"), ("LeftForeArm", "lForeArm"),
@@ -125,7 +125,7 @@ def standing():
 
 
 def body_model():
-    """A body model in miniature: a vertex a joint, and one above and one below."""
+    """A miniature body model: one vertex per joint, one above and one below."""
     parents = [-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19]
     heights = [0, -.1, -.1, .1, -.5, -.5, .25, -.9, -.9, .3, -.95, -.95, .5, .45, .45, .6, .45, .45, .45, .45, .45, .45]
     sides = [0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .2, -.2, .45, -.45, .7, -.7]
@@ -142,7 +142,7 @@ def body_model():
 
 
 def pickles():
-    """Of every protocol, of NumPy, and such as are refused."""
+    """Pickles of every protocol, of NumPy, and rejected ones."""
     values = {"fps": 30, "doubles": np.arange(6.0).reshape(2, 3), "names": ["a", "b"], "none": None, "true": True,
               "far": -5_000_000_000, "huge": 1 << 70, "tuple": (1.5, b"bytes"), "scalar": np.float64(2.5)}
     for protocol in range(6):
@@ -344,7 +344,7 @@ def robot_motions():
 
 
 def packets_file(packets):
-    """Packets behind their sizes, as targets of binary formats take them."""
+    """Packets preceded by their sizes, as binary-format targets expect."""
     return b"".join(struct.pack(">H", len(each)) + each for each in packets)
 
 

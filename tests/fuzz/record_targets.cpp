@@ -1,4 +1,4 @@
-// Any bytes as what was written of a run: a line of a manifest, a sidecar.
+// Any bytes as a record of a run: a manifest line, a sidecar.
 
 #include <string_view>
 

@@ -31,7 +31,7 @@ void read_both_ways(std::string_view bytes) {
     SceneReadOptions options;
     options.skeleton_only = skeleton_only;
     options.max_clip_bytes = std::size_t{4} << 20U;
-    // as from a pipe: there are no files beside it
+    // As from a pipe, without accompanying files.
     const Result<Clip> clip = read_scene(bytes, "standard input", options);
     if (good(clip)) check_scene_clip(*clip);
   }

@@ -1,5 +1,5 @@
-// Any bytes as the packets of a stream, one per line: accepted packets must be valid, and a refused
-// packet must not change how the next one is read.
+// Any bytes as the packets of a stream, one per line: accepted packets must be valid, and a
+// rejected packet must not affect the next one.
 
 #include <algorithm>
 #include <cmath>
@@ -61,8 +61,8 @@ void fuzz_decoder(std::string_view format, std::string_view bytes) {
   }
 }
 
-// Binary packets, each behind two bytes of its size: as datagrams, and as the bytes of a connection; an
-// empty one is the end of a connection.
+// Binary packets, each preceded by two bytes with its size: as datagrams, and as the bytes of a
+// connection; an empty one ends the connection.
 void fuzz_packets(std::string_view format, std::string_view bytes) {
   const auto found = find_stream_format(std::string(format));
   require(found.has_value(), "the format exists");

@@ -1,5 +1,5 @@
-// The solver's gradient is that of its cost, no search finds a lower cost, pinches close, fists close and
-// open hands open on hands of three fingers and of six motors.
+// The solver's gradient matches its cost, no search finds a lower cost, pinches and fists close and
+// open hands open, for hands with three fingers and with six motors.
 
 #include "solve/hands/hand_solver.h"
 
@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kDegree = 0.017453292519943295;
 
-// a robot's left hand and what solves it
+// The left hand of a robot and its solver.
 struct Solved {
   std::shared_ptr<const Robot> robot;
   RobotHand hand;
@@ -55,7 +55,7 @@ std::vector<Solved> hands() {
   return all;
 }
 
-// how far a finger's tip is from the thumb's
+// Distance between the tips of a finger and the thumb.
 double gap(const Solved& of, const Eigen::VectorXd& variables, Finger finger) {
   HandPosture posture(of.hand);
   posture.set_variables(variables);
@@ -91,7 +91,7 @@ Eigen::VectorXd random_variables(const Solved& of, std::mt19937& random) {
   return x;
 }
 
-TEST(HandSolverTest, GradientIsThatOfTheCost) {
+TEST(HandSolverTest, GradientMatchesTheCost) {
   std::mt19937 random(5);
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
@@ -133,7 +133,7 @@ TEST(HandSolverTest, NoSearchFindsALowerCost) {
       };
       const Eigen::VectorXd found = solver.solve(target);
       const double least = cost(found);
-      // anywhere in the box, then nearer and nearer to the best that was met
+      // Samples the whole box, then ever closer to the best point.
       Eigen::VectorXd best = random_variables(of, random);
       double lowest = cost(best);
       for (int i = 0; i < 20000; ++i) {
@@ -201,7 +201,7 @@ TEST(HandSolverTest, FistsCloseAndOpenHandsOpen) {
 }
 
 TEST(HandSolverTest, ALongerHandClosesAsFar) {
-  // the same hand at twice the size asks the same of a robot
+  // The same hand at twice the size gives the same targets.
   HandShape shape = pinch_shape(Finger::kIndex), large = shape;
   for (FingerLine& line : large.fingers) {
     for (Eigen::Vector3d& point : line.points) point *= 2.0;
@@ -221,7 +221,7 @@ TEST(HandSolverTest, ARelaxedHandIsHalfOpen) {
       const std::string& name =
           of.robot->joints()[of.hand.variables[static_cast<std::size_t>(i)]].name;
       if (name.find("thumb") != std::string::npos) continue;
-      // fingers bend from 0 to one side
+      // Fingers bend from 0 to one side.
       const double most = std::abs(of.lower[i]) > of.upper[i] ? of.lower[i] : of.upper[i];
       const double share = solver.relaxed()[i] / most;
       EXPECT_GT(share, 0.15) << name;
@@ -230,7 +230,7 @@ TEST(HandSolverTest, ARelaxedHandIsHalfOpen) {
   }
 }
 
-TEST(HandSolverTest, FingersThatTheHumanLacksAreLeftToTheOthers) {
+TEST(HandSolverTest, MissingFingersFollowTheirNeighbours) {
   HandShape shape = fist_shape();
   shape.line(Finger::kRing) = FingerLine();
   shape.line(Finger::kThumb) = FingerLine();
@@ -242,7 +242,7 @@ TEST(HandSolverTest, FingersThatTheHumanLacksAreLeftToTheOthers) {
   EXPECT_EQ(target.parts[3].directions[0], target.parts[2].directions[0]) << "as the middle finger";
 }
 
-TEST(HandSolverTest, GrippersOpenAsThumbAndIndexFingerDo) {
+TEST(HandSolverTest, GrippersFollowThumbAndIndexFinger) {
   const Solved of(robot_from_text(grippers()));
   HandSolver solver = of.solver();
   const Eigen::VectorXd open = solver.solve(of.target(open_shape()));
@@ -252,7 +252,7 @@ TEST(HandSolverTest, GrippersOpenAsThumbAndIndexFingerDo) {
   EXPECT_LT(std::abs(gap(of, closed, Finger::kIndex)), 0.005);
 }
 
-TEST(HandSolverTest, NothingIsAllocatedPerFrame) {
+TEST(HandSolverTest, AllocatesNothingPerFrame) {
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
     FingerClip source(20);
@@ -278,7 +278,7 @@ TEST(HandSolverTest, NothingIsAllocatedPerFrame) {
   }
 }
 
-TEST(HandSolver, KeepsTheFrameBeforeWhereATargetIsNotFinite) {
+TEST(HandSolver, KeepsThePreviousFrameForNonFiniteTargets) {
   for (const Solved& of : hands()) {
     HandSolver solver = of.solver();
     HandTarget bad = of.target(fist_shape());

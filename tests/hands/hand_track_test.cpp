@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kFrames = 90;
 
-// the left hand opens, closes and pinches; the right one keeps still
+// The left hand opens, closes and pinches; the right one is still.
 FingerClip moving_clip() {
   FingerClip source(kFrames);
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -61,11 +61,11 @@ TEST(HandTrackTest, OneHandFollowsAndTheOtherIsRelaxed) {
     }
     EXPECT_EQ(relaxed.at(frame, "left_hand_index_0_joint"),
               relaxed.at(0, "left_hand_index_0_joint"));
-    // mirror images of each other
+    // Mirror images of each other.
     EXPECT_NEAR(relaxed.at(frame, "left_hand_index_0_joint"),
                 -relaxed.at(frame, "right_hand_index_0_joint"), 1e-6);
   }
-  // nothing else is touched
+  // Other joints do not change.
   EXPECT_EQ(g1.at(35, "left_elbow_joint"), 0.0);
 }
 
@@ -93,7 +93,7 @@ TEST(HandTrackTest, RangesAndSpeedsHoldAsPrinted) {
   }
 }
 
-TEST(HandTrackTest, FollowersFollow) {
+TEST(HandTrackTest, CoupledJointsFollow) {
   const auto robot = robot_from_text(six_motor_hands());
   const Tracked tracked(robot, moving_clip(), HandsRule::kFollow);
   double most = 0.0;
@@ -128,7 +128,7 @@ TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
     const HandErrors errors = measure_hands(source.clip(), source.map(), tracked.clip);
     ASSERT_EQ(errors.touching_gaps.size(), 40U)
         << "one finger touches the thumb in frames 50 to 89";
-    // the fist before opens as fast as the joints may
+    // The previous fist opens at the joints' maximum speed.
     const auto open =
         std::ranges::count_if(errors.touching_gaps, [](double g) { return g > 0.005; });
     EXPECT_LT(open, 10);
@@ -140,7 +140,7 @@ TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
   }
 }
 
-TEST(HandTrackTest, TheSameTwice) {
+TEST(HandTrackTest, IsDeterministic) {
   const auto robot = robot_from_text(six_motor_hands());
   const Tracked a(robot, moving_clip(), HandsRule::kFollow);
   const Tracked b(robot, moving_clip(), HandsRule::kFollow);

@@ -1,4 +1,4 @@
-// When knees, elbows, hands, seat and back of a human lie on the floor.
+// Contacts of knees, elbows, hands, seat and back of a human with the floor.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 constexpr StandingHeights kStanding{0.08, 0.02, true};
 constexpr std::size_t kLeftKnee = 0, kSeat = 6;
 
-// everything far up but one joint, whose place a function gives
+// All joints far up except one, whose position is a function of time.
 SourceFeet source_with(std::size_t support, int frames,
                        const std::function<Eigen::Vector3d(int)>& place, double fps = 30.0) {
   SourceFeet source;
@@ -43,11 +43,11 @@ std::vector<ContactPhase> contacts(const SourceFeet& source, std::size_t support
   return all[support];
 }
 
-TEST(BodyContacts, AKneeThatIsLowAndStillLies) {
+TEST(BodyContacts, LowAndStillKneeIsInContact) {
   const auto down_from_20_to_50 = [](int frame) {
     return Eigen::Vector3d(0.0, 0.0, frame >= 20 && frame < 50 ? 0.05 : 0.4);
   };
-  // while it falls and rises it is not slow
+  // It is not slow while it falls and rises.
   EXPECT_THAT(contacts(source_with(kLeftKnee, 80, down_from_20_to_50), kLeftKnee),
               ElementsAre(ContactPhase{21, 49}));
 }
@@ -58,7 +58,7 @@ TEST(BodyContacts, UseTheHeightOfTheJoint) {
   };
   EXPECT_THAT(contacts(source_with(kLeftKnee, 30, at(0.14)), kLeftKnee), IsEmpty());
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat), ElementsAre(ContactPhase{0, 30}));
-  // of half a body, half as high
+  // Half as high, for a body of half the size.
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat, 0.5), IsEmpty());
 }
 
@@ -79,13 +79,13 @@ TEST(BodyContacts, IgnoreShortTouches) {
       return Eigen::Vector3d(0.0, 0.0, frame >= begin && frame < end ? 0.05 : 0.05 + 0.01 * step);
     };
   };
-  // two frames at 30 fps last less than 0.1 s, eight at 120 fps do not
+  // Two frames at 30 fps last less than 0.1 s, eight at 120 fps do not.
   EXPECT_THAT(contacts(source_with(kLeftKnee, 20, still(8, 10, 10)), kLeftKnee), IsEmpty());
   EXPECT_THAT(contacts(source_with(kLeftKnee, 80, still(30, 50, 10), 120.0), kLeftKnee),
               testing::SizeIs(1));
 }
 
-TEST(BodyContacts, TheSameAtAnyRate) {
+TEST(BodyContacts, AreIndependentOfTheRate) {
   const auto down = [](double fps) {
     return [fps](int frame) {
       const double t = frame / fps;

@@ -50,7 +50,7 @@ TEST(BoneMapFile, ReportsAllErrorsTogether) {
   for (const char* part :
        {"no joint \"Hipz\" (did you mean \"Hips\"?)", "no bone \"LeftUpleg\" (did you mean",
         "\"Spine\" is given for two bones", "2 joints are called \"LeftToeBase\"",
-        "\"Head\" must be the name of a joint or null"}) {
+        "\"Head\" must be a joint name or null"}) {
     EXPECT_THAT(full_message(read.error()), HasSubstr(part));
   }
 }

@@ -22,8 +22,8 @@ Clip load(const std::string& folder, const std::string& name) {
   return load_bvh((*shared_folder() / "data" / folder / name).string()).value().clip;
 }
 
-// LAFAN1's own axes in frames in which its people stand nearly in a T-pose
-TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
+// LAFAN1's own axes in frames in which its people stand nearly in a T-pose.
+TEST(CalibrateReal, CanonicalTPoseMatchesLafan1) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   struct Frame {
     const char* file;
@@ -49,7 +49,7 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
     }
   }
   for (const Bone bone : kAllBones) {
-    // people turn their feet out and let their hands hang
+    // People turn their feet out and let their hands hang.
     const bool is_end = bone_name(bone).find("Hand") != std::string_view::npos ||
                         bone_name(bone).find("ForeArm") != std::string_view::npos;
     EXPECT_LT(sums[bone] / 3.0, is_end ? 32.0 : 20.0) << bone_name(bone);
@@ -70,8 +70,8 @@ TEST(CalibrateReal, Lafan1IsUnchanged) {
   }
 }
 
-// The axes are known here: those of LAFAN1's joints themselves, which are not looked at.
-// parts in which people lie seem to stand along the floor, for what trunk and legs say
+// The axes are known: those of LAFAN1's joints, which the method does not use. In parts in which
+// people lie, trunk and legs point along the floor.
 TEST(CalibrateReal, LyingBodyKeepsTheUpAxisOfItsSkeletonKind) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   const auto profiles =
@@ -104,7 +104,7 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
     EXPECT_EQ(found.up, SignedAxis{});
     EXPECT_NEAR(found.height, 1.75, 0.01);
     EXPECT_TRUE(found.doubts.empty()) << file;
-    // bones that the published tables give weight
+    // Bones with a weight in the published tables.
     for (const char* bone :
          {"Hips", "Spine2", "LeftUpLeg", "LeftLeg", "LeftFootMod", "RightUpLeg", "RightLeg",
           "RightFootMod", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
@@ -127,7 +127,7 @@ TEST(CalibrateReal, LimbsOfEveryDialectMatchTheirBoneAxes) {
     const auto found = calibrate(clip, bone_map(clip.skeleton(), profile.names), {});
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, profile.unit);
-    // one body is of a child's height, which is doubted
+    // One body has a child's height, which causes a warning.
     EXPECT_EQ(found->doubts.empty(), found->height > 1.3);
     EXPECT_GT(found->height, 1.1);
     EXPECT_LT(found->height, 1.9);
@@ -139,7 +139,7 @@ TEST(CalibrateReal, LimbsOfEveryDialectMatchTheirBoneAxes) {
       sum += angle.mean;
     }
     EXPECT_LT(sum / static_cast<double>(angles.size()), 2.0);
-    // no lying or sunken body: hips at a person's height over the lower foot
+    // No lying or sunken body: hips at human height above the lower foot.
     for (int frame = 0; frame < human.frame_count; frame += 10) {
       const auto pose = human.frame(frame);
       const double foot =

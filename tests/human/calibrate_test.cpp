@@ -45,7 +45,7 @@ TEST(Calibrate, KeepsLafan1BitForBit) {
     const HumanClip human = to_human(clip, found);
     EXPECT_EQ(found.rest_pose, "lafan1");
     EXPECT_EQ(human.height, 1.75);
-    // the published formula, written out
+    // The published formula, written out.
     Eigen::Matrix3d turn;
     turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
     const Eigen::Quaterniond quarter(turn);
@@ -85,7 +85,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
   }
 }
 
-// A zero pose in T: the general way must find LAFAN1's axes, which the twin no longer has.
+// A T-pose as zero pose: the general method must find LAFAN1's axes, which the copy no longer has.
 TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
@@ -110,7 +110,8 @@ TEST(Calibrate, RaisesArmsOfAPosesAndIPoses) {
   }
 }
 
-// A headset as the root: the trunk runs downwards, and its joints turn other parts than their own.
+// A headset as the root: the trunk runs downwards, and its joints rotate other parts than their
+// own.
 TEST(Calibrate, RerootsTheTreeAtTheHips) {
   for (const std::string& name : kSamples) {
     const Clip clip = with_t_pose_as_zero(sample(name));
@@ -123,7 +124,7 @@ TEST(Calibrate, RerootsTheTreeAtTheHips) {
         const Pose& a = expected.frame(frame)[bone];
         const Pose& b = found.frame(frame)[bone];
         largest = std::max(largest, (a.translation - b.translation).norm());
-        // a headset's file does not hold how the neck turns the head
+        // A headset's file does not contain the rotation of the head about the neck.
         if (bone_name(bone) == "Head") continue;
         largest = std::max(largest,
                            (a.rotation.toRotationMatrix() - b.rotation.toRotationMatrix()).norm());
@@ -136,24 +137,24 @@ TEST(Calibrate, RerootsTheTreeAtTheHips) {
 TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   BoneMap map = lafan1_map(clip.skeleton(), "test");
-  // legs of 86 units: centimetres by themselves, and half an inch is 1.09 m
+  // Legs of 86 units: centimetres by default, and with half an inch 1.09 m.
   map.facts.metres_per_unit = 0.0127;
   map.facts.rest = RestPose::kZero;
   auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->metres_per_unit, 0.0127);
   EXPECT_EQ(found->rest_pose, "zero pose");
-  // 2 m of hips are no person's: the file was converted
+  // Hips at 2 m are not human: the file was converted.
   map.facts.metres_per_unit = 0.0254;
   found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
-  // a first frame that is no T-pose is not taken for one, whatever the kind
+  // A first frame that is not a T-pose is not used as one, for any kind of skeleton.
   map.facts.rest = RestPose::kFirst;
   found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->rest_pose, "zero pose");
-  // up counts unless the body plainly stands otherwise
+  // The up axis of the kind applies unless the body clearly stands along another.
   map.facts.up = Eigen::Vector3d::UnitZ();
   found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
@@ -205,7 +206,7 @@ TEST(Calibrate, SameMovementInAnotherRepresentationGivesTheSameHuman) {
       for (int frame = 0; frame < half.frame_count; ++frame) {
         picked.world_from_bone.push_back(expected.frame(2 * frame));
       }
-      // at 30 and 15 frames per second the movement is looked at every third frame and every other
+      // At 30 and 15 frames per second, every third and every other frame is sampled.
       if (has_rest) {
         EXPECT_LT(largest_difference(half, picked), 1e-9);
       }
@@ -249,8 +250,8 @@ TEST(Calibrate, IsIndependentOfChannelOrder) {
 }
 
 TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
-  // hips, torso and legs of the synthetic person; its elbows bend straight about -Z, unlike those
-  // of people, whose mean of 13 degrees is taken off
+  // Hips, torso and legs of the synthetic person; its elbows bend exactly about -Z, unlike
+  // people's, whose mean of 13 degrees is subtracted.
   const Clip clip = sample("walk");
   const Calibration found = calibrated(clip);
   EXPECT_EQ(found.rest_pose, "learned");
@@ -288,7 +289,7 @@ TEST(Calibrate, HandlesEveryUpAxisWithoutMirroring) {
 }
 
 TEST(Calibrate, FindsUpAxisOfALyingBody) {
-  // the start of getting up, most of it on the floor
+  // The start of getting up, mostly on the floor.
   const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
   EXPECT_EQ(calibrated(clip).up, SignedAxis{});
   const Clip lafan1 = cut(sample("get_up"), 0, 60);
@@ -316,7 +317,7 @@ TEST(Calibrate, UsesGivenOptions) {
 
 TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
   const Clip clip = sample("squat");
-  // the T-pose, in the axes that the clip's joints have
+  // The T-pose, in the joint axes of the clip.
   Clip tpose(clip.shared_skeleton(), clip.rate(), 1);
   const Eigen::Quaterniond file_from_human(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
   std::vector<Eigen::Quaterniond> world;
@@ -347,7 +348,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   ASSERT_TRUE(found) << describe(found.error());
   const HumanClip human = to_human(clip, *found), whole = fixed_human(sample("walk"));
   for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
-  // the wrist and the toes are where they were, and the foot without toes is turned as before
+  // The wrist and the toes keep their positions, and the foot without toes keeps its rotation.
   for (const char* bone : {"LeftHand", "RightToe"}) {
     const Eigen::Vector3d apart = human.frame(5)[*bone_from_name(bone)].translation -
                                   whole.frame(5)[*bone_from_name(bone)].translation;

@@ -54,7 +54,7 @@ double mean_angle(const Clip& a, const Clip& b) {
   return sum / a.frame_count() / a.skeleton().joint_count();
 }
 
-// sums of uniform numbers, which are the same with every standard library
+// Sums of uniform numbers, which are equal with every standard library.
 class Noise {
  public:
   double next() {
@@ -67,7 +67,7 @@ class Noise {
   std::mt19937 random_{11};
 };
 
-TEST(CleanClip, SamplesKeepEveryBit) {
+TEST(CleanClip, DoesNotChangeSamples) {
   for (const char* name : {"walk", "turn_in_place", "squat", "wave", "get_up"}) {
     const Clip clip = sample_clip(name);
     Clip cleaned = clip;
@@ -77,7 +77,7 @@ TEST(CleanClip, SamplesKeepEveryBit) {
   }
 }
 
-TEST(CleanClip, SwayIsTakenFromTheRoot) {
+TEST(CleanClip, RemovesSwayFromTheRoot) {
   const Clip clip = sample_clip("squat");
   Clip noisy = clip;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -88,7 +88,7 @@ TEST(CleanClip, SwayIsTakenFromTheRoot) {
   EXPECT_THAT(report.notes, ElementsAre(HasSubstr("the root moved by up to")));
   EXPECT_EQ(report.foot_speed, 0.0);
   EXPECT_GT(farthest_root(clip, swaying), 19.0);
-  // where the body is as a whole is not known
+  // The position of the body as a whole is unknown.
   EXPECT_LT(farthest_root(clip, noisy), 4.0);
   EXPECT_EQ(mean_angle(clip, noisy), 0.0);
 }
@@ -110,7 +110,7 @@ TEST(CleanClip, JitterOfJointsIsSmoothed) {
   EXPECT_LT(mean_angle(clip, noisy), 0.6 * mean_angle(clip, jittery));
 }
 
-// Noise that is forgotten over 0.3 s, so many degrees about each axis.
+// Noise with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 void add_slow_noise(Clip& clip, double degrees) {
   Noise noise;
   const double keep = std::exp(-clip.rate().frame_time() / 0.3);
@@ -133,7 +133,7 @@ SourceFeet feet_of(const Clip& clip) {
   return {human, human.frame_count};
 }
 
-// In frames in which the ends of the clean clip's feet are in contact.
+// Over frames in which the foot ends of the clean clip are in contact.
 double contact_speed(const Clip& clean_clip, const Clip& other, double percent) {
   const ContactPlan contacts = find_contacts(feet_of(clean_clip));
   const SourceFeet feet = feet_of(other);
@@ -162,7 +162,7 @@ TEST(CleanClip, LegsHoldFeetInTheirStances) {
   }
 }
 
-TEST(CleanClip, FramesOutsideThePartStay) {
+TEST(CleanClip, DoesNotChangeFramesOutsideThePart) {
   Clip noisy = sample_clip("squat");
   for (int frame = 0; frame < noisy.frame_count(); ++frame) {
     noisy.translations(frame)[0].x() += 20.0 * std::sin(2.0 * std::numbers::pi * frame / 120.0);
@@ -174,7 +174,7 @@ TEST(CleanClip, FramesOutsideThePartStay) {
   EXPECT_NE(cleaned.translations(31)[0], noisy.translations(31)[0]);
 }
 
-TEST(CleanClip, ShortClipsStay) {
+TEST(CleanClip, DoesNotChangeShortClips) {
   const Clip clip = sample_clip("squat");
   for (const int frames : {0, 1, 2, 3, 5}) {
     Clip part = cut(clip, 0, frames);
@@ -182,7 +182,7 @@ TEST(CleanClip, ShortClipsStay) {
   }
 }
 
-TEST(CleanPositions, ClipsWithRotationsStay) {
+TEST(CleanPositions, DoesNotChangeClipsWithRotations) {
   Clip clip = sample_clip("wave");
   Noise noise;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {

@@ -1,5 +1,5 @@
-// Clips whose angles or root translations are in other units than the rest of the file, made of the
-// samples.
+// Clips made from the samples whose angles or root translations have other units than the rest of
+// the file.
 
 #include "human/skeleton/clip_units.h"
 
@@ -78,7 +78,7 @@ void expect_same(const Clip& found, const Clip& wanted) {
   }
 }
 
-TEST(ClipUnits, CleanClipsStayAsTheyAre) {
+TEST(ClipUnits, DoesNotChangeCleanClips) {
   for (const std::string& name : kSamples) {
     for (const bool t_pose : {false, true}) {
       const Clip clip = sample_of(name, t_pose);
@@ -99,7 +99,7 @@ TEST(ClipUnits, ConvertsRadians) {
     EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
     expect_same(mended, clip);
   }
-  // where a zero pose is one of a body, the feet must show it
+  // If the zero pose is one of a body, only the feet give evidence.
   for (const std::string name : {"walk", "squat", "get_up"}) {
     const Clip clip = sample_of(name, true);
     Clip mended = with_radians_read_as_degrees(clip);
@@ -108,7 +108,7 @@ TEST(ClipUnits, ConvertsRadians) {
   }
 }
 
-TEST(ClipUnits, ConvertsTheRootsTranslation) {
+TEST(ClipUnits, ConvertsRootTranslations) {
   for (const std::string name : {"walk", "squat", "get_up"}) {
     for (const double factor : {0.001, 0.01, 0.1, 1.0 / 2.54, 2.54, 10.0, 100.0}) {
       const Clip clip = sample_of(name, true);
@@ -130,7 +130,7 @@ TEST(ClipUnits, WarnsAboutARatioBetweenNoTwoUnits) {
   }
 }
 
-TEST(ClipUnits, WarnsOfFeetThatMoveUnderARootThatDoesNot) {
+TEST(ClipUnits, WarnsAboutMovingFeetUnderAStaticRoot) {
   const Clip walk = sample_of("walk", true);
   const Eigen::Vector3d first = walk.translations(0)[0];
   const std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d&)>> changes = {
@@ -151,7 +151,7 @@ TEST(ClipUnits, WarnsOfFeetThatMoveUnderARootThatDoesNot) {
 }
 
 // A body that is carried, skates or sits in a vehicle moves without planted feet.
-TEST(ClipUnits, LeavesACarriedBodyAsItIs) {
+TEST(ClipUnits, DoesNotChangeCarriedBodies) {
   Clip clip = sample_of("wave", true);
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0] += Eigen::Vector3d(6.0 * frame, 0.0, 0.0);
@@ -161,7 +161,7 @@ TEST(ClipUnits, LeavesACarriedBodyAsItIs) {
   expect_same(clip, before);
 }
 
-TEST(ClipUnits, FindsNothingInRecordings) {
+TEST(ClipUnits, DoesNotChangeRecordings) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   for (const char* name :
        {"lafan1_cuts/run2_subject4_run.bvh", "lafan1_cuts/jumps1_subject5_big.bvh",

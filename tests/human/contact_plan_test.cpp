@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 constexpr double kLeg = 0.85;
 constexpr FrameRate kRate{30, 1};
 
-// paths of a foot's joints; empty: it has none
+// Paths of a foot's joints; empty if it has none.
 struct FootTrack {
   std::vector<Eigen::Vector3d> ankle, toe;
 };
@@ -78,12 +78,12 @@ TEST(ContactPlan, AFootOnItsSideIsNotInContact) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[0].ankle[i].z() = 0.03;
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
-  // the frame before it falls is fast already
+  // The frame before the fall is already fast.
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 39}));
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 60}));
 }
 
-// 20 frames of rest, then the foot glides at a speed for 20 frames, then rests again
+// 20 frames of rest, then 20 frames of gliding at a constant speed, then rest again.
 std::array<FootTrack, 2> gliding_feet(double speed) {
   auto feet = standing_feet(60);
   double x = 0.0;
@@ -100,7 +100,7 @@ TEST(ContactPlan, SpeedsHaveHysteresis) {
     return contacts_of(gliding_feet(speed), kLeg, kRate).phases[0];
   };
   EXPECT_THAT(phases(0.24), ElementsAre(ContactPhase{0, 60}));
-  // central differences: half the speed in frames 20 and 40, so that these still belong to it
+  // Central differences: half the speed in frames 20 and 40, so these still belong to it.
   EXPECT_THAT(phases(0.26), ElementsAre(ContactPhase{0, 21}, ContactPhase{40, 60}));
 }
 
@@ -109,7 +109,7 @@ TEST(ContactPlan, AContactBeginsOnlyBelowTheLowerThresholds) {
   for (int i = 0; i < 30; ++i) feet[0].toe[i].z() = feet[0].ankle[i].z() = 0.11;
   for (int i = 30; i < 60; ++i) feet[0].toe[i].z() = feet[0].toe[i].z() + 0.05;
   feet[0].ankle.assign(60, {0.0, 0.1, 0.08});
-  // 5 cm is near enough to stay in contact, not to begin one
+  // 5 cm is low enough to stay in contact, but not to enter contact.
   EXPECT_THAT(contacts_of(feet, kLeg, kRate).phases[0], IsEmpty());
 }
 
@@ -132,8 +132,8 @@ TEST(ContactPlan, IgnoresShortContacts) {
   }
 }
 
-TEST(ContactPlan, TheShortestTimeHoldsAtEveryRate) {
-  // a tenth of a second in whole frames, rounded up: 24 fps 3, 60 fps 6, 120 fps 12
+TEST(ContactPlan, MinimumDurationIsIndependentOfTheRate) {
+  // A tenth of a second in whole frames, rounded up: 24 fps 3, 60 fps 6, 120 fps 12.
   for (const auto& [fps, frames] : {std::pair{24, 3}, {30, 3}, {60, 6}, {120, 12}, {7, 1}}) {
     const FrameRate rate{fps, 1};
     EXPECT_THAT(contacts_of(standing_feet(frames), kLeg, rate).phases[0],
@@ -144,7 +144,7 @@ TEST(ContactPlan, TheShortestTimeHoldsAtEveryRate) {
 }
 
 TEST(ContactPlan, LengthsScaleWithTheLeg) {
-  // a child of half the size, moving alike
+  // A child of half the size with the same movement.
   auto feet = gliding_feet(0.26);
   for (auto& foot : feet) {
     for (auto* track : {&foot.ankle, &foot.toe}) {
@@ -156,7 +156,7 @@ TEST(ContactPlan, LengthsScaleWithTheLeg) {
   EXPECT_DOUBLE_EQ(contacts.scale, 0.5);
 }
 
-TEST(ContactPlan, VeryShortClips) {
+TEST(ContactPlan, HandlesVeryShortClips) {
   ContactOptions any;
   any.shortest = 0.0;
   for (const int frames : {1, 2}) {
@@ -176,7 +176,7 @@ TEST(ContactPlan, FeetWithoutToesAreJudgedByTheirAnkles) {
   EXPECT_DOUBLE_EQ(contacts.standing.toe, 0.02);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 21}, ContactPhase{40, 60}));
 
-  // one foot is enough to learn from
+  // One foot is sufficient to learn from.
   auto mixed = standing_feet(30);
   mixed[1].toe.clear();
   EXPECT_THAT(contacts_of(mixed, kLeg, kRate).phases[1], ElementsAre(ContactPhase{0, 30}));
@@ -202,7 +202,7 @@ TEST(ContactPlan, AFootOnAStepStandsOnIt) {
   EXPECT_EQ(contacts.soles[0], contacts.phases[0]);
 }
 
-TEST(ContactPlan, HeelsAndToesHaveContactsOfTheirOwn) {
+TEST(ContactPlan, HeelsAndToesHaveSeparateContacts) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[1].ankle[i].z() += 0.1;
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);

@@ -1,4 +1,4 @@
-// Plans again and again: those of a planner that has seen nothing, without memory of its own for each.
+// Repeated plans equal those of a new planner, without additional memory.
 
 #include "human/gait/contact_planner.h"
 
@@ -36,7 +36,7 @@ void expect_equal(const ContactPlan& found, const ContactPlan& expected, const s
   }
 }
 
-TEST(ContactPlanner, RemembersNothingOfOtherClips) {
+TEST(ContactPlanner, IsIndependentOfEarlierClips) {
   ContactPlanner planner;
   SourceFeet none = feet_of("walk");
   none.foot_count = 0;

@@ -14,7 +14,7 @@ namespace retarget {
 inline void expect_bones(const std::string& body,
                          const std::vector<std::pair<const char*, const char*>>& expected) {
   const Skeleton skeleton = tiny_skeleton(body);
-  // with the profiles and by names alone
+  // With the profiles, and by names alone.
   for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
     const auto map = recognise_skeleton(skeleton, profiles);
     ASSERT_TRUE(map) << describe(map.error());

@@ -18,7 +18,7 @@ std::optional<SignedAxis> fall_of(const Clip& clip) {
   return free_fall_axis(clip, Body(clip.skeleton(), lafan1_map(clip.skeleton(), "test")), 0);
 }
 
-// a standing body that hops: parabolas of half a second, the feet on the floor for as long between
+// A hopping body: parabolas of half a second, with the feet on the floor for as long in between.
 Clip hopping() {
   Clip clip = PostureClips(sample("walk")).make(Posture::kStanding, 0.0, 90);
   constexpr double kFlight = 0.5, kGravity = 981.0;  // s, cm/s^2
@@ -39,7 +39,7 @@ TEST(FreeFall, ShowsTheUpAxisOfAHoppingBody) {
   }
 }
 
-TEST(FreeFall, IsNotSeenInBodiesThatAreSupported) {
+TEST(FreeFall, IsNotDetectedInSupportedBodies) {
   for (const char* name : {"walk", "squat", "get_up", "wave", "turn_in_place"}) {
     EXPECT_EQ(fall_of(sample(name)), std::nullopt) << name;
   }

@@ -19,11 +19,11 @@ Clip sample(const std::string& name) {
   return load_bvh((folder / (name + ".bvh")).string()).value().clip;
 }
 
-// The half that keeps the name of a joint that is split in two.
+// The half of a split joint that keeps the name.
 enum class Named { kUpper, kLower };
 
-// The same movement with some joints split in two at one place: the upper one takes a share of the
-// turn, the lower one the rest and all that hangs from the joint.
+// The same movement with some joints split in two at one position: the upper one takes a share of
+// the rotation, the lower one the rest and all descendants.
 Clip with_split_joints(const Clip& clip, const std::vector<std::string>& split, double share,
                        Named named) {
   const Skeleton& old = clip.skeleton();
@@ -64,7 +64,7 @@ Clip with_split_joints(const Clip& clip, const std::vector<std::string>& split, 
   return twin;
 }
 
-// largest angle in degrees between two humans' bones of these names
+// Largest angle in degrees between the bones of two humans.
 double largest_turn_of(const HumanClip& a, const HumanClip& b) {
   double largest = 0.0;
   for (int frame = 0; frame < a.frame_count; ++frame) {
@@ -76,7 +76,7 @@ double largest_turn_of(const HumanClip& a, const HumanClip& b) {
   return largest * 180.0 / M_PI;
 }
 
-// how bones are found
+// Recognition methods.
 enum class Way { kProfile, kNames, kShape, kMapFile };
 
 Result<HumanClip> human_in(const Clip& clip, Way way) {
@@ -133,7 +133,7 @@ TEST(HelperJoints, RotateTheirBoneByMapFile) {
   expect_same(with_t_pose_as_zero(sample("walk")), Way::kMapFile);
 }
 
-// LAFAN1's own axes, which are kept
+// LAFAN1's own axes, which are kept.
 TEST(HelperJoints, RotateTheirBoneByDialect) {
   expect_same(sample("walk"), Way::kProfile);
 }
@@ -142,8 +142,8 @@ TEST(HelperJoints, RotateTheirBoneByShape) {
   expect_same(with_t_pose_as_zero(sample("walk")), Way::kShape);
 }
 
-// each step costs the same however long the chain is: where it looks at all joints, this runs into
-// the time limit of any test
+// Each step has a constant cost for any chain length: a search over all joints would run into the
+// test's time limit.
 TEST(HelperJoints, FollowChainsOfAnyLength) {
   constexpr int kCount = 300000;
   std::vector<Joint> joints(kCount + 3);

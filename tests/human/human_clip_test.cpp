@@ -17,7 +17,7 @@ Joint joint(const std::string& name, int parent, Eigen::Vector3d offset) {
   return result;
 }
 
-// a leg that stands on a platform, in centimetres with y up
+// A leg that stands on a platform, in centimetres with y up.
 Clip leg_clip(const std::string& toe) {
   auto skeleton = std::make_shared<const Skeleton>(
       std::vector<Joint>{joint("Reference", -1, {10, 0, 0}), joint("Hips", 0, {0, 90, 5}),
@@ -35,7 +35,7 @@ TEST(Lafan1Mapping, ConvertsYUpCentimetresToZUpMetres) {
   EXPECT_EQ(human.frame_count, 2);
   EXPECT_EQ(human.height, 1.75);
   const Pose& foot = human.frame(0)[Bone::kLeftFoot];
-  // (10, 5, 15) with y up
+  // (10, 5, 15) with y up.
   EXPECT_LT((foot.translation - Eigen::Vector3d(0.10, -0.15, 0.05)).norm(), 1e-15);
   // A direction along y in the file is along z in the clip.
   EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
@@ -49,7 +49,7 @@ TEST(Lafan1Mapping, SyntheticFootHasAnklePositionAndToeRotation) {
     const Pose& mod = human.frame(1)[Bone::kLeftFootMod];
     EXPECT_EQ(mod.translation, human.frame(1)[Bone::kLeftFoot].translation);
     EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[Bone::kLeftToe].rotation.coeffs());
-    // the toe turned about the file's y axis, which is now z
+    // The toe is rotated about the file's y axis, which is now z.
     const Eigen::Vector3d x = mod.rotation * Eigen::Vector3d::UnitX();
     EXPECT_LT((x - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);
   }

@@ -14,7 +14,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// lengths of a four-legged body, y up, facing z; centimetres
+// Lengths of a four-legged body, y up, facing z; centimetres.
 struct Beast {
   double trunk, thigh, shin, upper, lower, width;
   double metatarsus = 12.0;     // from the heel, or what is called so, to the toes
@@ -23,7 +23,7 @@ struct Beast {
 
 constexpr Beast kElephant = {105, 65, 56, 55, 47, 22, 12, 5, 6};
 constexpr Beast kHorse = {100, 52, 52, 42, 46, 18, 40};
-// with legs as long beside the trunk as people's
+// With legs of human length relative to the trunk.
 constexpr Beast kCalf = {84, 65, 60, 48, 36, 15};
 constexpr Beast kCow = {100, 55, 50, 42, 34, 16};
 
@@ -32,7 +32,7 @@ std::string line(int depth, const std::string& name, double x, double y, double 
          " " + std::to_string(y) + " " + std::to_string(z) + "\n";
 }
 
-// with a human's names, as tools that rig animals on human templates give them
+// With human names, as tools assign them that rig animals on human templates.
 Skeleton body_of(const Beast& beast) {
   std::string body = line(0, "Hips", 0, 140, 0);
   for (int i = 0; i < beast.tail; ++i) body += line(1 + i, "Rear" + std::to_string(i), 0, -8, -9);
@@ -63,7 +63,7 @@ Eigen::Quaterniond about_x(double degrees) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(degrees / 180.0 * M_PI, Eigen::Vector3d::UnitX()));
 }
 
-// two seconds of a walk; at most so many degrees up on the hind legs for a moment
+// Two seconds of a walk, rising at most by this angle on the hind legs for a moment.
 Clip walk_of(const Skeleton& skeleton, double reared) {
   Clip clip(std::make_shared<const Skeleton>(skeleton), {30, 1}, 60);
   for (int frame = 0; frame < 60; ++frame) {
@@ -83,7 +83,7 @@ Clip walk_of(const Skeleton& skeleton, double reared) {
   return clip;
 }
 
-TEST(HumanProportions, RejectsQuadrupedsWhateverTheirNames) {
+TEST(HumanProportions, RejectsQuadrupedsWithAnyNames) {
   for (const auto& [name, beast] :
        {std::pair("elephant", kElephant), {"horse", kHorse}, {"cow", kCow}, {"calf", kCalf}}) {
     for (const double reared : {0.0, 40.0}) {
@@ -99,8 +99,8 @@ TEST(HumanProportions, RejectsQuadrupedsWhateverTheirNames) {
   }
 }
 
-TEST(HumanProportions, UprightBodyWithLongArmsOnlyRaisesDoubts) {
-  // a gorilla of a cartoon
+TEST(HumanProportions, UprightBodyWithLongArmsOnlyCausesWarnings) {
+  // A cartoon gorilla.
   std::string body = kBody;
   for (const char* length : {"-42 0.5", "-41 -0.5"}) body = replaced(body, length, "-24 0");
   const Skeleton skeleton = tiny_skeleton(body);
@@ -123,7 +123,7 @@ TEST(HumanProportions, AcceptsPeopleOnAllFours) {
       return Eigen::Quaterniond(
           Eigen::AngleAxisd(degrees / 180.0 * M_PI, Eigen::Vector3d::UnitZ()));
     };
-    // hands and feet on the floor, legs straight, the hips highest
+    // Hands and feet on the floor, legs straight, the hips highest.
     turn("Hips", about_x(105));
     turn("LeftUpLeg", about_x(-100 + swing));
     turn("RightUpLeg", about_x(-100 - swing));

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr double kPi = 3.14159265358979323846;
 
-// a body with z up and x ahead, posed by angles of its joints
+// A body with z up and x ahead, posed by its joint angles.
 struct Figure {
   double left_knee = 0.3, right_knee = 0.2;    // bent so far, rad
   double left_elbow = 0.4, right_elbow = 0.5;  // bent so far, rad
@@ -37,7 +37,7 @@ Quaterniond about(const Vector3d& axis, double angle) {
   return Quaterniond(Eigen::AngleAxisd(angle, axis));
 }
 
-// places by SMPL's first 22 names
+// Positions with SMPL's first 22 names.
 std::vector<Vector3d> places_of(const Figure& figure) {
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   std::vector<Vector3d> at(22, Vector3d::Zero());
@@ -58,7 +58,7 @@ std::vector<Vector3d> places_of(const Figure& figure) {
   const auto arm = [&](int collar, int shoulder, int elbow, int wrist, double side, double bend) {
     at[collar] = trunk * Vector3d(0, side * 0.06, 0.42);
     at[shoulder] = trunk * Vector3d(0, side * 0.18, 0.44);
-    // arms in a T-pose; the forearm goes ahead, turned about the upper arm
+    // Arms in a T-pose; the forearm moves ahead, rotated about the upper arm.
     const Vector3d out = trunk * (side * y);
     const Quaterniond turn = about(out, figure.arm_turn);
     const Vector3d hinge = turn * (trunk * (-side * z));
@@ -84,7 +84,7 @@ JointMotion motion_of(const std::vector<Figure>& figures, bool named = true) {
   return motion;
 }
 
-// a body that walks about and bends everything
+// A body that walks about and bends all joints.
 std::vector<Figure> moving(int frames = 60) {
   std::vector<Figure> figures;
   for (int i = 0; i < frames; ++i) {
@@ -126,7 +126,7 @@ std::string warnings_of(const Clip& clip) {
   return text;
 }
 
-TEST(JointClipTest, JointsStayWhereTheFileHasThem) {
+TEST(JointClipTest, KeepsJointPositions) {
   const JointMotion motion = motion_of(moving());
   const Clip clip = clip_of(motion);
   ASSERT_EQ(clip.skeleton().joint_count(), 22);
@@ -166,26 +166,26 @@ TEST(JointClipTest, TheZeroPoseIsATPose) {
   EXPECT_GT(way("left_ankle", "left_foot").dot(x), 0.8);
 }
 
-// how far a joint turns between two frames
+// Rotation of a joint between two frames.
 double turn_between(const Clip& clip, const std::string& name, int a, int b) {
   const int joint = joint_of(clip, name);
   return world_of(clip, a)[joint].rotation.angularDistance(world_of(clip, b)[joint].rotation);
 }
 
 TEST(JointClipTest, PlaneOfTheBendDeterminesTheRoll) {
-  // elbows that stay bent while the upper arm turns about itself
+  // Elbows stay bent while the upper arm rotates about itself.
   std::vector<Figure> figures(2);
   for (Figure& figure : figures) figure.left_elbow = figure.right_elbow = 0.8;
   figures[1].arm_turn = 0.5;
   const Clip clip = clip_of(motion_of(figures));
-  // the plane of the frame before counts for a fiftieth
+  // The plane of the previous frame has a weight of one fiftieth.
   EXPECT_NEAR(turn_between(clip, "left_shoulder", 0, 1), 0.5, 0.02);
   EXPECT_NEAR(turn_between(clip, "right_shoulder", 0, 1), 0.5, 0.02);
   EXPECT_NEAR(turn_between(clip, "left_hip", 0, 1), 0.0, 1e-9);
 }
 
-TEST(JointClipTest, LimbsGoThroughStraightWithoutATwist) {
-  // the elbow straightens, stays straight with the least of a bend the wrong way, and bends again
+TEST(JointClipTest, StraightLimbsDoNotTwist) {
+  // The elbow straightens, stays straight with a minimal bend the wrong way, and bends again.
   std::vector<Figure> figures;
   for (int i = 0; i <= 60; ++i) {
     Figure figure;
@@ -197,7 +197,7 @@ TEST(JointClipTest, LimbsGoThroughStraightWithoutATwist) {
   }
   const Clip clip = clip_of(motion_of(figures));
   for (int i = 0; i < 60; ++i) {
-    // no more than the heading
+    // Only the heading changes.
     EXPECT_NEAR(turn_between(clip, "left_shoulder", i, i + 1), 0.02, 1e-6) << i;
     EXPECT_NEAR(turn_between(clip, "left_hip", i, i + 1), 0.02, 1e-6) << i;
   }
@@ -225,7 +225,7 @@ TEST(JointClipTest, WarnsAboutUnknownRotations) {
   EXPECT_THAT(warnings_of(clip), Not(HasSubstr("limb lengths vary")));
 }
 
-TEST(JointClipTest, SaysThatLimbsChangeTheirLengths) {
+TEST(JointClipTest, WarnsAboutVaryingLimbLengths) {
   JointMotion motion = motion_of(moving());
   for (int frame = 0; frame < motion.frame_count; ++frame) {
     motion.positions[motion.index(frame, 20)] *= frame % 2 == 0 ? 1.06 : 0.94;
@@ -237,7 +237,7 @@ TEST(JointClipTest, SaysThatLimbsChangeTheirLengths) {
             1e-9);
 }
 
-// the same places in another order
+// The same positions in another order.
 JointMotion in_order(const JointMotion& motion, const JointOrder& order,
                      const std::vector<std::string>& own_names) {
   JointMotion made;
@@ -254,11 +254,11 @@ JointMotion in_order(const JointMotion& motion, const JointOrder& order,
   return made;
 }
 
-TEST(JointClipTest, FindsTheOrderByThePlaces) {
+TEST(JointClipTest, FindsTheJointOrderFromPositions) {
   const JointMotion motion = motion_of(moving());
   const Clip smpl = clip_of(motion_of(moving(), false));
   EXPECT_THAT(warnings_of(smpl), HasSubstr("the joint order of SMPL"));
-  // LAFAN1's order, left or right first, of the same places
+  // The same positions in LAFAN1's order, left or right first.
   const std::vector<std::string> left = {"left_hip", "left_knee", "left_ankle", "left_foot"};
   const std::vector<std::string> right = {"right_hip", "right_knee", "right_ankle", "right_foot"};
   const std::vector<std::string> trunk = {"spine1", "spine2", "spine3", "neck", "head"};
@@ -304,14 +304,14 @@ TEST(JointClipTest, RejectsUnknownBodies) {
   EXPECT_THAT(error_of(motion), HasSubstr("two joints are called \"pelvis\""));
   for (std::size_t i = 0; i < motion.names.size(); ++i) motion.names[i] = "m" + std::to_string(i);
   EXPECT_THAT(error_of(motion), HasSubstr("no human found in the joints m0, m1"));
-  // all joints in one place
+  // All joints at one position.
   motion = motion_of(moving(), false);
   for (Vector3d& place : motion.positions) place.setZero();
   EXPECT_THAT(error_of(motion), HasSubstr("do not form a human"));
 }
 
-TEST(JointClipTest, KeyPointsWithoutATrunkGetOne) {
-  // COCO: a face, limbs, no hips, no spine, no toes
+TEST(JointClipTest, AddsATrunkToKeypoints) {
+  // COCO: a face and limbs without hips, spine and toes.
   const JointMotion body = motion_of(moving());
   JointMotion motion;
   motion.frame_count = body.frame_count;
@@ -354,7 +354,8 @@ TEST(JointTreeTest, KnownOrdersAreBodies) {
 }
 
 TEST(JointTreeTest, HandsFollowTheirKnuckles) {
-  // fingers of both hands below the wrists, palms down, then the left one turned about the forearm
+  // Fingers of both hands below the wrists, palms down, then the left one rotated about the
+  // forearm.
   JointMotion motion;
   motion.names = joint_orders()[5].names();
   motion.joint_count = static_cast<int>(motion.names.size());

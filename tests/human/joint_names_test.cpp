@@ -50,7 +50,7 @@ TEST(JointNames, DropsCommonWords) {
                              "Actor_RightArm.L-x", "Actor_Head.L-x", "Actor_Neck.L-x"});
   EXPECT_EQ(names[0], (JointName{Side::kNone, "hips"}));
   EXPECT_EQ(names[3], (JointName{Side::kRight, "arm"}));
-  // a few names prove nothing
+  // A few names prove nothing.
   EXPECT_EQ(normalise_joint_names({"Actor_Hips", "Actor_Head"})[0].base, "actorhips");
 }
 

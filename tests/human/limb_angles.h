@@ -10,18 +10,18 @@
 
 namespace retarget {
 
-/// Mean angle in degrees, over a clip, between where a limb of the human lies by the positions of
-/// its ends and where its bone's rotation claims it to be.
+/// Mean angle in degrees, over a clip, between the direction of a limb by the positions of its ends
+/// and the direction by the rotation of its bone.
 struct LimbAngle {
   std::string limb;
   double mean = 0.0;
   double largest = 0.0;
 };
 
-/// Thighs, shins, upper arms, forearms: the way to the next bone against the bone's X axis.
+/// Thighs, shins, upper arms, forearms: the direction to the next bone against the bone's X axis.
 /// Trunk: from hips to neck against the mean of the X axes of Hips and Spine2. Hip and shoulder
-/// line: from right to left against the Z axes of Hips and Spine2. Limbs without bones are left
-/// out. A swap of sides or a mirrored body shows as about 180 degrees in the lines.
+/// line: from right to left against the Z axes of Hips and Spine2. Limbs without bones are omitted.
+/// Swapped sides or a mirrored body give about 180 degrees in the lines.
 inline std::vector<LimbAngle> limb_angles(const HumanClip& human) {
   struct Limb {
     const char* name;

@@ -17,7 +17,7 @@ Result<BoneMap> by_names(const std::string& body) {
   return recognise_skeleton(tiny_skeleton(body), {});
 }
 
-// the lines of a body, each replaced by what `change` makes of it
+// The lines of a body, each transformed by `change`.
 template <typename Change>
 std::string with_lines(const std::string& body, const Change& change) {
   std::string result;
@@ -27,7 +27,7 @@ std::string with_lines(const std::string& body, const Change& change) {
 }
 
 TEST(LimbSearch, RejectsDuplicatesOfRequiredBones) {
-  // a second forearm with a hand of its own
+  // A second forearm with its own hand.
   const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n",
                                     "            LeftElbow 29 0 0\n              LeftWrist 25 0 0\n"
                                     "            LeftForeArm 29 0 0\n");
@@ -37,7 +37,7 @@ TEST(LimbSearch, RejectsDuplicatesOfRequiredBones) {
   EXPECT_THAT(map.error().hint, HasSubstr(OPTION("map")));
 }
 
-// a hand and a wrist in one place, two joints of the toes side by side, a head and a skull
+// A hand and a wrist at one position, two toe joints side by side, a head and a skull.
 TEST(LimbSearch, ChoosesAmongDuplicatesOfOptionalBones) {
   const std::string body = with_lines(kBody, [](const std::string& line) {
     std::string twin = line;
@@ -94,7 +94,7 @@ TEST(LimbSearch, OmitsAToeWithADuplicateName) {
   }
 }
 
-// the default rig of MakeHuman: every segment of a limb in two joints in line, and five toes
+// MakeHuman's default rig: every limb segment in two joints, and five toes.
 std::string makehuman_body() {
   std::string body = R"(
 root 0 9 0
@@ -159,7 +159,7 @@ TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
     }
     EXPECT_THAT(map->notes, Contains(HasSubstr("folded into the limbs: \"upperleg02.L\"")));
   }
-  // leg1 and leg2 are thigh and shin, not a thigh in two parts
+  // leg1 and leg2 are thigh and shin, not two parts of a thigh.
   const auto map = by_names(
       replaced(replaced(replaced(replaced(kBody, "LeftLeg", "LeftLeg2"), "RightLeg", "RightLeg2"),
                         "UpLeg", "Leg1"),
@@ -167,7 +167,7 @@ TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
   ASSERT_TRUE(map) << describe(map.error());
 }
 
-// the body without a side's forearm and what hangs from it
+// The body without the forearm of one side and its descendants.
 std::string without_forearm(const std::string& body, const std::string& side) {
   bool gone = false;
   return with_lines(body, [&](const std::string& line) {
@@ -206,7 +206,7 @@ TEST(LimbSearch, ClavicleAndUpperArmAreNotAnArm) {
 }
 
 TEST(LimbSearch, ShapeDoesNotOverrideClearNames) {
-  // pads beyond the upper arms make chains of three joints of them
+  // Pads beyond the upper arms make chains of three joints.
   std::string body = without_forearm(without_forearm(kBody, "Left"), "Right");
   body = replaced(body, "LeftArm 12 0 0\n", "LeftArm 12 0 0\n            Pad 12 0 0\n");
   body = replaced(body, "RightArm -12 0 0\n", "RightArm -12 0 0\n            Pod -12 0 0\n");
@@ -214,7 +214,7 @@ TEST(LimbSearch, ShapeDoesNotOverrideClearNames) {
 }
 
 TEST(LimbSearch, WordsMeanTheSameBoneOnBothSides) {
-  // the left hand hangs from the upper arm
+  // The left hand hangs from the upper arm.
   const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n", "");
   expect_no_arm(replaced(replaced(body, "              LeftHand 25", "            LeftHand 54"),
                          "                end 15", "              end 15"),

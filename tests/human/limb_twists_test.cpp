@@ -1,4 +1,4 @@
-// Limbs whose rotations do not belong to their bends.
+// Limbs whose rotations do not match their bends.
 #include "human/skeleton/limb_twists.h"
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ double largest_distance(const HumanClip& a, const HumanClip& b) {
   return largest;
 }
 
-TEST(LimbTwists, RotationsThatContradictTheBendsAreReplaced) {
+TEST(LimbTwists, ReplacesRotationsThatContradictTheBends) {
   const std::vector<Bone> legs = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftLeg,
                                   Bone::kRightLeg};
   for (const char* name : {"get_up", "squat", "walk"}) {
@@ -57,7 +57,7 @@ TEST(LimbTwists, RotationsThatContradictTheBendsAreReplaced) {
     EXPECT_THAT(doubt->message, testing::HasSubstr("left leg, right leg"));
     const HumanClip after = to_human(twin, found);
     EXPECT_LT(mean_turn(after, expected, legs), 6.0);
-    // nothing else moves or turns
+    // Nothing else changes.
     EXPECT_LT(largest_distance(after, before), 1e-9);
     EXPECT_LT(mean_turn(after, before,
                         {Bone::kHips, Bone::kLeftFootMod, Bone::kRightFootMod, Bone::kLeftHand,
@@ -66,7 +66,7 @@ TEST(LimbTwists, RotationsThatContradictTheBendsAreReplaced) {
   }
 }
 
-TEST(LimbTwists, SoundRotationsStay) {
+TEST(LimbTwists, KeepsConsistentRotations) {
   for (const std::string& name : kClips) {
     for (const bool has_rest : {false, true}) {
       const Clip clip = has_rest ? with_t_pose_as_zero(clip_of(name)) : clip_of(name);
@@ -82,8 +82,8 @@ TEST(LimbTwists, SoundRotationsStay) {
   }
 }
 
-// as the tool finds a human in a file
-TEST(LimbTwists, AreToldToTheUser) {
+// As the tool finds a human in a file.
+TEST(LimbTwists, AreReported) {
   Clip clip = with_zero_shape(with_swinging_twists(clip_of("walk"), 50.0), {});
   const auto human = find_human(clip, HumanOptions{}, RETARGET_SOURCE_DIR);
   ASSERT_TRUE(human) << describe(human.error());

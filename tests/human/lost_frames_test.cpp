@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 constexpr int kJoints = 4, kFrames = 60;
 
-// a chain that bends to and fro, never near its zero pose, on a root that goes along x
+// A chain that swings, never near its zero pose, on a root that moves along x.
 Clip bending_chain() {
   std::vector<Joint> joints(kJoints);
   for (int i = 0; i < kJoints; ++i) {
@@ -58,7 +58,7 @@ TEST(LostFrames, CompleteClipsDoNotChange) {
   EXPECT_TRUE(same_clips(clip, bridged));
 }
 
-TEST(LostFrames, ALostJointIsBridged) {
+TEST(LostFrames, InterpolatesALostJoint) {
   const Clip clip = bending_chain();
   Clip lost = clip;
   for (const int frame : {20, 21, 22, 40}) lost.rotations(frame)[2] = Quaterniond::Identity();
@@ -85,7 +85,7 @@ TEST(LostFrames, AcceptsAJointThatPassesZero) {
   EXPECT_THAT(bridge_lost_joints(clip, kWhole), IsEmpty());
 }
 
-TEST(LostFrames, FrozenFramesAreBridged) {
+TEST(LostFrames, InterpolatesFrozenFrames) {
   const Clip clip = bending_chain();
   Clip frozen = clip;
   for (int frame = 21; frame < 27; ++frame) copy_frame(clip, 20, frozen, frame);

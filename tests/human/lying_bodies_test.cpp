@@ -42,7 +42,7 @@ bool names_up_option(const Calibration& calibration) {
 
 enum class Demand : unsigned char { kRight, kRightOrWarned };
 
-// the axis is right, or the user is warned; of upright bodies it is right without a warning
+// The axis is correct, or there is a warning; for upright bodies it is correct without a warning.
 void expect_up(const PostureTarget& target, Posture posture, double heading, Demand demand) {
   SCOPED_TRACE(target.name + ", " + posture_name(posture) + ", " + std::to_string(heading));
   static const PostureClips postures(walk());
@@ -79,7 +79,7 @@ PostureTarget smpl_target() {
   return {"AMASS", {skeleton, std::move(map), std::move(calibration)}, origin};
 }
 
-// by the kind where the profile names its axis, by the zero pose where it does not
+// By the kind if its profile names the axis, otherwise by the zero pose.
 TEST(LyingBodies, KeepTheUpAxisOfEveryKindOfSkeleton) {
   for (const SkeletonProfile& profile : profiles()) {
     if (profile.name == "slimevr") continue;  // its root is the head
@@ -88,8 +88,8 @@ TEST(LyingBodies, KeepTheUpAxisOfEveryKindOfSkeleton) {
   }
 }
 
-// files that were turned away from the axis of their kind
-TEST(LyingBodies, AreRightOrWarnedAboutInTurnedFiles) {
+// Files rotated away from the axis of their kind.
+TEST(LyingBodies, AreCorrectOrWarnedAboutInRotatedFiles) {
   for (const char* name : {"mixamo", "lafan1", "cmu_daz", "vicon", "smpl", "biped"}) {
     const auto profile = std::ranges::find(profiles(), name, &SkeletonProfile::name);
     ASSERT_NE(profile, profiles().end());
@@ -105,7 +105,7 @@ TEST(LyingBodies, KeepTheUpAxisThatTheFileStates) {
     const auto target = posture_target(fs::path(source_folder()) / "tests/scene/data" / file);
     ASSERT_TRUE(target) << file;
     for (const Posture posture : kPostures) {
-      // the zero poses of FBX files here are no T-poses, and who lies on the side shows no facing
+      // The zero poses of these FBX files are not T-poses, and bodies on one side show no facing.
       if (posture == Posture::kOnSide && std::string(file).ends_with("fbx")) continue;
       for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
         expect_up(*target, posture, heading, Demand::kRight);
@@ -114,7 +114,7 @@ TEST(LyingBodies, KeepTheUpAxisThatTheFileStates) {
   }
 }
 
-TEST(LyingBodies, AreRightInEveryKindOfFile) {
+TEST(LyingBodies, AreCorrectInEveryFileFormat) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   int count = 0;
   for (const char* folder : {"dialects", "smpl", "formats"}) {

@@ -1,4 +1,4 @@
-// The names that skeletons have in FBX, glTF and VRM files, on a body in a T-pose (Y up, centimetres).
+// Skeleton names of FBX, glTF and VRM files, on a body in a T-pose (Y up, centimetres).
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ struct Part {
   Eigen::Vector3d place;
 };
 
-// a person of 1.75 m; x to the left
+// A person of 1.75 m; x to the left.
 const std::vector<Part>& body() {
   using enum Bone;
   static const std::vector<Part> parts = [] {
@@ -51,7 +51,8 @@ const std::vector<Part>& body() {
   return parts;
 }
 
-// names in the order of body(), the left side's; a blank stands for the side, which is left out elsewhere
+// Names of the left side in the order of body(); a blank stands for the side, which is omitted
+// elsewhere.
 struct Naming {
   const char* kind;
   std::vector<std::string> trunk;  // hips to head
@@ -81,7 +82,7 @@ Skeleton skeleton_of(const Naming& naming) {
   std::vector<Joint> joints;
   std::map<Bone, int> places;
   const auto& parts = body();
-  // depth first, as a file has them
+  // Depth first, as in a file.
   std::map<Bone, Eigen::Vector3d> stands;
   const auto add = [&](auto&& self, std::size_t part) -> void {
     Joint joint;
@@ -112,7 +113,7 @@ Skeleton skeleton_of(const Naming& naming) {
 
 class NamesOfScenesTest : public testing::TestWithParam<Naming> {};
 
-TEST_P(NamesOfScenesTest, AreKnown) {
+TEST_P(NamesOfScenesTest, AreRecognised) {
   const auto profiles =
       load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   ASSERT_TRUE(profiles.has_value());

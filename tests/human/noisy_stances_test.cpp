@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kFrameTime = 1.0 / 30.0;
 
-// Two feet that stand beside each other; their tracks can be changed afterwards.
+// Two feet standing side by side; their tracks can be changed afterwards.
 SourceFeet standing_feet(int frames) {
   SourceFeet feet;
   feet.frame_time = kFrameTime;
@@ -40,15 +40,15 @@ int standing_frames(const std::vector<char>& stands) {
   return static_cast<int>(std::ranges::count(stands, 1));
 }
 
-TEST(NoisyStances, PeaksOfNoiseDoNotBreakThem) {
+TEST(NoisyStances, NoisePeaksDoNotSplitStances) {
   SourceFeet feet = standing_feet(60);
-  // 0.9 m/s for two frames: faster than any threshold on single frames
+  // 0.9 m/s for two frames: faster than any threshold for single frames.
   shift(feet, 30, 0, Vector3d(0.06, 0.0, 0.0));
   const NoisyStances stances = find_noisy_stances(feet, 0.1);
   for (const auto& end : stances) EXPECT_EQ(standing_frames(end), 60);
 }
 
-TEST(NoisyStances, StepsAreFound) {
+TEST(NoisyStances, FindsSteps) {
   SourceFeet feet = standing_feet(60);
   for (int i = 0; i < 60; ++i) {
     const double share = std::clamp((i - 25) / 12.0, 0.0, 1.0);
@@ -73,7 +73,7 @@ TEST(NoisyStances, FeetAboveTheFloorDoNotStand) {
   EXPECT_EQ(stances[stance_index(1, kToeEnd)][50], 1);
 }
 
-// Both feet are somewhat too fast; a person who stands upright stands on one of them.
+// Both feet are slightly too fast; an upright person stands on one of them.
 TEST(NoisyStances, UprightBodiesAreSupported) {
   const auto sliding = [](double hips) {
     SourceFeet feet = standing_feet(120);

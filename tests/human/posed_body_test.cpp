@@ -21,7 +21,8 @@ TEST(MinimalRotation, IsExactUpToOppositeDirections) {
       for (const double angle : {small, std::numbers::pi - small}) {
         const Vector3d to = (exp_so3(angle * axis) * from).normalized();
         const Matrix3d turn = minimal_rotation(from, to, axis);
-        // up to 2.6 degrees from opposite Rodrigues' formula divides rounding by 1 + cosine
+        // Up to 2.6 degrees from opposite directions, Rodrigues' formula divides rounding errors by
+        // 1 + cosine.
         const double cosine = from.dot(to);
         const double rounding = cosine < -0.999 ? 0.0 : 4e-16 / (1.0 + cosine);
         EXPECT_LE((turn * from - to).norm(), 2e-15 + rounding) << angle;

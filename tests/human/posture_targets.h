@@ -21,14 +21,14 @@
 
 namespace retarget {
 
-/// A skeleton on which postures are tried, with what its file would say of itself.
+/// A skeleton for posture tests, with the statements of its file.
 struct PostureTarget {
   std::string name;
   TransferTarget target;
   ClipOrigin origin;  ///< Of the file.
 };
 
-/// A file of a standing human as a target; nothing where it has no human.
+/// A file of a standing human as a target; nothing without a human.
 inline std::optional<PostureTarget> posture_target(const std::filesystem::path& file) {
   auto clip = load_clip(file.string(), SourceOptions{}, DataFolder{RETARGET_SOURCE_DIR, {}});
   if (!clip) return std::nullopt;
@@ -39,8 +39,8 @@ inline std::optional<PostureTarget> posture_target(const std::filesystem::path& 
                        clip->origin()};
 }
 
-/// LAFAN1's body in a T-pose under a kind's names, turned so that the zero pose stands along an axis.
-/// @param standing  a clip of LAFAN1's names and axes
+/// LAFAN1's body in a T-pose with the names of a kind, rotated so that the zero pose stands along
+/// an axis. @param standing  a clip of LAFAN1's names and axes
 inline PostureTarget posture_target(const SkeletonProfile& profile, const Clip& standing,
                                     const SignedAxis& up) {
   const Clip t_pose = with_t_pose_as_zero(standing);

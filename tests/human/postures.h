@@ -42,7 +42,7 @@ inline const char* posture_name(Posture posture) {
   return kNames[static_cast<std::size_t>(posture)];
 }
 
-/// Whether trunk and legs are upright, so that posture tells the up axis.
+/// Whether trunk and legs are upright, so that posture determines the up axis.
 inline bool is_upright(Posture posture) {
   return posture == Posture::kStanding || posture == Posture::kWalking;
 }
@@ -81,8 +81,8 @@ class PostureClips {
  private:
   using Rotation = Eigen::Quaterniond;
 
-  // rotations of bones from the T-pose in the body's axes, x forward, y left, z up; of the body in the
-  // world, for a heading of 0
+  // Bone rotations from the T-pose in the body's axes, x forward, y left, z up; rotation of the
+  // body in the world, for a heading of 0.
   struct Stance {
     Rotation world_from_body = Rotation::Identity();
     Eigen::Vector3d path = Eigen::Vector3d::Zero();  // metres
@@ -105,7 +105,7 @@ class PostureClips {
     return human_from_file_.transpose() * Eigen::Vector3d::UnitZ();
   }
 
-  // an arm from the T-pose: lowered to hang, then swung ahead
+  // An arm from the T-pose: lowered to hang, then swung ahead.
   static Rotation arm_of(int side, double lowered, double ahead) {
     return about_y(-ahead) * about_x(side == 0 ? -lowered : lowered);
   }
@@ -208,7 +208,7 @@ class PostureClips {
     return body;
   }
 
-  // of a bone from the T-pose, the body's axes
+  // Rotations of a bone from the T-pose, in the body's axes.
   static Rotation turned(const Stance& body, Bone bone) {
     const Rotation trunk = about_z(body.twist);
     const auto part = limb_bone(bone);
@@ -234,7 +234,7 @@ class PostureClips {
       case LimbBone::kArm:
         return trunk * body.arm[side];
       default:
-        // elbows of arms that are stretched out sideways bend forward
+        // Elbows of arms stretched out sideways bend forward.
         return trunk * body.arm[side] * about_z(bend);
     }
   }

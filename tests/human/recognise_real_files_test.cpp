@@ -93,7 +93,8 @@ TEST_F(RealFiles, AreRecognisedWithTheRightDialect) {
   }
 }
 
-// the profile files give the answer above; names alone and the shape alone must agree with it
+// The profile files give the expected result above; names alone and the shape alone must agree with
+// it.
 TEST_F(RealFiles, AreRecognisedWithoutAnyDialectFile) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);

@@ -179,7 +179,7 @@ TEST(Recognise, IgnoresProps) {
   EXPECT_EQ(map->joint_of_bone, recognise(skeleton)->joint_of_bone);
 }
 
-// a body whose spine has so many joints, 42 long in all, the arms hanging from the last one
+// A body with this number of spine joints, 42 long in all; the arms hang from the last one.
 std::string body_with_spine(int count) {
   std::string body = kBody;
   const std::size_t from = body.find("  Spine "), to = body.find("        Neck");
@@ -298,7 +298,7 @@ TEST(Recognise, IncludedSamplesAreLafan1) {
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->profile, "lafan1");
     EXPECT_EQ(map->notes, std::vector<std::string>());
-    // the motion tells the sides where the names do not, and the zero pose does not either
+    // The motion determines the sides if neither names nor zero pose do.
     const auto by_shape = recognise_skeleton(without_names(clip), shipped_profiles());
     ASSERT_TRUE(by_shape) << describe(by_shape.error());
     EXPECT_EQ(by_shape->joint_of_bone, map->joint_of_bone);

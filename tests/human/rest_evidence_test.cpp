@@ -1,4 +1,4 @@
-// Rest poses are compared by what the whole movement shows.
+// Comparison of rest poses with the evidence of the whole movement.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,8 +56,8 @@ Clip with_axes_of_no_meaning(const Clip& clip) {
   return with_other_axes(clip, turns);
 }
 
-// No frame is upright, and no foot stands: the lower trunk and the knees show how the body is built.
-TEST(RestEvidence, LyingBodiesAreLearnedByTheirBuild) {
+// No frame is upright, and no foot stands: the lower trunk and the knees show the body structure.
+TEST(RestEvidence, LearnsLyingBodiesFromTheirStructure) {
   for (const auto& [begin, end] : {std::pair(0, 30), std::pair(0, 60), std::pair(120, 150)}) {
     SCOPED_TRACE(begin);
     const Clip clip = window_of("get_up", begin, end);
@@ -71,7 +71,7 @@ TEST(RestEvidence, LyingBodiesAreLearnedByTheirBuild) {
   }
 }
 
-TEST(RestEvidence, ASeatedZeroPoseThatFitsTheMovementIsTaken) {
+TEST(RestEvidence, UsesASeatedZeroPoseThatFitsTheMovement) {
   ZeroShape seated;
   seated.thigh = seated.knee = 85.0;
   seated.arms_down = 70.0;
@@ -81,13 +81,13 @@ TEST(RestEvidence, ASeatedZeroPoseThatFitsTheMovementIsTaken) {
   const Calibration found = rest_found(twin);
   EXPECT_EQ(found.rest_pose, "zero pose");
   EXPECT_LT(mean_turn(to_human(twin, found), true_human(clip), kBodyBones), 1.0);
-  // the winner and by how much
+  // The best candidate and its advantage.
   EXPECT_THAT(found.description, testing::ContainsRegex("T-pose from zero pose \\([0-9]+ degrees "
                                                         "off; expected error [0-9.]+ degrees, the "
                                                         "whole movement [0-9.]+\\)"));
 }
 
-TEST(RestEvidence, AZeroPoseThatContradictsTheMovementIsNot) {
+TEST(RestEvidence, RejectsAZeroPoseThatContradictsTheMovement) {
   ZeroShape crouch;
   crouch.lean = 30.0;
   crouch.thigh = 60.0;
@@ -103,8 +103,8 @@ TEST(RestEvidence, AZeroPoseThatContradictsTheMovementIsNot) {
                                      "degrees, [a-z0-9 ]+ [0-9.]+\\)"));
 }
 
-// a body with straight limbs that leans forward and keeps still, and a zero pose of no meaning
-TEST(RestEvidence, AClipThatShowsTooLittleIsDoubted) {
+// A still body with straight limbs that leans forward, and a meaningless zero pose.
+TEST(RestEvidence, WarnsAboutClipsWithLittleEvidence) {
   ZeroShape leaning;
   leaning.lean = 40.0;
   leaning.arms_down = 80.0;
@@ -114,7 +114,7 @@ TEST(RestEvidence, AClipThatShowsTooLittleIsDoubted) {
   EXPECT_TRUE(names_rest_option(found)) << found.description;
 }
 
-TEST(RestEvidence, CleanStandingClipsAreNotDoubted) {
+TEST(RestEvidence, CleanStandingClipsCauseNoWarning) {
   for (const char* name : {"squat", "turn_in_place", "walk", "wave"}) {
     const Clip clip = window_of(name, 0, 60);
     EXPECT_TRUE(rest_found(clip).doubts.empty()) << name;
@@ -122,9 +122,9 @@ TEST(RestEvidence, CleanStandingClipsAreNotDoubted) {
   }
 }
 
-// Rotations that were made for another skeleton: legs point as they should and bend about another
-// axis than the zero pose says.
-TEST(RestEvidence, KneesThatBendAboutAnotherAxisAreLearned) {
+// Rotations made for another skeleton: legs have the right directions but bend about another axis
+// than the zero pose implies.
+TEST(RestEvidence, LearnsKneesThatBendAboutAnotherAxis) {
   for (const char* name : {"get_up", "squat", "walk"}) {
     const Clip clip = window_of(name, 0, 90);
     const Clip twin = with_zero_shape(clip, {}, 50.0);
@@ -135,7 +135,7 @@ TEST(RestEvidence, KneesThatBendAboutAnotherAxisAreLearned) {
 }
 
 // Crawling people never stand; learned axes were 30 degrees off.
-TEST(RestEvidence, CrawlingPeopleAreLearned) {
+TEST(RestEvidence, LearnsCrawlingPeople) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   const auto file = *shared_folder() / "data" / "lafan1" / "ground1_subject1.bvh";
   const Clip clip = load_bvh(file.string()).value().clip;

@@ -8,7 +8,7 @@
 namespace retarget {
 namespace {
 
-// y up, facing z: an arm each whose directions are given for the left side
+// y up, facing z: two arms with directions given for the left side.
 Skeleton person(const Eigen::Vector3d& upper, const Eigen::Vector3d& lower) {
   std::vector<Joint> joints;
   const auto add = [&](const std::string& name, int parent, const Eigen::Vector3d& offset) {
@@ -48,7 +48,7 @@ TEST(RestPose, MeasuresDeviationFromTheTPose) {
   const Body t_body(t, lafan1_map(t, "test"));
   EXPECT_LT(deviation_from_t(t_body, zero_of(t_body)).mean, 1e-9);
   EXPECT_TRUE(is_well_formed(t_body, zero_of(t_body)));
-  // an A-pose: four of nine directions 45 degrees off
+  // An A-pose: four of nine directions are 45 degrees off.
   const Skeleton a = person({0.2, -0.2, 0}, {0.2, -0.2, 0});
   const Body a_body(a, lafan1_map(a, "test"));
   EXPECT_NEAR(deviation_from_t(a_body, zero_of(a_body)).mean, 20.0, 1e-9);
@@ -66,13 +66,14 @@ TEST(RestPose, RejectsImplausibleArms) {
   }
 }
 
-// Raising a straight arm about the forward axis keeps its twist: palms that look to the thighs
-// look down in the T-pose.
+// Raising a straight arm about the forward axis keeps its twist: palms that face the thighs face
+// down in the T-pose.
 TEST(RestPose, RaisesArmsAboutTheForwardAxis) {
   const Skeleton skeleton = person({0, -0.3, 0}, {0, -0.25, 0});
   const Body body(skeleton, lafan1_map(skeleton, "test"));
   const JointFromBone axes = bring_to_t(body, zero_of(body));
-  // world axes of the canonical arm when it hangs: X down, Y back, and Z, up in the T-pose, outward
+  // World axes of the canonical hanging arm: X down, Y back, and Z, which points up in the T-pose,
+  // outward.
   for (const char* bone : {"LeftArm", "LeftForeArm", "LeftHand"}) {
     const Eigen::Matrix3d& hanging = *axes[*bone_from_name(bone)];
     EXPECT_LT((hanging.col(0) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12) << bone;

@@ -69,9 +69,8 @@ inline Clip with_zero_shape(const Clip& clip, const ZeroShape& shape, double twi
   return with_other_axes(clip, turns);
 }
 
-/// The same joint positions of a LAFAN1-shaped clip, with thighs, shins, upper arms and forearms that
-/// swing about themselves.
-/// @param amplitude  degrees
+/// The same joint positions of a LAFAN1-shaped clip, with thighs, shins, upper arms and forearms
+/// that oscillate about their own axes. @param amplitude  degrees
 inline Clip with_swinging_twists(const Clip& clip, double amplitude) {
   Clip twin = clip;
   const Skeleton& skeleton = clip.skeleton();

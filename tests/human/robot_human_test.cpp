@@ -1,4 +1,4 @@
-// Clips of robots' motions: the very bones, lengths and soles that they were made of.
+// Clips from robot motions: exactly the bones, lengths and soles of their source.
 
 #include "human/skeleton/robot_human.h"
 
@@ -17,7 +17,7 @@ Pose posed(Bone bone, const Eigen::Vector3d& place, double turn) {
   return {Eigen::Quaterniond(about * canonical_t_pose(bone)), place};
 }
 
-// bones here and there; the knees alone keep their places
+// Bones at various positions; only the knees are fixed.
 HumanPose pose_at(double turn) {
   HumanPose pose;
   for (const Bone bone : kMappedBones) {
@@ -46,7 +46,7 @@ RobotHuman some_human() {
   return human;
 }
 
-TEST(RobotHuman, GivesItsBonesBack) {
+TEST(RobotHuman, RoundTripsItsBones) {
   const RobotHuman human = some_human();
   const Clip clip = clip_of_robot_human(human, "clip");
   ASSERT_TRUE(is_of_robot(clip));
@@ -65,7 +65,7 @@ TEST(RobotHuman, GivesItsBonesBack) {
       EXPECT_LT(1.0 - std::abs(found.rotation.dot(wanted[bone].rotation)), 1e-12)
           << bone_name(bone);
     }
-    // the synthetic feet stand at the ankle and turn with the toe
+    // The synthetic feet are at the ankle and rotate with the toe.
     const Pose& sole = back.frame(frame)[Bone::kLeftFootMod];
     EXPECT_EQ(sole.translation, back.frame(frame)[Bone::kLeftFoot].translation);
     EXPECT_EQ(sole.rotation.coeffs(), back.frame(frame)[Bone::kLeftToe].rotation.coeffs());
@@ -83,7 +83,7 @@ TEST(RobotHuman, MovesOnlyMovingJoints) {
   EXPECT_FALSE(has_places("RightLeg"));
 }
 
-TEST(RobotHuman, LeavesOutMissingBones) {
+TEST(RobotHuman, OmitsMissingBones) {
   RobotHuman human = some_human();
   for (const Bone bone : {Bone::kLeftShoulder, Bone::kRightShoulder, Bone::kSpine1}) {
     human.has[bone] = false;
@@ -100,9 +100,9 @@ TEST(RobotHuman, LeavesOutMissingBones) {
             1e-12);
 }
 
-TEST(RobotHuman, KeepsSolesThatAreKnown) {
+TEST(RobotHuman, KeepsKnownSoles) {
   RobotHuman human = some_human();
-  // the toe stands where the sole's toe is
+  // The toe is at the toe of the sole.
   human.poses = [](int, HumanPose& pose) {
     pose = pose_at(0.0);
     for (const Bone bone : kMappedBones)

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kFrameTime = 1.0 / 30.0;
 constexpr double kPi = std::numbers::pi;
 
-// feet and hips of a body by frame
+// Feet and hips of a body by frame.
 struct Body {
   SourceFeet feet;
   std::vector<Vector3d> hips;
@@ -33,7 +33,7 @@ Vector3d foot_of_walker(int foot, double seconds) {
   constexpr double kStep = 0.4, kStride = 1.2;
   const double phase = seconds / (2.0 * kStep) + 0.5 * foot;
   const double whole = std::floor(phase), part = phase - whole;
-  // it stands for a little more than half of the time
+  // It stands for slightly more than half of the time.
   constexpr double kStands = 0.55;
   const double swing = std::max(0.0, (part - kStands) / (1.0 - kStands));
   const double along = kStride * (whole + swing - std::sin(2.0 * kPi * swing) / (2.0 * kPi));
@@ -65,7 +65,7 @@ Vector3d standing_foot(int foot, double) {
   return {0.0, foot == 0 ? 0.1 : -0.1, 0.0};
 }
 
-// stairs: every step 0.15 m higher than the last one
+// Stairs: every step is 0.15 m higher than the previous one.
 Vector3d foot_on_stairs(int foot, double seconds) {
   Vector3d place = foot_of_walker(foot, seconds);
   place.z() += 0.15 * place.x() / 0.6;
@@ -77,7 +77,7 @@ Vector3d sway(double seconds) {
 }
 
 double farthest_left(const Body& body, const Path& off, const RootDrift& found) {
-  // where the body is as a whole is not known
+  // The position of the body as a whole is unknown.
   const Vector3d first = found.drift.front() - off(0.0);
   double far = 0.0;
   for (std::size_t i = 0; i < body.hips.size(); ++i) {
@@ -87,7 +87,7 @@ double farthest_left(const Body& body, const Path& off, const RootDrift& found) 
   return far;
 }
 
-TEST(RootDrift, FeetThatStandSayThatTheRootIsRight) {
+TEST(RootDrift, StandingFeetConfirmTheRoot) {
   const RootEvidence standing = measure_root(body_of(90, nowhere, standing_foot).feet);
   EXPECT_NEAR(standing.seconds, 3.0, 1e-9);
   EXPECT_EQ(standing.speed, 0.0);
@@ -112,14 +112,14 @@ TEST(RootDrift, IgnoresJumps) {
   EXPECT_FALSE(measure_root(body_of(300, jumping, standing_foot).feet).moves());
 }
 
-TEST(RootDrift, SwayIsMeasured) {
+TEST(RootDrift, MeasuresSway) {
   const RootEvidence evidence = measure_root(body_of(240, sway, standing_foot).feet);
   // The speed of a sine exceeds this value during 65 % of the time.
   EXPECT_NEAR(evidence.speed, 0.2 * 2.0 * kPi / 4.0 * std::sin(0.35 * kPi / 2.0), 0.02);
   EXPECT_TRUE(evidence.moves());
 }
 
-TEST(RootDrift, ASlowClimbOfTheFloorIsMeasured) {
+TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.03 * seconds); };
   const RootEvidence evidence = measure_root(body_of(300, climb, standing_foot).feet);
   EXPECT_NEAR(evidence.climb, 0.3, 0.01);
@@ -127,7 +127,7 @@ TEST(RootDrift, ASlowClimbOfTheFloorIsMeasured) {
   EXPECT_TRUE(evidence.climbs());
 }
 
-TEST(RootDrift, BodiesWithoutToesAreLeftAlone) {
+TEST(RootDrift, IgnoresBodiesWithoutToes) {
   Body body = body_of(90, sway, standing_foot);
   body.feet.has_toe = {false, false};
   EXPECT_FALSE(measure_root(body.feet).moves());
@@ -141,7 +141,7 @@ TEST(RootDrift, IgnoresFeetOfALyingBody) {
   EXPECT_FALSE(measure_root(body.feet).moves());
 }
 
-TEST(RootDrift, SwayIsFound) {
+TEST(RootDrift, FindsSway) {
   const Body body = body_of(240, sway, foot_of_walker);
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_TRUE(found.helps());
@@ -157,8 +157,8 @@ TEST(RootDrift, DoesNotChangeACorrectRoot) {
   EXPECT_LT(farthest_left(body, nowhere, found), 0.05);
 }
 
-TEST(RootDrift, AStepAboveTheFloorStaysAbove) {
-  // up to a box 0.3 m high after half of the clip, in a sway
+TEST(RootDrift, KeepsAStepAboveTheFloor) {
+  // Up to a box 0.3 m high after half of the clip, during sway.
   const auto foot_at = [](int foot, double seconds) {
     Vector3d place = standing_foot(foot, seconds);
     const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);

@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// A real file and the joints that stand for the bones, by hand.
+/// A real file with the manually determined joints of the bones.
 struct ProfileFile {
   std::string file;
   std::vector<std::string> names;

@@ -63,7 +63,7 @@ TEST(SkeletonProfile, RejectsEmptyFolders) {
   EXPECT_EQ(profiles->at(0).name, "a");
 }
 
-// a body whose joints have a profile's names and no others; empty for kinds of other trees
+// A body with exactly the joint names of a profile; empty for kinds with other trees.
 Skeleton body_of(const SkeletonProfile& profile) {
   const Skeleton body = tiny_skeleton(kBody);
   std::vector<Joint> joints;
@@ -72,7 +72,7 @@ Skeleton body_of(const SkeletonProfile& profile) {
     Joint joint = body.joint(i);
     const auto& names = profile.names[bone_from_name(joint.name).value()];
     int parent = joint.parent;
-    // a bone that the kind has not is skipped
+    // A bone that the kind lacks is skipped.
     while (parent >= 0 && new_index[parent] < 0) {
       joint.offset += body.joint(parent).offset;
       parent = body.joint(parent).parent;
@@ -93,7 +93,7 @@ Skeleton body_of(const SkeletonProfile& profile) {
   return Skeleton(std::move(joints));
 }
 
-// every shipped file must be found again by its own names, or be one that maps to the same joints
+// Every included profile must be found by its own names, or one that maps to the same joints.
 TEST(SkeletonProfile, IncludedDialectsRecogniseTheirOwnNames) {
   for (const SkeletonProfile& profile : shipped_profiles()) {
     SCOPED_TRACE(profile.name);
@@ -113,7 +113,7 @@ TEST(SkeletonProfile, IncludedDialectsRecogniseTheirOwnNames) {
   }
 }
 
-// the skeleton without the joints of some bones and all that hang from them
+// The skeleton without the joints of some bones and their descendants.
 Skeleton without_bones(const Skeleton& skeleton, const SkeletonProfile& profile,
                        std::initializer_list<std::string_view> bones) {
   std::vector<Joint> joints;
@@ -134,7 +134,7 @@ Skeleton without_bones(const Skeleton& skeleton, const SkeletonProfile& profile,
 TEST(SkeletonProfile, EveryDialectAcceptsBodiesWithoutLegs) {
   for (const SkeletonProfile& profile : shipped_profiles()) {
     SCOPED_TRACE(profile.name);
-    // one has no arms; the other's required joints stand beside the legs here
+    // One kind has no arms; the required joints of the other are next to the legs here.
     if (profile.name == "slimevr" || profile.name == "makehuman_default") continue;
     const Skeleton body = body_of(profile);
     const Skeleton upper = without_bones(body, profile, {"LeftUpLeg", "RightUpLeg"});
@@ -180,7 +180,7 @@ TEST(SkeletonProfile, IgnoresMiddleMarks) {
       rename(side + from, side.substr(0, 1) + "_" + to);
     }
   }
-  // hair hangs from the head
+  // Hair hangs from the head.
   const auto head = std::ranges::find(joints, "J_Bip_C_Head", &Joint::name) - joints.begin();
   for (int i = 0; i < 20; ++i) {
     Joint hair;

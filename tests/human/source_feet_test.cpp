@@ -33,7 +33,7 @@ HumanClip standing_human(int frames, double left_leg) {
   return human;
 }
 
-TEST(SourceFeet, OfAStandingHuman) {
+TEST(SourceFeet, AreFoundOnAStandingHuman) {
   const HumanClip human = standing_human(10, 0.8);
   EXPECT_DOUBLE_EQ(leg_length(human), 0.8);
   const ContactPlan contacts = find_contacts(human);
@@ -42,7 +42,7 @@ TEST(SourceFeet, OfAStandingHuman) {
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 10}));
 }
 
-TEST(SourceFeet, WithoutBones) {
+TEST(SourceFeet, AreEmptyWithoutBones) {
   HumanClip human = standing_human(10, 0.8);
   human.sources[Bone::kLeftToe].clear();
   human.sources[Bone::kRightToe].clear();
@@ -57,7 +57,7 @@ TEST(SourceFeet, WithoutBones) {
   EXPECT_THAT(find_contacts(human).phases[1], IsEmpty());
 }
 
-TEST(SourceFeet, OfAnEmptyClip) {
+TEST(SourceFeet, AreEmptyForAnEmptyClip) {
   HumanClip human = standing_human(0, 0.8);
   EXPECT_EQ(leg_length(human), 0.0);
   EXPECT_THAT(find_contacts(human).phases[0], IsEmpty());

@@ -1,5 +1,5 @@
-// Fingers are found under whatever names, or under none that tell, and their lines are the same for both
-// hands whichever way a wrist turns.
+// Fingers are found with any names, even meaningless ones, and their lines are equal for both hands
+// and any wrist rotation.
 
 #include "human/skeleton/source_hands.h"
 
@@ -99,7 +99,7 @@ TEST(SourceHandsTest, FingersAreFoundByAnyNames) {
   }
 }
 
-TEST(SourceHandsTest, NoFingersNoHands) {
+TEST(SourceHandsTest, FindsNoHandsWithoutFingers) {
   const Skeleton bare({{"Hips", -1, {0, 0, 0}, {}, {}},
                        {"LeftHand", 0, {60, 0, 0}, {}, {}},
                        {"LeftFingerBase", 1, {8, 0, 0}, {}, {}},
@@ -115,7 +115,7 @@ TEST(SourceHandsTest, NoFingersNoHands) {
 TEST(SourceHandsTest, ExcludesMetacarpalsFromFingers) {
   const FingerClip plain(1);
   std::vector<Joint> joints = plain.clip().skeleton().joints();
-  // a joint near the wrist in front of each finger but the thumb
+  // A joint near the wrist in front of each finger except the thumb.
   std::vector<Joint> longer;
   std::vector<int> place;
   for (const Joint& joint : joints) {
@@ -181,7 +181,7 @@ TEST(SourceHandsTest, EstimatesMissingTipsAsNineTenthsOfTheLastBone) {
   EXPECT_LT((hands[0]->fingers[1].end - Eigen::Vector3d(0.9 * 2.3, 0, 0)).norm(), 1e-12);
 }
 
-TEST(SourceHandsTest, FingersThatKeepStillDoNotMove) {
+TEST(SourceHandsTest, StillFingersDoNotCountAsMoving) {
   FingerClip source(3);
   const auto moves = [&](std::size_t side) {
     return fingers_move(source.clip(), *source.hands()[side], {0, 3});

@@ -1,4 +1,4 @@
-// Feet that stand, and feet that lie where others stand.
+// Standing feet, and lying feet at the height of standing ones.
 
 #include "human/gait/contact_plan.h"
 
@@ -17,7 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// degrees by which a foot is turned about an axis of the world
+// Degrees of a foot's rotation about a world axis.
 using Turn = std::function<double(int frame)>;
 
 HumanClip human_with_left_foot(int frames, const Eigen::Vector3d& axis, const Turn& turn) {
@@ -47,7 +47,7 @@ ContactPhase planted(int begin, int end) {
   return {begin, end};
 }
 
-// of a human both of whose feet are planted in those frames
+// Stances of a human with both feet planted in those frames.
 Stances stances_of(const HumanClip& human, const ContactPhase& phase) {
   const SourceFeet feet(human, human.frame_count);
   const double shortest = ContactOptions().shortest;
@@ -76,20 +76,20 @@ TEST(Stances, ExcludeFeetOnTheInstepOrEdge) {
       EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
     }
   }
-  // however the body faces
+  // For any facing direction.
   const HumanClip turned =
       human_with_left_foot(30, Eigen::Vector3d::UnitZ(), [](int frame) { return 12.0 * frame; });
   EXPECT_THAT(stances_of(turned, planted(3, 20)).phases[0], ElementsAre(ContactPhase{3, 20}));
 }
 
 TEST(Stances, ArePartsOfContactsUnlessTooShort) {
-  // on its edge in frames 8 and 18; 2 frames are left after the second
+  // On its edge in frames 8 and 18; 2 frames remain after the second.
   const HumanClip human = human_with_left_foot(30, Eigen::Vector3d::UnitX(), [](int frame) {
     return frame == 8 || frame == 18 ? 80.0 : 0.0;
   });
   EXPECT_THAT(stances_of(human, planted(3, 21)).phases[0],
               ElementsAre(ContactPhase{3, 8}, ContactPhase{9, 18}));
-  // one that was short before stays
+  // A contact that was already short is kept.
   EXPECT_THAT(stances_of(human, planted(3, 5)).phases[0], ElementsAre(ContactPhase{3, 5}));
 }
 

@@ -13,8 +13,8 @@
 
 namespace retarget {
 
-/// A skeleton from lines `name x y z`, indented by two blanks for each joint above; the name may
-/// hold blanks. The line `end x y z` is an end site.
+/// A skeleton from lines `name x y z`, indented by two blanks per parent; names may contain blanks.
+/// The line `end x y z` is an end site.
 inline Skeleton tiny_skeleton(const std::string& text) {
   std::vector<Joint> joints;
   std::vector<int> above;
@@ -66,7 +66,7 @@ inline const std::vector<SkeletonProfile>& shipped_profiles() {
   return kProfiles;
 }
 
-/// A body that stands in a T-pose, y up, z forward, its left at +x; centimetres.
+/// A body in a T-pose, y up, z forward, its left at +x; centimetres.
 inline constexpr const char* kBody = R"(
 Hips 0 90 0
   LeftUpLeg 10 -2 0

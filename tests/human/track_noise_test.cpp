@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kFrameTime = 1.0 / 30.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// a joint that swings, by 20 degrees every two seconds
+// A joint that swings by 20 degrees every two seconds.
 std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double hertz = 0.5) {
   std::vector<Quaterniond> rotations;
   for (int i = 0; i < frames; ++i) {
@@ -29,11 +29,11 @@ std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double h
   return rotations;
 }
 
-// errors that are forgotten over 0.3 s, so many degrees about each axis
+// Errors with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
   std::mt19937 random(7);
   const double keep = std::exp(-kFrameTime / 0.3);
-  // sums of uniform numbers are the same with every standard library
+  // Sums of uniform numbers are equal with every standard library.
   const auto gauss = [&] {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
@@ -76,7 +76,7 @@ double rms_error(const std::vector<Quaterniond>& a, const std::vector<Quaternion
 }
 
 // A knee in walking bends with harmonics of the step's frequency.
-TEST(TrackNoise, SmoothingDoesNotTakeTheStepsFromAKnee) {
+TEST(TrackNoise, SmoothingKeepsTheStepsOfAKnee) {
   std::vector<Quaterniond> knee;
   for (int i = 0; i < 300; ++i) {
     const double phase = 2.0 * std::numbers::pi * i * kFrameTime;
@@ -91,7 +91,7 @@ TEST(TrackNoise, SmoothingDoesNotTakeTheStepsFromAKnee) {
   EXPECT_LT(mean_change(smooth), 0.7 * mean_change(noisy));
 }
 
-TEST(TrackNoise, FastMovementsHideIt) {
+TEST(TrackNoise, FastMovementsMaskIt) {
   const auto fast = with_noise(swing(300, 40.0, 1.0), 1.0);
   const TrackNoise noise = measure_noise(fast, kFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
@@ -99,7 +99,7 @@ TEST(TrackNoise, FastMovementsHideIt) {
   EXPECT_FALSE(measure_noise(swing(300, 40.0, 1.0), kFrameTime).may_exceed(kSmallStep));
 }
 
-TEST(TrackNoise, PlacesHaveIt) {
+TEST(TrackNoise, IsMeasuredForPositions) {
   std::vector<Vector3d> places;
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
@@ -119,7 +119,7 @@ TEST(TrackNoise, PlacesHaveIt) {
   EXPECT_LT(after, 0.6 * before);
 }
 
-TEST(TrackNoise, StillJointsAndShortTracksHaveNone) {
+TEST(TrackNoise, IsZeroForStillJointsAndShortTracks) {
   const std::vector<Quaterniond> still(100, Quaterniond::Identity());
   EXPECT_FALSE(measure_noise(still, kFrameTime).moves);
   EXPECT_FALSE(measure_noise(with_noise(swing(8), 5.0), kFrameTime).moves);
@@ -129,12 +129,12 @@ TEST(TrackNoise, IsMeasured) {
   const TrackNoise noise = measure_noise(with_noise(swing(), 2.0), kFrameTime);
   EXPECT_TRUE(noise.exceeds(kLargeStep));
   EXPECT_LT(noise.correlation, -0.35);
-  // three axes, each of which changes by sqrt(2 (1 - keep)) of the error
+  // Three axes, each of which changes by sqrt(2 (1 - keep)) of the error.
   const double step = std::sqrt(6.0 * (1.0 - std::exp(-kFrameTime / 0.3))) * 2.0 * kDegree;
   EXPECT_NEAR(noise.step, step, 0.25 * step);
 }
 
-TEST(TrackNoise, SmallNoiseStaysUnlessOthersHaveMuch) {
+TEST(TrackNoise, SmallNoiseIsKeptUnlessOtherTracksAreNoisy) {
   const TrackNoise noise = measure_noise(with_noise(swing(), 0.3), kFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
 }

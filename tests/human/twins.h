@@ -52,7 +52,7 @@ inline Clip with_t_pose_as_zero(const Clip& clip, double lowered = 0.0) {
   return with_other_axes(clip, turns);
 }
 
-/// In another unit and turned as a whole.
+/// In another unit, and rotated as a whole.
 inline Clip scaled_and_turned(const Clip& clip, double scale, const Eigen::Quaterniond& turn) {
   std::vector<Joint> joints = clip.skeleton().joints();
   for (Joint& joint : joints) {
@@ -81,8 +81,8 @@ inline Clip every_nth(const Clip& clip, int n) {
   return twin;
 }
 
-/// Children in the opposite order, a joint of no length before every thigh, one halfway along
-/// every upper arm, and a still joint above the root.
+/// Children in the opposite order, a zero-length joint before every thigh, one halfway along every
+/// upper arm, and a still joint above the root.
 inline Clip with_extra_joints(const Clip& clip) {
   const std::vector<Joint>& old = clip.skeleton().joints();
   std::vector<Joint> joints(1);
@@ -144,7 +144,7 @@ inline Clip rooted_at_head(const Clip& clip) {
   const std::vector<std::string> trunk = {"Head", "Neck", "Spine2", "Spine1", "Spine", "Hips"};
   const Skeleton& old = clip.skeleton();
   const auto old_joint = [&](const std::string& name) { return old.find(name).value(); };
-  // the joint of the old skeleton that turns what a joint of the new one turns
+  // The joint of the old skeleton that rotates the part of a joint of the new one.
   std::vector<int> turned_by;
   std::vector<Joint> joints;
   for (std::size_t i = 0; i < trunk.size(); ++i) {

@@ -26,7 +26,7 @@ TEST(GuessUnit, FindsUnitFromHipHeight) {
   }
 }
 
-// a child of 0.9 to 1.05 m has its hips at 0.47 to 0.55 m
+// A child of 0.9 to 1.05 m has its hips at 0.47 to 0.55 m.
 TEST(GuessUnit, HandlesChildren) {
   for (const double metres : {0.47, 0.5, 0.515, 0.53, 0.55}) {
     EXPECT_EQ(guess_unit(metres)->name, "m") << metres;
@@ -48,11 +48,11 @@ TEST(UnitOfBody, UsesSkeletonUnitIfPlausible) {
   EXPECT_FALSE(unit_of_body({191.9, 360.0, 0.01, {}}));
 }
 
-// a character of 0.78 m in centimetres would be a tall adult in inches
+// A character of 0.78 m in centimetres would be a tall adult in inches.
 TEST(UnitOfBody, UsesSkeletonUnitForSmallChildren) {
   EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, {}})->name, "cm");
   EXPECT_EQ(unit_of_body({37.4, 71.0, 0.01, {}})->name, "cm");
-  // an adult of 1.75 m in inches
+  // An adult of 1.75 m in inches.
   EXPECT_EQ(unit_of_body({37.4, 69.0, 0.01, {}})->name, "inch");
   EXPECT_EQ(unit_of_body({41.7, 78.0, {}, {}})->name, "inch");
   EXPECT_EQ(unit_of_body({35.0, 65.0, 0.01, {}})->name, "inch");
@@ -60,18 +60,18 @@ TEST(UnitOfBody, UsesSkeletonUnitForSmallChildren) {
 }
 
 TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
-  // a character at double scale
+  // A character at double scale.
   const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8});
   ASSERT_TRUE(doubled);
   EXPECT_EQ(doubled->name, "scaled");
   EXPECT_DOUBLE_EQ(doubled->metres, 0.005);
   // A given height overrides the usual range, even that of a giant.
   EXPECT_EQ(unit_of_body({191.9, 360.0, {}, 3.5})->name, "cm");
-  // a unit that nearly gives the height is it: heights are estimates
+  // A unit that nearly gives the height is correct: heights are estimates.
   EXPECT_EQ(unit_of_body({90.0, 165.0, {}, 1.8})->name, "cm");
   EXPECT_EQ(unit_of_body({45.0, 84.0, {}, 0.85})->name, "cm");
   EXPECT_EQ(unit_of_body({48.0, 89.0, {}, 2.2})->name, "inch");
-  // a body of a known unit is not scaled: its height is what targets are scaled by
+  // A body in a known unit is not scaled: its height determines the scale of the targets.
   EXPECT_EQ(unit_of_body({93.0, 175.0, 0.01, 1.1})->name, "cm");
 }
 
@@ -140,10 +140,10 @@ TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
   EXPECT_NEAR(found->height, 1.72 * 0.45, 0.03);
-  // The size is unusual, which is a warning.
+  // The size is unusual, which causes a warning.
   ASSERT_FALSE(found->doubts.empty());
   EXPECT_THAT(found->doubts.back().message, HasSubstr("height"));
-  // a character of 5.7 m is taken by its proportions
+  // A character of 5.7 m is scaled by its proportions.
   for (Joint& joint : joints) joint.offset *= 3.3 / 0.45;
   Clip giant(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
   for (int frame = 0; frame < giant.frame_count(); ++frame) {
@@ -156,7 +156,7 @@ TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
   EXPECT_THAT(taken->doubts.at(0).message, HasSubstr("no known unit"));
 }
 
-// Blender's default scale makes hips 9,300 units high, or 0.93, where the file says centimetres
+// Blender's default scale makes hips 9,300 units high, or 0.93 if the file states centimetres.
 TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
   for (const double scale : {1e-4, 0.03, 2.2, 3.3, 100.0}) {
     SCOPED_TRACE(scale);
@@ -174,7 +174,7 @@ TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
   }
   EXPECT_TRUE(has_human_proportions(0.93, 1.72));
   EXPECT_TRUE(has_human_proportions(9300.0, 17200.0));
-  // a stick with legs, a body without any
+  // A stick with legs, and a body without them.
   EXPECT_FALSE(has_human_proportions(1.0, 1.1));
   EXPECT_FALSE(has_human_proportions(0.0, 1.7));
 }
@@ -190,14 +190,14 @@ TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
     EXPECT_NE(found->rest_pose, "lafan1");
     EXPECT_THAT(found->description,
                 HasSubstr("body height " + std::to_string(found->height).substr(0, 3)));
-    // its axes are LAFAN1's all the same
+    // Its axes are still LAFAN1's.
     const HumanClip human = to_human(clip, *found);
     const HumanClip grown = to_human(sample_in(1.0, true), adult);
     EXPECT_LT(human.frame(7)[Bone::kLeftArm].rotation.angularDistance(
                   grown.frame(7)[Bone::kLeftArm].rotation),
               1e-9);
   }
-  // within what people of one data set differ by the published height stays
+  // Heights within the variation of one data set keep the published height.
   for (const double scale : {0.995, 1.0, 1.01}) {
     const auto found = calibrated(sample_in(scale, true), true, {}).value();
     EXPECT_EQ(found.height, 1.75) << scale;

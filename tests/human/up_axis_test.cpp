@@ -28,8 +28,8 @@ double lowest_joint(const Clip& clip, int frame) {
   return lowest;
 }
 
-// the body of a y-up clip in a T-pose zero, rolled head over heels all the time: in the air about
-// its hips, or on the floor
+// The body of a y-up clip in a T-pose zero, tumbling continuously: in the air about its hips, or on
+// the floor.
 Clip tumbling(const std::string& name, double turns, bool on_floor) {
   Clip clip = with_t_pose_as_zero(sample(name));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -118,10 +118,10 @@ TEST(ChooseUp, AStandingBodyOverrulesAFalseAxisWithAWarning) {
   EXPECT_EQ(choose_up(body, poses_of_frames(clip), {{}, z}).doubt, "");
 }
 
-// a file that states a false axis while nothing but posture contradicts it
+// A file with a false axis that only posture contradicts.
 TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
   Clip clip = sample("wave");
-  // in the air, so that no floor says more
+  // In the air, so that there is no floor evidence.
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0] += Eigen::Vector3d(0.0, 200.0, 300.0);
   }
@@ -130,7 +130,7 @@ TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
   const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, {}, z});
   EXPECT_EQ(choice.axis, z);
   EXPECT_THAT(choice.doubt, testing::HasSubstr("trunk and legs point along +y"));
-  // a fall is evidence
+  // A fall is evidence.
   EXPECT_EQ(choose_up(body, poses_of_frames(clip), {z, {}, {}, SignedAxis{}}).axis, SignedAxis{});
 }
 

@@ -18,7 +18,7 @@ struct Problem {
   Eigen::VectorXd g, lower, upper;
 };
 
-// the scale and the conditioning of inverse kinematics: weights of 10 to 100, squared
+// Scale and conditioning of inverse kinematics: weights of 10 to 100, squared.
 Problem random_problem(std::mt19937& engine, int size, double tightness) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -37,7 +37,7 @@ Problem random_problem(std::mt19937& engine, int size, double tightness) {
   return problem;
 }
 
-// projected gradient descent: slow, simple, unlike the solver under test
+// Projected gradient descent: slow, simple, independent of the solver under test.
 Eigen::VectorXd minimise_slowly(const Problem& problem) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.g.size());
   const double step = 1.0 / problem.H.norm();
@@ -52,7 +52,7 @@ TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
   int max_active = 0;
   for (int repeat = 0; repeat < 2000; ++repeat) {
     const int size = 1 + repeat % 40;
-    // from nearly all variables at a bound to nearly none
+    // From nearly all variables at a bound to nearly none.
     const Problem problem = random_problem(engine, size, std::pow(10.0, -3 + repeat % 5));
     BoxQp qp(size);
     Eigen::VectorXd x(size);
@@ -103,7 +103,7 @@ TEST(BoxQp, HandlesFixedVariables) {
 }
 
 TEST(BoxQp, AcceptsInfeasibleStarts) {
-  // a joint beyond its limit must come back: both bounds on one side of zero
+  // A joint beyond its limit must return: both bounds are on one side of zero.
   const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(2, 2);
   const Eigen::VectorXd g = Eigen::Vector2d(0.0, 0.0);
   const Eigen::VectorXd lower = Eigen::Vector2d(0.3, -2.0);
@@ -125,7 +125,7 @@ TEST(BoxQp, ReportsNonFiniteValues) {
   EXPECT_FALSE(qp.solve(Eigen::Matrix2d::Constant(nan), bound, -bound, bound, x).converged);
 }
 
-// in the first factorisation, in one behind a bound, or in the gradient of a variable at its bound
+// In the first factorisation, in one after a bound, or in the gradient of a variable at its bound.
 TEST(BoxQp, ReturnsAFinitePointInTheBoxForAnyInput) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), inf, -inf, 1e308}) {

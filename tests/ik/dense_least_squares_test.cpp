@@ -110,7 +110,7 @@ TEST(DenseLeastSquares, FindsBoundedMinima) {
   EXPECT_EQ(one.x[0], 0.5);
   EXPECT_NEAR(one.x[1], 0.25, 1e-9);
 
-  // x is free and y at its bound: the slope along x vanishes, that along y points outwards.
+  // x is free and y is at its bound: the slope along x vanishes, the slope along y points outwards.
   BoundedRosenbrock other{Eigen::Vector2d(-2.0, -2.0), Eigen::Vector2d(2.0, 0.1),
                           Eigen::Vector2d(0.1, -1.0)};
   EXPECT_EQ(damped_least_squares(other, policy).status, LeastSquaresStatus::kConverged);

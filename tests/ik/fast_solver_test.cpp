@@ -13,7 +13,7 @@
 namespace retarget {
 namespace {
 
-// largest difference of two configurations; quaternions count up to their sign
+// Largest difference of two configurations; quaternions are compared up to sign.
 double difference(std::span<const double> a, std::span<const double> b) {
   double dot = 0.0;
   for (int i = 3; i < 7; ++i) dot += a[i] * b[i];
@@ -25,7 +25,7 @@ double difference(std::span<const double> a, std::span<const double> b) {
   return largest;
 }
 
-// a pass of each engine from the same start; their largest difference
+// Runs a pass of each engine from the same start; returns their largest difference.
 double engines_differ(const IkCase& ik_case, const IkOptions& options, int pass) {
   const auto reference = make_reference_solver(ik_case.problem, options);
   const auto fast = make_fast_solver(ik_case.problem, options);
@@ -54,7 +54,7 @@ TEST(FastSolver, MatchesReferenceStepsOnRandomProblems) {
 TEST(FastSolver, ReturnsJointsThatStartOutsideTheirLimits) {
   const auto robot = robot_from_text(kTwoArms);
   IkCase ik_case = random_case(robot, 1, 4);
-  // one task at the base: no joint is pulled, all start outside
+  // One task on the base: no joint is pulled, all start outside their limits.
   ik_case.problem->passes[0] = {{1, 0, 10.0, 10.0}};
   for (const RobotJoint& joint : robot->joints()) ik_case.start[joint.qpos_address] = 4.0;
   EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-12);
@@ -87,7 +87,7 @@ TEST(FrameError, MatchesReferenceErrorAndJacobian) {
     const Eigen::Matrix3d R = body.rotation.toRotationMatrix();
     EXPECT_LT((error.linear - R * twist.head<3>()).norm(), 1e-9) << angle;
     EXPECT_LT((error.angular - R * twist.tail<3>()).norm(), 1e-12) << angle;
-    // the inverse left Jacobian in world axes: A on the diagonal, -A Q A beside it
+    // The inverse left Jacobian in world axes: A on the diagonal, -A Q A next to it.
     const ErrorJacobian jacobian(error);
     const Matrix6d inverse = published_jacobian_inverse(twist);
     const Eigen::Matrix3d A = R * inverse.topLeftCorner<3, 3>() * R.transpose();
@@ -99,7 +99,7 @@ TEST(FrameError, MatchesReferenceErrorAndJacobian) {
   }
 }
 
-// squares of such distances are not finite
+// Squares of such distances overflow.
 TEST(IkEngines, ReportErrorsThatAreNotFinite) {
   IkCase ik_case = random_case(load_g1(), 10, 3);
   for (const double bad : {1e160, 1e200, std::nan("")}) {

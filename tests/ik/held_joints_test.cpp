@@ -1,4 +1,4 @@
-// Joints that a variant holds stay exactly where it holds them, whatever pulls.
+// Joints held by a variant stay exactly at their held position for any target.
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace retarget {
 namespace {
 
-// the two arms with a joint held away from its qpos0, and one whose motion is a slide
+// The two-armed robot with a joint held away from its qpos0, and a motion with a slide joint.
 std::shared_ptr<const Robot> held_arms() {
   const TemporaryFolder folder;
   const auto robot = load_robot_files(folder.write("robot.xml", kTwoArms));

@@ -17,7 +17,7 @@ struct IkCase {
   std::vector<double> start;
 };
 
-/// A configuration inside the limits, the root moved and turned by about `spread`.
+/// A configuration inside the limits, with the root moved and rotated by about `spread`.
 inline std::vector<double> random_configuration(const Robot& robot, std::mt19937& engine,
                                                 double spread) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -38,7 +38,7 @@ inline std::vector<double> random_configuration(const Robot& robot, std::mt19937
   return qpos;
 }
 
-/// Random bodies, weights (some zero) and targets that are near, but not to be reached exactly.
+/// Random bodies, weights (some zero) and near targets that are not exactly reachable.
 inline IkCase random_case(std::shared_ptr<const Robot> robot, int tasks, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

@@ -27,7 +27,7 @@ class RandomTwists {
   std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
 };
 
-// log(exp(d) exp(x)) by central differences in d
+// log(exp(d) exp(x)) by central differences in d.
 Matrix6d numeric_left_jacobian_inverse(const Vector6d& x) {
   constexpr double kStep = 1e-6;
   Matrix6d jacobian;

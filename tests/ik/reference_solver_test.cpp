@@ -23,7 +23,7 @@ std::shared_ptr<IkProblem> make_problem(std::shared_ptr<const Robot> robot) {
   return problem;
 }
 
-// gradient of 1/2 sum |W e|^2 at a configuration, by central differences along each velocity
+// Gradient of 1/2 sum |W e|^2 at a configuration, by central differences along each velocity.
 Eigen::VectorXd numeric_gradient(const Robot& robot, const IkPass& tasks,
                                  const std::vector<Pose>& targets,
                                  const std::vector<double>& qpos) {
@@ -114,7 +114,7 @@ TEST(ReferenceSolver, StaysInsideTheLimits) {
   problem->passes = {{{hand, 0, 100.0, 1.0}, {foot, 1, 100.0, 1.0}}};
   const auto solver = make_reference_solver(problem, {});
   std::vector<double> qpos = robot->zero_configuration();
-  // out of reach, behind the back
+  // Out of reach, behind the back.
   const std::vector<Pose> targets = {{Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {-3.0, -2.0, 3.0}},
                                      {Eigen::Quaterniond(0.0, 0.0, 1.0, 0.0), {3.0, 2.0, 3.0}}};
   for (int repeat = 0; repeat < 30; ++repeat) {
@@ -136,12 +136,12 @@ TEST(ReferenceSolver, StopsWhenTheErrorStopsFalling) {
   std::vector<double> qpos = robot->zero_configuration();
   std::vector<Pose> bodies(robot->bodies().size());
   forward_kinematics(*robot, qpos, bodies);
-  // at the target already: one step that changes nothing
+  // Already at the target: one step without change.
   const PassResult there = solver->solve_pass(0, {{bodies[1]}}, qpos);
   EXPECT_EQ(there.steps, 1);
   EXPECT_LT(there.errors[1], 1e-12);
   EXPECT_EQ(qpos, robot->zero_configuration());
-  // far away: at most the first step and ten more
+  // Far away: at most the first step and ten more.
   const PassResult far = solver->solve_pass(0, {{Pose{{1, 0, 0, 0}, {1e4, 0, 0}}}}, qpos);
   EXPECT_LE(far.steps, 11);
   for (int k = 1; k < far.steps; ++k) EXPECT_GT(far.errors[k - 1] - far.errors[k], 1e-3);

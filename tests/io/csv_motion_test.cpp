@@ -29,7 +29,7 @@ ReadMotionOptions with(const Set& set) {
   return options;
 }
 
-// root, then left_shoulder left_elbow left_twist right_slide right_shoulder
+// Root, then left_shoulder left_elbow left_twist right_slide right_shoulder.
 class CsvMotion : public ::testing::Test {
  protected:
   Result<RobotMotion> read(const std::string& text, ReadMotionOptions options = {}) const {
@@ -49,7 +49,7 @@ class CsvMotion : public ::testing::Test {
     EXPECT_THAT(describe(motion.error()), words) << text;
     EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
   }
-  // rows of the robot that stands, with a first column
+  // Rows of the standing robot, with a first column.
   static std::string timed(const std::vector<std::string>& times, const std::string& name = {}) {
     std::string text = name.empty() ? "" : name + "," + kRoot + kJoints + "\n";
     for (const std::string& time : times) text += time + "," + kRow;
@@ -77,7 +77,7 @@ TEST_F(CsvMotion, ReadsManyHeaderStyles) {
   const std::string names = std::string(kRoot) + kJoints;
   expect_pose(names + "\n" + kRow);
   expect_pose("\xEF\xBB\xBF" + names + "\r\n" + kRow);
-  // in quotes, with blanks, in capitals, by semicolons
+  // In quotes, with blanks, in capitals, separated by semicolons.
   expect_pose(R"("x","y","z","qx","qy","qz","qw","left_shoulder","left_elbow","left_twist",)"
               R"("right_slide","right_shoulder")"
               "\n" +
@@ -89,7 +89,7 @@ TEST_F(CsvMotion, ReadsManyHeaderStyles) {
   expect_pose(
       "\"x\";\"y\";\"z\";\"qx\";\"qy\";\"qz\";\"qw\";left_shoulder;left_elbow;left_twist;"
       "right_slide;right_shoulder\n1;2;3;0;0;0;1;.1;.2;.3;.04;.5\n");
-  // with paths, units, and what tables of numbers put before and behind
+  // With paths, units, and prefixes and suffixes of table exports.
   expect_pose(
       "robot/root/x,robot/root/y,robot/root/z,robot/root/qx,robot/root/qy,robot/root/qz,"
       "robot/root/qw,robot/left_shoulder,robot/left_elbow,robot/left_twist,"
@@ -107,10 +107,10 @@ TEST_F(CsvMotion, ReadsManyHeaderStyles) {
       "dof_left_shoulder(rad),left_elbow_dof,left_twist [rad],right_slide_pos,"
       "right_shoulder_rad\n" +
       std::string(kRow));
-  // the index of a data frame; a header that is a comment
+  // The index of a data frame; a header in a comment.
   expect_pose("," + names + "\n0," + kRow);
   expect_pose("# " + names + "\n" + kRow);
-  // in another order
+  // In another order.
   expect_pose(
       "right_shoulder,right_slide,left_twist,left_elbow,left_shoulder,qw,qx,qy,qz,z,y,x\n"
       ".5,.04,.3,.2,.1,1,0,0,0,3,2,1\n");
@@ -125,7 +125,7 @@ TEST_F(CsvMotion, RejectsUnknownHeaders) {
                HasSubstr("did you mean \"left_shoulder\"?"));
   expect_fault(std::string(kRoot) + kJoints + ",left_elbow_vel,foo\n" +
                    std::string("1,2,3,0,0,0,1,.1,.2,.3,.04,.5,0,0\n"),
-               HasSubstr("\"left_elbow_vel\", \"foo\", which are no joint"));
+               HasSubstr("\"left_elbow_vel\", \"foo\", which are not joints of the robot"));
   expect_fault("x,y,z,w,qx,qy,qz,left_elbow,left_elbow\n0,0,1,1,0,0,0,0,0\n",
                HasSubstr("a joint twice"));
   expect_fault("x,y,z,qx,qy,qz,qw,base_x,left_elbow\n0,0,1,0,0,0,1,0,0\n",
@@ -133,7 +133,7 @@ TEST_F(CsvMotion, RejectsUnknownHeaders) {
   expect_fault("x,y,z,qx,qy,qz,qw,left_elbow(rad),left_twist(deg)\n0,0,1,0,0,0,1,0,0\n",
                HasSubstr("radians and degrees"));
   expect_fault("x,y,z,left_shoulder\n1,2,3,4\n", HasSubstr("four of its quaternion"));
-  // a row too short, numbers with commas, two bytes a letter
+  // A short row, decimal commas, two bytes per letter.
   expect_fault(std::string(kRoot) + kJoints + "\n1,2,3\n", HasSubstr("the header has 12 columns"));
   expect_fault("1,5;2;3;0;0;0;1;.1;.2;.3;.4;.5\n",
                AllOf(HasSubstr("m.csv:1:1: error: expected a number, found \"1,5\""),
@@ -176,7 +176,7 @@ TEST_F(CsvMotion, ReadsRateFromTimes) {
   };
   EXPECT_EQ(rate_of({"0", "0.02", "0.04", "0.06"}), "50");
   EXPECT_EQ(rate_of({"10.5", "10.52", "10.54"}, "time"), "50");
-  // rounded as they are
+  // Rounded times.
   EXPECT_EQ(rate_of({"0.000", "0.033", "0.067", "0.100"}), "30");
   EXPECT_EQ(rate_of({"0", "33", "67", "100"}), "30");
   EXPECT_EQ(rate_of({"0", "8", "17", "25", "33"}, "t"), "120");
@@ -187,7 +187,7 @@ TEST_F(CsvMotion, ReadsRateFromTimes) {
   EXPECT_EQ(
       rate_of({"1700000000000000000", "1700000000020000000", "1700000000040000000"}, "timestamp"),
       "50");
-  // frame numbers tell none
+  // Frame numbers do not determine a rate.
   EXPECT_EQ(rate_of({"5", "6", "7"}), "none");
   EXPECT_EQ(rate_of({"0", "1", "2"}, "frame"), "none");
 }
@@ -195,10 +195,10 @@ TEST_F(CsvMotion, ReadsRateFromTimes) {
 TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
   const ReadMotionOptions at_60 = with([](auto& o) { o.rate = FrameRate{60, 1}; });
   for (const auto& [text, words] :
-       {std::pair(timed({"0", "1", "2"}, "time"), "gives no rate"),
+       {std::pair(timed({"0", "1", "2"}, "time"), "does not determine the rate"),
         {timed({"0", "4", "8"}), "frame numbers or times"},
         {timed({"0", ".02", ".02", ".04"}, "time"), "does not increase"},
-        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not even"}}) {
+        {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not uniform"}}) {
     expect_fault(text, AllOf(HasSubstr(words), HasSubstr("source_fps")));
     const auto given = read(text, at_60);
     ASSERT_TRUE(given) << describe(given.error());
@@ -253,7 +253,7 @@ TEST_F(CsvMotion, AngleUnitAppliesToRootAndJoints) {
       "Frame,root_translateX,root_translateY,root_translateZ,root_rotateX,root_rotateY,"
       "root_rotateZ,left_shoulder_dof,left_elbow_dof,left_twist_dof,right_slide_dof,"
       "right_shoulder_dof\n";
-  // a quarter turn about z
+  // A quarter turn about z.
   const std::string degrees = header + "0,0,0,1,0,0,90,0,0,90,0,0\n";
   const std::string radians =
       header + "0,0,0,1,0,0,1.5707963267948966,0,0,1.5707963267948966,0,0\n";

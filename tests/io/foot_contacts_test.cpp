@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// the left heel's flags; the right toe has the opposite
+// Flags of the left heel; the right toe has the opposite.
 FootContacts contacts_of(const std::vector<int>& left_heel) {
   FootContacts contacts;
   for (const int flag : left_heel) {
@@ -30,14 +30,14 @@ std::vector<int> left_heel(const FootContacts& contacts) {
 
 TEST(FootContactsTest, SamplesTakeTheNearestFrame) {
   const FootContacts contacts = contacts_of({1, 0, 0, 1});
-  // 30 to 60: halfway between two frames the earlier one counts
+  // 30 to 60: halfway between two frames, the earlier one is used.
   EXPECT_THAT(left_heel(resample_contacts(contacts, {30, 1}, {60, 1}, 7)),
               ElementsAre(1, 1, 0, 0, 0, 0, 1));
-  // 30 to 50: at frames 0, 0.6, 1.2, 1.8, 2.4
+  // 30 to 50: at frames 0, 0.6, 1.2, 1.8, 2.4.
   EXPECT_THAT(left_heel(resample_contacts(contacts, {30, 1}, {50, 1}, 5)),
               ElementsAre(1, 0, 0, 0, 0));
   EXPECT_THAT(left_heel(resample_contacts(contacts, {30, 1}, {10, 1}, 2)), ElementsAre(1, 1));
-  // the last frame's hold on
+  // The last frame's contacts continue.
   EXPECT_THAT(left_heel(resample_contacts(contacts, {30, 1}, {30, 1}, 6)),
               ElementsAre(1, 0, 0, 1, 1, 1));
   EXPECT_EQ(resample_contacts({}, {30, 1}, {50, 1}, 3).frame_count(), 0);

@@ -8,15 +8,15 @@
 
 namespace retarget {
 
-/// A link of a robot description: where its joint puts it, and the axis of that joint.
+/// A link of a robot description: the pose of its joint, and the axis of that joint.
 struct MakerLink {
   std::string name, parent, pos, quat;
   std::string joint, axis;  ///< Empty: fixed.
 };
 
-/// Trees of Unitree Robotics' G1, from the figures of its descriptions (BSD-3-Clause): bodies,
-/// places and axes. `23` is g1_23dof_rev_1_0, `27` g1_29dof_lock_waist_rev_1_0, where waist roll and
-/// pitch are fixed.
+/// Trees of Unitree Robotics' G1, from the values of its descriptions (BSD-3-Clause): bodies,
+/// positions and axes. `23` is g1_23dof_rev_1_0, `27` g1_29dof_lock_waist_rev_1_0, where waist roll
+/// and pitch are fixed.
 inline std::vector<MakerLink> g1_maker_links(int joints) {
   const std::string x = "1 0 0", y = "0 1 0", z = "0 0 1", straight = "1 0 0 0";
   std::vector<MakerLink> links = {{"pelvis", "", "0 0 0.793", straight, "", ""}};
@@ -76,7 +76,7 @@ inline std::vector<MakerLink> g1_maker_links(int joints) {
 inline std::string g1_maker_model(int joints) {
   const std::vector<MakerLink> links = g1_maker_links(joints);
   std::map<std::string, std::string> inside;
-  // from the last to the first, each is complete when its parent takes it
+  // In reverse order, so that each is complete when its parent includes it.
   for (auto link = links.rbegin(); link != links.rend(); ++link) {
     const std::string joint = link->parent.empty()  ? "<freejoint/>"
                               : link->joint.empty() ? ""

@@ -8,11 +8,11 @@ namespace {
 
 TEST(GltfTimes, AreAllowedUntilTheyRepeat) {
   EXPECT_TRUE(check_key_times({30, 1}, 0));
-  // a day at 120 frames per second
+  // A day at 120 frames per second.
   EXPECT_TRUE(check_key_times({120, 1}, 10'368'000));
   const auto repeats = check_key_times({120, 1}, 20'000'000);
   ASSERT_FALSE(repeats);
-  EXPECT_THAT(repeats.error().message, testing::HasSubstr("are the same"));
+  EXPECT_THAT(repeats.error().message, testing::HasSubstr("have equal times"));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// two frames of the two-armed robot with recognisable numbers
+// Two frames of the two-armed robot with recognisable numbers.
 RobotClip two_frames() {
   RobotClip clip(robot_from_text(kTwoArms), {30, 1}, 2);
   const auto first = clip.qpos(0);

@@ -22,7 +22,7 @@ constexpr MotionFormat kAllFormats[] = {MotionFormat::kCsv,      MotionFormat::k
                                         MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic,
                                         MotionFormat::kPklGmr,   MotionFormat::kPklPbhc};
 
-// where the sole points are
+// Positions of the sole points.
 std::vector<Eigen::Vector3d> sole_points(const RobotClip& clip, int frame) {
   const Robot& robot = clip.robot();
   std::vector<Pose> world_from_body(robot.bodies().size());
@@ -34,7 +34,7 @@ std::vector<Eigen::Vector3d> sole_points(const RobotClip& clip, int frame) {
   return points;
 }
 
-// moves the root along so that the lowest sole point of each frame stays where it is
+// Moves the root so that the lowest sole point of each frame keeps its position.
 void stand_on_feet(RobotClip& clip) {
   for (int frame = 1; frame < clip.frame_count(); ++frame) {
     const auto before = sole_points(clip, frame - 1), now = sole_points(clip, frame);
@@ -48,7 +48,7 @@ void stand_on_feet(RobotClip& clip) {
   }
 }
 
-// a G1 that walks at this heading, legs and arms swinging
+// A G1 that walks at this heading, with swinging legs and arms.
 class RobotMotionTest : public ::testing::Test {
  protected:
   RobotClip walk(double heading, int frames = 40) const {
@@ -93,7 +93,7 @@ TEST_F(RobotMotionTest, EveryFormatRoundTrips) {
     ASSERT_TRUE(motion) << format_name(format) << ": " << describe(motion.error());
     EXPECT_EQ(motion->format, format);
     RobotClip expected = clip;
-    // trackers' files end a frame earlier, PBHC's have no wrists
+    // Tracking files end one frame earlier, and PBHC's have no wrists.
     if (format_ending(format) == ".npz") {
       expected = RobotClip(robot_, {30, 1}, clip.frame_count() - 1);
       for (int i = 0; i < expected.frame_count(); ++i) {
@@ -170,10 +170,10 @@ TEST_F(RobotMotionTest, ReportsErrors) {
   expect("1,2,nan\n", "out of range");
   expect("HIERARCHY\nROOT Hips\n", "BVH");
   expect("BZh91AY", "bzip2");
-  expect("\x80\x04}.", "not hold a robot motion");
+  expect("\x80\x04}.", "not contain a robot motion");
   std::string row = "0,0,0.8,0,0,0,0";
   for (int i = 0; i < 29; ++i) row += ",0";
-  expect(row + "\n", "length 0 and should have 1");
+  expect(row + "\n", "length 0, expected 1");
 }
 
 TEST_F(RobotMotionTest, ResamplingKeepsTheMotion) {
@@ -184,7 +184,7 @@ TEST_F(RobotMotionTest, ResamplingKeepsTheMotion) {
   const auto down = resample_robot(*up, {30, 1}, {.antialias = false});
   ASSERT_TRUE(down);
   EXPECT_LT(distance(*down, clip), 1e-12);
-  // against the functions themselves, away from the ends
+  // Compares with the functions, away from the ends.
   for (int frame = 20; frame < 220; ++frame) {
     const double t = frame / 120.0;
     EXPECT_NEAR(up->qpos(frame)[9], 0.2 + 0.3 * std::sin(6 * t + 9.0), 2e-5);

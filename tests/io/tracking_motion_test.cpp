@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// all joints and the root in motion, as smooth functions of time
+// All joints and the root in motion, as smooth functions of time.
 RobotClip moving_clip(const std::shared_ptr<const Robot>& robot, int frames, double fps) {
   RobotClip clip(robot, frame_rate_from_fps(fps), frames);
   for (int frame = 0; frame < frames; ++frame) {
@@ -36,7 +36,7 @@ RobotClip moving_clip(const std::shared_ptr<const Robot>& robot, int frames, dou
 
 TEST(TrackingMotionTest, VelocitiesMatchTheBodies) {
   const auto robot = robot_from_text(kTwoArms);
-  // so dense that differences of positions are velocities
+  // So dense that differences of positions are velocities.
   const RobotClip clip = moving_clip(robot, 400, 1000.0);
   TrackingOptions options;
   options.rate = {1000, 1};
@@ -78,14 +78,14 @@ TEST(TrackingMotionTest, HasTheRightJointAndBodyOrder) {
                                              "right_slide", "right_shoulder"));
   EXPECT_THAT(broad->joint_names, ElementsAre("left_shoulder", "right_slide", "right_shoulder",
                                               "left_elbow", "left_twist"));
-  // 29 steps of 1/30 s hold 48 and a third of 1/50 s: samples 0 to 48
+  // 29 steps of 1/30 s contain 48 1/3 steps of 1/50 s: samples 0 to 48.
   EXPECT_EQ(deep->frames, 49U);
   EXPECT_EQ(broad->joint_pos[1], deep->joint_pos[3]);
 }
 
 TEST(TrackingMotionTest, ExcludesTheEndAndRejectsShortMotions) {
   const auto robot = robot_from_text(kTwoArms);
-  // the last of 31 frames is at 1 s: samples 0 to 0.98 s
+  // The last of 31 frames is at 1 s: samples 0 to 0.98 s.
   EXPECT_EQ(make_tracking_motion(moving_clip(robot, 31, 30.0), MotionFormat::kNpzMjlab)->frames,
             50U);
   for (const int frames : {1, 2}) {
@@ -111,7 +111,7 @@ TEST(TrackingMotionTest, CentreOfMassIncludesFixedBodies) {
   const auto motion = make_tracking_motion(clip, MotionFormat::kNpzMjlab, options);
   ASSERT_TRUE(motion);
   EXPECT_THAT(motion->body_names, ElementsAre("base", "arm"));
-  // the centre of arm and hand is at 2 m: it moves at 2 m/s along y in the first frame
+  // The common centre of arm and hand is at 2 m: it moves at 2 m/s along y in the first frame.
   EXPECT_NEAR(motion->body_lin_vel[3 + 1], 2.0, 1e-9);
   options.velocity_of = BodyPoint::kLink;
   EXPECT_NEAR(make_tracking_motion(clip, MotionFormat::kNpzMjlab, options)->body_lin_vel[3 + 1],

@@ -16,7 +16,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// the CSV of a G1 that goes along x at a speed, as our own writer makes it, without a header
+// The CSV of a G1 that moves along x at a speed, in the writer's own layout, without a header.
 class UnitsTest : public ::testing::Test {
  protected:
   struct Walk {
@@ -78,7 +78,7 @@ TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
   }
 }
 
-// these were metres without a word: a hundredth and a tenth of a walk's heights
+// These were once read as metres without a warning: a hundredth and a tenth of a walk's heights.
 TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
   for (const double scale : {0.001, 0.01, 0.1, 0.0}) {
     expect_refused(csv({.scale = scale}), OPTION("source-unit") " m");
@@ -92,7 +92,7 @@ TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
 }
 
 TEST_F(UnitsTest, WarnsAboutLowOrHighStanding) {
-  // as a kneeling robot that leans back on its heels, and as one in feet or on a roof
+  // Like a kneeling robot that leans back on its heels, a robot in feet, or one on a roof.
   for (const double height : {0.2, 1.4, 2.2}) {
     expect_doubted(csv({.height = height}), OPTION("source-unit"));
     EXPECT_THAT(read(csv({.height = height}), metres(1.0))->warnings, IsEmpty());
@@ -102,7 +102,7 @@ TEST_F(UnitsTest, WarnsAboutLowOrHighStanding) {
   }
 }
 
-// falls and get-ups: most upright frames are high, or few are upright
+// Falls and get-ups: most upright frames are high, or few are upright.
 TEST_F(UnitsTest, GettingUpIsPlausible) {
   for (const int upright_from : {10, 54}) {
     RobotClip clip(robot_, {30, 1}, 60);
@@ -158,7 +158,7 @@ TEST_F(UnitsTest, CentimetresAndMillimetresMustBeGiven) {
 }
 
 TEST_F(UnitsTest, WarnsAboutLowCentimetres) {
-  // on the back at 3 cm, and with heights counted from the first frame's
+  // On the back at 3 cm, and with heights relative to the first frame.
   expect_doubted(csv({.height = 0.03, .scale = 100.0, .lying = true}), OPTION("source-unit"));
   expect_doubted(csv({.height = 0.0, .scale = 100.0, .lying = true}), OPTION("source-unit"));
 }
@@ -171,12 +171,12 @@ TEST_F(UnitsTest, DegreesMustBeGiven) {
   const auto motion = read(csv({.angles = degrees}), in_degrees);
   ASSERT_TRUE(motion) << describe(motion.error());
   EXPECT_NEAR(motion->clip.qpos(0)[8], 0.3 * std::sin(8.0), 1e-9);
-  // hardly a movement: no number is beyond what some joint turns, but beyond most joints' ranges
+  // Little movement: no number exceeds the widest joint range, but most joints exceed theirs.
   expect_doubted(csv({.swing = 0.05, .angles = degrees}), OPTION("source-angles"));
   EXPECT_THAT(read(csv({}))->warnings, IsEmpty());
 }
 
-// a robot whose zero configuration is folded stands no lower for it
+// A robot with a folded zero configuration does not stand lower for it.
 TEST_F(UnitsTest, FoldedZeroPoseIsNotSmall) {
   robot_ = robot_from_text(R"(<mujoco><worldbody><body name="pelvis"><freejoint/>
     <geom size=".1"/>

@@ -24,7 +24,7 @@ using ::testing::UnorderedElementsAreArray;
 constexpr double kTolerance = 1e-6;
 constexpr int kFrames = 20;
 
-// anywhere, with every joint anywhere within +-1 rad
+// A random root, and every joint within +-1 rad.
 RobotClip random_clip(const std::shared_ptr<const Robot>& robot) {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> one(-1.0, 1.0);
@@ -52,7 +52,7 @@ class VariantBodies : public testing::TestWithParam<int> {
     variant_ = *variant;
   }
 
-  // the largest difference of a body's place (m) or of its quaternion's entries, over all frames
+  // The largest difference of a body position (m) or quaternion component, over all frames.
   [[nodiscard]] double difference(const TrackingMotion& motion) const {
     const mjModel& model = *maker_->model();
     const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model), mj_deleteData);
@@ -93,7 +93,7 @@ class VariantBodies : public testing::TestWithParam<int> {
   std::shared_ptr<const Robot> maker_, variant_;
 };
 
-TEST_P(VariantBodies, AreTheMakersInPlaceAndOrder) {
+TEST_P(VariantBodies, MatchTheMakersPositionsAndOrder) {
   std::vector<std::string> names = maker_->body_names();
   names.erase(names.begin());  // the world
   TrackingOptions options;
@@ -112,7 +112,7 @@ TEST_P(VariantBodies, AreTheMakersInPlaceAndOrder) {
   }
 }
 
-// by the names that trainers' configurations have: the anchor and the bodies that are tracked
+// By the names in trainer configurations: the anchor and the tracked bodies.
 TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   const auto motion = make_tracking_motion(random_clip(variant_), MotionFormat::kNpzBeyondMimic);
   ASSERT_TRUE(motion);
@@ -126,14 +126,14 @@ TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   EXPECT_EQ(motion->body_names.size(), GetParam() == 23 ? 24U : 30U);
 }
 
-TEST_P(VariantBodies, AreReadBack) {
+TEST_P(VariantBodies, RoundTrip) {
   const RobotClip clip = random_clip(variant_);
   WriteMotionOptions writing;
   writing.tracking.rate = {50, 1};
   for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
     const auto bytes = format_robot_motion(clip, format, writing);
     ASSERT_TRUE(bytes) << describe(bytes.error());
-    // as the variant's and as the whole robot's
+    // As the variant's and as the whole robot's.
     for (const auto& robot : {variant_, load_g1()}) {
       const auto motion = parse_robot_motion(*bytes, robot, "m.npz");
       ASSERT_TRUE(motion) << describe(motion.error());
@@ -148,9 +148,9 @@ TEST_P(VariantBodies, AreReadBack) {
   }
 }
 
-// files that were written when these variants had the whole robot's bodies, less those that no
-// column moves
-TEST_P(VariantBodies, OfEarlierFilesAreRead) {
+// Files written when these variants had the whole robot's bodies without those that no column
+// moves.
+TEST_P(VariantBodies, ReadEarlierFiles) {
   RobotVariant earlier = variant_->variant();
   earlier.model.clear();
   earlier.bodies.clear();

@@ -1,5 +1,5 @@
-// Arms alone follow (Follow::kArms): whatever the operator's legs and trunk do, the robot's stand, and its arms
-// move as the operator's before the chest.
+// Only the arms follow (Follow::kArms): for any movement of the operator's legs and trunk, the
+// robot's stand, and its arms move like the operator's relative to the chest.
 
 #include <gtest/gtest.h>
 
@@ -80,7 +80,8 @@ TEST(LiveArms, MoveAlikeIfTheOperatorWalksAndTurns) {
     const Plan plan = sample_plan(name, Method::kFit, sample_robot_arms());
     const HumanClip human = human_of(plan);
     for (const LiveMode mode : {LiveMode::kFrame, LiveMode::kLag}) {
-      // at the human's own rate nothing is interpolated, which for one who turns goes along chords
+      // At the human's own rate nothing is interpolated; interpolation would follow chords during
+      // turns.
       const double fps = plan.rate.fps();
       const auto standing = followed(plan, human, mode, fps);
       const auto about = followed(plan, walking(human), mode, fps);
@@ -94,7 +95,7 @@ TEST(LiveArms, MoveAlikeIfTheOperatorWalksAndTurns) {
   }
 }
 
-// of a human's arm or a robot's, from the shoulder to the wrist
+// Vector from shoulder to wrist of a human or robot arm.
 struct ArmLine {
   Bone shoulder, wrist;
   const char *robot_shoulder, *robot_wrist;
@@ -104,7 +105,7 @@ constexpr std::array kArmLines = {
     ArmLine{Bone::kRightArm, Bone::kRightHand, "right_shoulder_roll_link",
             "right_wrist_roll_link"}};
 
-TEST(LiveArms, WristsAreBeforeTheChestAsTheOperators) {
+TEST(LiveArms, WristsMatchTheOperatorsRelativeToTheChest) {
   const Plan plan = sample_plan("wave", Method::kFit, sample_robot_arms());
   const Robot& robot = *plan.robot.robot;
   const HumanClip human = walking(human_of(plan));

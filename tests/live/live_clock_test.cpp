@@ -1,5 +1,5 @@
 // Sender clocks: rates, steps, changing delays, bursts. The position of the robot measures the time
-// that it follows, as the human walks at an even pace by true time.
+// that it follows, because the human walks at an even pace in true time.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-// m/s, of the human: so slow that what is measured is not how gently the robot resumes
+// Speed of the human, m/s: slow enough that resume limits do not affect the measurement.
 constexpr double kPace = 0.05;
 
 const Plan& stander() {
@@ -23,7 +23,7 @@ const Plan& stander() {
   return plan;
 }
 
-// one pose that is carried along
+// One pose that is translated.
 HumanPose carried(double time) {
   static const HumanClip human = human_of(stander());
   HumanPose pose = human.frame(0);
@@ -36,7 +36,7 @@ struct Shown {
   LiveState state;
 };
 
-// a stream by true time, and what its robot does
+// A stream in true time, and the robot's response.
 class ClockRun {
  public:
   explicit ClockRun(double fps = 50.0)
@@ -48,7 +48,7 @@ class ClockRun {
     made.floor = made.hold_feet = false;
     return made;
   }
-  // a frame of a true time
+  // A frame of a true time.
   void frame(double time, double stamp, double arrival) {
     until(arrival);
     session.push({stamp, carried(time)}, arrival);
@@ -60,11 +60,11 @@ class ClockRun {
       shown.push_back({frame->due, frame->qpos[0], frame->state});
     }
   }
-  // how long ago the human was where the robot is at a time, by the robot's way for a pace of the human
+  // Age of the displayed human pose at a time, from the robot's distance and the human's pace.
   [[nodiscard]] double age(std::size_t i) const {
     return shown[i].due - (shown[i].x - shown.front().x) / (kPace * scale());
   }
-  // of the robot's way against the human's: from a stream without any fault
+  // Ratio of the robot's distance to the human's, from a stream without faults.
   static double scale() {
     static const double found = [] {
       ClockRun run;
@@ -184,7 +184,7 @@ TEST(LiveClocks, DelayedFramesAreNotCaughtUp) {
   }
 }
 
-TEST(LiveClocks, StampsThatMakeNoSenseCountByTheirArrival) {
+TEST(LiveClocks, ImplausibleTimestampsUseTheArrivalTime) {
   ClockRun run;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anything(-1e6, 1e6);
@@ -193,7 +193,7 @@ TEST(LiveClocks, StampsThatMakeNoSenseCountByTheirArrival) {
   run.expect_even("random stamps");
 }
 
-TEST(LiveClocks, AStreamThatBeginsAgainIsFollowed) {
+TEST(LiveClocks, FollowsARestartedStream) {
   ClockRun run;
   for (int i = 0; i <= 90; ++i) run.frame(i / 30.0, i / 30.0, i / 30.0);
   for (int i = 91; i <= 180; ++i) run.frame(i / 30.0, (i - 91) / 30.0, i / 30.0);

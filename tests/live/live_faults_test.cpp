@@ -26,7 +26,7 @@ const HumanClip& walker() {
   return human;
 }
 
-// the walker at any time, and standing still before and after
+// The walker at any time; it stands before and after.
 HumanPose walker_at(double time) {
   const HumanClip& human = walker();
   const double frame = std::clamp(time * human.rate.fps(), 0.0, human.frame_count - 1.001);
@@ -40,7 +40,7 @@ HumanPose walker_at(double time) {
   return pose;
 }
 
-// a session with a clock, and all that it gave
+// A session with a clock, and all its output.
 class Stream {
  public:
   explicit Stream(const LiveOptions& options)
@@ -51,7 +51,7 @@ class Stream {
     session.push({time, walker_at(time)}, arrival);
     take(arrival);
   }
-  // nothing comes until then
+  // No frame arrives until then.
   void wait(double until) {
     for (; now_ < until; now_ += 0.001) take(now_);
     now_ = until;
@@ -67,7 +67,7 @@ class Stream {
     }
   }
 
-  // no joint and no root ever moves faster than it may
+  // No joint and no root ever exceeds its speed limit.
   void expect_no_jump(double fps) const {
     const Robot& robot = session.robot();
     for (std::size_t i = 1; i < qpos.size(); ++i) {
@@ -128,7 +128,7 @@ TEST(LiveRates, AnyRateGivesEvenRobotFrames) {
         const double step = stream.times[i] - stream.times[i - 1];
         ASSERT_GE(step, 0.0) << rate;
         ASSERT_LE(step, 0.03 + 1e-9) << rate;
-        // by then frames have come at every phase to those of the robot
+        // By then, frames have arrived at every phase relative to the robot frames.
         if (stream.times[i - 1] > 0.6) {
           ASSERT_NEAR(step, 0.02, 1e-9) << rate;
         }
@@ -140,11 +140,11 @@ TEST(LiveRates, AnyRateGivesEvenRobotFrames) {
   }
 }
 
-TEST(LiveRates, ADelayMakesThemComeEvenly) {
+TEST(LiveRates, ADelayMakesFramesEven) {
   LiveOptions options = at_50();
   options.delay_s = 0.05;
   LiveSession session = LiveSession::make(walk(), options).value();
-  // frames come in pairs, as some networks have it
+  // Frames arrive in pairs, as in some networks.
   std::vector<double> departures;
   int next = 0;
   for (int tick = 0; tick < 2000; ++tick) {
@@ -161,7 +161,7 @@ TEST(LiveRates, ADelayMakesThemComeEvenly) {
   }
 }
 
-TEST(LiveRates, ArrivalServesSendersWithoutClocks) {
+TEST(LiveRates, ArrivalTimesReplaceMissingTimestamps) {
   LiveOptions options = at_50();
   options.clock = LiveClock::kArrival;
   Stream stream(options);
@@ -170,7 +170,7 @@ TEST(LiveRates, ArrivalServesSendersWithoutClocks) {
   EXPECT_EQ(stream.session.statistics().held, 0);
 }
 
-TEST(LiveFaults, LostFramesAreBridged) {
+TEST(LiveFaults, LostFramesAreInterpolated) {
   Stream stream(at_50());
   std::mt19937 random(7);
   for (int i = 0; i < 180; ++i) {
@@ -199,7 +199,7 @@ TEST(LiveFaults, DoubledAndReorderedFramesChangeNothing) {
   EXPECT_EQ(shuffled.session.statistics().late, 2);
   const std::size_t common = std::min(clean.qpos.size(), shuffled.qpos.size());
   ASSERT_GT(common, 80U);
-  // the first frame came second, and its robot frame was there before
+  // The first frame arrived second, after its robot frame.
   for (std::size_t i = 0; i + 2 < common; ++i) {
     const auto found = std::ranges::find_if(
         shuffled.times, [&](double time) { return std::abs(time - clean.times[i]) < 1e-9; });
@@ -210,7 +210,7 @@ TEST(LiveFaults, DoubledAndReorderedFramesChangeNothing) {
   shuffled.expect_no_jump(50.0);
 }
 
-TEST(LiveFaults, LateFramesAreLeftOut) {
+TEST(LiveFaults, LateFramesAreDropped) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
   stream.frame(0.2, 1.0);
@@ -229,16 +229,16 @@ TEST(LiveFaults, AStallIsHeldThenTheRobotStands) {
     EXPECT_EQ(stream.session.state(), LiveState::kHolding);
     stream.wait(7.0);
     EXPECT_EQ(stream.session.state(), LiveState::kStanding);
-    // upright, joints at rest, soles on the floor, and it goes no farther
+    // Upright, joints at rest, soles on the floor, and no further movement.
     const auto& stands = stream.qpos.back();
     EXPECT_NEAR(stands[4], 0.0, 1e-6);
     EXPECT_NEAR(stands[5], 0.0, 1e-6);
     EXPECT_NEAR(stands[7], 0.0, 1e-6);
     EXPECT_GT(stands[2], 0.6);
     EXPECT_EQ(stands, stream.qpos[stream.qpos.size() - 2]);
-    // frames go on at their rate
+    // Frames continue at their rate.
     EXPECT_NEAR(static_cast<double>(stream.qpos.size()), 7.0 * 50.0, 15.0);
-    // the performer walked on meanwhile
+    // The performer walked on meanwhile.
     for (int i = 0; i < 120; ++i) stream.frame(7.0 + i / 60.0, 7.0 + i / 60.0);
     EXPECT_EQ(stream.session.state(), LiveState::kFollowing);
     EXPECT_GE(stream.session.statistics().interruptions, 1);
@@ -246,7 +246,7 @@ TEST(LiveFaults, AStallIsHeldThenTheRobotStands) {
   }
 }
 
-TEST(LiveFaults, AfterAStallTheRobotSetsOffSlowly) {
+TEST(LiveFaults, ResumesSlowlyAfterAStall) {
   Stream stream(at_50());
   for (int i = 0; i <= 60; ++i) stream.frame(i / 60.0, i / 60.0);
   stream.wait(2.0);
@@ -286,10 +286,10 @@ TEST(LiveFaults, ToleratesOneWrongTimestamp) {
   EXPECT_EQ(stream.session.statistics().held, 0);
 }
 
-TEST(LiveFaults, FramesThatWereHeldUpOnTheirWayAreUsed) {
+TEST(LiveFaults, UsesDelayedFrames) {
   Stream stream(at_50());
   for (int i = 0; i < 60; ++i) stream.frame(i / 60.0, i / 60.0);
-  // nothing for 0.9 s, then all of it at once
+  // Nothing for 0.9 s, then all frames at once.
   for (int i = 60; i < 114; ++i) stream.frame(i / 60.0, 1.9);
   for (int i = 114; i < 240; ++i) stream.frame(i / 60.0, i / 60.0);
   EXPECT_EQ(stream.session.statistics().clock_jumps, 0);
@@ -325,7 +325,7 @@ TEST(LiveFaults, ContinuesAtTheRobotsPoseWithAnotherBody) {
     for (int i = 0; i < 150; ++i) {
       const double now = 1.05 + i / 60.0;
       stream.wait(now);
-      // its clock begins anew, too
+      // Its clock restarts, too.
       stream.session.push({i / 60.0, squat.frame(i / 2)}, now);
       stream.take(now);
     }

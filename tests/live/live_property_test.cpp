@@ -1,7 +1,7 @@
-// The guarantee of live mode, for streams with faults by chance: positions, speeds and accelerations inside their
-// limits by the time that passes, no gap, no more frames than the rate, finite values, whatever comes.
-//
-// RETARGET_LIVE_STREAMS=N tries N streams in place of the usual number, RETARGET_LIVE_SEED=N begins elsewhere.
+// The guarantee of live mode for streams with random faults: positions, speeds and accelerations
+// within their limits in real time, no gap, no more frames than the rate, finite values.
+// RETARGET_LIVE_STREAMS=N tries N streams instead of the default number, RETARGET_LIVE_SEED=N sets
+// the first seed.
 
 #include <gtest/gtest.h>
 
@@ -32,10 +32,10 @@ class Watcher {
     before_ = now_;
   }
 
-  // the process was stopped in between
+  // The process was stopped in between.
   void stopped() { stopped_ = true; }
 
-  // @return what is wrong; empty: nothing
+  // @return the violated property; empty: none
   std::string see(const RobotFrame& frame, int interruptions) {
     for (const double value : frame.qpos) {
       if (!std::isfinite(value)) return "a value that is not finite";
@@ -88,7 +88,7 @@ class Watcher {
     return std::min(full, first + (full - first) * (due - begin_) / options_.limits.resume_s);
   }
 
-  // Speed and its change are bounded; a joint that is faster than allowed brakes.
+  // Speed and its change are bounded; a joint that is too fast brakes.
   static std::string bounded(const std::string& what, double speed, double before, double change,
                              double most_speed, double most_change) {
     if (change > most_change + kRounding * 1e3) {
@@ -102,7 +102,8 @@ class Watcher {
 
   std::string see_motion(const RobotFrame& frame, int interruptions) {
     const double seconds = std::min(frame_, frame.due - due_);
-    // gently from where it was; the ramp begins with the first frame behind an interruption
+    // It resumes gently from its position; the ramp begins with the first frame after an
+    // interruption.
     const bool stands = frame.state == LiveState::kStanding && state_ != LiveState::kStanding;
     if (stands || (interruptions != interruptions_ && frame.state == LiveState::kFollowing) ||
         (state_ != LiveState::kFollowing && frame.state == LiveState::kFollowing &&
@@ -158,7 +159,7 @@ struct Bodies {
   const Plan& other;
 };
 
-// @return what is wrong with a stream's robot frames; empty: nothing
+// @return the violated property of a stream's robot frames; empty: none
 std::string fault_of(std::uint64_t seed, const Bodies& bodies, LiveMode mode, double& seconds) {
   RandomStream stream = random_stream(seed, bodies.human);
   stream.options.mode = mode;

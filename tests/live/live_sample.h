@@ -14,14 +14,14 @@
 
 namespace retarget {
 
-/// Plans for the samples and the G1, as a stream of them has.
+/// Stream plans for the samples and the G1.
 inline const LoadedRobot& sample_robot() {
   static const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
   return robot;
 }
 
-/// The same robot, of which the arms alone follow.
+/// The same robot, with only the arms following.
 inline const LoadedRobot& sample_robot_arms() {
   static const LoadedRobot robot = [] {
     RobotChoice choice;
@@ -44,7 +44,7 @@ inline Plan sample_plan(const std::string& name, Method method,
   return std::move(*plan);
 }
 
-/// The human of a plan's clip, frame by frame.
+/// The human in a plan's clip, frame by frame.
 inline HumanClip human_of(const Plan& plan) {
   return to_human(*plan.clip, plan.human.calibration);
 }

@@ -1,4 +1,4 @@
-// A stream gives what whole clips give where it may, and its guarantees hold.
+// A stream equals the result of whole clips where possible, and its guarantees hold.
 
 #include "retarget/live.h"
 
@@ -37,7 +37,7 @@ LiveSession session_of(const Plan& plan, const LiveOptions& options) {
   return std::move(*session);
 }
 
-// the motion that a stream's frames make, to be measured as any other
+// The motion of a stream's frames, for measurement.
 Motion motion_of(const Plan& plan, const std::vector<std::vector<double>>& frames) {
   Motion motion;
   motion.source = plan.clip;
@@ -76,7 +76,7 @@ TEST(LiveFrames, AllocateNothing) {
   long before = 0;
   for (int i = 0; i < human.frame_count; ++i) {
     const HumanFrame frame{human.rate.time_of(i), human.frame(i)};
-    // the first frame is looked for from several starts
+    // The first frame is solved from several starts.
     if (i == 10) before = allocations;
     session.push(frame, frame.time);
     while (session.pull(frame.time)) {
@@ -87,7 +87,7 @@ TEST(LiveFrames, AllocateNothing) {
 }
 
 // New situations may allocate: the solver's lists of near shapes and limits grow.
-TEST(LiveLag, AllocatesNothingOnceItHasSeenAll) {
+TEST(LiveLag, AllocatesNothingAfterWarmUp) {
   const Plan plan = sample_plan("walk", Method::kFit);
   const HumanClip human = human_of(plan);
   for (const double lag_s : {0.0, 0.2, 1.5}) {
@@ -184,7 +184,7 @@ TEST(Live, RejectsImpossibleOptions) {
   EXPECT_EQ(LiveSession::make(empty).error().kind, ErrorKind::kUsage);
 }
 
-// weights whose squares are not finite: frames stay as the first stage has them, and are counted
+// Weights whose squares overflow: frames keep the result of the first stage and are counted.
 TEST(LiveLag, CountsStepsThatAreNotFinite) {
   Plan plan = sample_plan("wave", Method::kFit);
   LiveSession sound = session_of(plan, with_lag(plan.rate.fps(), 0.2));

@@ -11,7 +11,7 @@
 
 namespace retarget {
 
-/// The incidents of a stream, in the order of time.
+/// The events of a stream, in order of time.
 struct StreamIncident {
   enum class Kind : unsigned char { kFrame, kStop, kNewBody } kind = Kind::kFrame;
   double at = 0.0;     ///< By our clock.
@@ -19,15 +19,15 @@ struct StreamIncident {
   HumanFrame frame;    ///< Of kFrame.
 };
 
-/// A stream of a few seconds with faults by chance: jitter, loss, bursts, pauses, clocks that run and step as
-/// they like, teleports, poses and values without sense, other bodies, a process that is stopped.
+/// A stream of a few seconds with random faults: jitter, loss, bursts, pauses, drifting and
+/// stepping clocks, teleports, invalid poses and values, other bodies, a stopped process.
 struct RandomStream {
   LiveOptions options;
   std::vector<StreamIncident> incidents;
   double end = 0.0;
 };
 
-/// Chances of one kind of stream.
+/// Probabilities of one kind of stream.
 class Chance {
  public:
   explicit Chance(std::uint64_t seed) : random_(seed) {}
@@ -88,7 +88,7 @@ inline void spoil(Chance& chance, HumanPose& pose) {
   }
 }
 
-/// @param human  a motion whose frames are sent, starting at a random one.
+/// @param human  the motion to send, starting at a random frame.
 inline RandomStream random_stream(std::uint64_t seed, const HumanClip& human) {
   Chance chance(seed);
   RandomStream stream;

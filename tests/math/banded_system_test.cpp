@@ -50,7 +50,7 @@ TEST(BandedSystem, AgreesWithADenseFactorisation) {
   }
 }
 
-TEST(BandedSystem, LeavesVariablesOut) {
+TEST(BandedSystem, OmitsVariables) {
   const int size = 12, first = 2, last = 9;
   const Eigen::MatrixXd H = band_matrix(size, 4, 2);
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(size);
@@ -67,7 +67,7 @@ TEST(BandedSystem, LeavesVariablesOut) {
   }
 }
 
-TEST(BandedSystem, TellsIndefiniteFromNonFinite) {
+TEST(BandedSystem, DistinguishesIndefiniteFromNonFinite) {
   Eigen::MatrixXd H = band_matrix(6, 3, 4);
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(6);
   H(3, 3) = -1.0;

@@ -60,7 +60,7 @@ TEST(AntiAliasTaps, ResponseScalesWithTheOutputRate) {
     EXPECT_NEAR(at(8.0 / 30.0), 0.988, 0.01) << ratio;
     EXPECT_NEAR(at(0.4), 0.5, 0.01) << ratio;
     EXPECT_NEAR(at(0.5), 0.055, 0.02) << ratio;
-    // the band that folds down to what can be seen, up to the input's own half rate
+    // The band that aliases into the visible band, up to half the input rate.
     for (double f = 2.0 / 3.0; f <= 0.5 * ratio; f += 0.01) EXPECT_LT(std::abs(at(f)), 1.5e-3);
   }
 }
@@ -140,7 +140,7 @@ TEST(LowPassRotations, AttenuatesASmallSineLikeItsAngle) {
   }
 }
 
-// the figure of the header: components against the filter of the angle itself
+// The figure of the header: components against a filter of the angle itself.
 TEST(LowPassRotations, IsAccurateForLargeSwings) {
   const auto taps = anti_alias_taps(4.0);
   std::vector<Vector3d> angles;
@@ -156,7 +156,7 @@ TEST(LowPassRotations, IsAccurateForLargeSwings) {
   }
 }
 
-// only signs that jump, against the precondition, make the sum vanish this simply
+// Only sign flips, which violate the precondition, make the sum vanish this easily.
 TEST(LowPassRotations, KeepsSampleIfTheSumVanishes) {
   std::vector<Quaterniond> rotations(9, Quaterniond(1, 0, 0, 0));
   for (std::size_t i = 1; i < rotations.size(); i += 2) rotations[i] = Quaterniond(-1, 0, 0, 0);

@@ -1,4 +1,4 @@
-// Minima with known solutions, every reason to stop, and the damping and the lengths of the steps.
+// Minima with known solutions, every stop criterion, damping and step lengths.
 
 #include "base/math/least_squares.h"
 
@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// An unbounded problem given by its residual and Jacobian. Records what the solver asks for.
+// An unbounded problem given by its residual and Jacobian. Records the solver's evaluations.
 struct TestProblem {
   std::function<VectorXd(const VectorXd&)> residual;
   std::function<MatrixXd(const VectorXd&)> jacobian;

@@ -19,16 +19,16 @@ using Eigen::Vector3d;
 using series::Real;
 
 constexpr double kPi = std::numbers::pi;
-// Relative to the norm of the whole result. A map is a sum of at most six products, each rounded
-// three times at most, 1.1e-16 each; the rest is margin for the norm of the terms against that of
-// their sum, at most pi / 2 up to half a turn.
+// Relative to the norm of the whole result. A map is a sum of at most six products, each with at
+// most three rounding errors of 1.1e-16; the rest is margin for the norm of the terms relative to
+// that of their sum, at most pi / 2 up to half a turn.
 constexpr double kBound = 5e-15;
 
 const std::array<Vector3d, 3> kAxes = {Vector3d(1.0, -2.0, 0.5).normalized(), Vector3d::UnitY(),
                                        Vector3d(1e-9, 0.3, -1.0).normalized()};
 const Vector3d kVector(0.3, 0.9, -0.7);
 
-// from 1e-300 to half a turn, closely around thresholds, and towards half a turn
+// From 1e-300 to half a turn, closely around thresholds, and towards half a turn.
 std::vector<double> angles() {
   std::vector<double> all = {0.0, 1e-300, 1e-160, 1e-20};
   for (int decade = -16; decade <= 0; ++decade) {
@@ -65,7 +65,7 @@ class LieAccuracy : public ::testing::Test {
     }
   }
 
-  // of all angles and axes
+  // Over all angles and axes.
   template <typename Check>
   static void for_all(const Check& check) {
     for (const double angle : angles()) {
@@ -126,7 +126,7 @@ TEST_F(LieAccuracy, RightJacobianSo3) {
 TEST_F(LieAccuracy, RightJacobianRateSo3) {
   for_all([](const Vector3d& w) {
     const Vector3d across = w.norm() > 0.0 ? w.normalized().unitOrthogonal() : Vector3d::UnitX();
-    // along w the Jacobian changes by nothing that moves the rate
+    // Along w the Jacobian does not change in a way that affects the rate.
     for (const Vector3d& rate : {kVector, across}) {
       const series::Vector3 expected = series::right_jacobian_rate(exact(w), exact(rate));
       EXPECT_LE(relative_error(right_jacobian_rate_so3(w, rate), expected), kBound);
@@ -146,9 +146,9 @@ TEST_F(LieAccuracy, LogSe3) {
   });
 }
 
-// The rotation is about an axis orthogonal to both directions and takes one to the other, even
-// where they are nearly opposite and the axis is arbitrary. Eigen's closed form, which takes over
-// 2.6 degrees from there, loses 2e-16 / (1 + cosine).
+// The rotation about an axis orthogonal to both directions maps one to the other, even if they are
+// nearly opposite and the axis is arbitrary. Eigen's closed form, used except within 2.6 degrees of
+// opposite, loses 2e-16 / (1 + cosine).
 TEST(RotationBetween, IsExactUpToOppositeDirections) {
   for (const double angle : angles()) {
     for (const Vector3d& axis : kAxes) {

@@ -5,9 +5,9 @@
 
 namespace retarget::series {
 
-/// Maps and Jacobians of SO(3) and SE(3) by their power series, the definitions, in long double: no
-/// closed form, no switch, no cancellation. Terms of angles up to pi stay below 12, so that what is
-/// lost is 1e-18 where long double has 64 bits.
+/// Maps and Jacobians of SO(3) and SE(3) by their power series, the definitions, in long double:
+/// without closed forms, switches and cancellation. Terms of angles up to pi stay below 12, so the
+/// error is 1e-18 with a 64-bit long double.
 
 using Real = long double;
 using Vector3 = Eigen::Matrix<Real, 3, 1>;

@@ -52,7 +52,7 @@ TEST(Pentadiagonal, SmoothingHalvesItsFrequency) {
   std::vector<double> tone;
   for (int i = 0; i < 400; ++i) tone.push_back(std::sin(kFrequency * i));
   const std::vector<double> found = smoothed(tone, std::pow(kFrequency, -4.0));
-  // far from the ends; differences of samples are a little less than derivatives
+  // Far from the ends; differences of samples are slightly smaller than derivatives.
   for (int i = 150; i < 250; ++i) EXPECT_NEAR(found[i], 0.5 * tone[i], 0.01);
 }
 

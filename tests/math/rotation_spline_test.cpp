@@ -67,7 +67,7 @@ TEST(RotationSplineOfMotions, KeepsAConstantAngularVelocity) {
   }
 }
 
-// about one axis it is the cubic spline of the angle: velocities are those of the clamped one
+// About one axis it is the cubic spline of the angle, with the velocities of the clamped spline.
 TEST(RotationSplineOfMotions, IsTheCubicSplineOfTheAngleAboutOneAxis) {
   const Vector3d axis = Vector3d(1, 2, -2) / 3.0;
   const std::vector<double> angles = {0.0, 0.3, 0.35, -0.2, 0.1, 0.6};
@@ -98,7 +98,7 @@ TEST(RotationSplineOfMotions, KeepsAConstantAngularAccelerationToItsEnds) {
   }
 }
 
-TEST(RotationSplineOfMotions, OneAndTwoSamples) {
+TEST(RotationSplineOfMotions, HandlesOneAndTwoSamples) {
   const RotationSpline one(std::vector<Quaterniond>{Quaterniond(0, 1, 0, 0)});
   EXPECT_EQ(one.at(0, 0.5).velocity.norm(), 0.0);
   EXPECT_EQ(one.at(0, 0.5).rotation.x(), 1.0);
@@ -108,8 +108,9 @@ TEST(RotationSplineOfMotions, OneAndTwoSamples) {
   EXPECT_NEAR(two.at(0, 0.5).velocity.x(), 0.4, 1e-15);
 }
 
-// Of turns so small that rotations add like vectors everything is in proportion to their size: 1e-4
-// rad is the measure, where that holds to 1e-4; quaternions hold turns of 1e-9 rad to 1e-7.
+// For rotations so small that they add like vectors, the spline is linear in their size. The
+// reference is 1e-4 rad, where this holds to 1e-4; quaternions represent rotations of 1e-9 rad to
+// 1e-7.
 TEST(RotationSplineOfMotions, StandingNoiseIsInProportionToItsSize) {
   const double measure = 1e-4;
   const RotationSpline larger(wandering(20, measure));

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
 
-// as scaled values, so that tiny ones count too
+// As scaled values, so that tiny ones count too.
 void expect_near(const Vector3d& actual, const Vector3d& expected, double relative) {
   EXPECT_LE((actual - expected).norm(), relative * expected.norm())
       << actual.transpose() << " in place of " << expected.transpose();
@@ -31,7 +31,7 @@ TEST(ExpSo3, MatchesAxisAngleRotation) {
 }
 
 TEST(ExpSo3, IsAccurateForSmallAngles) {
-  // on both sides of the switch to the series, against the first terms in higher precision
+  // On both sides of the switch to the series, against the first terms in higher precision.
   for (const double angle : {1e-300, 1e-20, 1e-8, 1e-5, 9.999e-5, 1.0001e-4, 1e-3}) {
     const long double half = 0.5L * angle;
     const auto sine = static_cast<double>(half - half * half * half / 6.0L +
@@ -71,7 +71,7 @@ TEST(LogSo3, IsDefinedAtHalfATurn) {
       EXPECT_EQ(log_so3(q), log_so3(Quaterniond(-q.coeffs())));
     }
   }
-  // just before, the axis is the rotation's own
+  // Just before half a turn, the axis is the rotation's own.
   expect_near(log_so3(exp_so3(-(kPi - 1e-9) * kAxis)), -(kPi - 1e-9) * kAxis, 1e-15);
 }
 
@@ -104,7 +104,7 @@ TEST(AngleBetween, IsAccurateForAllLengthsAndNear0AndPi) {
   EXPECT_EQ(angle_between(Vector3d::Zero(), side), 0.0);
 }
 
-TEST(AlignSign, TakesTheNearerOfTwoQuaternions) {
+TEST(AlignSign, ReturnsTheNearerOfTwoQuaternions) {
   const Eigen::Quaterniond q = exp_so3(Eigen::Vector3d(0.3, -0.2, 0.1));
   Eigen::Quaterniond near = q, far = q;
   far.coeffs() = -far.coeffs();

@@ -76,7 +76,7 @@ TEST(Spline, HasContinuousVelocityAndAcceleration) {
   }
 }
 
-// the figures of the header, over all phases
+// The figures of the header, over all phases.
 TEST(Spline, ErrorIsSmallForASineFrom24To30) {
   double inside = 0.0;
   double at_ends = 0.0;
@@ -164,7 +164,7 @@ TEST(RotationSpline, MatchesTheAngleSplineAboutAFixedAxis) {
   }
 }
 
-// a wobbling turn about changing axes: no closed spline, but the samples determine it well
+// A rotation about changing axes: no closed spline, but the samples determine it well.
 TEST(RotationSpline, FollowsChangingAxes) {
   const auto motion = [](double t) {
     return exp_so3({0.0, 0.0, 0.05 * t}) * exp_so3({0.6 * std::sin(0.3 * t), 0.0, 0.0}) *

@@ -42,7 +42,7 @@ TEST(BoundSteps, LeavesFeasibleSequencesUnchanged) {
 TEST(BoundSteps, SpreadsAJumpOverBothSides) {
   std::vector<double> values = {0, 0, 0, 0, 1, 1, 1, 1};
   bound_steps(values, -5.0, 5.0, 0.2);
-  // a clamp from frame to frame would reach 1 four frames late; this is symmetric about the jump
+  // A frame-by-frame clamp would reach 1 four frames late; this is symmetric about the jump.
   for (std::size_t i = 0; i < values.size(); ++i) {
     EXPECT_NEAR(values[i] + values[values.size() - 1 - i], 1.0, 1e-12);
   }

@@ -10,7 +10,7 @@
 namespace retarget::portable {
 namespace {
 
-// distance in units in the last place of the exact value, which long double has to 64 bits
+// Distance in units in the last place from the exact value, which a 64-bit long double represents.
 double ulps(double found, long double exact) {
   const double nearest = static_cast<double>(exact);
   const double unit = std::nextafter(std::abs(nearest), std::numeric_limits<double>::infinity()) -
@@ -37,7 +37,7 @@ TEST(SinCos, IsExactAtSpecialAngles) {
   EXPECT_EQ(sin_cos(0.0).cosine, 1.0);
   EXPECT_EQ(sin_cos(std::numbers::pi / 2.0).sine, 1.0);
   EXPECT_EQ(sin_cos(std::numbers::pi).cosine, -1.0);
-  // the tiny rests of pi as a double
+  // The tiny remainders of pi as a double.
   for (int k = 1; k <= 1000; ++k) {
     const double angle = k * std::numbers::pi / 2.0;
     const auto [sine, cosine] = sin_cos(angle);
@@ -69,7 +69,7 @@ TEST(SinCosOfHalfDegrees, IsWithinTwoUlps) {
     for (int i = 0; i < 100'000; ++i) {
       const double degrees = angles(random);
       const auto [sine, cosine] = sin_cos_of_half_degrees(degrees);
-      // reduced exactly to a quarter turn: near it not even long double's pi would do
+      // Reduced exactly to a quarter turn: near it not even pi as a long double would suffice.
       const long double quadrant = std::nearbyint(static_cast<long double>(degrees) / 180.0L);
       const long double rest =
           (degrees - 180.0L * quadrant) * std::numbers::pi_v<long double> / 360.0L;

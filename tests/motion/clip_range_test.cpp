@@ -62,7 +62,7 @@ TEST(FrameRangeFromSeconds, BothEndsAreInclusive) {
   EXPECT_EQ(frame_range_from_seconds(0.0, 0.0, k30, 301).value(), (FrameRange{0, 1}));
 }
 
-// 0.1 * 30 is a little more than 3 in doubles, 0.3 * 30 is 9 exactly, 0.7 / 30 not at all
+// In doubles, 0.1 * 30 is slightly above 3, 0.3 * 30 is exactly 9, and 0.7 / 30 is inexact.
 TEST(FrameRangeFromSeconds, DecimalTimesSnapToFrames) {
   for (int frame = 0; frame <= 3000; ++frame) {
     const double time = frame / 30.0;

@@ -29,7 +29,7 @@ struct Sampled {
   }
 };
 
-// one sample as a clip of one frame
+// One sample as a clip of one frame.
 Clip sample_at(const Sampled& sampled, double time) {
   const auto& [clip, sampler] = sampled;
   Clip pose(clip.shared_skeleton(), clip.rate(), 1);

@@ -64,7 +64,7 @@ TEST(MakeSignContinuous, UndoesFlipsAndKeepsTheFirstFrame) {
     }
   }
   make_sign_continuous(flipped);
-  // two whole turns: the sign goes round with the angle in both
+  // Two whole turns: the sign changes with the angle in both.
   EXPECT_TRUE(same_bits(flipped, clip));
 
   Clip upside_down = clip;

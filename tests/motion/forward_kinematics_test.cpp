@@ -15,7 +15,7 @@ using Eigen::Matrix4d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// homogeneous matrix of a joint, from its parent
+// Homogeneous matrix of a joint, from its parent.
 Matrix4d local_matrix(const Clip& clip, int frame, int joint) {
   Matrix4d matrix = Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = clip.rotations(frame)[joint].toRotationMatrix();
@@ -23,7 +23,7 @@ Matrix4d local_matrix(const Clip& clip, int frame, int joint) {
   return matrix;
 }
 
-// from the joint up to the root, in matrices: the other way round than the function under test
+// From the joint up to the root, in matrices: the opposite order of the function under test.
 Matrix4d world_matrix(const Clip& clip, int frame, int joint) {
   Matrix4d matrix = Matrix4d::Identity();
   for (int j = joint; j >= 0; j = clip.skeleton().joint(j).parent) {
@@ -64,7 +64,7 @@ TEST(ForwardKinematics, RestPoseAddsOffsets) {
 
 TEST(ForwardKinematics, ChildrenRotateWithTheirParents) {
   Clip clip(make_tree(), FrameRate{30, 1}, 1);
-  // a quarter turn about z carries the spine's offset from y to -x
+  // A quarter turn about z rotates the spine's offset from y to -x.
   clip.rotations(0)[0] = exp_so3({0.0, 0.0, 0.5 * std::numbers::pi});
   std::vector<Pose> world_from_joint(5);
   forward_kinematics(clip, 0, world_from_joint);

@@ -12,13 +12,13 @@
 namespace retarget {
 namespace {
 
-// swings at 1 Hz, slowly enough for any rate
+// Swings at 1 Hz, slowly enough for any rate.
 Clip swinging(double fps, int frames) {
   return make_clip({static_cast<std::int64_t>(fps), 1}, frames,
                    [](double t) { return 0.5 * std::sin(2.0 * M_PI * t); });
 }
 
-// `count` frames in front in which every joint is turned by `angle`
+// Prepends `count` frames in which every joint is rotated by `angle`.
 Clip with_frames_in_front(const Clip& clip, int count, double angle) {
   Clip longer(clip.shared_skeleton(), clip.rate(), clip.frame_count() + count);
   for (int frame = 0; frame < longer.frame_count(); ++frame) {
@@ -44,7 +44,7 @@ TEST(LeadIn, FindsAFrameThatTheMotionJumpsAwayFrom) {
 }
 
 TEST(LeadIn, FindsALeadingZeroFrame) {
-  // too short to know what its motion is like
+  // Too short to determine the character of its motion.
   const Clip clip = make_clip({30, 1}, 2, [](double) { return 1.5; });
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.0)), 1);
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.2)), 0);
@@ -67,7 +67,7 @@ TEST(LeadIn, ToleratesNoiseInAHeldPose) {
 }
 
 TEST(LeadIn, StandingBeforeAGlitchIsMotion) {
-  // stands, sways a little, and one frame in between is garbage
+  // Stands, sways a little, and one frame in between is garbage.
   Clip clip = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
   for (auto& rotation : clip.rotations(100)) rotation = exp_so3(2.0 * kTestAxis);
   EXPECT_EQ(count_lead_in_frames(clip), 0);

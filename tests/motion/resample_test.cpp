@@ -32,13 +32,13 @@ Clip resampled(const Clip& clip, const FrameRate& rate, const ResampleOptions& o
 }
 
 TEST(Resample, SparseClipsDoNotExhaustMemory) {
-  // 40,000 frames of 5 joints: 8 MB, and half a gigabyte at 30 fps
+  // 40,000 frames of 5 joints: 8 MB, and half a gigabyte at 30 fps.
   const Clip sparse(make_tree(), {1, 1}, 40'000);
   const auto result = resample(sparse, k30);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInput);
   EXPECT_THAT(result.error().message, HasSubstr("would make 1199971 frames from 40000"));
-  // as sparse, but short; as long, but dense
+  // As sparse but short; as long but dense.
   EXPECT_EQ(resampled(Clip(make_tree(), {1, 1}, 1000), k30).frame_count(), 29'971);
   EXPECT_EQ(resampled(Clip(make_tree(), {10, 1}, 40'000), k30).frame_count(), 119'998);
 }
@@ -59,13 +59,13 @@ TEST(ResampledFrameCount, TenSecondClipsTo30) {
 }
 
 TEST(ResampledFrameCount, IsExactForLongClips) {
-  // a day and a second at film rate; one frame less misses the last sample
+  // A day and a second at film rate; with one frame less, the last sample is missing.
   const FrameRate film{24000, 1001};
   EXPECT_EQ(resampled_frame_count(24000 * 86 + 1, film, k30), 1001 * 86 * 30 + 1);
   EXPECT_EQ(resampled_frame_count(24000 * 86, film, k30), 1001 * 86 * 30 - 1);
   EXPECT_EQ(resampled_frame_count(0, film, k30), 0);
   EXPECT_EQ(resampled_frame_count(1, film, k30), 1);
-  // 2e27 frames: more than can be counted, and not some small number
+  // 2e27 frames: not countable, and not some small number.
   EXPECT_EQ(resampled_frame_count(2'000'000'000, FrameRate{1, 1'000'000'000},
                                   FrameRate{1'000'000'000, 1}),
             std::numeric_limits<std::int64_t>::max());
@@ -84,7 +84,7 @@ TEST(Resample, EqualRatesCopyBitForBit) {
   EXPECT_TRUE(same_bits(same, clip));
   EXPECT_EQ(same.rate(), k30);
 
-  // the literal rate of such a file would drift by 1e-5
+  // The literal rate of such a file would drift by 1e-5.
   Clip literal = clip;
   literal.set_rate(FrameRate{1'000'000, 33'333});
   const Clip snapped = resampled(literal, k30);
@@ -106,7 +106,7 @@ TEST(Resample, AccurateForASineFrom24To30) {
   const Clip cubic = resampled(clip, k30);
   const Clip linear = resampled(clip, k30, kLinearOptions);
   ASSERT_EQ(cubic.frame_count(), 301);
-  // per unit of amplitude: the second component has an amplitude of 2
+  // Per unit of amplitude: the second component has an amplitude of 2.
   EXPECT_LT(translation_error(cubic, tone(3.0), 0, 301) / 2.0, 0.007);
   EXPECT_LT(translation_error(cubic, tone(3.0), 5, 296) / 2.0, 0.0012);
   EXPECT_LT(rotation_error(cubic, tone(3.0), 0, 301), 0.007);
@@ -123,7 +123,7 @@ TEST(Resample, DampsTremorBeforeDecimating) {
     ASSERT_EQ(damped.frame_count(), 121);
     EXPECT_LT(translation_error(damped, still, 0, 121), 0.2 * 1e-3) << frequency;
     EXPECT_LT(rotation_error(damped, still, 0, 121), 0.1 * 1e-3) << frequency;
-    // without the filter it comes back in full as a slow tremor
+    // Without the filter, it aliases with full amplitude into a slow tremor.
     const Clip aliased = resampled(clip, k30, kPlainOptions);
     EXPECT_GT(translation_error(aliased, still, 0, 121), 0.2 * 0.8) << frequency;
   }
@@ -184,7 +184,7 @@ TEST(Resample, IgnoresQuaternionSignFlips) {
 TEST(Resample, RoundTripIsAccurate) {
   const auto motion = tone(1.0);
   const Clip clip = make_clip(k30, 121, motion);
-  // every fourth sample of the way up is a frame of the source
+  // Every fourth sample on the way up is a frame of the source.
   const Clip up = resampled(clip, k120);
   ASSERT_EQ(up.frame_count(), 481);
   EXPECT_TRUE(same_bits(resampled(up, k30, kPlainOptions), clip));
@@ -240,7 +240,7 @@ TEST(Resample, RejectsExtremeRates) {
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInput);
   EXPECT_THAT(result.error().message, HasSubstr("60000001 frames from 3"));
-  // a single frame lasts no time at any rate
+  // A single frame has zero duration at any rate.
   EXPECT_EQ(resampled(cut(stretched, 0, 1), k30).frame_count(), 1);
 
   const Clip slow = make_clip(FrameRate{1, 1}, 20'000, tone(1.0));

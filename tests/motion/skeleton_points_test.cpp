@@ -59,7 +59,7 @@ TEST(Extents, CoverJointsAndEndSitesOfAllFrames) {
   const Eigen::AlignedBox3d box = extents(clip);
   EXPECT_LT((box.min() - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
   EXPECT_LT((box.max() - Eigen::Vector3d(4, 2, 3)).norm(), 1e-12);
-  // without frames, the skeleton at rest
+  // Without frames, the skeleton at rest.
   EXPECT_EQ(extents(Clip(skeleton, {30, 1}, 0)).max(), Eigen::Vector3d(1, 2, 3));
 }
 

@@ -29,7 +29,7 @@ inline Joint make_joint(const std::string& name, int parent, const Eigen::Vector
   return joint;
 }
 
-// two branches below a moving root; the second branch begins with a joint that slides as well
+// Two branches below a moving root; the second one begins with a joint that also slides.
 inline std::shared_ptr<const Skeleton> make_tree() {
   return std::make_shared<const Skeleton>(std::vector<Joint>{
       make_joint("Hips", -1, {0.1, 0.9, 0.0}, kAllChannels),
@@ -42,7 +42,7 @@ using AngleOverTime = std::function<double(double seconds)>;
 
 inline const Eigen::Vector3d kTestAxis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
 
-// every joint turns by f(t) about one axis, every translation is (f, 2 f, 1 - f) at t
+// Every joint rotates by f(t) about one axis, every translation is (f, 2 f, 1 - f) at t.
 inline Clip make_clip(const FrameRate& rate, int frame_count, const AngleOverTime& f) {
   Clip clip(make_tree(), rate, frame_count);
   for (int frame = 0; frame < frame_count; ++frame) {
@@ -55,7 +55,7 @@ inline Clip make_clip(const FrameRate& rate, int frame_count, const AngleOverTim
   return clip;
 }
 
-// largest distance of a translation of the clip from that of make_clip, frames [begin, end)
+// Largest translation difference between the clip and that of make_clip, frames [begin, end).
 inline double translation_error(const Clip& clip, const AngleOverTime& f, int begin, int end) {
   double worst = 0.0;
   for (int frame = begin; frame < end; ++frame) {
@@ -68,7 +68,7 @@ inline double translation_error(const Clip& clip, const AngleOverTime& f, int be
   return worst;
 }
 
-// the same of rotations, in radians
+// The same for rotations, in radians.
 inline double rotation_error(const Clip& clip, const AngleOverTime& f, int begin, int end) {
   double worst = 0.0;
   for (int frame = begin; frame < end; ++frame) {

@@ -18,7 +18,7 @@ TEST(FitOptions, ReadsByName) {
   EXPECT_EQ(options->weights.hand_rotation, 20.0);
   EXPECT_EQ(options->contact_time, 0.2);
   EXPECT_EQ(options->iterations, 3);
-  // the rest stays
+  // Other options do not change.
   EXPECT_EQ(options->weights.hips_rotation, FitOptions{}.weights.hips_rotation);
 }
 
@@ -43,7 +43,7 @@ TEST(FitOptions, ReadsFormerNames) {
   EXPECT_EQ(options->soft_joint_speed, 7.5);
   EXPECT_EQ(options->max_joint_speed, 12.5);
   EXPECT_EQ(options->max_joint_step, 0.25);
-  // ranges hold for them, too
+  // Their ranges apply, too.
   EXPECT_FALSE(parse_fit_options(R"({"speed_most": 0})", "a.json").has_value());
   const auto both = parse_fit_options(R"({"max_joint_speed": 3, "speed_most": 4})", "a.json");
   ASSERT_FALSE(both.has_value());

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// a run's table, and one option more that nothing else knows
+// A run's table with one additional option.
 struct Extended {
   retarget::Run run;
   double depth = 1.5;

@@ -46,7 +46,7 @@ TEST(ArmRecovery, AreDetectedFromSixtyDegreesWithBackoff) {
   EXPECT_EQ(frames_until_seen(), 5);
   EXPECT_EQ(frames_until_seen(), 9);
   EXPECT_EQ(frames_until_seen(), 17);
-  // back on its way, and astray again
+  // The arm returns, and goes astray again.
   turn(0.0);
   EXPECT_EQ(frames_until_seen(), -1);
   turn(120.0);

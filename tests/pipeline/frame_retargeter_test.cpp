@@ -1,4 +1,4 @@
-// The published method frame by frame: the same bytes as a clip's, state, errors, no allocations.
+// The published method frame by frame: the bytes of a clip, state, errors, no allocations.
 
 #include "retarget/frame_retargeter.h"
 
@@ -29,7 +29,7 @@ HumanClip sample(const char* name, int frames) {
                   lafan1_calibration(clip.skeleton()));
 }
 
-// a frame of the human in the order of the retargeter's bodies
+// A frame of the human in the order of the retargeter's bodies.
 std::vector<Pose> poses_by_name(const FrameRetargeter& retargeter, const HumanPose& human) {
   std::vector<Pose> poses;
   for (const std::string& name : retargeter.human_bodies()) {
@@ -48,7 +48,7 @@ FrameRetargeter make_g1(const FrameRetargeterOptions& options = {1.75},
   return std::move(*made);
 }
 
-// the same tables for a human whose bodies have other names
+// The same tables for a human with other body names.
 RetargetingConfig with_other_names(RetargetingConfig config) {
   const auto renamed = [](const std::string& name) { return name + "_of_mine"; };
   config.human_root = renamed(config.human_root);
@@ -59,7 +59,7 @@ RetargetingConfig with_other_names(RetargetingConfig config) {
   return config;
 }
 
-TEST(FrameRetargeter, GivesTheBytesOfAClip) {
+TEST(FrameRetargeter, MatchesTheBytesOfAClip) {
   const HumanClip human = sample("walk", 120);
   for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
     FrameRetargeter retargeter = make_g1({1.75, 0.5, 10, engine});
@@ -73,7 +73,7 @@ TEST(FrameRetargeter, GivesTheBytesOfAClip) {
       ASSERT_TRUE(retargeter.solve());
       const auto expected = clip->clip.qpos(frame);
       const auto found = retargeter.qpos();
-      // a clip's quaternions keep their sign from frame to frame, a single frame's need not
+      // Quaternions of a clip keep their sign over time; those of a single frame need not.
       const double sign = found[3] * expected[3] < 0.0 ? -1.0 : 1.0;
       for (std::size_t i = 0; i < found.size(); ++i) {
         ASSERT_EQ(i >= 3 && i < 7 ? sign * found[i] : found[i], expected[i])
@@ -83,7 +83,7 @@ TEST(FrameRetargeter, GivesTheBytesOfAClip) {
   }
 }
 
-TEST(FrameRetargeter, TakesAnyNamesOfBodies) {
+TEST(FrameRetargeter, AcceptsAnyBodyNames) {
   FrameRetargeter known = make_g1();
   FrameRetargeter other = make_g1({1.75}, with_other_names(published_tables()));
   ASSERT_EQ(other.human_bodies().front(), "Hips_of_mine");
@@ -96,7 +96,7 @@ TEST(FrameRetargeter, TakesAnyNamesOfBodies) {
   }
 }
 
-TEST(FrameRetargeter, CarriesItsStateAndTakesAnother) {
+TEST(FrameRetargeter, KeepsItsStateAndAcceptsAnother) {
   const HumanClip human = sample("squat", 30);
   FrameRetargeter whole = make_g1();
   std::vector<double> half;
@@ -129,7 +129,7 @@ TEST(FrameRetargeter, ErrorsEqualThoseOfThePasses) {
   EXPECT_TRUE(retargeter.world_from_target().empty());
   ASSERT_TRUE(retargeter.update_targets(poses_by_name(retargeter, human.frame(0))));
 
-  // the reference: the engine's own errors, before the first step and after the last
+  // The reference: the engine's own errors, before the first step and after the last.
   const auto robot = load_g1();
   const ResolvedConfig config = published_config(*robot);
   const TargetBuilder targets(config, 1.75);

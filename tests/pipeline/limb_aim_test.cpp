@@ -20,7 +20,8 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// an arm of bones along X, bent about -Z of the upper one, its forearm turned about itself
+// An arm of bones along X, bent about -Z of the upper one, with its forearm rotated about its own
+// axis.
 struct Arm {
   Pose upper, lower, end;
 };
@@ -50,7 +51,8 @@ TEST(LimbAim, PureHingeKeepsBoneRotations) {
 }
 
 TEST(LimbAim, DirectionIgnoresBoneTwist) {
-  // the upper bone turned about itself by 30 degrees, the forearm by 50: no robot's elbow does that
+  // The upper bone is rotated about its axis by 30 degrees, the forearm by 50, which no robot elbow
+  // can do.
   const Arm plain = arm_with(kUpper, 1.2, 0.0);
   Arm arm = plain;
   arm.upper.rotation = arm.upper.rotation * exp_so3(Vector3d(30 * kDegree, 0, 0));
@@ -81,7 +83,7 @@ TEST(LimbAim, LimbBentTheWrongWayIsStraightened) {
     const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
     ASSERT_TRUE(aimed);
     EXPECT_LT(between(aimed->upper, kUpper), 1e-9) << bend;
-    // a little aside as well: the hinge turns by no more than that is of its own share
+    // Also slightly sideways: the hinge rotates only by the weight of its own axis.
     arm.end.translation += kUpper * Vector3d(0.0, 0.0, 0.25 * std::sin(2.0 * kDegree));
     const auto aside = aim_limb(arm.upper, arm.lower, arm.end);
     ASSERT_TRUE(aside);
@@ -90,7 +92,7 @@ TEST(LimbAim, LimbBentTheWrongWayIsStraightened) {
 }
 
 TEST(LimbAim, KneesBendAsElbowsDo) {
-  // the shin goes back: about the left, which is -Z of a thigh
+  // The shin bends back: about the left, which is -Z of a thigh.
   const Bone thigh = Bone::kLeftUpLeg, shin = Bone::kLeftLeg;
   const Quaterniond bent = exp_so3(Vector3d(0, 0.7, 0));
   const Pose upper{Quaterniond(canonical_t_pose(thigh)), {0, 0.1, 0.9}};

@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-// hips and shoulders of three hinges whose axes meet away from the bodies' origins, ankles of two
+// Hips and shoulders of three hinges whose axes meet away from the body origins, ankles of two.
 constexpr const char* kLimbed = R"(
 <mujoco>
   <compiler angle="radian" inertiafromgeom="true"/>
@@ -50,7 +50,7 @@ constexpr const char* kLimbed = R"(
   </worldbody>
 </mujoco>)";
 
-// a target that stands on what lay in memory makes the same input give other bytes
+// A target read from uninitialised memory would change the bytes between runs.
 TEST(RobotLimbs, AreZeroIfNotMeasured) {
   alignas(RobotLimbs) std::array<unsigned char, sizeof(RobotLimbs)> memory;
   memory.fill(0xff);  // as doubles: no numbers
@@ -64,8 +64,8 @@ TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
   const auto robot = robot_from_text(kLimbed);
   const auto limbs = robot_limbs(*robot, resolved(limbed_config(), *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
-  // the hip's axes meet at its second body, 12 cm over the thigh's origin; the pull towards the
-  // anchors moves the centre by millimetres
+  // The hip axes meet at its second body, 12 cm above the thigh's origin; the pull towards the
+  // anchors moves the centre by millimetres.
   EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
   EXPECT_NEAR(limbs->lengths.arm, 0.20 + 0.15, 2e-3);
   EXPECT_NEAR(limbs->lengths.trunk, 0.40, 2e-3);
@@ -105,7 +105,7 @@ TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
   EXPECT_NEAR(limbs->lengths.arm, 0.20, 2e-3);
   EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
   EXPECT_TRUE(robot_limbs(*robot, resolved(limbed_config(), *robot))->forearms);
-  // the human's arms are then measured as far
+  // The human's arms are then measured to the same point.
   HumanPose bones;
   bones[Bone::kLeftForeArm].translation = {0, 0.3, 0};
   bones[Bone::kRightForeArm].translation = {0, -0.3, 0};
@@ -120,11 +120,11 @@ TEST(RobotLimbs, MatchTheG1) {
   const ResolvedConfig config = published_config(*robot);
   const auto limbs = robot_limbs(*robot, config);
   ASSERT_TRUE(limbs) << describe(limbs.error());
-  // from the figures of the model: hips 3 cm below the pitch axis, shins of 300 mm
+  // From the model: hips 3 cm below the pitch axis, shins of 300 mm.
   EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);
   EXPECT_NEAR(limbs->lengths.arm, 0.37, 0.06);
   ASSERT_TRUE(limbs->ankle_height);
-  // the ankle's axes are 17.558 mm apart, the lower one 35.4 mm over the sole
+  // The ankle axes are 17.558 mm apart, the lower one is 35.4 mm above the sole.
   EXPECT_GT(*limbs->ankle_height, 0.0354);
   EXPECT_LT(*limbs->ankle_height, 0.0354 + 0.0176);
 }
@@ -148,14 +148,14 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
   EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not form a chain"));
 }
 
-// a human whose limbs are the robot's, each stretched: the targets must be the robot's own bodies,
-// whatever pose both are in
+// A human with the robot's limbs, each stretched: the targets must be the robot's own bodies for
+// any pose of both.
 TEST(TargetBuilder, LimbScalingReproducesTheRobotPose) {
   const auto robot = robot_from_text(kLimbed);
   const RetargetingConfig config = limbed_config();
   const auto limbs = robot_limbs(*robot, resolved(config, *robot)).value();
   std::vector<double> qpos = robot->zero_configuration();
-  // knees and elbows bend; the shoulders' and hips' centres stay where their axes meet
+  // Knees and elbows bend; the centres of shoulders and hips stay where their axes meet.
   for (const RobotJoint& joint : robot->joints()) {
     const std::string& body = robot->bodies()[joint.body].name;
     if (body.ends_with("shin")) qpos[joint.qpos_address] = 0.7;

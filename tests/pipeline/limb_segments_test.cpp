@@ -1,5 +1,5 @@
-// Whatever skeleton a motion comes from, the robot's limbs must lie where the human's do: thighs,
-// shins, upper arms, forearms, trunk, hip and shoulder line, measured from joint positions alone.
+// For motions of any skeleton, the robot's limbs must have the human's directions: thighs, shins,
+// upper arms, forearms, trunk, hip and shoulder line, measured only from joint positions.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ends of a segment: the middle of two points each
+// Ends of a segment: midpoints of two points each.
 struct Segment {
   const char* name;
   std::array<const char*, 2> human_from, human_to;
@@ -94,7 +94,7 @@ double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// mean angle of each segment over the clip, degrees
+// Mean angle of each segment over the clip, degrees.
 using Angles = std::array<double, kSegments.size()>;
 
 double mean(const Angles& angles) {
@@ -143,7 +143,7 @@ class LimbSegments : public ::testing::Test {
     options.height = height;
     const auto calibration = calibrate(*clip, *map, options);
     if (!calibration) return failure(calibration.error());
-    // the first half minute will do
+    // The first half minute suffices.
     const int frames = std::min(clip->frame_count(), static_cast<int>(30 * clip->rate().fps()));
     const auto at_30 = resample(cut(*clip, 0, frames), FrameRate{30, 1});
     if (!at_30) return failure(at_30.error());
@@ -185,7 +185,7 @@ class LimbSegments : public ::testing::Test {
     return sums;
   }
 
-  // means of the files that are no worse than LAFAN1's walking, with some tolerance
+  // Means of files that are no worse than LAFAN1's walking, with some tolerance.
   void expect_near_lafan1(const std::vector<fs::path>& files) {
     const auto walking = run(data_ / "lafan1" / "walk4_subject1.bvh");
     ASSERT_TRUE(walking) << describe(walking.error());
@@ -197,7 +197,7 @@ class LimbSegments : public ::testing::Test {
       std::string single;
       for (std::size_t i = 0; i < kSegments.size(); ++i) {
         single += std::string(", ") + kSegments[i].name + " " + std::to_string(outcome->angles[i]);
-        // sides that are swapped, a mirrored or lying robot
+        // Swapped sides, a mirrored or a lying robot.
         EXPECT_LT(outcome->angles[i], 60.0) << file << ": " << kSegments[i].name;
       }
       std::cout << file.filename().string() << ": " << found << " degrees" << single << "\n";

@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-// an upper arm whose hinge stops long before the arm hangs down, and a slide at its end
+// An upper arm whose hinge stops long before the arm hangs down, and a slide at its end.
 constexpr const char* kStiffArm = R"(
 <mujoco>
   <compiler angle="radian"/>
@@ -56,7 +56,7 @@ RetargetingConfig tables_of(std::vector<IkMatch> rows) {
   config.human_root = "Hips";
   config.human_height_assumption = 1.0;
   config.scales = {{"Hips", 1.0}, {"LeftArm", 1.0}, {"LeftForeArm", 1.0}, {"RightArm", 1.0}};
-  // the first pass must not count
+  // The first pass must be ignored.
   config.match_tables[0].rows = {task_row("base", "Hips", 100, 100)};
   config.match_tables[1].rows = std::move(rows);
   return config;
@@ -96,7 +96,7 @@ TEST(JointsAtLimits, ReportsThePushingTaskAndItsShortfall) {
   Scene scene = stiff_arm({task_row("base", "Hips", 100, 100), task_row("upper", "LeftArm", 0, 10),
                            task_row("lower", "LeftForeArm", 1, 0)},
                           10);
-  // an arm that hangs: turned by -1 rad about x; the forearm is where the robot's is
+  // A hanging arm: rotated by -1 rad about x; the forearm is at the robot's position.
   for (const int frame : {2, 3, 4, 7}) set_joint(scene, frame, "shoulder", -0.25);
   std::vector<Pose> poses(scene.robot->bodies().size());
   forward_kinematics(*scene.robot, scene.clip.qpos(2), poses);
@@ -116,7 +116,7 @@ TEST(JointsAtLimits, ReportsThePushingTaskAndItsShortfall) {
   EXPECT_EQ(scene.robot->bodies()[found[0].push->body].name, "upper");
   EXPECT_TRUE(found[0].push->rotation);
   EXPECT_NEAR(found[0].push->shortfall, 0.75, 1e-12);
-  // 1/2 (10 * angle)^2 falls by 100 * angle per rad
+  // 1/2 (10 * angle)^2 falls by 100 * angle per rad.
   EXPECT_NEAR(found[0].push->strength, 75.0, 1e-9);
 }
 
@@ -137,7 +137,7 @@ TEST(JointsAtLimits, PositionShortfallIsInMetres) {
 }
 
 TEST(JointsAtLimits, RestingJointHasNoPushingTask) {
-  // the target lies inside of the limit, and no task hangs on the slide, which does not count
+  // The target is inside the limit, and no task pushes the slide, which is ignored.
   Scene scene = stiff_arm({task_row("upper", "LeftArm", 0, 10)}, 1);
   set_joint(scene, 0, "shoulder", 0.25);
   set_joint(scene, 0, "slide", -0.2);  // beyond
@@ -206,7 +206,7 @@ TEST(JointsAtLimits, IgnoresHeldJoints) {
   EXPECT_THAT(scene.diagnose(limits), IsEmpty());
 }
 
-// one task on the two arms, in a random configuration and with a random target
+// One task on the two arms, in a random configuration and with a random target.
 struct RandomTask {
   Scene scene;
   IkMatch row;
@@ -235,7 +235,7 @@ RandomTask random_task(int trial, std::mt19937& random) {
   return task;
 }
 
-// half the squared weighted error of the task
+// Half the squared weighted error of the task.
 double objective(const RandomTask& task, std::span<const double> qpos) {
   std::vector<Pose> poses(task.scene.robot->bodies().size());
   forward_kinematics(*task.scene.robot, qpos, poses);
@@ -245,7 +245,7 @@ double objective(const RandomTask& task, std::span<const double> qpos) {
          0.5 * std::pow(task.row.rotation_weight, 2) * error.tail<3>().squaredNorm();
 }
 
-// by how much it falls per rad or m of a joint's way outwards, by finite differences
+// Its decrease per rad or m of a joint's outward movement, by finite differences.
 double numeric_fall(const RandomTask& task, int address, bool upper) {
   constexpr double kStep = 1e-5;
   const auto qpos = task.scene.clip.qpos(0);
@@ -257,7 +257,7 @@ double numeric_fall(const RandomTask& task, int address, bool upper) {
   return (below - above) / (2 * kStep) * (upper ? 1.0 : -1.0);
 }
 
-// each joint as if it stood at its upper limit, then at its lower one
+// Treats each joint as if it were at its upper limit, then at its lower one.
 TEST(JointsAtLimits, PushIsTheDerivativeOfTheObjective) {
   std::mt19937 random(5);
   int pushed = 0;

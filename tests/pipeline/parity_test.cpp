@@ -39,7 +39,7 @@ LimitSet gmr_limits(const Robot& robot) {
   return *limits;
 }
 
-// the first frames of a clip as they stand, without resampling
+// The first frames of a clip, without resampling.
 HumanClip load_human(const fs::path& bvh, int frames) {
   const auto file = load_bvh(bvh.string());
   EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
@@ -62,7 +62,7 @@ std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, 
 
 class Samples : public ::testing::TestWithParam<const char*> {};
 
-// figures of an independent implementation (Python, another QP solver) on the same clips
+// Values of an independent implementation (Python, another QP solver) on the same clips.
 TEST_P(Samples, MatchTheOracleInEveryFrame) {
   const auto expected =
       read_csv(kSource / "tests" / "golden" / "oracle" / (std::string(GetParam()) + ".csv"));
@@ -131,7 +131,7 @@ Eigen::Vector3d vector_of(const Json& json) {
   return Eigen::Vector3d(v[0], v[1], v[2]);
 }
 
-// angle between two rotations, radians
+// Angle between two rotations, radians.
 double angle_between(const Eigen::Quaterniond& a, const Json& json) {
   const auto wxyz = json.get<std::vector<double>>();
   const Eigen::Quaterniond b(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);

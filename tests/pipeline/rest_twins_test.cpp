@@ -1,4 +1,4 @@
-// The same movement stored with another rest pose is the same motion of the robot.
+// The same movement stored with another rest pose gives the same robot motion.
 
 #include <gtest/gtest.h>
 

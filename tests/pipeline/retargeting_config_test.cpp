@@ -15,7 +15,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
-// a retargeting configuration of two bodies of the two-armed robot without fault
+// A valid retargeting configuration with two bodies of the two-armed robot.
 Json good_config() {
   return Json::parse(R"({
     "robot_root_name": "base", "human_root_name": "Hips", "ground_height": 0.1,
@@ -63,7 +63,7 @@ TEST(RetargetingConfig, ReadsAMappingInFileOrder) {
   const IkMatch& row = config->match_tables[0].rows[1];
   EXPECT_EQ(row.bone, "LeftArm");
   EXPECT_EQ(row.position_offset, Eigen::Vector3d(0.1, 0.2, 0.3));
-  // within 1e-3 of a unit quaternion: normalised
+  // Within 1e-3 of a unit quaternion: normalised.
   EXPECT_EQ(row.rotation_offset.coeffs(), Eigen::Vector4d(0, 0, 1, 0));
   EXPECT_EQ(*config->find_scale("LeftArm"), 0.75);
   EXPECT_EQ(config->find_scale("RightArm"), nullptr);
@@ -126,7 +126,7 @@ TEST(RetargetingConfig, RejectsTwoBodiesOnOneBone) {
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("\"LeftArm\" drives two bodies, \"left_upper\" and "
                                         "\"right_upper\""));
-  // a row without weight is no task
+  // A row without weight is not a task.
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 0, 0, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_EQ(fault_of(json), "no fault");
 }

@@ -35,7 +35,7 @@ SomeRobot some_robot(const std::string& name) {
   return {std::move(robot), std::move(config)};
 }
 
-// random configurations in the middle of the joints' ranges, the root anywhere
+// Random configurations in the middle of the joint ranges, with a random root.
 RobotClip random_motion(const std::shared_ptr<const Robot>& robot, int frames) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -83,7 +83,7 @@ TEST_P(EveryRobot, IsAskedForItsOwnMotion) {
     forward_kinematics(*some.robot, motion.qpos(frame), world_from_body);
     const Eigen::Vector3d lift = world_from_target.front().translation -
                                  world_from_body[some.config.body_of(Bone::kHips)].translation;
-    // the height of ankles over soles that humans have in common, no more
+    // Only the common height of ankles above soles.
     EXPECT_LT(lift.head<2>().norm(), 1e-4);
     for (std::size_t i = 0; i < followed.size(); ++i) {
       const ConfigTask& task = *some.config.find_task(followed[i]);
@@ -117,7 +117,7 @@ TEST(RobotAsHuman, HasTheRobotsSolesAndLengths) {
   EXPECT_NEAR(human.built->upper_arm + human.built->forearm, limbs.lengths.arm, 1e-9);
   EXPECT_NEAR(human.built->trunk.norm(), limbs.lengths.trunk, 1e-9);
   EXPECT_NEAR(human.built->shoulders.norm(), limbs.shoulder_line.norm(), 1e-9);
-  // its soles are at one height, and that is the floor
+  // Its soles are at one height, which is the floor.
   double lowest = 1.0;
   std::vector<Pose> world_from_body(g1.robot->bodies().size());
   forward_kinematics(*g1.robot, still.qpos(0), world_from_body);
@@ -137,7 +137,7 @@ TEST(RobotAsHuman, HasTheRobotsSolesAndLengths) {
   }
 }
 
-// a foot that rolls: contacts are its sole's, not its ankle's
+// A rolling foot: its contacts are those of its sole, not of its ankle.
 TEST(RobotAsHuman, HeelsRiseAsSolesDo) {
   const SomeRobot g1 = some_robot("unitree_g1");
   RobotClip motion(g1.robot, {30, 1}, 60);

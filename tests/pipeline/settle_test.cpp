@@ -1,4 +1,4 @@
-// The first frame of a run that settles it.
+// The settled first frame of a run.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 const std::filesystem::path kRoot = RETARGET_SOURCE_DIR;
 
-// the first frame of a clip again and again
+// Repeats the first frame of a clip.
 Clip first_frame(const std::filesystem::path& bvh, int frames) {
   const auto file = load_bvh(bvh.string());
   EXPECT_TRUE(file.has_value());
@@ -42,7 +42,7 @@ RobotClip solved(const Clip& clip, const std::string& name,
   return result->clip;
 }
 
-// how far the joints go from the first frame to the last
+// Joint movement between the first and the last frame.
 double way(const RobotClip& clip) {
   double max = 0.0;
   for (std::size_t i = 7; i < clip.qpos(0).size(); ++i) {
@@ -102,7 +102,7 @@ TEST(SettledFirstFrame, DoesNotJamALimbAtItsLimits) {
   ASSERT_TRUE(robot.has_value());
   const Clip source = first_frame(*shared / "data" / "lafan1" / "dance1_subject2.bvh", 1);
   const RobotClip clip = solved(source, "stanford_toddy", *robot, true);
-  // from all joints at 0 two joints of the right shoulder end at their limits and stay there
+  // From all joints at 0, two joints of the right shoulder end at their limits and stay there.
   int at_limits = 0;
   for (const char* name : {"right_sho_pitch", "right_sho_roll", "right_sho_yaw"}) {
     const int joint = (*robot)->find_joint(name).value();

@@ -1,4 +1,4 @@
-// Bodies of the shipped robots that rest on the floor when their humans kneel, lean, sit and lie.
+// Bodies of the included robots that rest on the floor when their humans kneel, lean, sit and lie.
 
 #include "solve/targets/support_bodies.h"
 
@@ -48,12 +48,12 @@ TEST(SupportBodies, HaveTheExpectedLocationsOnTheG1) {
   for (const SupportBody& body : bodies) {
     ASSERT_FALSE(body.points.empty());
     for (const SupportBody::Point& point : body.points) {
-      // of a shank its knee, not its ankle
+      // The support of a shank is its knee, not its ankle.
       if (kSupportBones[body.support] == Bone::kLeftLeg) EXPECT_GT(place(point).z(), foot + 0.1);
       EXPECT_GE(point.radius, 0.0);
     }
   }
-  // left and right are mirror images
+  // Left and right are mirror images.
   for (const auto [left, right] : {std::pair(Bone::kLeftLeg, Bone::kRightLeg),
                                    std::pair(Bone::kLeftForeArm, Bone::kRightForeArm),
                                    std::pair(Bone::kLeftHand, Bone::kRightHand)}) {

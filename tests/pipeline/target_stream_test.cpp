@@ -20,7 +20,7 @@ ResolvedConfig one_bone_config() {
   return config;
 }
 
-// the root of frame n stands at x = n
+// The root of frame n is at x = n.
 void stand_at_frame(int frame, HumanPose& world_from_bone) {
   world_from_bone[Bone::kHips].translation.x() = frame;
 }
@@ -30,7 +30,7 @@ void expect_frames(TargetStream& stream, int count, std::chrono::microseconds pa
     if (frame % 97 == 0) std::this_thread::sleep_for(pause);
     const auto targets = stream.next();
     ASSERT_EQ(targets.size(), 1U);
-    // a slot that was overwritten too early holds another frame
+    // A slot overwritten too early contains another frame.
     ASSERT_EQ(targets[0].translation.x(), frame);
   }
 }
@@ -70,7 +70,7 @@ TEST(TargetStream, RunAheadIsBounded) {
   EXPECT_LT(latest, 1000);
 }
 
-// a run that is interrupted leaves frames unread
+// An interrupted run leaves frames unread.
 TEST(TargetStream, CanBeAbandonedAnywhere) {
   const TargetBuilder targets(one_bone_config(), 1.0);
   for (const int read : {0, 1, 32, 33, 300}) {
@@ -79,7 +79,7 @@ TEST(TargetStream, CanBeAbandonedAnywhere) {
   }
 }
 
-// whole clips: with and without the second thread, and from poses made beforehand
+// Whole clips: with and without the second thread, and from precomputed poses.
 TEST(Retarget, TargetStreamDoesNotChangeTheResult) {
   const std::filesystem::path source(RETARGET_SOURCE_DIR);
   const auto clip = load_bvh((source / "data" / "walk.bvh").string()).value().clip;

@@ -32,7 +32,8 @@ RetargetingConfig small_tables() {
   config.match_tables[0].rows = {
       row("left_upper", "LeftArm", {0.1, 0, 0}, Eigen::Quaterniond(half, 0, 0, half)),
       row("base", "Hips", {0, 0, 0}, Eigen::Quaterniond::Identity())};
-  // other offsets for a bone of table 1, which must not count; a bone of its own, whose must
+  // Other offsets for a bone of table 1, which must be ignored, and a bone only in table 2, whose
+  // offsets apply.
   config.match_tables[1].rows = {
       row("left_upper", "LeftArm", {9, 9, 9}, Eigen::Quaterniond::Identity()),
       row("right_upper", "RightArm", {0, 0.5, 0}, Eigen::Quaterniond::Identity())};
@@ -53,11 +54,11 @@ TEST(TargetBuilder, ScalesAboutTheRootAndAppliesOffsets) {
   std::vector<Pose> targets(3);
   builder.build(bones, targets);
 
-  // scales are halved: the body is 1 m high where 2 m were assumed
+  // Scales are halved: the body is 1 m high instead of the assumed 2 m.
   const Eigen::Vector3d root(0.4, 0.8, 1.2);
   const Pose& hips_target = targets[builder.target_of(hips)];
   EXPECT_LT((hips_target.translation - (root + Eigen::Vector3d(0, 0, -0.25))).norm(), 1e-15);
-  // offset and ground lie in the target's frame: half a turn about x, then a quarter about z
+  // Offset and ground are in the target's frame: half a turn about x, then a quarter about z.
   const Pose& left_target = targets[builder.target_of(left)];
   const Eigen::Vector3d scaled = root + 0.3 * Eigen::Vector3d(1, 0, 1);
   EXPECT_LT((left_target.translation - (scaled + Eigen::Vector3d(0, -0.1, 0.25))).norm(), 1e-15);

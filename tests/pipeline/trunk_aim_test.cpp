@@ -1,4 +1,4 @@
-// How a human's trunk turns a robot's, held against the robot's own kinematics.
+// The rotation of a robot's trunk by a human's, compared with the robot's own kinematics.
 
 #include "solve/targets/trunk_aim.h"
 
@@ -31,7 +31,7 @@ double between(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-// a human of straight lines whose pelvis and trunk are turned
+// A human with straight lines and rotated pelvis and trunk.
 HumanPose human(const Quaterniond& pelvis, const Quaterniond& trunk) {
   HumanPose bones;
   for (const Bone bone : kAllBones) {
@@ -86,7 +86,7 @@ TEST_P(TrunkOf, IsUprightIfTheHumanIs) {
   const auto pose = [&](int body) { return world_from_body[static_cast<std::size_t>(body)]; };
   const auto aimed = of.aim.aim(human(kStill, kStill));
   ASSERT_TRUE(aimed);
-  // pelvis against torso, and the line between hips and shoulders, as in the zero configuration
+  // Pelvis against torso, and the line between hips and shoulders, as in the zero configuration.
   const Quaterniond waist = pose(of.pelvis).rotation.conjugate() * pose(of.torso).rotation;
   EXPECT_LT(
       log_so3(waist.conjugate() * aimed->world_from_pelvis.conjugate() * aimed->world_from_torso)
@@ -106,12 +106,13 @@ TEST_P(TrunkOf, LeansAsTheHumanForAnyWaist) {
   for (const Vector3d& bend : {Vector3d(0, 0.5, 0), Vector3d(0.3, 0, 0), Vector3d(0.1, 0.8, 0.1)}) {
     const auto aimed = of.aim.aim(human(kStill, exp_so3(bend)));
     ASSERT_TRUE(aimed);
-    // a trunk in one piece gives a little to the pelvis, which did not move
+    // A rigid trunk lets the pelvis, which did not move, rotate a little.
     EXPECT_LT(between(aimed->chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
   }
 }
 
-// the G1's waist by its own kinematics: chord and shoulder line of a pelvis rotation and positions
+// The G1's waist by its own kinematics: chord and shoulder line for a pelvis rotation and joint
+// positions.
 struct WaistPose {
   Quaterniond pelvis;
   Vector3d yaw_roll_pitch;
@@ -142,7 +143,7 @@ TrunkLines lines_of(const AimedRobot& of, const WaistPose& pose) {
 }
 
 WaistPose waist_pose(const TrunkAim::Aimed& aimed) {
-  // the torso turns about z, then x, then y against the pelvis
+  // The torso rotates about z, then x, then y relative to the pelvis.
   const Eigen::Matrix3d r = (aimed.world_from_pelvis.conjugate() * aimed.world_from_torso)
                                 .normalized()
                                 .toRotationMatrix();
@@ -191,7 +192,7 @@ TEST(TrunkAim, IsOptimalForTheWaist) {
       EXPECT_GE(cost(near), min - 1e-9) << i;
     }
   }
-  // some of them need more than the waist has
+  // Some of them exceed the range of the waist.
   EXPECT_GT(at_limit, 3);
 }
 
@@ -203,7 +204,7 @@ TEST(RobotTrunk, RespectsTheLimitSet) {
   const std::size_t yaw = of.robot->find_joint("waist_yaw_joint").value();
   const std::size_t roll = of.robot->find_joint("waist_roll_joint").value();
   const std::size_t pitch = of.robot->find_joint("waist_pitch_joint").value();
-  // without an end, held, and narrow
+  // Unlimited, held, and narrow.
   limits.lower[yaw] = -std::numeric_limits<double>::infinity();
   limits.upper[yaw] = std::numeric_limits<double>::infinity();
   limits.lower[roll] = limits.upper[roll] = 0.0;
@@ -228,7 +229,7 @@ TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
   const AimedRobot of = aimed_robot("unitree_g1");
   const ResolvedConfig config =
       load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
-  // hips 18 cm apart, legs straight down
+  // Hips 18 cm apart, legs straight down.
   HumanPose bones = human(kStill, kStill);
   for (const std::string side : {"Left", "Right"}) {
     const double y = side == "Left" ? 0.09 : -0.09;
@@ -251,7 +252,7 @@ TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
     EXPECT_NEAR(ankle.y(), sign * 0.5 * of.limbs.hip_line.norm(), 1e-6);
     EXPECT_NEAR(ankle.x(), 0.0, 1e-6);
   }
-  // 4 cm farther out than the scaled human's
+  // 4 cm farther out than the scaled human's.
   EXPECT_GT(of.limbs.hip_line.norm(), 0.18 * of.limbs.lengths.leg / 0.9 + 0.07);
 }
 
@@ -260,7 +261,7 @@ TEST(TrunkAim, RequiresATrunk) {
   EXPECT_FALSE(of.aim.aim(HumanPose()));
 }
 
-// A step that is not finite is not taken, and the targets show it: the solvers refuse them.
+// A non-finite step is rejected and visible in the targets, which the solvers reject.
 TEST(TrunkAim, GivesNoPoseForAHumanThatIsNotFinite) {
   const AimedRobot of = aimed_robot("unitree_g1");
   HumanPose bones = human(kStill, kStill);

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// a trunk of bones that are turned one after the other; shoulders 6 cm behind the hips in the T-pose
+// A trunk of successively rotated bones; shoulders 6 cm behind the hips in the T-pose.
 HumanPose trunk(const std::array<Quaterniond, 4>& turns, const Quaterniond& clavicles) {
   HumanPose bones;
   const auto put = [&](const char* bone, const Vector3d& place, const Quaterniond& turn) {
@@ -71,7 +71,7 @@ TEST(TrunkLines, ConnectHipsAndShoulders) {
 
 TEST(TrunkLines, StandingHumanMatchesTheTPose) {
   const auto expected = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
-  // bent to the side, turned and shrugged, but not forward
+  // Bent to the side, rotated and shrugged, but not forward.
   const std::array<Quaterniond, 4> posed = {exp_so3({0.3, 0.2, 1.9}), exp_so3({0.2, 0.0, 0.3}),
                                             exp_so3({-0.1, 0.0, 0.2}), exp_so3({0.1, 0.0, -0.4})};
   const TrunkLines lines = standing(whole_body(7), trunk(posed, exp_so3({0.3, 0.0, 0.0})));

@@ -1,4 +1,4 @@
-// Of every robot the joints of the arms alone stay free where arms alone follow.
+// With Follow::kArms, only the arm joints of every robot stay free.
 
 #include "app/plan/follow_arms.h"
 
@@ -47,7 +47,7 @@ TEST(FollowArms, LegsTrunkAndHeadAreLocked) {
     const Robot& robot = *setup.loaded.robot;
     EXPECT_TRUE(robot.fixed_base()) << name;
     EXPECT_EQ(free_joints(setup), count) << name;
-    // on both sides alike
+    // Equal on both sides.
     for (const int joint : robot.output_joints()) {
       const auto j = static_cast<std::size_t>(joint);
       EXPECT_LE(setup.limits.lower[j], setup.limits.upper[j]) << name;
@@ -59,7 +59,7 @@ TEST(FollowArms, LegsTrunkAndHeadAreLocked) {
   EXPECT_THAT(locked, testing::Contains("left_ankle_roll_joint"));
   EXPECT_THAT(locked, testing::Not(testing::Contains("left_shoulder_pitch_joint")));
   EXPECT_THAT(locked, testing::Not(testing::Contains("right_wrist_yaw_joint")));
-  // a variant without wrists has two joints less in each arm
+  // A variant without wrists has two fewer joints in each arm.
   EXPECT_EQ(free_joints(arms_of("unitree_g1", "23")), 10U);
 }
 
@@ -85,7 +85,7 @@ TEST(FollowArms, EveryRobotHasArmsThatFollow) {
   EXPECT_GT(robots, 10);
 }
 
-TEST(FollowArms, ARobotWithoutArmsIsRefused) {
+TEST(FollowArms, RejectsARobotWithoutArms) {
   RobotSetup setup = arms_of("unitree_g1");
   setup.config =
       load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *setup.loaded.robot).value();

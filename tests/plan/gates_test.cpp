@@ -51,7 +51,7 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
               "stance_height_p50_cm");
   EXPECT_EQ(gate->min, -1.0);
   EXPECT_EQ(gate->max, 0.5);
-  // not the robot's: as they are written
+  // Bounds for any robot: as written.
   EXPECT_FALSE(gate->leg);
   // The first gate alone replaces the default gate.
   EXPECT_FALSE(
@@ -64,7 +64,7 @@ TEST(ChangedGates, ShortNamesMeanTheFigureWithAGate) {
   EXPECT_THAT(error_of("flat_slip<=1"), HasSubstr("is ambiguous: flat_slip_p50, flat_slip_p95"));
 }
 
-TEST(ChangedGates, FilesComeInTheirTurn) {
+TEST(ChangedGates, FilesApplyInOrder) {
   TemporaryFolder folder;
   const std::string file = folder.write("own.json", R"({"gates": {"jumps": 7}})");
   EXPECT_EQ(gate_on(changed({"jumps<=1", file}).value(), "jumps")->max, 7.0);

@@ -1,4 +1,4 @@
-// The front door: a clip, a robot, a plan, a motion.
+// The main interface: a clip, a robot, a plan, a motion.
 
 #include "retarget/retarget.h"
 
@@ -32,7 +32,7 @@ Result<LoadedRobot> g1() {
   return load_robot(named("g1"), {kSource, {}});
 }
 
-// a second of a sample
+// One second of a sample.
 Options short_options(Method method = Method::kFit) {
   Options options;
   options.part.frames = "0:30";
@@ -150,8 +150,7 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
   EXPECT_THAT(describe(plan.error(), option_as_flag), HasSubstr("--without"));
 }
 
-// If the solver meets numbers that are not finite, the motion is written, and its verdict is a
-// miss.
+// If the solver meets non-finite numbers, the motion is written, and its verdict is a miss.
 TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
   Options options = short_options();
   options.solve.with = {"dynamics"};
@@ -171,7 +170,7 @@ TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
   EXPECT_FALSE(report.passed());
   report.file = "walk.csv";
   EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("walk.csv: solver_failures is 1, wanted at most 0\n"
+              HasSubstr("walk.csv: solver_failures is 1, expected at most 0\n"
                         "  fit with dynamics: 30 frames, frames 0-29, worst 0\n"));
   const auto json = nlohmann::json::parse(report_json({&report, 1}))["motions"][0];
   EXPECT_EQ(json["solver_failures"], 1.0);

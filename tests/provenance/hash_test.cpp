@@ -9,7 +9,7 @@
 namespace retarget {
 namespace {
 
-// FIPS 180-4's examples, and what sha256sum gives for no bytes
+// Examples of FIPS 180-4, and the result of sha256sum for no bytes.
 constexpr const char* kHashOfNothing =
     "sha256:e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
 constexpr const char* kAbc =

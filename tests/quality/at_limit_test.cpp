@@ -14,8 +14,8 @@
 namespace retarget {
 namespace {
 
-// a waist with a range of one radian to each side, an ankle with a narrow one, a knee that is at
-// its limit when the robot stands, a slide, a joint without limits
+// A waist with a range of one radian to each side, an ankle with a narrow range, a knee at its
+// limit when the robot stands, a slide, a joint without limits.
 constexpr const char* kJointed = R"(
 <mujoco>
   <compiler angle="radian" inertiafromgeom="true"/>
@@ -57,7 +57,7 @@ TEST(AtLimit, StandingRobotHasNone) {
 }
 
 TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
-  // the waist in frames 0-3, 6 and 7, the ankle in 2-4
+  // The waist in frames 0-3, 6 and 7, the ankle in 2-4.
   const QualityReport report = measure(10, [](int frame, auto qpos) {
     qpos[kWaist] = frame < 4 || frame == 6 || frame == 7 ? 0.995 : 0.98;
     qpos[kAnkle] = frame >= 2 && frame <= 4 ? -0.199 : -0.19;
@@ -70,7 +70,7 @@ TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
   EXPECT_EQ(report.at_limit->joint, "waist");
   EXPECT_TRUE(report.at_limit->at_upper);
   EXPECT_DOUBLE_EQ(report.at_limit->frames_pct, 60.0);
-  // the longest time on end, and the share of all
+  // The longest range, and the share of all frames.
   std::vector<Fault> faults;
   std::ranges::copy_if(report.faults, std::back_inserter(faults),
                        [](const Fault& fault) { return fault.metric == "joint_at_limit_pct"; });
@@ -83,7 +83,7 @@ TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
 }
 
 TEST(AtLimit, ToleranceIsOnePercentOfNarrowRanges) {
-  // 0.004 rad of 0.4, and not 0.01
+  // 0.004 rad of 0.4, instead of 0.01.
   const auto at = [](double ankle) {
     return figure(measure(4, [&](int, auto qpos) { qpos[kAnkle] = ankle; }), "at_limit_pct");
   };

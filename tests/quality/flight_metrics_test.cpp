@@ -1,4 +1,4 @@
-// Flights of a human whose height over time is that of a thrown stone, and a robot's soles in them.
+// Flights of a human on the path of a thrown stone, and a robot's soles during them.
 
 #include "judge/quality/flight_metrics.h"
 
@@ -45,7 +45,7 @@ HumanClip raised_human(int frames, const std::function<double(int)>& hips,
   return human;
 }
 
-// thrown up in frame 30, back 12 frames later
+// Take-off in frame 30, landing 12 frames later.
 double thrown(int frame) {
   const double t = (frame - 30) / kFps, flight = 12 / kFps;
   return frame < 30 || frame > 42 ? 0.0 : 0.5 * kGravity * t * (flight - t);
@@ -105,20 +105,20 @@ TEST(Flights, DoNotCountAsHovering) {
   ASSERT_NE(report.find("hover_pct"), nullptr);
   const int aloft = flights[0].end - flights[0].begin;
   EXPECT_NEAR(report.find("hover_pct")->value, 100.0 * (90 - aloft) / 90.0, 1e-9);
-  // as high as the source, by the scale
+  // As high as the source, scaled.
   EXPECT_NEAR(source_clearance(feet, contacts, 36), thrown(36), 1e-9);
   EXPECT_EQ(source_clearance(feet, contacts, 0), 0.0);
 }
 
 TEST(Flights, IgnoresBodiesThatLieOnTheFloor) {
-  // legs in the air, hips where those of bodies that sit or lie are
+  // Legs in the air, with hips at the height of sitting or lying bodies.
   HumanClip human = raised_human(
       90, [](int frame) { return frame < 45 ? 0.0 : -0.8; },
       [](int frame) { return frame < 45 ? 0.0 : 0.5; });
   const SourceFeet feet(human, 90);
   const ContactPlan contacts = find_contacts(feet);
   EXPECT_EQ(source_clearance(feet, contacts, 80), 0.0);
-  // half a metre higher nothing rests: the knees, 20 cm above the floor, are nearest to it
+  // Half a metre higher nothing rests: the knees, 20 cm above the floor, are nearest to it.
   for (int frame = 45; frame < 90; ++frame) {
     for (const Bone bone : kAllBones) {
       human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() += 0.5;

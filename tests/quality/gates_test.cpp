@@ -26,7 +26,7 @@ TEST(GatesTest, ReadsReplacesAndRemovesGates) {
   EXPECT_EQ(gates.all()[1].max, 5.0);
 }
 
-TEST(GatesTest, JudgeByInclusiveBounds) {
+TEST(GatesTest, BoundsAreInclusive) {
   Gates gates;
   gates.set({"jumps", std::nullopt, 2.0});
   gates.set({"contact_height_p50_cm", -0.1, 0.1});
@@ -65,7 +65,7 @@ TEST(GatesTest, BoundsScaleWithLegLength) {
   using Bounds = std::vector<std::optional<double>>;
   EXPECT_EQ(bounds(0.6), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
   EXPECT_TRUE(report.passed());
-  // legs half as long: half as much slip and height
+  // Legs half as long: half the slip and height.
   EXPECT_EQ(bounds(0.3), Bounds({std::nullopt, 2.0, std::nullopt, 0.001, -0.15, 0.15}));
   EXPECT_TRUE(report.gates[0].passed);
   EXPECT_FALSE(report.gates[1].passed);
@@ -74,7 +74,7 @@ TEST(GatesTest, BoundsScaleWithLegLength) {
   EXPECT_EQ(bounds(std::nullopt), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
 }
 
-// no motion is spared a gate
+// Every motion is judged by every gate.
 TEST(GatesTest, HaveNoExceptions) {
   Gates gates;
   const auto done =

@@ -1,4 +1,4 @@
-// Metrics in cases with a solution on paper.
+// Metrics in cases with a known solution.
 
 #include "retarget/measure.h"
 
@@ -37,8 +37,8 @@ TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
   EXPECT_THAT(report.faults, IsEmpty());
 }
 
-// a robot that is dropped as it is: root and centre of mass fall alike
-TEST_F(MeasureQuality, MeasuresHowTheBodyAccelerates) {
+// A rigidly dropped robot: root and centre of mass fall alike.
+TEST_F(MeasureQuality, MeasuresBodyAccelerations) {
   const QualityReport falling = measure(31, [](int frame, auto qpos) {
     const double time = frame / 30.0;
     qpos[kX] += 2.0 * time;
@@ -56,12 +56,12 @@ TEST_F(MeasureQuality, MeasuresSlipOfASlidingFoot) {
   for (const char* key : {"contact_slip_mean", "contact_slip_p95", "flat_slip_p50"}) {
     EXPECT_NEAR(figure(report, key), 0.1, 1e-12) << key;
   }
-  // 10 cm in the second, half of it to each side of the middle
+  // 10 cm per second, half of it to each side of the middle.
   EXPECT_NEAR(figure(report, "contact_drift_p95_cm"), 5.0, 1e-9);
   EXPECT_EQ(figure(report, "contact_agreement_pct"), 100.0);
 }
 
-// turns the feet of a human from the T-pose
+// Rotates the feet of a human from the T-pose.
 void turn_feet(HumanClip& human, double angle) {
   for (const char* name : {"LeftFoot", "RightFoot"}) {
     const Bone bone = bone_from_name(name).value();
@@ -118,7 +118,7 @@ TEST_F(MeasureQuality, HoversWhereTheSourceIsLower) {
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_EQ(faults[0].end, 6);
   EXPECT_NEAR(faults[0].amount, 0.03, 1e-12);
-  // the source's feet are as high, on tiptoe or on a step
+  // The source's feet are as high, on tiptoe or on a step.
   for (int frame = 0; frame < 6; ++frame) {
     for (const Bone bone : kAllBones) {
       human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() += 0.03;
@@ -148,13 +148,13 @@ TEST_F(MeasureQuality, HoversWithoutPlannedContacts) {
 }
 
 TEST_F(MeasureQuality, MeasuresFloorPenetration) {
-  // soles 1.5 cm deep in frame 3 alone
+  // Soles 1.5 cm deep in frame 3 alone.
   const QualityReport deep =
       measure(10, [](int frame, auto qpos) { qpos[kZ] = frame == 3 ? 0.485 : 0.5; });
   EXPECT_DOUBLE_EQ(figure(deep, "foot_pen_1cm_pct"), 10.0);
   EXPECT_NEAR(figure(deep, "foot_pen_max_cm"), 1.5, 1e-9);
   EXPECT_DOUBLE_EQ(figure(deep, "body_pen_1cm_pct"), 10.0);
-  // upside down the hand, a sphere of 10 cm, is the lowest: 30 cm below the base
+  // Upside down, the hand, a sphere of 10 cm, is the lowest: 30 cm below the base.
   const QualityReport turned = measure(10, [](int frame, auto qpos) {
     qpos[3] = 0.0;
     qpos[4] = 1.0;
@@ -166,7 +166,7 @@ TEST_F(MeasureQuality, MeasuresFloorPenetration) {
 }
 
 TEST_F(MeasureQuality, MeasuresStepsSpeedsAndLimits) {
-  // the right joint goes 0.6 rad in one step and back in the next
+  // The right joint moves 0.6 rad in one step and back in the next.
   const QualityReport report =
       measure(11, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0.0; });
   EXPECT_EQ(figure(report, "jumps"), 2.0);
@@ -176,7 +176,7 @@ TEST_F(MeasureQuality, MeasuresStepsSpeedsAndLimits) {
   EXPECT_DOUBLE_EQ(figure(report, "fast_3pi_pct"), 20.0);
   EXPECT_DOUBLE_EQ(figure(report, "speed_limit_pct"), 20.0);
   EXPECT_DOUBLE_EQ(figure(report, "speed_limit_max_ratio"), 4.5);
-  // second differences 0.6, -1.2, 0.6 of nine in four joints
+  // Second differences 0.6, -1.2, 0.6 of nine in four joints.
   EXPECT_NEAR(figure(report, "acc_rms"), 900.0 * std::sqrt(2.16 / 36.0), 1e-9);
   EXPECT_EQ(report.speed_limits_given, 1);
   EXPECT_EQ(report.speed_limits_assumed, 3);
@@ -212,12 +212,12 @@ TEST_F(MeasureQuality, ReportsEveryLimitSet) {
 }
 
 TEST_F(MeasureQuality, MeasuresSelfCollision) {
-  // the hand's sphere comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5
+  // The hand's sphere comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5.
   const QualityReport report =
       measure(10, [](int frame, auto qpos) { qpos[kArm] = frame == 4 || frame == 5 ? 0.12 : 0.0; });
   EXPECT_DOUBLE_EQ(figure(report, "self_all_1cm_pct"), 20.0);
   EXPECT_NEAR(figure(report, "self_all_max_cm"), 2.0, 1e-9);
-  // of frames 0 and 5
+  // Of frames 0 and 5.
   EXPECT_DOUBLE_EQ(figure(report, "self_1cm_pct"), 50.0);
   EXPECT_NEAR(figure(report, "self_max_cm"), 2.0, 1e-9);
   const auto faults = faults_of(report, "self_all_1cm_pct");
@@ -226,7 +226,7 @@ TEST_F(MeasureQuality, MeasuresSelfCollision) {
 }
 
 TEST_F(MeasureQuality, CountsRootJumps) {
-  // a step of 0.3 m at 30 fps is 9 m/s, one of 0.4 m is 12
+  // A step of 0.3 m at 30 fps is 9 m/s, one of 0.4 m is 12.
   EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.3; }),
                    "root_jumps"),
             0.0);
@@ -238,7 +238,7 @@ TEST_F(MeasureQuality, CountsRootJumps) {
   ASSERT_EQ(moved.size(), 1U);
   EXPECT_NEAR(moved[0].amount, 45.0, 1e-9);
   EXPECT_EQ(moved[0].unit, "m/s");
-  // turned about the vertical, the other quaternion of the same rotation
+  // Rotated about the vertical, with the opposite quaternion.
   const auto turned_by = [this](double angle) {
     return measure(20, [angle](int frame, auto qpos) {
       if (frame < 10) return;
@@ -255,7 +255,7 @@ TEST_F(MeasureQuality, CountsRootJumps) {
 }
 
 TEST_F(MeasureQuality, MeasuresRootJerk) {
-  // x = t^3 has the jerk 6
+  // x = t^3 has the jerk 6.
   const QualityReport report =
       measure(20, [](int frame, auto qpos) { qpos[kX] = std::pow(frame / 30.0, 3); });
   EXPECT_NEAR(figure(report, "root_jerk_mean"), 6.0, 1e-9);
@@ -263,7 +263,7 @@ TEST_F(MeasureQuality, MeasuresRootJerk) {
 }
 
 TEST_F(MeasureQuality, ListsAFewFaultsWorstFirst) {
-  // 20 runs of one frame, ever farther beyond the limit of 1
+  // 20 one-frame ranges, ever farther beyond the limit of 1.
   const QualityReport report = measure(40, [](int frame, auto qpos) {
     qpos[kRight] = frame % 2 == 1 ? 1.0 + 0.001 * (frame + 1) : 0.0;
     qpos[kKnob] = 0.0;
@@ -273,7 +273,7 @@ TEST_F(MeasureQuality, ListsAFewFaultsWorstFirst) {
   EXPECT_EQ(faults[0].worst_frame, 39);
   EXPECT_NEAR(faults[0].amount, 0.04, 1e-12);
   EXPECT_EQ(faults[1].worst_frame, 37);
-  // and says how many there are
+  // The text states their number.
   const auto total = std::ranges::find(report.fault_totals, "limit_pct", &FaultTotal::metric);
   ASSERT_NE(total, report.fault_totals.end());
   EXPECT_EQ(total->count, 20);
@@ -313,7 +313,7 @@ TEST_F(MeasureQuality, MeasuresWhetherTheSourceRestsOnItsFeet) {
   };
   HumanClip human = standing_human(30);
   EXPECT_EQ(speed_of(human), 0.0);
-  // both feet walk on the spot at 0.6 m/s: none rests
+  // Both feet walk in place at 0.6 m/s: none rests.
   for (int frame = 0; frame < 30; ++frame) {
     for (const Side side : kSides) {
       const double away = (side == Side::kLeft ? 0.02 : -0.02) * frame;
@@ -324,7 +324,7 @@ TEST_F(MeasureQuality, MeasuresWhetherTheSourceRestsOnItsFeet) {
     }
   }
   EXPECT_NEAR(speed_of(human), 0.6, 1e-9);
-  // where the hips go as fast the feet may be in the air
+  // If the hips are as fast, the feet may be in the air.
   HumanClip flying = human;
   for (int frame = 0; frame < 30; ++frame) {
     HumanPose& pose = flying.world_from_bone[static_cast<std::size_t>(frame)];
@@ -333,7 +333,7 @@ TEST_F(MeasureQuality, MeasuresWhetherTheSourceRestsOnItsFeet) {
     }
   }
   EXPECT_NEAR(speed_of(flying), 0.0, 1e-9);
-  // one foot that rests is enough
+  // One resting foot suffices.
   for (int frame = 0; frame < 30; ++frame) {
     human.world_from_bone[static_cast<std::size_t>(frame)][Bone::kLeftToe].translation.x() = 0.1;
   }

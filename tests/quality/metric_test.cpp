@@ -30,7 +30,7 @@ TEST(Metrics, BelongToGroups) {
   EXPECT_EQ(group("self_all_max_cm"), MetricGroup::kCollisions);
   EXPECT_EQ(group("touch_gap_cm"), MetricGroup::kSimilarity);
   EXPECT_EQ(group("flight_torque_cm"), MetricGroup::kDynamics);
-  // every group has a figure that a report without gates shows
+  // Every group has a metric that a report without gates shows.
   for (const MetricGroup each : kMetricGroups) {
     int headlines = 0;
     for (const Metric& metric : quality_metrics()) {

@@ -1,5 +1,5 @@
-// Figures that separate a displaced, delayed or bent motion from one that follows its source, in
-// cases with a solution on paper.
+// Metrics that separate a displaced, delayed or bent motion from one that follows its source, in
+// cases with a known solution.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr double kFps = 30.0;
 
-// a limb that swings in a plane, by an angle that never repeats itself within seconds
+// A limb that swings in a plane, by an angle that does not repeat within seconds.
 Vector3d swinging(double time) {
   const double angle = std::sin(3.1 * time) + 0.5 * std::sin(5.3 * time + 1.0);
   return {std::cos(angle), std::sin(angle), 0.0};
@@ -37,15 +37,15 @@ LimbDirections limb_late_by(double seconds, int frames) {
   return limb;
 }
 
-TEST(LimbLag, IsTheTimeByWhichTheRobotComesLater) {
+TEST(LimbLag, EqualsTheDelayOfTheRobot) {
   EXPECT_NEAR(limb_lag({limb_late_by(0.0, 120)}, kFps).value(), 0.0, 1e-3);
   EXPECT_NEAR(limb_lag({limb_late_by(4 / kFps, 120)}, kFps).value(), 4 / kFps, 2e-3);
   EXPECT_NEAR(limb_lag({limb_late_by(-7 / kFps, 120)}, kFps).value(), -7 / kFps, 2e-3);
-  // between frames
+  // Between frames.
   EXPECT_NEAR(limb_lag({limb_late_by(2.5 / kFps, 120)}, kFps).value(), 2.5 / kFps, 3e-3);
 }
 
-TEST(LimbLag, OfMovementThatRepeatsItselfIsTheOneNearestToZero) {
+TEST(LimbLag, IsTheDelayNearestToZeroForPeriodicMovement) {
   LimbDirections limb;
   for (int frame = 0; frame < 120; ++frame) {
     const double angle = std::sin(2.0 * std::numbers::pi * frame / 12.0);
@@ -55,26 +55,26 @@ TEST(LimbLag, OfMovementThatRepeatsItselfIsTheOneNearestToZero) {
   EXPECT_NEAR(limb_lag({limb}, kFps).value(), 0.0, 1e-9);
 }
 
-TEST(LimbLag, NeedsMovementTimeAndLikeness) {
+TEST(LimbLag, RequiresMovementDurationAndSimilarity) {
   EXPECT_FALSE(limb_lag({limb_late_by(0.0, 29)}, kFps));
   EXPECT_TRUE(limb_lag({limb_late_by(0.0, 30)}, kFps));
   EXPECT_FALSE(limb_lag({}, kFps));
   LimbDirections still = limb_late_by(0.0, 120), other = still;
   for (Vector3d& direction : still.human) direction = Vector3d::UnitX();
   EXPECT_FALSE(limb_lag({still}, kFps));
-  // turns about another axis
+  // Rotates about another axis.
   for (Vector3d& direction : other.human) direction = {1.0, 0.1 * direction.y(), 0.0};
   for (Vector3d& direction : other.robot) direction = {1.0, 0.0, 0.1 * direction.y()};
   EXPECT_FALSE(limb_lag({other}, kFps));
 }
 
-TEST(RootSlide, IsTheSpeedThatIsLeftOver) {
+TEST(RootSlide, EqualsTheRemainingSpeed) {
   std::vector<Vector3d> wanted, carried, swaying, raised;
   for (int frame = 0; frame < 91; ++frame) {
     const double time = frame / kFps;
     wanted.emplace_back(1.2 * time, std::sin(time), 0.8);
     carried.push_back(wanted.back() + time * Vector3d(0.03, -0.04, 0.0));
-    // as far as it goes in a quarter of a second it comes back in the next
+    // It returns in a quarter of a second by as much as it moved in the previous one.
     swaying.push_back(wanted.back() +
                       0.1 * std::sin(2.0 * std::numbers::pi * time) * Vector3d::UnitY());
     raised.push_back(wanted.back() + (0.5 + 0.2 * time) * Vector3d::UnitZ());
@@ -82,14 +82,14 @@ TEST(RootSlide, IsTheSpeedThatIsLeftOver) {
   EXPECT_NEAR(root_slide(carried, wanted, kFps).value(), 0.05, 1e-12);
   EXPECT_NEAR(root_slide(swaying, wanted, kFps).value(), 0.0, 1e-12);
   EXPECT_NEAR(root_slide(raised, wanted, kFps).value(), 0.0, 1e-12);
-  // less than two seconds: from end to end
+  // Less than two seconds: from end to end.
   carried.resize(4);
   EXPECT_NEAR(root_slide(carried, wanted, kFps).value(), 0.05, 1e-12);
   carried.resize(1);
   EXPECT_FALSE(root_slide(carried, wanted, kFps));
 }
 
-// an arm that hangs from a shoulder: pitch, twist and elbow, then a wrist that moves no limb
+// An arm that hangs from a shoulder: pitch, twist and elbow, then a wrist that moves no limb.
 constexpr const char* kArm = R"(
 <mujoco>
   <compiler angle="radian" inertiafromgeom="true"/>
@@ -118,7 +118,7 @@ class JointOffsets : public ::testing::Test {
   void set(int frame, std::string_view name, double position) {
     clip_.qpos(frame)[robot_->joints()[joint(name)].qpos_address] = position;
   }
-  // where limbs and hand of the motion as it is now point
+  // Current directions of limbs and hand of the motion.
   [[nodiscard]] std::vector<Vector3d> pointing(const std::array<LimbEnd, 2>& from,
                                                const std::array<LimbEnd, 2>& to) const {
     std::vector<Vector3d> directions;
@@ -143,7 +143,7 @@ class JointOffsets : public ::testing::Test {
     limb.human = pointing(limb.from, limb.to);
     return limb;
   }
-  // the human as the robot is now
+  // The human in the robot's current pose.
   void keep_human() {
     limbs_ = {limb("upper", "fore", 1), limb("fore", "hand", 2)};
     hands_ = {limb("hand", "hand", 0, Vector3d::UnitX()),
@@ -172,14 +172,14 @@ TEST_F(JointOffsets, MatchTheAppliedRotations) {
   for (int frame = 0; frame < kFrames; ++frame) set(frame, "pitch", 0.2);
   take_robot();
   EXPECT_NEAR(offset_of("pitch", limbs_), std::sin(0.2), 1e-9);
-  // of what hangs from it the elbow takes its share
+  // The elbow accounts for a part of its descendants' error.
   EXPECT_NEAR(offset_of("elbow", limbs_), std::sin(0.2), 1e-9);
-  // the twist of a hanging arm moves its upper part nowhere, and the wrist moves no limb
+  // The twist of a hanging arm does not move its upper part, and the wrist moves no limb.
   EXPECT_TRUE(std::isnan(offset_of("twist", limbs_)));
   EXPECT_TRUE(std::isnan(offset_of("wrist", limbs_)));
 }
 
-TEST_F(JointOffsets, OfElbowsAndWristsAreTheirOwn) {
+TEST_F(JointOffsets, AreMeasuredPerJoint) {
   keep_human();
   for (int frame = 0; frame < kFrames; ++frame) {
     set(frame, "elbow", -0.9);
@@ -193,7 +193,7 @@ TEST_F(JointOffsets, OfElbowsAndWristsAreTheirOwn) {
 
 TEST_F(JointOffsets, AreConstantAngles) {
   keep_human();
-  // as much to the one side as to the other, and back
+  // Equally to both sides, and back.
   for (int frame = 0; frame < kFrames; ++frame) set(frame, "elbow", -0.7 + 0.2 * (frame % 3 - 1));
   take_robot();
   EXPECT_NEAR(offset_of("elbow", limbs_), 0.0, 1e-9);

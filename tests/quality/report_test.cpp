@@ -26,8 +26,8 @@ long lines_of(std::string_view text) {
   return std::ranges::count(text, '\n');
 }
 
-// gates on the first metrics that are not headlines and on others, that many; every one is missed, in
-// three places each
+// Gates on the first metrics that are not headlines and on others, this many; every one is missed,
+// with three faults each.
 QualityReport report_of_gates(std::size_t count, bool missed) {
   QualityReport report;
   report.file = "walk.csv";
@@ -69,10 +69,10 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
   for (QualityReport& report : reports) gates.judge(report);
   const std::string text = report_text(reports);
   EXPECT_THAT(text, StartsWith("still.csv: 1 of 1 gate kept\njump.csv: 0 of 1 gate kept, 1 missed\n"
-                               "jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
+                               "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
   EXPECT_THAT(text, ContainsRegex("\n +metric +gate +still.csv +jump.csv\n"));
   EXPECT_THAT(text, ContainsRegex("\n +jumps +<=0 +0 [+] +2 x\n"));
-  // every figure has its row on request only
+  // Every metric has its row only on request.
   EXPECT_THAT(text, Not(HasSubstr("root_jerk_p99")));
   EXPECT_THAT(report_text(reports, {.all = true}), HasSubstr("root_jerk_p99"));
 }
@@ -83,11 +83,11 @@ TEST(ReportText, OrdersVerdictMissedGatesAndGroups) {
   report.gates[1].max = 100.0;
   const std::string text = report_text({&report, 1});
   EXPECT_THAT(text, StartsWith("walk.csv: 2 of 3 gates kept, 1 missed (unitree_g1, 300 frames)\n"
-                               "walk.csv: limit_pct is 123.5, wanted at most 100\n"
+                               "walk.csv: limit_pct is 123.5, expected at most 100\n"
                                "  left_knee: 0.5 rad, frames 3-6, worst 5\n"));
   EXPECT_THAT(text, HasSubstr("\nlimits      + solver_failures 123.5 <=200"));
   EXPECT_THAT(text, HasSubstr("x limit_pct 123.5 <=100"));
-  // a figure without a gate has no mark
+  // A metric without a gate has no mark.
   EXPECT_THAT(text, HasSubstr("\nsimilarity    limb_angle_deg 123.5 "));
   std::size_t last = 0;
   for (const MetricGroup group : kMetricGroups) {
@@ -117,7 +117,7 @@ TEST(ReportText, HasAtMost25LinesOf80Columns) {
       EXPECT_GT(lines_of(report_text({&report, 1}, {.all = true})), 50);
     }
   }
-  // of many motions, which have a line each, the table stays
+  // For many motions, which have one line each, the table remains.
   const std::vector<QualityReport> forty(40, report_of_gates(30, true));
   EXPECT_THAT(report_text(forty), ContainsRegex("\n +limit_pct +<=0.125 +123.5 x"));
   EXPECT_LE(lines_of(report_text(forty)), 55);
@@ -125,7 +125,7 @@ TEST(ReportText, HasAtMost25LinesOf80Columns) {
   EXPECT_THAT(report_text({&many, 1}), ContainsRegex("\nand [0-9]+ more\n"));
 }
 
-TEST(ReportText, HasColoursOnlyIfAskedForAndNoCommandsOfFileNames) {
+TEST(ReportText, UsesColoursOnlyOnRequestAndEscapesFileNames) {
   QualityReport report = report_of_gates(2, true);
   report.file = "a\033[31m.csv";
   EXPECT_THAT(report_text({&report, 1}), Not(HasSubstr("\033")));
@@ -137,7 +137,7 @@ TEST(ReportText, HasColoursOnlyIfAskedForAndNoCommandsOfFileNames) {
               HasSubstr("\033[32m+\033[0m solver_failures"));
 }
 
-TEST(ReportText, ShowsAsManyDigitsAsAMissTakes) {
+TEST(ReportText, ShowsEnoughDigitsForAMiss) {
   QualityReport report;
   report.file = "m.csv";
   report.values = {{find_metric("fast_3pi_pct"), 0.200001, std::nullopt}};
@@ -145,7 +145,7 @@ TEST(ReportText, ShowsAsManyDigitsAsAMissTakes) {
   gates.set({"fast_3pi_pct", std::nullopt, 0.2});
   gates.judge(report);
   EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("fast_3pi_pct is 0.200001, wanted at most 0.2\n"));
+              HasSubstr("fast_3pi_pct is 0.200001, expected at most 0.2\n"));
 }
 
 TEST_F(MeasureQuality, TextShowsBothLeansIfTheirGateIsMissed) {

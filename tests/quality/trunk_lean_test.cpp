@@ -1,4 +1,4 @@
-// The lean of trunks in poses whose lean is known.
+// The lean of trunks in poses with a known lean.
 
 #include "judge/quality/trunk_lean.h"
 
@@ -25,8 +25,8 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// shoulders 6 cm in front of the hips and 40 cm above them: a line that leans by design; the torso
-// bends about the middle of the hips
+// Shoulders 6 cm in front of the hips and 40 cm above them: a line that leans by design; the torso
+// bends about the middle of the hips.
 constexpr const char* kLeaning = R"(
 <mujoco>
   <compiler angle="radian" inertiafromgeom="true"/>
@@ -51,7 +51,7 @@ constexpr const char* kLeaning = R"(
   </worldbody>
 </mujoco>)";
 
-// where the joints of a standing human are; the shoulders 6 cm behind the hips
+// Joint positions of a standing human; the shoulders are 6 cm behind the hips.
 Vector3d standing_place_of(std::string_view bone) {
   const double side = bone.starts_with("Left") ? 1.0 : -1.0;
   if (bone == "Hips") return {0.0, 0.0, 1.0};
@@ -75,7 +75,7 @@ bool of_the_trunk(std::string_view bone) {
                                       bone.ends_with("FootMod") || bone.ends_with("Toe"));
 }
 
-// turned as a whole, and bent about the middle of the hip joints
+// Rotated as a whole, and bent about the middle of the hip joints.
 HumanClip human_in(int frames, const std::function<Quaterniond(int)>& turn,
                    const std::function<Quaterniond(int)>& bend) {
   HumanClip human;
@@ -106,7 +106,7 @@ Quaterniond about(const Vector3d& axis, double degrees) {
 
 class TrunkLeanTest : public ::testing::Test {
  protected:
-  // the root turned, the waist bent
+  // The root is rotated, the waist bent.
   QualityReport measure(const HumanClip& human, const Quaterniond& root, double waist = 0.0) const {
     RobotClip clip(robot_, {30, 1}, human.frame_count);
     const int at = robot_->joints()[robot_->find_joint("waist").value()].qpos_address;
@@ -147,7 +147,8 @@ TEST_F(TrunkLeanTest, StandingBodiesDoNotLean) {
   ASSERT_TRUE(report.trunk_lean);
   EXPECT_NEAR(report.trunk_lean->human, 0.0, 1e-9);
   EXPECT_NEAR(report.trunk_lean->robot, 0.0, 1e-9);
-  // shoulders 6 cm behind hips that are 50 cm below, and 6 cm in front of some 40 cm below
+  // Shoulders 6 cm behind hips that are 50 cm below, and 6 cm in front of hips that are 40 cm
+  // below.
   const double human_line = std::atan2(0.06, 0.5) / kDegree;
   const double robot_line = std::atan2(0.06, 0.4) / kDegree;
   EXPECT_NEAR(report.trunk_lean->human_line, human_line, 1e-9);
@@ -169,7 +170,7 @@ TEST_F(TrunkLeanTest, MatchesTheBendInEveryDirection) {
 }
 
 TEST_F(TrunkLeanTest, SumsPelvisAndWaist) {
-  // 10 degrees by the pelvis and 20 by the waist are the 30 of the human
+  // 10 degrees by the pelvis and 20 by the waist are the human's 30.
   const QualityReport report =
       measure(bent(about(Vector3d::UnitY(), 30.0)), about(Vector3d::UnitY(), 10.0), 20.0);
   ASSERT_TRUE(report.trunk_lean);
@@ -187,7 +188,7 @@ TEST_F(TrunkLeanTest, IsIndependentOfFacing) {
 }
 
 TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
-  // the human bows by 0, 4, ... 36 degrees, the robot stands
+  // The human bows by 0, 4, ... 36 degrees, the robot stands.
   const HumanClip human = human_in(
       10, [](int) { return Quaterniond::Identity(); },
       [](int frame) { return about(Vector3d::UnitY(), 4.0 * frame); });
@@ -202,7 +203,7 @@ TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
   EXPECT_NEAR(fault->amount, 36.0, 1e-9);
 }
 
-// legs of 0.9 m: hips lower than 0.675 m are low
+// Legs of 0.9 m: hips lower than 0.675 m are low.
 TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
   const auto lying_of = [&](double degrees, double height, int lying_frames = 10) {
     HumanClip human = bent(about(Vector3d::UnitY(), degrees));
@@ -225,7 +226,7 @@ TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
   EXPECT_EQ(lying_of(90.0, 0.2, 3), 30.0);
 }
 
-// figures on posture leave out who lies, and half a second before and after
+// Posture metrics omit lying frames, and half a second before and after.
 TEST_F(TrunkLeanTest, IgnoresFramesOfLying) {
   const auto lies_until = [&](int up, int frames) {
     HumanClip human = human_in(
@@ -245,7 +246,7 @@ TEST_F(TrunkLeanTest, IgnoresFramesOfLying) {
   ASSERT_NE(half.find("worst_limb_angle_deg"), nullptr);
   EXPECT_NEAR(half.find("worst_limb_angle_deg")->value,
               standing.find("worst_limb_angle_deg")->value, 1e-9);
-  // which this leaves to all frames
+  // This leaves all frames.
   EXPECT_GT(std::abs(half.find("limb_angle_deg")->value - standing.find("limb_angle_deg")->value),
             1.0);
   // 15 frames later the person still lies.

@@ -18,7 +18,7 @@
 
 namespace retarget {
 
-/// Two feet on legs of hinges, and spheres above them that hinges bring into each other.
+/// Two feet on legs of hinges, with spheres above them that hinges can bring into overlap.
 inline constexpr const char* kWalker = R"(
 <mujoco>
   <compiler angle="radian"/>

@@ -1,5 +1,5 @@
-// Robots made from models with hands keep what their models say of joints that others move, and what they
-// say of other joints is dropped with a note.
+// Robots made from models with hands keep the joint couplings of the hands; other couplings are
+// dropped with a note.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

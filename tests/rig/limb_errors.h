@@ -12,13 +12,14 @@
 
 namespace retarget {
 
-/// How far a robot's limb segment points from the human's, over a motion.
+/// Angle between a robot's and the human's limb segment, over a motion.
 struct LimbError {
   std::string segment;  ///< `left thigh`, `right forearm`, `trunk`, ...
   double mean = 0.0;    ///< Mean angle over the frames, rad.
 };
 
-/// Where the bones of a robot's limbs begin; a shin or forearm without an end ends along its axis.
+/// Start points of the bones of a robot's limbs; a shin or forearm without an end ends along its
+/// axis.
 inline BoneArray<Eigen::Vector3d> limb_points(const RobotAnatomy& limbs,
                                               const std::vector<Pose>& world_from_body) {
   BoneArray<Eigen::Vector3d> points;
@@ -42,8 +43,8 @@ inline BoneArray<Eigen::Vector3d> limb_points(const RobotAnatomy& limbs,
 }
 
 /// Angles between the segments of human and robot in the same frames: thighs, shins, upper arms,
-/// forearms, trunk, hip and shoulder line; from joint positions alone, so that no offset or weight
-/// of a retargeting configuration plays a part.
+/// forearms, trunk, hip and shoulder line; only from joint positions, independent of offsets and
+/// weights of a retargeting configuration.
 inline std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
                                           const RobotAnatomy& limbs) {
   std::vector<LimbError> errors;

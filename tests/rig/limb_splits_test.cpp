@@ -1,5 +1,5 @@
-// Robots whose limbs are split into joints in all usual ways, held against where their shoulders,
-// elbows and wrists, hips, knees and ankles were built.
+// Robots with all common joint layouts of limbs, compared with the built positions of their
+// shoulders, elbows and wrists, hips, knees and ankles.
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// a way to build a limb; the joints of which each may be taken for the knee or elbow
+// A limb layout, with the joints that are acceptable as knee or elbow.
 struct LimbSplit {
   std::string what;
   BuiltLimb limb;
@@ -117,7 +117,7 @@ std::vector<LimbSplit> arms() {
   turned.what = "elbow and twist, neither hand nor mass";
   turned.limb.heavy = false;
   all.push_back(turned);
-  // zero configurations with bent elbows
+  // Zero configurations with bent elbows.
   BuiltJoint bent = elbow;
   bent.lower = -1.57;
   bent.upper = 0.8;
@@ -167,7 +167,7 @@ std::vector<LimbSplit> legs() {
           {"toes on one ankle joint", leg({pitch, roll, yaw, knee, ankle, toe}, true), {"kn"}}};
 }
 
-// the body of a joint and where a point lies in it
+// The body of a joint, and the position of a point in it.
 struct Marker {
   int body = 0;
   Vector3d place;
@@ -177,8 +177,8 @@ struct TrueLimb {
   Marker root, middle, end;
 };
 
-// the points of a limb on the left at zero, in the bodies that carry them
-// @param last  the joint before the knee or elbow, whose body the middle lies in
+// The points of a left limb at zero, in the bodies that carry them @param last  the joint before
+// the knee or elbow, whose body contains the middle
 TrueLimb true_limb(const Robot& robot, const BuiltLimb& limb, const std::string& side,
                    const Vector3d& root, const Vector3d& middle, const Vector3d& end,
                    const std::string& last) {
@@ -240,7 +240,7 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   }
   const auto solved = solve_frames(human_, robot, *config, robot->model_limits(), {});
   ASSERT_TRUE(solved) << describe(solved.error());
-  // where the limbs were built, not where they were found
+  // The built positions of the limbs, not the detected ones.
   const BuiltLimb& limb = is_leg ? built.leg : built.arm;
   const Vector3d root = is_leg ? Vector3d(0, 0.1, 0.95) : Vector3d(0, 0.15, 1.4);
   const Vector3d middle = root - upper * kAxisZ;
@@ -288,7 +288,7 @@ void LimbSplits::expect_found(const BuiltHumanoid& built, const LimbSplit& split
   EXPECT_LT(mean, 3.0);
 }
 
-TEST_F(LimbSplits, ArmsOfAllKinds) {
+TEST_F(LimbSplits, MatchArmsOfAllKinds) {
   for (const LimbSplit& split : arms()) {
     BuiltHumanoid built = plain_humanoid();
     built.arm = split.limb;
@@ -297,7 +297,7 @@ TEST_F(LimbSplits, ArmsOfAllKinds) {
   }
 }
 
-TEST_F(LimbSplits, LegsOfAllKinds) {
+TEST_F(LimbSplits, MatchLegsOfAllKinds) {
   for (const LimbSplit& split : legs()) {
     BuiltHumanoid built = plain_humanoid();
     built.leg = split.limb;

@@ -34,7 +34,7 @@ std::string refusal_of(const TemporaryFolder& folder, const std::string& text) {
   return made.error().message;
 }
 
-// bodies of the same names are in the same places
+// Bodies with equal names have equal positions.
 void expect_same_poses(const Robot& original, const Robot& robot, const std::vector<double>& qpos) {
   std::vector<Pose> expected(original.bodies().size());
   std::vector<Pose> found(robot.bodies().size());
@@ -51,7 +51,7 @@ void expect_same_poses(const Robot& original, const Robot& robot, const std::vec
 TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
-  // an anchor off the origin, a turned body, a reference position
+  // An anchor off the origin, a rotated body, a reference position.
   replace(text, "<joint name=\"left_knee\"", "<joint pos=\"0 0.01 0.003\" name=\"left_knee\"");
   replace(text, "<body name=\"torso\" pos=\"0 0 0.05\">",
           "<body name=\"torso\" pos=\"0 0 0.05\" quat=\"0.9999 0.001 0.002 0.003\">");
@@ -67,7 +67,7 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
       load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
   ASSERT_TRUE(original);
   ASSERT_TRUE(robot) << describe(robot.error());
-  // a frame holds the joint that has an anchor
+  // A frame body holds the joint with the anchor.
   std::vector<std::string> names = (*robot)->body_names();
   EXPECT_THAT((*robot)->profile().joint_frames, ::testing::ElementsAre("left_knee_frame"));
   std::erase(names, "left_knee_frame");
@@ -92,7 +92,7 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
 TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
-  // the ankle's two joints on the foot, the first of them anchored and without limits
+  // The two ankle joints on the foot, the first one anchored and without limits.
   for (const std::string side : {"left", "right"}) {
     replace(text, "<joint name=\"" + side + "_ankle_pitch\" axis=\"0 1 0\" range=\"-1 0.8\"/>", "");
     replace(text, "<joint name=\"" + side + "_ankle_roll\"",
@@ -119,7 +119,7 @@ TEST(MakeRobot, HoldsSeveralJointsOfABodyByFrames) {
   EXPECT_EQ(robot->joints()[robot->find_joint("left_ankle_pitch").value()].body, frame);
   EXPECT_EQ(robot->moved_body(frame), robot->find_body("left_foot"));
   EXPECT_EQ(robot->moved_body(robot->root_body()), robot->root_body());
-  // files of motions have the bodies that they have of the original
+  // Motion files have the bodies of the original.
   const auto bodies_of = [](const Robot& of) {
     std::vector<std::string> names;
     for (const int body : tracking_layout(of, MotionFormat::kNpzHolosoma).bodies) {
@@ -141,7 +141,7 @@ TEST(MakeRobot, FindsSolesOfABoxFoot) {
   ASSERT_TRUE(robot);
   const std::vector<Sole>& soles = (*robot)->profile().soles;
   ASSERT_EQ(soles.size(), 2U);
-  // the box's lower corners: heel left, heel right, toe left, toe right
+  // The lower corners of the box: heel left, heel right, toe left, toe right.
   const std::vector<Eigen::Vector3d> corners = {
       {-0.05, 0.03, -0.05}, {-0.05, -0.03, -0.05}, {0.11, 0.03, -0.05}, {0.11, -0.03, -0.05}};
   for (const Sole& sole : soles) {
@@ -164,7 +164,7 @@ TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   EXPECT_TRUE(fs::exists(folder.path() / "mine" / "own.txt"));
   ASSERT_TRUE(save_robot(*made, folder.path(), true));
   EXPECT_FALSE(fs::exists(folder.path() / "mine" / "own.txt"));
-  // nothing is left beside it
+  // No other files remain.
   int entries = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
   EXPECT_EQ(entries, 2);
@@ -207,7 +207,7 @@ TEST(MakeRobot, ReplacesOnlyRobotFolders) {
   folder.write("mine", "a file");
   is_kept("a file");
   fs::remove(place);
-  // a robot of another name, and one behind a link
+  // A robot with another name, and one behind a link.
   MadeRobot other = *made;
   other.name = "other";
   ASSERT_TRUE(save_robot(other, folder.path(), false));
@@ -324,7 +324,7 @@ TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   for (std::size_t j = 0; j < (*robot)->joints().size(); ++j) {
     EXPECT_EQ((*robot)->speed_limit(static_cast<int>(j)), 7.5);
   }
-  // the fixed hand is a body of its own, the trunk one body
+  // The fixed hand is a separate body, the trunk one body.
   EXPECT_TRUE((*robot)->find_body("l_hand"));
   EXPECT_THAT(made->config, HasSubstr("\"l_hand\": [\"LeftHand\""));
 }
@@ -362,7 +362,7 @@ TEST(CheckRobot, ReportsErrorsAndOddities) {
   EXPECT_THAT(texts(false), Contains(HasSubstr("no speed limit")));
   EXPECT_THAT(texts(false), Contains(HasSubstr("soles")));
 
-  // one arm turned over, the other side's weight changed, legs twice as long
+  // One arm rotated over, another weight on the other side, legs twice as long.
   const RetargetingConfig sound = config;
   for (IkMatchTable& table : config.match_tables) {
     for (IkMatch& row : table.rows) {
@@ -378,7 +378,7 @@ TEST(CheckRobot, ReportsErrorsAndOddities) {
   EXPECT_THAT(texts(true), Contains(HasSubstr("farther from the hip")));
   EXPECT_THAT(texts(false), Contains(HasSubstr("weights of LeftLeg")));
 
-  // names that do not exist are all told
+  // All missing names are reported.
   config = sound;
   config.match_tables[0].rows[0].body = "pelvsi";
   config.match_tables[1].rows[1].bone = "LeftUpLge";

@@ -32,7 +32,7 @@ class ModelFaults : public ::testing::Test {
   std::string write(const std::string& text, const std::string& file = "robot.xml") {
     return folder_.write(file, text);
   }
-  // The message with which robots add refuses a model, with its hint.
+  // The message with which robots add rejects a model, with its hint.
   std::string refusal(const std::string& text, const std::string& file = "robot.xml") {
     const auto made = make_robot(write(text, file), "robot");
     EXPECT_FALSE(made.has_value());
@@ -78,7 +78,7 @@ BuiltHumanoid changed(const std::function<void(BuiltHumanoid&)>& change) {
   return built;
 }
 
-// all lengths a thousand or a hundred times larger
+// All lengths a thousand or a hundred times larger.
 BuiltHumanoid scaled(double factor) {
   return changed([&](BuiltHumanoid& built) {
     for (BuiltLimb* limb : {&built.leg, &built.arm}) {
@@ -88,17 +88,17 @@ BuiltHumanoid scaled(double factor) {
   });
 }
 
-TEST_F(ModelFaults, ASoundModelHasNone) {
+TEST_F(ModelFaults, AValidModelHasNone) {
   EXPECT_THAT(findings(plain_humanoid().mjcf(), true), ::testing::IsEmpty());
   EXPECT_THAT(notes(plain_humanoid().mjcf()), Not(Contains(HasSubstr("range"))));
 }
 
-TEST_F(ModelFaults, OtherUnits) {
+TEST_F(ModelFaults, ReportOtherUnits) {
   expect_refused(scaled(1000.0).mjcf(), "millimetres; multiply its lengths by 0.001");
   expect_refused(scaled(100.0).mjcf(), "centimetres; multiply its lengths by 0.01");
 }
 
-TEST_F(ModelFaults, RangesInTheOtherUnit) {
+TEST_F(ModelFaults, ReportRangesInTheOtherUnit) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "angle=\"radian\"", "angle=\"degree\"");
   expect_refused(text, "add <compiler angle=\"radian\"/>");
@@ -113,7 +113,7 @@ TEST_F(ModelFaults, RangesInTheOtherUnit) {
   expect_refused(degrees.mjcf(), "rad, which looks like degrees");
 }
 
-TEST_F(ModelFaults, RangesThatAreMissing) {
+TEST_F(ModelFaults, ReportMissingRanges) {
   expect_noted(changed([](BuiltHumanoid& built) {
                  built.arm.joints[2].lower = built.arm.joints[2].upper = 0.0;
                }).mjcf(),
@@ -131,7 +131,7 @@ TEST_F(ModelFaults, RangesThatAreMissing) {
               Contains(HasSubstr("ankle_pitch")));
 }
 
-TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
+TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
   expect_refused(changed([](BuiltHumanoid& built) { built.leg.joints[3].type = "slide"; }).mjcf(),
                  "has a slide, \"left_knee\"");
   expect_refused(changed([](BuiltHumanoid& built) {
@@ -146,7 +146,7 @@ TEST_F(ModelFaults, KneesAndElbowsThatDoNotBend) {
                  "has no elbow");
 }
 
-TEST_F(ModelFaults, NamesThatAppearTwice) {
+TEST_F(ModelFaults, ReportDuplicateNames) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");
   EXPECT_THAT(refusal(text), HasSubstr("repeated name 'left_hip_yaw': two elements of kind joint"));
@@ -163,7 +163,7 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
   const auto made = make_robot(write(text), "robot");
   ASSERT_TRUE(made);
   EXPECT_EQ(made->model.find("rootx"), std::string::npos);
-  // a free joint in parts, without names
+  // A free joint in parts, without names.
   text = changed([](BuiltHumanoid& built) {
            built.root =
                "<joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 1 0\"/>"
@@ -171,7 +171,7 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
          }).mjcf();
   expect_noted(text,
                "the root moved by \"joint_1\", \"joint_2\", \"joint_3\", \"joint_4\": a free");
-  // each in a body of its own
+  // Each in a separate body.
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
   text = plain_humanoid().mjcf();
   replace_all(text, "<freejoint/>", "<joint name=\"rooty\" axis=\"0 1 0\"/>");
@@ -182,7 +182,7 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
   expect_noted(text, "the root moved by \"rootx\", \"rooty\": a free joint");
 }
 
-TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
+TEST_F(ModelFaults, ReportLeaningAndObliqueTrunks) {
   const auto turned = [](const std::string& euler) {
     return changed([&](BuiltHumanoid& built) {
              built.before = "<compiler eulerseq=\"xyz\"/>";
@@ -195,8 +195,9 @@ TEST_F(ModelFaults, TrunksThatLeanOrFaceNoAxis) {
   expect_refused(turned("0 1.5 0"), "does not stand upright");
 }
 
-TEST_F(ModelFaults, SegmentsOfOddLengthsAreDoubts) {
-  // a joint that turns the forearm, a third of an upper arm beyond the elbow, and nothing else there
+TEST_F(ModelFaults, WarnAboutUnusualSegmentLengths) {
+  // A joint that rotates the forearm, a third of an upper arm beyond the elbow, without any other
+  // joint there.
   const std::string text = changed([](BuiltHumanoid& built) {
                              built.arm.joints.push_back({"twist", kAxisZ, {0, 0, -0.06}});
                              built.arm.end = {0, 0, 0};
@@ -225,8 +226,8 @@ TEST_F(ModelFaults, TrunksThatLeanFarNeedClearLimbs) {
                  "the trunk leans by 45 degrees in the zero configuration, and the left forearm");
 }
 
-TEST_F(ModelFaults, TPosesThatAreFarOffAreRefused) {
-  // 30 degrees are left to the arm that is out to the side
+TEST_F(ModelFaults, RejectDistantTPoses) {
+  // The outstretched arm lacks 30 degrees.
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints[1].upper = 1.05;
                    built.arm.joints[0].lower = -0.3;
@@ -235,7 +236,7 @@ TEST_F(ModelFaults, TPosesThatAreFarOffAreRefused) {
                  "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm) stays");
 }
 
-TEST_F(ModelFaults, TPosesThatCannotBeReached) {
+TEST_F(ModelFaults, ReportUnreachableTPoses) {
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints[1].lower = -0.1;
                    built.arm.joints[1].upper = 0.1;
@@ -245,7 +246,7 @@ TEST_F(ModelFaults, TPosesThatCannotBeReached) {
                  "the T-pose cannot be reached: \"left_shoulder_yaw\" (LeftArm)");
 }
 
-TEST_F(ModelFaults, TemplatesAndIncludes) {
+TEST_F(ModelFaults, RejectTemplatesAndMissingIncludes) {
   EXPECT_THAT(refusal("<robot name=\"a\" xmlns:xacro=\"http://ros.org/wiki/xacro\">"
                       "<xacro:include filename=\"b.xacro\"/><link name=\"base\"/></robot>",
                       "robot.urdf.xacro"),
@@ -256,7 +257,7 @@ TEST_F(ModelFaults, TemplatesAndIncludes) {
               HasSubstr("<include> names \"arms.xml\", which does not exist"));
 }
 
-TEST_F(ModelFaults, ExtensionsOfSimulatorsInAUrdfDoNotCount) {
+TEST_F(ModelFaults, IgnoreSimulatorExtensionsInAUrdf) {
   const std::string text =
       "<robot name=\"a\"><link name=\"base\"/><gazebo><plugin filename=\"x.so\" name=\"${x}\"/>"
       "</gazebo></robot>";
@@ -274,7 +275,7 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
               "fullinertia=\"-1 1 1 0 0 0\"/></body>");
   EXPECT_TRUE(make_robot(write(text), "robot"));
   EXPECT_THAT(findings(text, false), Contains(HasSubstr("mass or inertia of \"imu\"")));
-  // a rod beside the shin, tied to the foot
+  // A rod next to the shin, tied to the foot.
   const std::string rod =
       "<body name=\"left_knee_rod\"><joint name=\"rod\" axis=\"0 1 0\" range=\"-1 1\"/>"
       "<geom size=\"0.01\"/></body>";
@@ -284,7 +285,7 @@ TEST_F(ModelFaults, DummyBodiesDoNotStopAModel) {
               "<equality><connect body1=\"left_knee_rod\" body2=\"left_ankle_roll\" "
               "anchor=\"0 0 0\"/></equality></mujoco>");
   expect_noted(text, "\"left_knee_rod\" does not follow");
-  // without a rod it is the leg that is closed
+  // Without a rod, the leg is the closed chain.
   replace_all(text, "body1=\"left_knee_rod\"", "body1=\"left_knee\"");
   expect_refused(text, "closed chain");
 }

@@ -1,5 +1,5 @@
 // Robots with the joint layouts of public ones that the analysis once misread: each is accepted
-// with limbs that follow the human, or refused with the reason.
+// with limbs that follow the human, or rejected with the reason.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ HumanClip sample(const std::string& name) {
                   calibrate(bvh.clip, map, {}).value());
 }
 
-// angles of thighs, shins, upper arms and forearms between robot and human, degrees
+// Angles of thighs, shins, upper arms and forearms between robot and human, degrees.
 struct LimbAngles {
   double mean = 0.0, worst = 0.0;  // over the limbs' means
 };
@@ -92,7 +92,7 @@ LimbAngles limb_angles(const Robot& robot, const RobotClip& clip, const HumanCli
   return angles;
 }
 
-// the largest over the samples; made as `robots add` makes it
+// The maximum over the samples; made as by `robots add`.
 LimbAngles angles_of(const LayoutHumanoid& layout) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", layout.built.mjcf()), layout.name);
@@ -124,7 +124,7 @@ TEST(RobotLayouts, ForearmThatOnlyTurnsKeepsItsElbow) {
   }
 }
 
-TEST(RobotLayouts, ArmsThatCannotFollowAreRefused) {
+TEST(RobotLayouts, RejectsArmsThatCannotFollow) {
   const TemporaryFolder folder;
   const std::string model = folder.write("any.xml", z_bot_layout().built.mjcf());
   const auto made = make_robot(model, "z_bot");
@@ -143,8 +143,8 @@ TEST(RobotLayouts, ChestMayBeTheRoot) {
   EXPECT_LT(angles_of(qing_long_layout()).mean, 10.0);
 }
 
-// one knee's axis was turned and its range was not
-TEST(RobotLayouts, KneesThatBendToOppositeSidesAreRefused) {
+// The axis of one knee is reversed, but its range is not.
+TEST(RobotLayouts, RejectsKneesThatBendToOppositeSides) {
   LayoutHumanoid layout = qing_long_layout();
   for (BuiltJoint& joint : layout.built.leg.joints) {
     if (joint.name != "knee") continue;

@@ -1,4 +1,5 @@
-// Configurations that are derived, held against the published ones, and every shipped robot's own.
+// Derived configurations compared with the published ones, and the configurations of every included
+// robot.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +41,7 @@ fs::path mapping_of(const std::string& name) {
   return find_robot(name, {source_folder() / "robots"})->model.parent_path() / "ik.json";
 }
 
-// three seconds of a clip, fifteen frames each
+// Three seconds of a clip, fifteen frames each.
 HumanClip walking(const fs::path& file) {
   const auto profiles = load_skeleton_profiles(source_folder() / "configs" / "skeletons").value();
   const auto bvh = load_bvh(file.string()).value();
@@ -60,7 +61,7 @@ double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>&
   if (!result) return 180.0;
   const auto errors = limb_errors(human, result->clip, limbs);
   for (const LimbError& error : errors) {
-    // sides that are swapped, a mirrored or lying robot
+    // Swapped sides, a mirrored or a lying robot.
     EXPECT_LT(error.mean * kDegrees, 60.0) << robot->name() << ": " << error.segment;
   }
   return mean_limb_error(errors) * kDegrees;
@@ -99,8 +100,8 @@ TEST(DerivedConfig, IsAtLeastAsGoodAsPublishedOnLafan1Walk) {
   expect_derived_no_worse(walking(*shared / "data" / "lafan1" / "walk4_subject1.bvh"));
 }
 
-// the first frame is solved from the zero configuration, whichever way the human faces: an arm that
-// is left behind then never comes back
+// The first frame is solved from the zero configuration for any facing of the human: an arm left
+// behind would never recover.
 TEST(DerivedConfig, LimbsFollowFromTheZeroConfiguration) {
   const HumanClip walk = walking(source_folder() / "data" / "walk.bvh");
   for (const std::string name : {"unitree_g1", "booster_t1_29dof", "fourier_n1"}) {
@@ -121,9 +122,9 @@ TEST(DerivedConfig, LimbsFollowFromTheZeroConfiguration) {
   }
 }
 
-// offsets of rows on the same body and bone, as angles between the rotations
+// Offsets of rows with equal body and bone, as angles between the rotations.
 TEST(DerivedConfig, MatchesPublishedOffsets) {
-  // T1's elbow chain and N1's are plain; G1's thigh frames stand 10 degrees aslant in theirs
+  // The elbow chains of T1 and N1 are plain; the G1's thigh frames are 10 degrees oblique.
   const std::map<std::string, double> tolerance = {{"unitree_g1", 11.0},
                                                    {"booster_t1_29dof", 4.0},
                                                    {"fourier_n1", 1.0},

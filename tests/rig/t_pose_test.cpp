@@ -36,7 +36,7 @@ TEST(SolveTPose, RaisesHangingArms) {
     EXPECT_LT(residual.direction, 1e-3) << residual.bone;
     EXPECT_LT(residual.twist, 1e-3) << residual.bone;
   }
-  // in closed form: the roll joints by a quarter turn, all others stay
+  // In closed form: the roll joints rotate by a quarter turn, all others do not move.
   for (const RobotJoint& joint : robot->joints()) {
     const double expected = joint.name == "left_shoulder_roll"    ? 0.5 * std::numbers::pi
                             : joint.name == "right_shoulder_roll" ? -0.5 * std::numbers::pi
@@ -69,8 +69,8 @@ TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
   }
 }
 
-// a thigh that is exactly half a turn off about itself is at a saddle of the cost
-TEST(SolveTPose, LeavesThePoseHalfATurnOff) {
+// A thigh exactly half a turn off about its axis is at a saddle of the cost.
+TEST(SolveTPose, EscapesAStartHalfATurnOff) {
   BuiltHumanoid built = plain_humanoid();
   for (BuiltJoint& joint : built.leg.joints) {
     if (joint.name != "hip_yaw") continue;

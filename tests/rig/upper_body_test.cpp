@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// the trunk and arms of tiny_humanoid on a cart with two wheels, which is the world's
+// Trunk and arms of tiny_humanoid on a two-wheeled cart, which is part of the world.
 std::string body_on_cart(const std::string& placed, bool with_waist) {
   const std::string whole = tiny_humanoid(true);
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
@@ -48,7 +48,7 @@ std::string body_on_cart(const std::string& placed, bool with_waist) {
 
 class UpperBodyTest : public testing::Test {
  protected:
-  // the folder of a robot that is made of a model
+  // The folder of a robot made from a model.
   std::string made(const std::string& name, const std::string& text, RobotBase base) {
     const auto robot = make_robot(folder_.write(name + ".xml", text), name, base);
     EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
@@ -86,7 +86,7 @@ class UpperBodyTest : public testing::Test {
     return human;
   }
 
-  // how far upper arms and forearms are off the human's, degrees
+  // Angle between the robot's and the human's upper arms and forearms, degrees.
   static double arm_error(const HumanClip& human, const Motion& motion) {
     const Robot& robot = motion.clip.robot();
     const auto limbs = find_limbs(robot, "robot");
@@ -116,7 +116,7 @@ class UpperBodyTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(UpperBodyTest, IsRefusedAsAHumanoidAndMadeWithAFixedBase) {
+TEST_F(UpperBodyTest, RequiresAFixedBase) {
   const std::string model = folder_.write("cart.xml", body_on_cart("pos=\"0 0 0.6\"", true));
   const auto refused = make_robot(model, "cart");
   ASSERT_FALSE(refused.has_value());
@@ -166,12 +166,12 @@ TEST_F(UpperBodyTest, KeepsPositionAndHeadingOfTheBase) {
   EXPECT_LT(arm_error(facing(human_of(motion), 0.5 * std::numbers::pi), motion), 6.0);
 }
 
-TEST_F(UpperBodyTest, ABaseThatIsTheChestSeesArmsFromTheChest) {
+TEST_F(UpperBodyTest, ArmsAreRelativeToAChestBase) {
   const std::string chest =
       made("chest", body_on_cart("pos=\"0 0 0.6\"", false), RobotBase::kFixed);
   const Motion motion = solved(chest, "get_up", Method::kFit);
   expect_base_stands(motion.clip);
-  // the human lies and gets up, its chest upright in no frame's own axes but the robot's
+  // The human lies down and gets up; only relative to the robot is its chest upright.
   HumanClip human = human_of(motion);
   const auto standing = human.frame(human.frame_count - 1)[Bone::kSpine2].rotation;
   const HumanPose& last = human.frame(human.frame_count - 1);
@@ -186,7 +186,7 @@ TEST_F(UpperBodyTest, ABaseThatIsTheChestSeesArmsFromTheChest) {
   EXPECT_LT(arm_error(human, motion), 12.0);
 }
 
-TEST_F(UpperBodyTest, IsMeasuredAgainstItsHumanWithoutFloorAndFeet) {
+TEST_F(UpperBodyTest, IsMeasuredWithoutFloorAndFeet) {
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);
   const auto report = evaluate(solved(cart, "turn_in_place", Method::kFit));
   ASSERT_TRUE(report.has_value()) << describe(report.error());
@@ -198,7 +198,7 @@ TEST_F(UpperBodyTest, IsMeasuredAgainstItsHumanWithoutFloorAndFeet) {
   EXPECT_LT(report->find("limb_angle_deg")->value, 6.0);
 }
 
-TEST_F(UpperBodyTest, AModelWithoutFreeJointLoadsWithAFixedBaseAlone) {
+TEST_F(UpperBodyTest, AModelWithoutFreeJointRequiresAFixedBase) {
   RobotChoice choice;
   choice.model = folder_.write("cart.xml", body_on_cart("pos=\"0 0 0.6\"", true));
   const auto refused = load_robot(choice);

@@ -1,4 +1,4 @@
-// Models that would end the process inside MuJoCo, or never end: refused before it sees them.
+// Models that would crash MuJoCo or never finish are rejected before MuJoCo reads them.
 
 #include "robot/model/check_model.h"
 
@@ -78,7 +78,7 @@ TEST(VetModel, RejectsHugeCounts) {
                                       count + "\">" + once + "</replicate>")),
         HasSubstr("<replicate> count is"));
   }
-  // no count is large
+  // No single count is large.
   std::string nested = once;
   for (int i = 0; i < 9; ++i) {
     nested = R"(<replicate count="10" offset="1 0 0">)" + nested + "</replicate>";
@@ -109,7 +109,7 @@ TEST(VetModel, RejectsHugeKeyframes) {
               HasSubstr("numbers in its keyframes"));
   EXPECT_THAT(message_of_text(model("<keyframe>" + keys + "</keyframe>", mocaps + kBall)),
               HasSubstr("numbers in its keyframes"));
-  // as robots have them
+  // Plausible values of real robots.
   EXPECT_EQ(message_of_text(model(R"(<size nkey="100"/>)")), "it loads");
 }
 

@@ -1,4 +1,4 @@
-// Distances of primitives, held against MuJoCo's and against what a distance is.
+// Distances of primitives, compared with MuJoCo and with the definition of a distance.
 
 #include "robot/model/collision.h"
 
@@ -61,7 +61,7 @@ TEST(ShapeDistance, SphereSphere) {
 
 TEST(ShapeDistance, CapsuleCapsule) {
   const CollisionShape limb = capsule(0.05, 0.2);
-  // side by side, one beyond the other's end, crossed, crossed and touching with their axes
+  // Side by side, one beyond the other's end, crossed, crossed with touching axes.
   EXPECT_NEAR(distance_of(limb, at(0, 0, 0), limb, at(0.15, 0, 0.1)).distance, 0.05, 1e-15);
   EXPECT_NEAR(distance_of(limb, at(0, 0, 0), limb, at(0, 0, 0.7)).distance, 0.2, 1e-15);
   const Vector3d quarter_about_x(1.5707963267948966, 0, 0);
@@ -102,7 +102,7 @@ TEST(ShapeDistance, FindsLowestPoints) {
   EXPECT_NEAR(lowest.z(), min, 1e-15);
 }
 
-// two shapes that float, for MuJoCo
+// Two floating shapes for MuJoCo.
 class TwoShapes {
  public:
   TwoShapes(const CollisionShape& a, const CollisionShape& b) {
@@ -128,12 +128,12 @@ class TwoShapes {
     mj_kinematics(model_.get(), data_);
     mj_comPos(model_.get(), data_);
   }
-  // between shapes that are apart
+  // Distance between separate shapes.
   double distance() const {
     mjtNum points[6];
     return mj_geomDistance(model_.get(), data_, 0, 1, 100.0, points);
   }
-  // of the deepest contact; 0 without
+  // Depth of the deepest contact; 0 without one.
   double depth() const {
     mj_collision(model_.get(), data_);
     double deepest = 0.0;
@@ -179,7 +179,7 @@ class RandomShapes {
     }
     return {};
   }
-  // now and then turned by quarters, so that faces and edges are parallel
+  // Sometimes rotated by quarter turns, so that faces and edges are parallel.
   Pose pose(double spread) {
     const Vector3d turn = number(0, 1) < 0.2
                               ? Vector3d(0, 0, 1.5707963267948966 * std::floor(number(0, 4)))
@@ -210,7 +210,7 @@ TEST(ShapeDistance, MatchesMujocoOutsideAndForRoundShapesInside) {
           EXPECT_NEAR((found.on_b - found.on_a - found.distance * found.normal).norm(), 0.0, 1e-9);
           if (found.distance > 1e-4) {
             ++apart;
-            // MuJoCo's convex distance stops at its ccd_tolerance, 1e-6
+            // MuJoCo's convex distance stops at its ccd_tolerance, 1e-6.
             EXPECT_NEAR(found.distance, mujoco.distance(), boxes ? 2e-6 : 1e-9)
                 << static_cast<int>(type_a) << " " << static_cast<int>(type_b);
             EXPECT_EQ(mujoco.depth(), 0.0);
@@ -226,8 +226,8 @@ TEST(ShapeDistance, MatchesMujocoOutsideAndForRoundShapesInside) {
   }
 }
 
-// moved by a little more than the depth along the normal the shapes are apart; moved by less than
-// the depth in any direction they still overlap
+// Moved by slightly more than the depth along the normal, the shapes are separate; moved by less
+// than the depth in any direction, they still overlap.
 TEST(ShapeDistance, BoxDepthIsTheShortestSeparation) {
   RandomShapes random;
   int inside = 0;
@@ -267,7 +267,7 @@ TEST(ShapeDistance, NormalIsTheGradient) {
       };
       slope[axis] = (moved(step).distance - moved(-step).distance) / (2.0 * step);
     }
-    // where two ways out are equally long the slope is between them
+    // If two separations are equally short, the slope is between them.
     if (std::abs(slope.norm() - 1.0) > 1e-4) continue;
     ++checked;
     EXPECT_NEAR((slope - found.normal).norm(), 0.0, 1e-3) << i << " " << found.distance;
@@ -275,7 +275,7 @@ TEST(ShapeDistance, NormalIsTheGradient) {
   EXPECT_GT(checked, 850);
 }
 
-// MJCF of a chain: base - link - (rigid) bracket - hand, and a head on the base
+// MJCF of a chain: base - link - (rigid) bracket - hand, and a head on the base.
 constexpr const char* kChain = R"(
 <mujoco>
   <worldbody>
@@ -323,8 +323,8 @@ TEST(CollisionModel, ExcludesAllowedPairs) {
   }
 }
 
-// every contact of MuJoCo's between bodies that may not touch is found, with its depth, and nothing
-// else; pairs with boxes are deep where MuJoCo's are
+// Finds exactly MuJoCo's contacts between bodies that may not touch, with their depths; pairs with
+// boxes are deep where MuJoCo's are.
 TEST(CollisionModel, MatchesMujocoContactsOfTheG1) {
   const auto g1 = load_g1();
   const CollisionModel model(*g1);
@@ -357,7 +357,7 @@ TEST(CollisionModel, MatchesMujocoContactsOfTheG1) {
     model.near_pairs(placed, 0.0, near);
     for (const ShapePair& pair : near) {
       const double depth = -shape_distance(placed[pair.a], placed[pair.b]).distance;
-      // the G1's shapes are all its geoms, in order
+      // The G1's shapes are all its geoms, in order.
       const auto found = expected.find({pair.a, pair.b});
       if (depth < 1e-9) {
         EXPECT_TRUE(found == expected.end() || found->second < 1e-8);

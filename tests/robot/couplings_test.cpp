@@ -13,7 +13,7 @@
 namespace retarget {
 namespace {
 
-TEST(CouplingsTest, OfEqualitiesOfJoints) {
+TEST(CouplingsTest, ReadsJointEqualities) {
   const auto robot = robot_from_text(R"(
 <mujoco>
   <compiler angle="radian"/>
@@ -32,7 +32,7 @@ TEST(CouplingsTest, OfEqualitiesOfJoints) {
   EXPECT_NEAR(b.offset, 0.2 + 0.1 - 2.0 * 0.3, 1e-12);
 }
 
-TEST(CouplingsTest, OfMimic) {
+TEST(CouplingsTest, ReadsMimic) {
   const TemporaryFolder folder;
   const std::string path = folder.write("hand.urdf", R"(<robot name="r">
     <joint name="a" type="revolute"/>

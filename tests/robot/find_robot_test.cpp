@@ -76,19 +76,19 @@ TEST_F(FindRobotTest, ResolvesUnambiguousShortNames) {
   for (const char* name : {"one", "One", "maker-one", "MAKER_ONE", "maker one"}) {
     EXPECT_EQ(whole_name(name), "maker_one") << name;
   }
-  // names that end with the words take precedence
+  // Names that end with the words take precedence.
   EXPECT_EQ(whole_name("two"), "maker_two");
   EXPECT_EQ(whole_name("hands"), "maker_two_with_hands");
   EXPECT_EQ(find_robot("two", {folder_.path()})->model, folder_.path() / "maker_two" / "model.xml");
   EXPECT_EQ(whole_name("maker_two"), "maker_two");
   const Error ambiguous = error_of("maker");
   EXPECT_THAT(ambiguous.message, HasSubstr("maker_one, maker_two, maker_two_with_hands"));
-  // a part of a word names no robot
+  // A part of a word does not select a robot.
   EXPECT_THAT(error_of("on").message, HasSubstr("no robot \"on\""));
   EXPECT_THAT(error_of("_").message, HasSubstr("no robot"));
 }
 
-// two robots are known and not installed: maker_two_29 is, and must not be taken for maker_two
+// Two known robots are not installed; maker_two_29 is, and must not replace maker_two.
 class NotInstalledTest : public testing::Test {
  protected:
   NotInstalledTest() {
@@ -128,7 +128,7 @@ TEST_F(NotInstalledTest, AFullNameIsNeverCompletedToAnotherRobot) {
 }
 
 TEST_F(NotInstalledTest, AShortNameMeansTheSameInEveryInstall) {
-  // where all are installed, `two` is maker_two
+  // If all are installed, `two` is maker_two.
   EXPECT_THAT(error_of("two").message, HasSubstr("maker_two is not installed"));
   EXPECT_THAT(error_of("three").message, HasSubstr("maker_three is not installed"));
   EXPECT_THAT(error_of("maker").message,
@@ -153,18 +153,18 @@ TEST_F(NotInstalledTest, LaterFoldersAddRobots) {
     EXPECT_EQ(found->model, model);
     EXPECT_TRUE(is_unverified(found->model));
   }
-  // the first folder that has a robot counts
+  // The first folder that contains a robot takes precedence.
   EXPECT_EQ(find_robot("four", folders)->model, folder_.path() / "other_four" / "model.xml");
   EXPECT_THAT(list_robots(folders), ElementsAre("maker_two", "maker_two_29", "other_four"));
 }
 
-TEST_F(NotInstalledTest, AFaultyIndexIsNamed) {
+TEST_F(NotInstalledTest, ReportsAFaultyIndex) {
   for (const char* text : {"[]", "{", R"({"robots": [3]})", R"({"robots": [{"naem": "x"}]})"}) {
     folder_.write("index.json", text);
     const auto found = find_robot("two", {folder_.path()});
     ASSERT_FALSE(found) << text;
     EXPECT_THAT(describe(found.error()), HasSubstr("index.json")) << text;
-    // a robot that is found by its full name needs no index
+    // A robot with its full name needs no index.
     EXPECT_TRUE(find_robot("other_four", {folder_.path()}));
   }
 }
@@ -226,7 +226,7 @@ TEST(RobotsFolderTest, IndexNamesEveryRobot) {
   EXPECT_EQ(names, list_robots({robots}));
 }
 
-TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceLieApart) {
+TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceAreInASeparateFolder) {
   const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
   EXPECT_THAT(list_robots({robots}), ::testing::Contains("kuavo_s45"));
   EXPECT_EQ(find_robot("kuavo", {robots})->model, robots / "unverified/kuavo_s45/model.xml");

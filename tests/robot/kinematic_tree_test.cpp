@@ -1,4 +1,4 @@
-// The one kinematic tree and its composite assembly, against MuJoCo and finite differences.
+// The kinematic tree and its composite assembly, against MuJoCo and finite differences.
 
 #include "robot/model/kinematic_tree.h"
 
@@ -34,7 +34,7 @@ std::vector<std::shared_ptr<const Robot>> robots() {
           load_shipped("pal_talos"), load_shipped("unitree_h1_2")};
 }
 
-// MuJoCo's kinematics of a configuration
+// MuJoCo's kinematics of a configuration.
 class Reference {
  public:
   Reference(const Robot& robot, const std::vector<double>& qpos)
@@ -44,7 +44,7 @@ class Reference {
     mj_comPos(model_, data_.get());
   }
 
-  // velocity of a point of a body and its angular velocity, by MuJoCo's degrees of freedom
+  // Velocity of a point of a body and its angular velocity, for MuJoCo's degrees of freedom.
   [[nodiscard]] Matrix6Xd jacobian(int body, const Vector3d& point) const {
     RowMajor3Xd linear(3, model_->nv), angular(3, model_->nv);
     mj_jac(model_, data_.get(), linear.data(), angular.data(), point.data(), body);
@@ -57,7 +57,7 @@ class Reference {
   [[nodiscard]] Vector3d axis(int joint) const { return of_joint(data_->xaxis, joint); }
 
  private:
-  // the model's first joint is the free one
+  // The first joint of the model is the free one.
   static Vector3d of_joint(const double* values, int joint) {
     return Eigen::Map<const Vector3d>(values + 3 * (joint + 1));
   }
@@ -72,7 +72,7 @@ int mujoco_dof(const Robot& robot, int dof) {
   return robot.joints()[robot.tree().links()[link].joint].dof_address;
 }
 
-// velocity of a point of a body and its angular velocity, by the tree's degrees of freedom
+// Velocity of a point of a body and its angular velocity, for the tree's degrees of freedom.
 Matrix6Xd own_jacobian(const TreeState& state, int body, const Vector3d& point) {
   Matrix6Xd jacobian = Matrix6Xd::Zero(6, state.tree->dof_count());
   const int link = state.tree->attachment(body).link;
@@ -83,7 +83,7 @@ Matrix6Xd own_jacobian(const TreeState& state, int body, const Vector3d& point) 
   return jacobian;
 }
 
-// a configuration with one degree of freedom of the tree moved
+// A configuration with one changed degree of freedom of the tree.
 std::vector<double> moved(const Robot& robot, std::vector<double> qpos, int dof, double by) {
   if (dof < 3) {
     qpos[dof] += by;
@@ -98,16 +98,16 @@ std::vector<double> moved(const Robot& robot, std::vector<double> qpos, int dof,
   return qpos;
 }
 
-// rows over carriers as a whole matrix
+// Rows over carriers as a full matrix.
 MatrixXd dense(const KinematicTree& tree, const std::vector<double>& rows) {
   const int dofs = tree.dof_count();
   MatrixXd matrix = MatrixXd::Constant(dofs, dofs, 1e30);
-  // Writes rows by column, and so fills the upper triangle.
+  // Writes rows by column and thereby fills the upper triangle.
   write_lower_triangle(tree, rows, matrix.data(), dofs);
   return matrix.selfadjointView<Eigen::Upper>();
 }
 
-TEST(KinematicTreeTest, PosesAnchorsAndAxesAreMujocos) {
+TEST(KinematicTreeTest, PosesAnchorsAndAxesMatchMujoco) {
   for (const auto& robot : robots()) {
     std::mt19937 random(3);
     TreeState state(robot->tree());
@@ -122,7 +122,8 @@ TEST(KinematicTreeTest, PosesAnchorsAndAxesAreMujocos) {
       }
       for (int j = 0; j < static_cast<int>(robot->joints().size()); ++j) {
         worst = std::max(worst, (state.axis(j) - reference.axis(j)).norm());
-        // an anchor counts as far as the axis goes through it: MuJoCo has a slide's before it moved
+        // Only the position across the axis is compared: MuJoCo reports a slide's anchor before its
+        // movement.
         const Vector3d apart = state.anchor(j) - reference.anchor(j);
         worst = std::max(worst, state.slides(j) ? apart.cross(state.axis(j)).norm() : apart.norm());
       }
@@ -131,7 +132,7 @@ TEST(KinematicTreeTest, PosesAnchorsAndAxesAreMujocos) {
   }
 }
 
-TEST(KinematicTreeTest, MotionSubspacesAreMujocosJacobian) {
+TEST(KinematicTreeTest, MotionSubspacesMatchMujocosJacobian) {
   for (const auto& robot : robots()) {
     std::mt19937 random(5);
     std::normal_distribution<double> normal;
@@ -180,8 +181,8 @@ TEST(KinematicTreeTest, MotionSubspacesAreFiniteDifferencesOfThePoses) {
   }
 }
 
-// random forms on every link: H = sum J'AJ and g = sum J'b with MuJoCo's Jacobians of the links'
-// bodies at the base's origin
+// Random forms on every link: H = sum J'AJ and g = sum J'b with MuJoCo's Jacobians of the links'
+// bodies at the base's origin.
 TEST(CompositeTest, HessianAndGradientMatchMujocosJacobians) {
   for (const auto& robot : robots()) {
     std::mt19937 random(11);
@@ -226,8 +227,8 @@ TEST(CompositeTest, HessianAndGradientMatchMujocosJacobians) {
   }
 }
 
-// half the squared distances of points from where they were: the gradient a little away from there
-// is that of the cost, the Hessian at zero its change
+// Half the squared distances of points from their start: near it the gradient matches the cost, and
+// the Hessian matches its change at zero.
 TEST(CompositeTest, HessianAndGradientAreFiniteDifferencesOfACost) {
   constexpr double kStep = 1e-6;
   for (const auto& robot : robots()) {
@@ -294,7 +295,7 @@ TEST(KinematicTreeTest, MergesFixedBodies) {
   EXPECT_EQ(tree.links()[0].last_descendant, 6);
   EXPECT_EQ(tree.attachment(body("stand")).link, KinematicTree::kWorld);
   EXPECT_EQ(tree.attachment(body("post")).link, 0);
-  // the four joints of the hand, one after the other; the tip hangs on the last
+  // The four joints of the hand in sequence; the tip hangs from the last.
   for (int link = 1; link <= 4; ++link) {
     EXPECT_EQ(tree.links()[link].body, body("hand"));
     EXPECT_EQ(tree.links()[link].parent, link - 1);
@@ -320,7 +321,7 @@ TEST(KinematicTreeTest, MergesFixedBodies) {
   EXPECT_THAT(tree.carriers(10), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
 }
 
-TEST(KinematicTreeTest, JointsThatCarryNoneOfTheBodiesAreLeftOut) {
+TEST(KinematicTreeTest, OmitsJointsThatCarryNoneOfTheBodies) {
   const auto robot = load_shipped("unitree_g1");
   const std::array bodies = {robot->find_body("left_knee_link").value(),
                              robot->find_body("right_elbow_link").value()};
@@ -354,7 +355,7 @@ TEST(KinematicTreeTest, CommonPointIsWhereAxesMeet) {
       </body></body></body>
 </body></worldbody></mujoco>)");
   const TreeState state(robot->tree(), robot->zero_configuration());
-  // drawn to the anchors by a hundredth
+  // Pulled to the anchors by one hundredth.
   EXPECT_LT((common_point(state, std::array{0, 1, 2}) - Vector3d(1, 2, 3)).norm(), 1e-5);
   EXPECT_LT((common_point(state, std::array{3}) - Vector3d(1, 2, 4)).norm(), 1e-12);
   EXPECT_LT((common_point(state, std::array{1}) - Vector3d(1, 2, 3)).norm(), 1e-12);

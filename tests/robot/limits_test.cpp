@@ -74,7 +74,7 @@ TEST(LimitsTest, RejectsNonFiniteNumbers) {
   EXPECT_THAT(message_of("[]"), HasSubstr("must be an object"));
 }
 
-// no free joint is needed, and joints of another hand do not matter
+// No free joint is needed, and joints of another hand are ignored.
 TEST(LimitsTest, ReadsMjcfByJointNames) {
   const auto limits = limits_of_file("limits.xml", R"(
 <mujoco><compiler angle="radian"/><worldbody>

@@ -1,4 +1,4 @@
-// Loading MJCF: models that compile without their files, and the messages of refused ones.
+// Loading MJCF: models that compile without their files, and the messages of rejected ones.
 
 #include "robot/model/load_model.h"
 
@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// the error of loading a robot from this text
+// The error of loading a robot from this text.
 Error error_of(const std::string& mjcf) {
   const TemporaryFolder folder;
   const auto robot = load_robot_files(folder.write("robot.xml", mjcf));
@@ -37,14 +37,14 @@ Error error_of(const std::string& mjcf) {
   return robot.error();
 }
 
-// a model of these lines within worldbody, which begin in line 3
+// A model of these lines within worldbody, which begin in line 3.
 std::string world(const std::string& lines) {
   return "<mujoco>\n<worldbody>\n" + lines + "\n</worldbody>\n</mujoco>\n";
 }
 
 constexpr const char* kFloatingBall = R"(<body name="base"><freejoint/><geom size="0.1"/></body>)";
 
-// MuJoCo warns of a mass matrix that cannot be factored
+// MuJoCo warns about a mass matrix that cannot be factorised.
 const std::string kSingular = world(
     R"(<body name="base"><freejoint/><geom size="0.1"/>
        <body><joint armature="-1"/><geom size="0.1"/></body></body>)");
@@ -244,7 +244,7 @@ TEST(LoadModelTest, DeduplicatesWarnings) {
   EXPECT_THAT(robot_from_text(world(kFloatingBall))->warnings(), IsEmpty());
 }
 
-// MuJoCo's defaults print, write MUJOCO_LOG.TXT into the working folder and end the process
+// MuJoCo's defaults print, write MUJOCO_LOG.TXT into the working folder and exit.
 TEST(LoadModelTest, NothingIsPrintedOrLeftBehind) {
   const TemporaryFolder folder;
   const fs::path old_folder = fs::current_path();

@@ -1,4 +1,4 @@
-// Profiles: the properties that they add to a robot, and the messages for their faults.
+// Profiles: the properties that they add to a robot, and their error messages.
 
 #include "robot/model/load_profile.h"
 
@@ -34,7 +34,7 @@ std::string message_of(const std::string& profile) {
   return full_message(robot.error());
 }
 
-// a profile with one more member
+// A profile with one additional member.
 std::string message_with(const std::string& member) {
   return message_of("{\"name\": \"two_arms\", " + member + "}");
 }
@@ -186,7 +186,7 @@ TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
       HasSubstr("1 points but 0 labels"));
 }
 
-// every member with every type, at two depths: an error or a robot, never an exception
+// Every member with every type, at two depths: an error or a robot, never an exception.
 TEST(LoadProfileTest, CouplingsNameJointsAndNumbers) {
   const auto of = [](const std::string& coupling) {
     return message_with("\"coupled_joints\": {\"left_elbow\": " + coupling + "}");

@@ -58,7 +58,7 @@ TEST(NearestLimit, ReportsJointFrameSideAndDistance) {
   EXPECT_FALSE(nearest_limit(RobotClip(robot, {30, 1}, 0), robot->model_limits()));
 }
 
-// the elbow's zero is its lower limit
+// The elbow's zero is its lower limit.
 TEST(NearestLimit, IgnoresFixedJoints) {
   const auto robot = robot_from_text(kTwoArms);
   RobotClip clip(robot, {30, 1}, 3);
@@ -81,7 +81,7 @@ TEST(NormalizeStart, MovesTheWholeMotionRigidly) {
   const Pose first = root_of(clip, 0);
   EXPECT_LT((first.translation - Eigen::Vector3d(0, 0, 1)).norm(), 1e-12);
   EXPECT_NEAR(heading(first.rotation), 0.0, 1e-12);
-  // the tilt stays
+  // The tilt does not change.
   EXPECT_LT(first.rotation.angularDistance(about(Eigen::Vector3d::UnitY(), 0.3)), 1e-7);
   const Pose after = first.inverse() * root_of(clip, 1);
   EXPECT_LT((after.translation - before.translation).norm(), 1e-12);

@@ -41,7 +41,7 @@ TEST(ReadCollada, PlacesGeometryByItsNodes) {
   EXPECT_EQ(mesh->triangles[0], (std::array{0, 1, 2}));
 }
 
-TEST(ReadCollada, TakesOneGeometryTwice) {
+TEST(ReadCollada, ReadsAGeometryThatIsUsedTwice) {
   const auto mesh =
       read_mesh(collada(kPositions, kTriangle,
                         "<instance_geometry url=\"#g\"/><node><translate>0 0 1</translate>"
@@ -53,7 +53,7 @@ TEST(ReadCollada, TakesOneGeometryTwice) {
   EXPECT_EQ(mesh->vertices[4], Eigen::Vector3d(1, 0, 1));
 }
 
-TEST(ReadCollada, CutsPolygonsIntoTriangles) {
+TEST(ReadCollada, TriangulatesPolygons) {
   const auto mesh =
       read_mesh(collada("0 0 0 1 0 0 1 1 0 0 1 0 0 0 1",
                         "<polylist><input semantic=\"VERTEX\" offset=\"0\"/><vcount>4 3</vcount>"

@@ -1,4 +1,4 @@
-// The robots of the repository against the files that their figures come from.
+// The included robots, compared with their source files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using ::testing::ElementsAreArray;
 using ::testing::Pointwise;
 
 constexpr double kTolerance = 1e-12;
-// MuJoCo's rotation from an axis to a nearly parallel one has fewer digits
+// MuJoCo's rotation from an axis to a nearly parallel one has fewer digits.
 constexpr double kShapeTolerance = 1e-10;
 
 struct FiguresCase {
@@ -34,8 +34,8 @@ struct FiguresCase {
   const char* model;              // in that folder
   const char* ranges;             // in that folder: whose ranges are the model's
   bool hands_are_others = false;  // shapes of the hands are not those that were fitted
-  // metres by which the maker's present soles lie lower than those of the older meshes, boxes of the feet
-  // with them
+  // Metres by which the maker's current soles, and foot boxes, are lower than those of the older
+  // meshes.
   double lowered_soles = 0.0;
   std::set<std::string> other_shapes = {};  // bodies whose shapes are not those that were fitted
 };
@@ -44,7 +44,7 @@ void PrintTo(const FiguresCase& figures, std::ostream* out) {
   *out << figures.robot;
 }
 
-// a model by MuJoCo alone, without what needs files
+// The model in MuJoCo, without elements that need files.
 ModelPtr load_by_mujoco(const fs::path& path) {
   std::array<char, 1000> error{};
   mjSpec* spec = mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size()));
@@ -67,7 +67,7 @@ ModelPtr load_by_mujoco(const fs::path& path) {
   return model;
 }
 
-// a shape as a list of figures: its ends and radius, or its centre, axes and half size
+// A shape as a list of numbers: its ends and radius, or its centre, axes and half size.
 std::vector<double> figures_of(const CollisionShape& shape) {
   const Eigen::Vector3d up(0, 0, shape.half_length);
   const Pose& pose = shape.body_from_shape;
@@ -80,7 +80,7 @@ std::vector<double> figures_of(const CollisionShape& shape) {
     for (int i = 0; i < 3; ++i) add(pose.rotation.toRotationMatrix().col(i));
     add(shape.half_size);
   } else {
-    // which end is the first does not matter
+    // The order of the ends is irrelevant.
     add((pose * up).cwiseMin(pose * -up));
     add((pose * up).cwiseMax(pose * -up));
     figures.push_back(shape.radius);

@@ -13,7 +13,7 @@
 
 namespace retarget {
 
-/// A configuration of any robot: root anywhere, joints uniform in +-pi (rad or m).
+/// A random configuration of any robot, joints uniform in +-pi (rad or m).
 inline std::vector<double> random_configuration(const Robot& robot, std::mt19937& random) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> angle(-M_PI, M_PI);
@@ -39,7 +39,7 @@ inline std::vector<Pose> mujoco_kinematics(const mjModel& model, const std::vect
   return poses;
 }
 
-/// World poses of all bodies by our own walk.
+/// World poses of all bodies by an independent tree walk.
 inline std::vector<Pose> own_kinematics(const Robot& robot, const std::vector<double>& qpos) {
   std::vector<Pose> poses(robot.bodies().size());
   forward_kinematics(robot, qpos, poses);

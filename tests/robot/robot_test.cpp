@@ -1,4 +1,4 @@
-// Tree, forward kinematics and shapes of a robot, against MuJoCo and figures worked out by hand.
+// Tree, forward kinematics and shapes of a robot, against MuJoCo and values computed by hand.
 
 #include "retarget/robot.h"
 
@@ -91,7 +91,7 @@ TEST(ForwardKinematicsTest, HingeRotatesAboutItsAnchor) {
   <body name="arm" pos="1 0 0"><joint axis="0 0 1" pos="0 1 0"/><geom size="1"/></body>
 </body></worldbody></mujoco>)");
   ASSERT_NE(robot, nullptr);
-  // a quarter turn about (1, 1) takes the arm's origin from (1, 0) to (2, 1)
+  // A quarter turn about (1, 1) moves the arm's origin from (1, 0) to (2, 1).
   std::vector<double> qpos = robot->zero_configuration();
   qpos[7] = M_PI / 2;
   const auto poses = own_kinematics(*robot, qpos);

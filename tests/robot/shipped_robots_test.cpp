@@ -17,12 +17,12 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// the figures are rounded to tenths of a millimetre
+// The values are rounded to tenths of a millimetre.
 constexpr double kRounding = 2e-4;
-// between the left sole and the right one
+// Between the left and the right sole.
 constexpr double kFeetDiffer = 4e-4;
 
-// the height of a shape's lowest point
+// The height of the lowest point of a shape.
 double lowest_point(const CollisionShape& shape, const Pose& world_from_body) {
   const Pose world = world_from_body * shape.body_from_shape;
   const Eigen::RowVector3d up = world.rotation.toRotationMatrix().row(2);
@@ -51,7 +51,7 @@ TEST_P(ShippedRobots, HaveDescriptionAndSource) {
   EXPECT_THAT(robot_->profile().source, Not(IsEmpty()));
   EXPECT_THAT(robot_->profile().licence, Not(IsEmpty()));
   EXPECT_THAT(robot_->profile().speed_limits_source, Not(IsEmpty()));
-  // all joints are written
+  // All joints are output columns.
   EXPECT_EQ(robot_->output_joints().size(), robot_->joints().size());
 }
 
@@ -68,7 +68,7 @@ TEST_P(ShippedRobots, SolesAreLevelAndLowestAtTheZeroPose) {
     EXPECT_NEAR(points[0].z(), floor, kFeetDiffer);
     for (const Eigen::Vector3d& point : points) EXPECT_NEAR(point.z(), points[0].z(), kRounding);
     floor = std::min(floor, points[0].z());
-    // heel left, heel right, toe left, toe right of a robot that faces +x
+    // Heel left, heel right, toe left, toe right of a robot that faces +x.
     EXPECT_GT(points[2].x(), points[0].x() + 0.1);
     EXPECT_GT(points[3].x(), points[1].x() + 0.1);
     EXPECT_GT(points[0].y(), points[1].y());
@@ -87,7 +87,7 @@ TEST_P(ShippedRobots, EveryMovingBodyHasShapes) {
   for (const RobotJoint& joint : robot_->joints()) {
     EXPECT_TRUE(bodies.contains(joint.body)) << joint.name;
   }
-  // and all that MuJoCo has are among ours: none is of another kind
+  // Every contact geom of MuJoCo is among the shapes, so there are no other kinds.
   EXPECT_EQ(robot_->collision_shapes().size(), static_cast<std::size_t>(robot_->model()->ngeom));
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// a sole of 20 x 6 cm, 5 cm below the origin, whose middle line is `aside` metres beside it
+// A sole of 20 x 6 cm, 5 cm below the origin, with its centre line offset by `aside` metres.
 Sole sole_beside(double aside) {
   Sole sole;
   sole.side = "left";

@@ -1,4 +1,4 @@
-// Our mesh-free G1 against the figures that it was written from.
+// The mesh-free G1, compared with its source data.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST_F(UnitreeG1Test, TwentyNineJointsInPublishedOrder) {
   EXPECT_EQ(g1_->name(), "unitree_g1");
   EXPECT_EQ(g1_->bodies()[g1_->root_body()].name, "pelvis");
   EXPECT_EQ(g1_->output_joints().size(), 29U);
-  // as in the published data: legs left and right, waist, arms left and right
+  // As in the published data: legs left and right, waist, arms left and right.
   const auto name = [&](int column) { return g1_->joints()[g1_->output_joints()[column]].name; };
   EXPECT_EQ(name(0), "left_hip_pitch_joint");
   EXPECT_EQ(name(6), "right_hip_pitch_joint");
@@ -63,11 +63,11 @@ TEST_F(UnitreeG1Test, LoadsInMilliseconds) {
   for (int i = 0; i < kTimes; ++i) load_g1();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
   RecordProperty("load_ms", std::to_string(taken.count() / kTimes));
-  // 3 ms when it is quiet; with meshes it would be hundreds
+  // 3 ms on an idle machine; with meshes it would be hundreds.
   EXPECT_LT(taken.count() / kTimes, 200.0);
 }
 
-// the files that the figures come from
+// The source files of the values.
 class UnitreeG1FiguresTest : public UnitreeG1Test {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// Variants: joints held and left out of the columns.
+// Variants: joints held and omitted from the columns.
 
 #include "robot/model/variant.h"
 
@@ -103,7 +103,7 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
     }
     return names;
   };
-  // by columns: 13, 14 waist roll and pitch; 19 to 21 and 26 to 28 the wrists
+  // Columns: 13, 14 waist roll and pitch; 19 to 21 and 26 to 28 the wrists.
   const std::map<std::string, std::vector<int>> variants = {{"29", {}},
                                                             {"27", {13, 14}},
                                                             {"23", {13, 14, 20, 21, 27, 28}},
@@ -112,7 +112,7 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
     const auto variant = robot_variant(g1, name);
     ASSERT_TRUE(variant) << describe(variant.error());
     EXPECT_EQ(columns_of(**variant), without(held)) << name;
-    // a model of its own has no joints to hold
+    // An own model has no joints to hold.
     EXPECT_EQ((*variant)->whole() != nullptr, name == "23");
     EXPECT_EQ((*variant)->joints().size(), name == "23" ? 23U : 29U);
     if (name == "23") continue;
@@ -125,7 +125,7 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
   EXPECT_THAT(message, HasSubstr("\"23-pbhc\"?"));
 }
 
-// the two arms without the right one
+// The two-armed robot without the right arm.
 constexpr const char* kOneArm = R"(
 <mujoco>
   <compiler angle="radian"/>
@@ -168,7 +168,7 @@ Result<std::shared_ptr<const Robot>> one_arm(const std::string& model,
   return robot_variant(*robot, "one_arm");
 }
 
-TEST(RobotVariantTest, ModelsOfTheirOwnTakeTheProfileByNames) {
+TEST(RobotVariantTest, OwnModelsUseTheProfileByNames) {
   const auto variant = one_arm(kOneArm);
   ASSERT_TRUE(variant) << describe(variant.error());
   const Robot& robot = **variant;
@@ -188,12 +188,13 @@ TEST(RobotVariantTest, ModelsOfTheirOwnTakeTheProfileByNames) {
   EXPECT_EQ(robot.bodies()[robot.profile().soles.at(0).body].name, "left_lower");
   ASSERT_EQ(robot.profile().allowed_self_contact.size(), 1U);
   EXPECT_EQ(robot.bodies()[robot.profile().allowed_self_contact[0].first].name, "left_lower");
-  // a file of limits may be the whole robot's
+  // A limits file may be for the whole robot.
   const TemporaryFolder folder;
   const auto file = folder.write("l.json", R"({"right_slide": [0, 0.1], "left_elbow": [0, 1]})");
   ASSERT_TRUE(load_limits(robot, file)) << describe(load_limits(robot, file).error());
   EXPECT_EQ(load_limits(robot, file)->upper[0], 1.0);
-  // its motions and the whole robot's: joints by name, what it lacks where it is held
+  // Converts between the variant's motions and the whole robot's: joints by name, missing ones at
+  // their held position.
   RobotClip clip(*variant, {30, 1}, 1);
   for (int i = 0; i < 3; ++i) clip.qpos(0)[7 + i] = 0.1 * (i + 1);
   const RobotClip all = with_robot(clip, robot.whole());
@@ -267,8 +268,8 @@ TEST(RobotVariantTest, AnchorsMoveAlongTheJointsAxes) {
   EXPECT_THAT(fault_of("\"right_shoulder\": [0, 0, 0]"), HasSubstr("no such joint"));
 }
 
-// kinematics are held against the maker's by tests/io/variant_bodies_test.cpp
-TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
+// tests/io/variant_bodies_test.cpp compares the kinematics with the maker's.
+TEST(RobotVariantTest, G1With23JointsMatchesTheFullModelElsewhere) {
   const auto g1 = load_shipped("unitree_g1");
   const auto variant = robot_variant(g1, "23").value();
   for (const RobotJoint& joint : variant->joints()) {
@@ -282,12 +283,12 @@ TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
     if (!body) continue;  // the hand on the wrist's roll joint
     EXPECT_EQ(variant->model()->body_mass[joint.body], g1->model()->body_mass[*body]) << joint.name;
   }
-  // pelvis, legs, torso with its head, arms
+  // Pelvis, legs, torso with its head, arms.
   constexpr double kMass = 3.813 + 2 * (1.35 + 1.52 + 1.702 + 1.932 + 0.074 + 0.608) + 7.818 +
                            2 * (0.718 + 0.643 + 0.734 + 0.6 + 0.356929);
-  // frames are a milligram each
+  // Frame bodies have a milligram each.
   EXPECT_NEAR(variant->model()->body_subtreemass[0], kMass, 1e-4);
-  // as many shapes, in the same places while nothing is bent
+  // Equal number of shapes, at equal positions in the zero configuration.
   EXPECT_EQ(variant->collision_shapes().size(), g1->collision_shapes().size());
   std::vector<Pose> whole_poses(g1->bodies().size()), poses(variant->bodies().size());
   forward_kinematics(*g1, g1->zero_configuration(), whole_poses);
@@ -298,7 +299,7 @@ TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
     EXPECT_LT((poses[b].translation - whole_poses[*body].translation).norm(), 1e-9)
         << variant->bodies()[b].name;
   }
-  // forearms are as long: one axis of the wrist for three
+  // Forearms have equal lengths: one wrist axis instead of three.
   const TreeState whole(g1->tree(), g1->zero_configuration());
   const TreeState own(variant->tree(), variant->zero_configuration());
   for (const std::string side : {"left", "right"}) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the committed sample motions against what they promise, from the BVH files alone.
+"""Checks the documented properties of the committed samples, using only the BVH files.
 
     check_samples.py data/
 
@@ -27,7 +27,7 @@ RADII = {"Hips": 0.095, "Spine": 0.085, "Spine1": 0.085, "Spine2": 0.085, "Neck"
 
 
 class Broken(Exception):
-    """A promise that a clip does not keep."""
+    """A violated property of a clip."""
 
 
 def expect(condition: bool, message: str) -> None:

@@ -1,5 +1,5 @@
-// Files that Blender exported from the repository's samples (make_exported_files.py): the same motion, joint by
-// joint.
+// Files exported by Blender from the repository's samples (make_exported_files.py): the same
+// motion, joint by joint.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ Clip read(const std::string& name, const std::string& take = {}) {
   return *std::move(clip);
 }
 
-// the largest distance of a joint from the sample's in metres, Y up
+// The largest distance of a joint from the sample's in metres, Y up.
 double distance(const Clip& found, const std::string& sample, int first) {
   const auto bvh = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + sample);
   EXPECT_TRUE(bvh.has_value());
@@ -62,7 +62,7 @@ double distance(const Clip& found, const std::string& sample, int first) {
 constexpr double kMillimetre = 1e-3;
 constexpr int kFrames = 11;
 
-TEST(ExportedFilesTest, HoldTheSamplesMotion) {
+TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const Clip clip = read(name);
     EXPECT_EQ(clip.frame_count(), kFrames) << name;
@@ -71,7 +71,7 @@ TEST(ExportedFilesTest, HoldTheSamplesMotion) {
   }
 }
 
-// Z up, leaf bones, a skin
+// Z up, leaf bones, a skin.
 TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
   const Clip clip = read("wave_z_up.fbx");
   EXPECT_EQ(*clip.origin().up, Eigen::Vector3d::UnitZ());
@@ -79,11 +79,11 @@ TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
   EXPECT_LT(distance(clip, "wave.bvh", 30), 0.01 * kMillimetre);
 }
 
-TEST(ExportedFilesTest, MayHoldSeveralTakes) {
+TEST(ExportedFilesTest, MayContainSeveralTakes) {
   const Clip wave = read("takes.glb", "Wave");
   EXPECT_LT(distance(wave, "wave.bvh", 30), 0.01 * kMillimetre);
   EXPECT_EQ(wave.origin().takes.size(), 2U);
-  // in metres
+  // In metres.
   const Clip fbx = read("takes.fbx", "wave|Wave");
   EXPECT_EQ(*fbx.origin().metres_per_unit, 1.0);
   EXPECT_LT(distance(fbx, "wave.bvh", 30), 0.01 * kMillimetre);
@@ -91,21 +91,22 @@ TEST(ExportedFilesTest, MayHoldSeveralTakes) {
   EXPECT_LT(distance(read("takes.glb", "Squat"), "squat.bvh", 40), 0.01 * kMillimetre);
 }
 
-// the skin's bind pose: with no rotation the joints stand as in the sample's zero pose
+// The bind pose of the skin: without rotations, joints have the positions of the sample's zero
+// pose.
 TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
   for (const char* name : {"walk.glb", "wave_z_up.fbx"}) {
     const Clip clip = read(name);
     const auto leg = clip.skeleton().find("LeftLeg");
     ASSERT_TRUE(leg) << name;
-    // along x, as in the sample
+    // Along x, as in the sample.
     const Eigen::Vector3d offset =
         *clip.origin().metres_per_unit * clip.skeleton().joint(*leg).offset;
     EXPECT_LT((offset - Eigen::Vector3d(0.426, 0, 0)).norm(), kMillimetre) << name;
   }
 }
 
-// If any byte changes, the file is refused with a message, or read with finite numbers.
-TEST(ExportedFilesTest, MayBeDamaged) {
+// If any byte changes, the file is rejected with a message, or read with finite numbers.
+TEST(ExportedFilesTest, CauseNoCrashIfDamaged) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const std::string good = bytes_of(kFolder + name);
     SceneReadOptions options;

@@ -26,7 +26,7 @@ Matrix3d turn(int axis, double degrees) {
   return AngleAxisd(degrees * std::numbers::pi / 180.0, Vector3d::Unit(axis)).toRotationMatrix();
 }
 
-// the first axis of an order turns first, and so stands last in the product
+// The first axis of an order rotates first and is therefore last in the product.
 Matrix3d in_order(const std::string& order, const Vector3d& degrees) {
   Matrix3d rotation = Matrix3d::Identity();
   for (const char axis : order) rotation = turn(axis - 'X', degrees[axis - 'X']) * rotation;
@@ -47,7 +47,7 @@ int node_of(const Scene& scene, const std::string& name) {
   return 0;
 }
 
-TEST(FbxSceneTest, TurnsInEveryOrderOfAxes) {
+TEST(FbxSceneTest, AppliesEveryRotationOrder) {
   const char* orders[] = {"XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX"};
   for (int order = 0; order < 6; ++order) {
     FbxText file;
@@ -65,7 +65,7 @@ TEST(FbxSceneTest, TurnsInEveryOrderOfAxes) {
 
 // Autodesk, "FBX SDK Programmer's Guide", "Computing transformation matrices":
 // T Roff Rp Rpre R Rpost^-1 Rp^-1 Soff Sp S Sp^-1
-TEST(FbxSceneTest, PutsPivotsAndRotationsBeforeAndAfterInTheirPlaces) {
+TEST(FbxSceneTest, AppliesPivotsAndPreAndPostRotations) {
   FbxText file;
   const int limb = file.node("limb", 0, {1, 2, 3},
                              {{"PreRotation", {30, -20, 10}},
@@ -89,7 +89,7 @@ TEST(FbxSceneTest, PutsPivotsAndRotationsBeforeAndAfterInTheirPlaces) {
     affine.linear() = rotation;
     return affine;
   };
-  // rotations before and after are in the order XYZ whatever the limb's own is
+  // Pre- and post-rotations have the order XYZ, independent of the limb's own.
   const Matrix3d before = in_order("XYZ", {30, -20, 10}), after = in_order("XYZ", {-15, 25, 40});
   const Eigen::Affine3d expected =
       moved(1, 2, 3) * moved(0.1, 0.2, 0.3) * moved(0.5, -0.4, 0.3) * turned(before) *
@@ -112,8 +112,8 @@ TEST(FbxSceneTest, ReadsUnitAxesAndRate) {
   EXPECT_DOUBLE_EQ(metres.metres_per_unit, 1.0);
 }
 
-// a helper above the root moves what hangs from it; a mesh is no joint
-TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
+// A helper above the root moves its children; a mesh is not a joint.
+TEST(FbxSceneTest, KeepsTheTransformsOfHelpersAboveTheRoot) {
   FbxText file;
   const int helper =
       file.node("helper", 0, {10, 0, 0}, {{"Lcl Scaling", {0.5, 0.5, 0.5}}}, 0, "Null");
@@ -129,13 +129,13 @@ TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
   ASSERT_EQ(clip->frame_count(), 31);
   EXPECT_LT((clip->translation(0, 0) - Vector3d(10, 2, 0)).norm(), 1e-9);
   EXPECT_LT((clip->translation(30, 0) - Vector3d(12, 2, 0)).norm(), 1e-9);
-  // the scale above makes the leg half as long
+  // The scale above halves the leg.
   EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(0, -1, 0)).norm(), 1e-9);
   EXPECT_FALSE(clip->skeleton().joint(1).has_position_channels());
   EXPECT_LT((clip->rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
 }
 
-TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
+TEST(FbxSceneTest, ReadsTheRequestedTake) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("empty", 0, 9);
@@ -161,8 +161,8 @@ TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
   EXPECT_THAT(missing.error().message, HasSubstr("empty, short, long"));
 }
 
-// a camera that flies for half a minute, a pose that is held for ten seconds, a walk of two
-TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
+// A camera that moves for half a minute, a pose held for ten seconds, a walk of two.
+TEST(FbxSceneTest, ReadsTheTakeThatMovesTheSkeleton) {
   for (const bool are_limbs : {true, false}) {
     FbxText file;
     std::vector<int> limbs;
@@ -194,8 +194,7 @@ TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
     const auto pose = read_scene(file.text(), "test.fbx", options);
     ASSERT_TRUE(pose) << pose.error().message;
     ASSERT_EQ(pose->origin().warnings.size(), 1U);
-    EXPECT_THAT(pose->origin().warnings[0].message,
-                HasSubstr("nothing moves in the take \"pose\""));
+    EXPECT_THAT(pose->origin().warnings[0].message, HasSubstr("the take \"pose\" has no movement"));
     options.take = "wolk";
     EXPECT_THAT(read_scene(file.text(), "test.fbx", options).error().message,
                 HasSubstr("did you mean \"walk\""));
@@ -204,11 +203,11 @@ TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
     const auto flight = read_scene(file.text(), "test.fbx", options);
     ASSERT_FALSE(flight);
     EXPECT_EQ(flight.error().kind, ErrorKind::kUsage);
-    EXPECT_THAT(flight.error().message, HasSubstr("Takes that move it: walk"));
+    EXPECT_THAT(flight.error().message, HasSubstr("Takes that have: walk"));
   }
 }
 
-TEST(FbxSceneTest, IsRecognisedBehindCommentsAndAByteOrderMark) {
+TEST(FbxSceneTest, IsRecognisedAfterCommentsAndAByteOrderMark) {
   const std::string text = FbxText().text();
   const std::string rest = text.substr(text.find('\n') + 1);
   EXPECT_EQ(file_type("\xEF\xBB\xBF" + text).kind, FileKind::kFbx);
@@ -230,7 +229,7 @@ TEST(FbxSceneTest, NamesTheLocationOfAStrayKey) {
               HasSubstr("between 0.1 s and 3e+07 s"));
 }
 
-TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
+TEST(FbxSceneTest, ReportsFewKeysInsteadOfUnevenKeys) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("pose", 0, 1);
@@ -244,7 +243,7 @@ TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
   EXPECT_THAT(clip->origin().choices, ::testing::Not(HasSubstr("evenly")));
 }
 
-TEST(FbxSceneTest, SamplesAsOftenAsAskedFor) {
+TEST(FbxSceneTest, SamplesAtTheRequestedRate) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
   file.take("move", 0, 1);
@@ -263,7 +262,7 @@ TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
   const auto without = read_scene(still.text(), "still.fbx");
   ASSERT_FALSE(without);
   EXPECT_THAT(without.error().message, HasSubstr("holds no animation"));
-  // an option that `inspect` has
+  // An option of `inspect`.
   EXPECT_THAT(without.error().hint, HasSubstr("inspect " OPTION("skeleton") " shows"));
   SceneReadOptions skeleton;
   skeleton.skeleton_only = true;
@@ -275,15 +274,16 @@ TEST(FbxSceneTest, RejectsFilesWithoutMotion) {
   mirror.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {1, 0, 0}}});
   EXPECT_THAT(read_scene(mirror.text(), "mirror.fbx").error().message, HasSubstr("negative scale"));
 
-  // a key a thousand years on
+  // A key a thousand years later.
   FbxText ages;
   const int slow = ages.node("Hips", 0, {0, 0, 0});
   ages.take("move", 0, 3e7);
   ages.keys(slow, "Lcl Translation", {{0, {0, 0, 0}}, {3e7, {1, 0, 0}}});
-  EXPECT_THAT(read_scene(ages.text(), "ages.fbx").error().message, HasSubstr("more memory"));
+  EXPECT_THAT(read_scene(ages.text(), "ages.fbx").error().message,
+              HasSubstr("exceed the memory limit"));
 }
 
-TEST(FbxSceneTest, WarnsOfScaleThatIsUnevenOrChanges) {
+TEST(FbxSceneTest, WarnsAboutNonUniformOrChangingScale) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0}, {{"Lcl Scaling", {1, 2, 1}}});
   file.node("Leg", root, {0, -1, 0});
@@ -292,7 +292,7 @@ TEST(FbxSceneTest, WarnsOfScaleThatIsUnevenOrChanges) {
   const auto clip = read_scene(file.text(), "test.fbx");
   ASSERT_TRUE(clip) << clip.error().message;
   ASSERT_EQ(clip->origin().warnings.size(), 2U);
-  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("unevenly"));
+  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("non-uniform"));
   EXPECT_THAT(clip->origin().warnings[1].message, HasSubstr("changes during the motion"));
 }
 

@@ -12,7 +12,7 @@ namespace retarget {
 /// Ticks of FBX's clock in a second.
 inline constexpr long long kFbxSecond = 46186158000;
 
-/// Puts an FBX file of text together: limbs with properties, takes with keys that are linear.
+/// Builds a text FBX file: limbs with properties, takes with linear keys.
 class FbxText {
  public:
   using Vector = std::array<double, 3>;
@@ -66,7 +66,7 @@ class FbxText {
     return id;
   }
 
-  /// Adds a take, which the curves that follow belong to.
+  /// Adds a take for the following curves.
   void take(const std::string& name, double begin, double end) {
     const int stack = next();
     layer_ = next();

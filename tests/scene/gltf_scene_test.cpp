@@ -33,7 +33,7 @@ std::string packed(const std::vector<Number>& numbers) {
   return bytes;
 }
 
-// a node that moves: times and values, stored as floats in the text
+// A moving node: times and values, stored as floats in the text.
 struct Animated {
   std::string path = "translation", interpolation = "LINEAR", type = "VEC3";
   std::vector<float> times, values;
@@ -71,7 +71,7 @@ std::string message_of(const std::string& text, const std::string& name = "test.
   return clip ? "" : clip.error().message;
 }
 
-TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
+TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   Animated moved;
   moved.times = {1, 2};
   moved.values = {0, 0, 0, 8, 0, 4};
@@ -85,7 +85,7 @@ TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
   moved.interpolation = "STEP";
   EXPECT_EQ(read(moved.text()).motion->at(0, 0, 1.99).translation, Vector3d(0, 0, 0));
 
-  // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart
+  // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart.
   moved.interpolation = "CUBICSPLINE";
   moved.times = {0, 2};
   moved.values = {9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 5, 0, 0, 9, 9, 9};
@@ -96,7 +96,7 @@ TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
   EXPECT_NEAR(read(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
 }
 
-// a float is not the time of a frame: the jump is at the frame all the same
+// A float does not equal the frame time exactly, but the jump is still at the frame.
 TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
   Animated moved;
   moved.interpolation = "STEP";
@@ -110,7 +110,7 @@ TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
   for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip->translation(frame, 0).x(), frame);
 }
 
-TEST(GltfSceneTest, TurnsTheShortWay) {
+TEST(GltfSceneTest, InterpolatesRotationsTheShortWay) {
   Animated turned;
   turned.path = "rotation";
   turned.type = "VEC4";
@@ -179,12 +179,13 @@ TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
   const std::string name = (folder.path() / "scene" / "test.gltf").string();
   moved.uri = "my%20buffer.bin";
   EXPECT_EQ(message_of(moved.text(), name), "");
-  EXPECT_THAT(message_of(moved.text(), "standard input"), HasSubstr("standard input has none"));
+  EXPECT_THAT(message_of(moved.text(), "standard input"),
+              HasSubstr("standard input cannot provide"));
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("link.bin"), outside, "file://" + outside,
         std::string("http://example.com/a.bin"), std::string("%2e%2e/outside.bin")}) {
     moved.uri = uri;
-    EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not a file of its own folder")) << uri;
+    EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not in the folder of the file")) << uri;
   }
 }
 
@@ -201,29 +202,33 @@ TEST(GltfSceneTest, RejectsImpossibleValues) {
   EXPECT_THAT(with([](Animated& a) { a.times[1] = NAN; }), HasSubstr("not finite"));
   EXPECT_THAT(with([](Animated& a) { a.values[1] = INFINITY; }), HasSubstr("not finite"));
   EXPECT_THAT(with([](Animated& a) { a.times = {1, 0}; }), HasSubstr("do not ascend"));
-  EXPECT_THAT(with([](Animated& a) { a.times = {0, 1, 2}; }), HasSubstr("other numbers"));
+  EXPECT_THAT(with([](Animated& a) {
+                a.times = {0, 1, 2};
+              }),
+              HasSubstr("different numbers of times"));
   EXPECT_THAT(with([](Animated& a) { a.interpolation = "SMOOTH"; }),
-              HasSubstr("sampler is broken"));
+              HasSubstr("sampler is invalid"));
   EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [0]})"; }),
-              HasSubstr("form a ring"));
+              HasSubstr("form a cycle"));
   EXPECT_THAT(with([](Animated& a) {
                 a.nodes = R"({"children": [1]}, {"children": [2]}, {"children": [1]})";
               }),
               HasSubstr("two parents"));
-  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [7]})"; }), HasSubstr("not there"));
+  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [7]})"; }), HasSubstr("missing"));
   EXPECT_THAT(with([](Animated& a) {
                 a.path = "rotation";
                 a.type = "VEC4";
                 a.values.assign(8, 0.0F);
               }),
-              HasSubstr("no length"));
+              HasSubstr("zero quaternion"));
   std::string cut = good.text();
   cut.resize(cut.size() / 2);
   EXPECT_NE(message_of(cut), "");
   EXPECT_THAT(message_of(std::string("glTF\x01\0\0\0 12345678901234", 23)), HasSubstr("version"));
 }
 
-// thousands of buffers of one file are that file once; a pipe is none; a missing one is named with its glTF
+// Thousands of buffers of one file load it once; a pipe is rejected; a missing file is named with
+// its glTF.
 TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   constexpr int kBuffers = 200;
   const TemporaryFolder folder;
@@ -249,7 +254,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
 "bufferViews": [{}], "accessors": [{}], "animations": [{{"channels": [{}], "samplers": [{}]}}]}})",
         buffers, views, accessors, channels, samplers);
   };
-  // four times the file, for two hundred buffers
+  // Four times the file size, for two hundred buffers.
   const auto once = read_gltf(text("big.bin"), name, std::size_t{4} << 20U);
   EXPECT_TRUE(once.has_value()) << once.error().message;
   const auto too_large = read_gltf(text("big.bin"), name, std::size_t{1} << 19U);
@@ -258,12 +263,12 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   for (const char* uri : {"pipe.bin", "missing.bin"}) {
     const auto refused = read_gltf(text(uri), name, kMemory);
     ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().message, HasSubstr("is no file beside it"));
+    EXPECT_THAT(refused.error().message, HasSubstr("is missing or not a regular file"));
     EXPECT_THAT(refused.error().location.file, HasSubstr("test.gltf"));
   }
 }
 
-TEST(GltfSceneTest, LooksThroughNoMoreTakesThanThereCanBe) {
+TEST(GltfSceneTest, LimitsTheNumberOfTakes) {
   Animated moved;
   moved.times = {0, 1};
   moved.values = {0, 0, 0, 1, 1, 1};
@@ -275,8 +280,8 @@ TEST(GltfSceneTest, LooksThroughNoMoreTakesThanThereCanBe) {
   EXPECT_THAT(message_of(text), HasSubstr("5001 animations of 5001 nodes"));
 }
 
-// leaves without end are seen once each; more joints than a body has are refused
-TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
+// Each leaf is visited once; more joints than a body has are rejected.
+TEST(GltfSceneTest, LimitsTheNumberOfJoints) {
   Animated moved;
   moved.times = {0, 1};
   moved.values = {0, 0, 0, 1, 1, 1};
@@ -295,8 +300,8 @@ TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
   EXPECT_THAT(with_leaves(60000), HasSubstr("60001 joints; 5000 are allowed"));
 }
 
-// many samplers of the same numbers are no way to fill the memory
-TEST(GltfSceneTest, ReadsTheSameBytesNotWithoutEnd) {
+// Many samplers that share numbers must not exhaust the memory.
+TEST(GltfSceneTest, LimitsRepeatedReadsOfTheSameBytes) {
   Animated moved;
   moved.times.resize(20000);
   for (std::size_t i = 0; i < moved.times.size(); ++i) moved.times[i] = static_cast<float>(i);

@@ -20,7 +20,7 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// writes a document of a pelvis, a spine and a leg as MVN does
+// Writes a document of a pelvis, a spine and a leg in MVN's form.
 struct Document {
   std::string frames;
   std::string rate = "frameRate=\"60\"";
@@ -56,7 +56,7 @@ Quaterniond about_x(double angle) {
   return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX()));
 }
 
-// the body stands with the pelvis at a height; then turned as a whole about x
+// The body stands with the pelvis at a height, and is then rotated as a whole about x.
 std::vector<Pose> poses(double angle) {
   const Quaterniond q = about_x(angle);
   const Vector3d pelvis(0.1, 0.2, 0.95);
@@ -90,8 +90,8 @@ TEST(MvnxTest, ReadsSegmentsAsJoints) {
   }
 }
 
-// rotations are measured from the pose of calibration
-TEST(MvnxTest, TakesTheTposeAsZeroPose) {
+// Rotations are relative to the calibration pose.
+TEST(MvnxTest, UsesTheTposeAsZeroPose) {
   Document document;
   document.add("npose", poses(0.5));
   document.add("tpose", poses(0.2));
@@ -120,13 +120,13 @@ TEST(MvnxTest, RejectsImpossibleValues) {
   EXPECT_THAT(message(ring), HasSubstr("ring"));
   Document stranger = good;
   stranger.joints += "<joint><connector1>Arm/a</connector1><connector2>Leg/a</connector2></joint>";
-  EXPECT_THAT(message(stranger), HasSubstr("not there"));
+  EXPECT_THAT(message(stranger), HasSubstr("unknown segments"));
   Document short_frame = good;
   short_frame.frames += "<frame type=\"normal\"><orientation>1 0 0 0</orientation></frame>";
-  EXPECT_THAT(message(short_frame), HasSubstr("of each of its 3 segments"));
+  EXPECT_THAT(message(short_frame), HasSubstr("for its 3 segments"));
   Document not_finite = good;
   not_finite.add("normal", {{Quaterniond::Identity(), {NAN, 0, 0}}, {}, {}});
-  EXPECT_THAT(message(not_finite), HasSubstr("of each of its 3 segments"));
+  EXPECT_THAT(message(not_finite), HasSubstr("for its 3 segments"));
   Document not_unit = good;
   not_unit.add("normal", {{Quaterniond(0, 0, 0, 0), {0, 0, 0}}, {}, {}});
   EXPECT_THAT(message(not_unit), HasSubstr("unit quaternion"));

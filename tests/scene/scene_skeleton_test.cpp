@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// adds a chain of nodes below a node
+// Adds a chain of nodes below a node.
 int add_chain(Scene& scene, const std::string& name, int parent, int count, bool are_bones,
               bool move) {
   for (int i = 0; i < count; ++i) {
@@ -49,7 +49,7 @@ TEST(SceneSkeletonTest, ChoosesTheMovingSkeleton) {
   EXPECT_EQ(missing.error().kind, ErrorKind::kUsage);
 }
 
-TEST(SceneSkeletonTest, AsksWhichOfTwoDancers) {
+TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
   Scene scene = scene_of_one_take();
   const int first = add_chain(scene, "Armature", -1, 1, false, false);
   add_chain(scene, "hips", first, 15, true, true);
@@ -58,7 +58,7 @@ TEST(SceneSkeletonTest, AsksWhichOfTwoDancers) {
   const auto both = choose_skeleton(scene, 0, "", "a.fbx");
   ASSERT_FALSE(both);
   EXPECT_THAT(both.error().message, HasSubstr("2 skeletons"));
-  // by a node above the root where the roots' names are the same
+  // By a node above the root if the roots have equal names.
   EXPECT_EQ(choose_skeleton(scene, 0, "Armature.001", "a.fbx")->joints.front(), hips);
 }
 
@@ -69,7 +69,7 @@ std::string told_of_others(const Scene& scene, int take, const std::string& root
   return other_actors_text(scene, *chosen, take);
 }
 
-TEST(SceneSkeletonTest, NamesASecondActorWhoMovesLess) {
+TEST(SceneSkeletonTest, WarnsAboutASecondActorWithLessMovement) {
   Scene scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 60, true, true);
   add_chain(scene, "Bob", -1, 20, true, true);
@@ -79,7 +79,7 @@ TEST(SceneSkeletonTest, NamesASecondActorWhoMovesLess) {
   EXPECT_THAT(text, Not(HasSubstr("take")));
 }
 
-TEST(SceneSkeletonTest, NamesASecondActorOfAnotherTake) {
+TEST(SceneSkeletonTest, WarnsAboutASecondActorInAnotherTake) {
   Scene scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 20, true, true);
   add_chain(scene, "Bob", -1, 20, true, false);
@@ -94,7 +94,7 @@ TEST(SceneSkeletonTest, NamesASecondActorOfAnotherTake) {
   EXPECT_THAT(spell_options(text), HasSubstr("root NAME with take NAME reads another skeleton"));
 }
 
-TEST(SceneSkeletonTest, NamesAnActorByANodeAboveWhereRootsHaveOneName) {
+TEST(SceneSkeletonTest, NamesActorsWithEqualRootsByANodeAbove) {
   Scene scene = scene_of_one_take();
   const int first = add_chain(scene, "Armature", -1, 1, false, false);
   add_chain(scene, "hips", first, 60, true, true);
@@ -103,7 +103,7 @@ TEST(SceneSkeletonTest, NamesAnActorByANodeAboveWhereRootsHaveOneName) {
   EXPECT_THAT(told_of_others(scene, 0), HasSubstr("another skeleton moves: \"Armature.001\""));
 }
 
-TEST(SceneSkeletonTest, SaysNothingOfStatuesAndProps) {
+TEST(SceneSkeletonTest, IgnoresStatuesAndProps) {
   Scene scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 60, true, true);
   add_chain(scene, "statue", -1, 40, true, false);
@@ -122,7 +122,7 @@ TEST(SceneSkeletonTest, KeepsHelpersBetweenJoints) {
   EXPECT_EQ(chosen->joints.size(), 13U);
 }
 
-TEST(SceneSkeletonTest, TakesPlainNodesWhereThereAreNoLimbs) {
+TEST(SceneSkeletonTest, UsesPlainNodesWithoutLimbs) {
   Scene scene = scene_of_one_take();
   add_chain(scene, "world", -1, 1, false, false);
   const int hips = add_chain(scene, "hips", 0, 10, false, true);

@@ -30,7 +30,7 @@ SmplRestBody crooked_body() {
   return body;
 }
 
-// the bodies of InterMimic's model: which of kSmplJointNames each is, -1: a finger
+// Bodies of InterMimic's model: their index in kSmplJointNames, -1: a finger.
 std::vector<int> joint_of_body() {
   std::vector<int> joints = {0, 1, 4, 7, 10, 2, 5, 8, 11, 3, 6, 9, 12, 15, 13, 16, 18, 20};
   joints.insert(joints.end(), 15, -1);
@@ -39,9 +39,9 @@ std::vector<int> joint_of_body() {
   return joints;
 }
 
-// a motion in InterMimic's columns, from its arrays and body by the models' own recursion
+// A motion in InterMimic's columns, from its arrays and body by the models' own recursion.
 std::vector<float> intermimic_rows(const Parts& parts, const SmplRestBody& body) {
-  // x forward, y to the left, z up from x left, y up, z forward
+  // x forward, y to the left, z up from x left, y up, z forward.
   const auto turned = [](const Eigen::Vector3d& v) { return Eigen::Vector3d(v.z(), v.x(), v.y()); };
   const Eigen::Quaterniond smpl_from_body(0.5, -0.5, -0.5, -0.5);
   const std::vector<int> order = joint_of_body();
@@ -93,7 +93,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
   const SmplMotion expected = motion_of(parts.npz());
   EXPECT_FALSE(found.approximate_body);
   EXPECT_EQ(found.clip.rate(), (FrameRate{30, 1}));
-  EXPECT_THAT(warnings_of(found), HasSubstr("30 fps, as InterMimic's motions have"));
+  EXPECT_THAT(warnings_of(found), HasSubstr("assuming InterMimic's 30 fps"));
   std::vector<Pose> poses(kSmplJointCount);
   for (int frame = 0; frame < found.clip.frame_count(); ++frame) {
     for (int joint = 0; joint < kSmplJointCount; ++joint) {
@@ -101,7 +101,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
           found.clip.rotations(frame)[joint].angularDistance(expected.clip.rotations(frame)[joint]),
           1e-6);
     }
-    // every place of the file
+    // Every position in the file.
     forward_kinematics(found.clip, frame, poses);
     const std::vector<int> order = joint_of_body();
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -112,7 +112,7 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
                 2e-6);
     }
   }
-  // a model without betas is a stranger's
+  // A model without betas would be another person's.
   const Result<SmplBody> model = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(model.has_value());
   SmplReadOptions options;
@@ -120,9 +120,10 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
   expect_same_motion(motion_of(intermimic_file(rows), options), found);
 }
 
-TEST(InterMimicTest, FingersAreBehindTheirWrists) {
+TEST(InterMimicTest, FingersFollowTheirWrists) {
   std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
-  // x forward, y left, z up: the first joint of the left index finger and the last of the right thumb
+  // x forward, y left, z up: the first joint of the left index finger and the last of the right
+  // thumb.
   for (std::size_t frame = 0; frame < kPartFrames; ++frame) {
     const float angle = 0.1F * static_cast<float>(frame);
     rows[591 * frame + 9 + 3 * 17] = angle;
@@ -136,14 +137,14 @@ TEST(InterMimicTest, FingersAreBehindTheirWrists) {
   const auto turn = [&](const char* name) {
     return log_so3(motion.clip.rotations(2)[static_cast<std::size_t>(*skeleton.find(name))]);
   };
-  // the models' axes: x left, y up, z forward
+  // The models' axes: x left, y up, z forward.
   EXPECT_LT((turn("left_index1") - Eigen::Vector3d(0, 0, 0.2)).norm(), 1e-6);
   EXPECT_LT((turn("right_thumb3") - Eigen::Vector3d(0.2, 0, 0)).norm(), 1e-6);
   EXPECT_LT(turn("left_thumb1").norm(), 1e-6);
   EXPECT_EQ(motion_of(intermimic_file(rows)).clip.skeleton().joint_count(), 22);
 }
 
-TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
+TEST(InterMimicTest, RejectsOtherTensorsOfTheSameWidth) {
   const std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
   const auto with = [&](std::size_t at, float value) {
     std::vector<float> changed = rows;
@@ -153,14 +154,14 @@ TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
   EXPECT_THAT(with(591 + 20, std::nanf("")), HasSubstr("NaN in frame 1, column 20"));
   EXPECT_THAT(with(162 + 3, HUGE_VALF), HasSubstr("infinity in frame 0, column 165"));
   EXPECT_THAT(with(3 * 591 + 6, 3.0F),
-              HasSubstr("columns 3 to 6 of frame 3 are no unit quaternion"));
-  EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bones change their place by up to"));
-  EXPECT_THAT(with(0, 4.0F), HasSubstr("bones change their place by up to"));
+              HasSubstr("columns 3 to 6 of frame 3 are not a unit quaternion"));
+  EXPECT_THAT(with(2 * 591 + 162 + 6, 1.0F), HasSubstr("bone offsets vary by up to"));
+  EXPECT_THAT(with(0, 4.0F), HasSubstr("bone offsets vary by up to"));
   EXPECT_THAT(error_of(intermimic_file({})), HasSubstr("has no frames"));
   // Column 320 is not read.
   EXPECT_EQ(with(320, std::nanf("")), "no error");
   std::vector<float> large = intermimic_rows(Parts(), generic_smpl_rest_body(180));
-  EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("make no body in metres"));
+  EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("do not form a body in metres"));
 }
 
 TEST(InterMimicTest, RestOffsetsAreTheBody) {
@@ -183,7 +184,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
   };
   const SmplMotion found = motion_of(with("rest_offsets", npy_doubles({24, 3}, offsets)));
   EXPECT_FALSE(found.approximate_body);
-  EXPECT_THAT(warnings_of(found), HasSubstr("30 fps, as OMOMO has"));
+  EXPECT_THAT(warnings_of(found), HasSubstr("assuming 30 fps, as in OMOMO"));
   const Skeleton& skeleton = found.clip.skeleton();
   for (int joint = 1; joint < kSmplJointCount; ++joint) {
     const Eigen::Vector3d offset = body.joints[joint] - body.joints[kSmplParents[joint]];
@@ -193,7 +194,7 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
   EXPECT_NEAR(found.height, 1.8, 0.05);
   EXPECT_EQ(found.clip.translation(0, 0),
             Eigen::Vector3d(parts.trans[0], parts.trans[1], parts.trans[2]));
-  // betas of the user's own model are more
+  // Betas of the user's own model provide more information.
   const Result<SmplBody> model = read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz");
   ASSERT_TRUE(model.has_value());
   SmplReadOptions options;
@@ -205,14 +206,14 @@ TEST(InterMimicTest, RestOffsetsAreTheBody) {
               HasSubstr("rest_offsets\": expected numbers of shape (22 or more, 3), found (2, 3)"));
   for (double& value : offsets) value *= 100.0;
   EXPECT_THAT(error_of(with("rest_offsets", npy_doubles({24, 3}, offsets))),
-              HasSubstr("no offsets of a body's joints"));
+              HasSubstr("the offsets do not form a body"));
   offsets[4] = std::nan("");
   EXPECT_THAT(error_of(with("rest_offsets", npy_doubles({24, 3}, offsets))),
-              HasSubstr("no offsets of a body's joints"));
+              HasSubstr("the offsets do not form a body"));
 }
 
-// the sample of InterMimic's form: the clip's joints are where the file has them
-TEST(InterMimicTest, RealInterMimicMotionKeepsItsPlaces) {
+// The sample in InterMimic's form: the clip's joints have the positions of the file.
+TEST(InterMimicTest, RealMotionKeepsItsPositions) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const auto motion =

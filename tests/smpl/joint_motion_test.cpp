@@ -46,16 +46,16 @@ std::string texts_of(const JointMotion& motion) {
   return text;
 }
 
-TEST(JointMotionTest, ShapesOfHumanMlAndMdm) {
+TEST(JointMotionTest, ReadsShapesOfHumanMlAndMdm) {
   const JointMotion human_ml = joints_of(npy_doubles({2, 22, 3}, counted(132)));
   EXPECT_EQ(human_ml.frame_count, 2);
   EXPECT_EQ(human_ml.joint_count, 22);
   EXPECT_EQ(human_ml.position(1, 2), Eigen::Vector3d(72, 73, 74));
   EXPECT_EQ(to_text(human_ml.rate), "20");
-  EXPECT_THAT(texts_of(human_ml), HasSubstr("20 fps, as HumanML3D and MDM have, are assumed"));
+  EXPECT_THAT(texts_of(human_ml), HasSubstr("assuming 20 fps, as HumanML3D and MDM have"));
   EXPECT_TRUE(human_ml.names.empty());
 
-  // samples, joints, axes, frames
+  // Samples, joints, axes, frames.
   SmplReadOptions second;
   second.take = "2";
   const std::string mdm = npy_doubles({3, 22, 3, 4}, counted(792));
@@ -71,7 +71,7 @@ TEST(JointMotionTest, ShapesOfHumanMlAndMdm) {
   EXPECT_EQ(joints_of(npy_doubles({1, 5, 22, 3}, counted(330))).frame_count, 5);
 }
 
-// A dictionary as numpy.save writes it: an array of one pickled object.
+// A dictionary in the form of numpy.save: an array of one pickled object.
 std::string saved_dictionary(const std::string& members) {
   using namespace std::string_literals;
   const std::string pickle =
@@ -99,11 +99,11 @@ std::string dictionary_of_arrays(const std::vector<std::pair<std::string, NpyArr
   }
   writer.end_dict();
   std::string pickle = writer.finish();
-  // without its own head and end
+  // Without its own head and end.
   return pickle.substr(2, pickle.size() - 3);
 }
 
-TEST(JointMotionTest, ResultsOfMdmArePickledDictionaries) {
+TEST(JointMotionTest, ReadsMdmResults) {
   const std::vector<double> lengths = {3, 4};
   const std::string members =
       dictionary_of_arrays({{"motion", float64_array(counted(2 * 22 * 3 * 4), {2, 22, 3, 4})},
@@ -124,10 +124,10 @@ TEST(JointMotionTest, ResultsOfMdmArePickledDictionaries) {
   const std::string evil =
       "\x80\x02"
       "cposix\nsystem\nX\x02\0\0\0id\x85R."s;
-  EXPECT_THAT(joint_error(npy("|O", "()", evil)), HasSubstr("posix.system, which is refused"));
+  EXPECT_THAT(joint_error(npy("|O", "()", evil)), HasSubstr("posix.system, which is not allowed"));
 }
 
-TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
+TEST(JointMotionTest, ReadsNpzWithNamesRatesAndHeight) {
   NpzWriter writer;
   const std::vector<std::string> names = {"a", "b"};
   writer.add("joint_positions", float64_array(counted(12), {2, 2, 3}));
@@ -147,7 +147,7 @@ TEST(JointMotionTest, NpzWithNamesRatesAndHeight) {
   EXPECT_EQ(joints_of(bytes, other).names, other.joint_names);
   other.joint_names = {"x"};
   EXPECT_THAT(joint_error(bytes, other),
-              HasSubstr("it has 2 joints, but there is 1 name in the list of --joint-names"));
+              HasSubstr("it has 2 joints, but there is 1 name in the file of --joint-names"));
 }
 
 TEST(JointMotionTest, ReportsAssumedRates) {
@@ -181,10 +181,12 @@ TEST(JointMotionTest, KimodoHasRotations) {
   EXPECT_EQ(to_text(motion.rate), "30");
   EXPECT_EQ(joints_of(kimodo(30)).names.back(), "RightToeBase");
   EXPECT_EQ(joints_of(kimodo(22)).names.front(), "pelvis");
-  EXPECT_THAT(joint_error(kimodo(34)), HasSubstr("found one of a robot: Kimodo's of the G1"));
-  EXPECT_THAT(joint_error(kimodo(27)), HasSubstr("77 or 30 joints of SOMA"));
-  EXPECT_THAT(joint_error(kimodo(22, 1.1)), HasSubstr("no rotation in frame 0, joint 0"));
-  EXPECT_THAT(joint_error(kimodo(22, -1.0)), HasSubstr("no rotation in frame 0, joint 0"));
+  EXPECT_THAT(joint_error(kimodo(34)), HasSubstr("found a robot motion: Kimodo's G1"));
+  EXPECT_THAT(joint_error(kimodo(27)), HasSubstr("77 or 30 SOMA joints"));
+  EXPECT_THAT(joint_error(kimodo(22, 1.1)),
+              HasSubstr("invalid rotation matrix in frame 0, joint 0"));
+  EXPECT_THAT(joint_error(kimodo(22, -1.0)),
+              HasSubstr("invalid rotation matrix in frame 0, joint 0"));
 }
 
 TEST(JointMotionTest, RejectsOtherArrays) {
@@ -200,11 +202,11 @@ TEST(JointMotionTest, RejectsOtherArrays) {
   EXPECT_THAT(joint_error(npy_doubles({2, 22, 3}, counted(132)), little), HasSubstr("memory"));
   SmplReadOptions take;
   take.take = "2";
-  EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("one motion alone"));
+  EXPECT_THAT(joint_error(Parts().npz(), take), HasSubstr("only one motion"));
 }
 
-TEST(JointMotionTest, OneOfSeveralDictionaries) {
-  // WHAM: a dictionary by numbers of people
+TEST(JointMotionTest, SelectsOneOfSeveralDictionaries) {
+  // WHAM: a dictionary by person number.
   PickleWriter writer;
   writer.begin_dict();
   for (const char* who : {"ann", "bob"}) {

@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFrames = 20;
 
-// three joints that go along x
+// Three joints that move along x.
 JointMotion going() {
   JointMotion motion;
   motion.frame_count = kFrames;
@@ -64,7 +64,7 @@ TEST(LostPoints, NothingIsBridgedAtTheEnds) {
   EXPECT_THAT(motion.warnings, IsEmpty());
 }
 
-TEST(LostPoints, AJointThatBelongsAtTheOriginStays) {
+TEST(LostPoints, KeepAJointThatBelongsAtTheOrigin) {
   JointMotion motion = going();
   for (int frame = 0; frame < kFrames; ++frame) {
     if (frame % 3 != 0) lose(motion, frame, 0, 0.0);
@@ -74,7 +74,7 @@ TEST(LostPoints, AJointThatBelongsAtTheOriginStays) {
   EXPECT_EQ(motion.positions, before);
 }
 
-TEST(LostPoints, AJointThatPassesTheOriginStays) {
+TEST(LostPoints, KeepAJointThatPassesTheOrigin) {
   JointMotion motion = going();
   for (int frame = 0; frame < kFrames; ++frame) {
     motion.positions[motion.index(frame, 2)] = Vector3d(0.1 * (frame - 10), 0.0, 0.0);

@@ -18,7 +18,7 @@ namespace retarget {
 
 inline constexpr std::size_t kPartFrames = 5;
 
-// numbers that a float holds, so that files of floats and of doubles say the same
+// Numbers that floats represent exactly, so that files of floats and of doubles are equal.
 inline std::vector<double> float_numbers(unsigned seed, std::size_t count, double scale) {
   std::vector<double> values = Numbers(seed).list(count, scale);
   for (double& value : values) value = static_cast<float>(value);
@@ -47,7 +47,7 @@ struct Parts {
     return builder.build();
   }
 
-  // as GVHMR's results have them; every array in another layout
+  // In the form of GVHMR's results; every array in another layout.
   [[nodiscard]] std::string gvhmr(const std::string& name = "smpl_params_global") const {
     TorchBuilder builder;
     const auto frames = static_cast<std::int64_t>(kPartFrames);
@@ -117,7 +117,7 @@ inline std::string warnings_of(const SmplMotion& motion) {
   return text;
 }
 
-// @param world  what the clip's world is turned by against the expected one's
+// @param world  rotation of the clip's world relative to the expected one
 inline void expect_same_motion(const SmplMotion& found, const SmplMotion& expected,
                                double tolerance = 0.0,
                                const Eigen::Quaterniond& world = Eigen::Quaterniond::Identity()) {

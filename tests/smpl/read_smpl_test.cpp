@@ -29,7 +29,7 @@ std::string number(double value) {
   return npy_doubles({}, {value});
 }
 
-// the arrays of a good AMASS file, some of them replaced or, when empty, left out
+// The arrays of a valid AMASS file; some of them replaced or, if empty, omitted.
 struct Amass {
   std::size_t width = 156;
   std::vector<double> poses = Numbers(3).list(kFrames * 156, 1.2);
@@ -91,7 +91,7 @@ void expect_same_clip(const Clip& a, const Clip& b) {
   }
 }
 
-// Rodrigues' formula
+// Rodrigues' formula.
 Eigen::Matrix3d turned_by(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   if (angle == 0.0) return Eigen::Matrix3d::Identity();
@@ -102,7 +102,7 @@ Eigen::Matrix3d turned_by(const Eigen::Vector3d& w) {
          (1.0 - std::cos(angle)) * cross * cross;
 }
 
-// the models' own recursion: x_j = R_parent (J_j - J_parent) + x_parent, x_0 = J_0 + trans
+// The models' own recursion: x_j = R_parent (J_j - J_parent) + x_parent, x_0 = J_0 + trans.
 void expect_kinematics(const Amass& amass, const SmplMotion& motion, const SmplRestBody& body) {
   std::vector<Pose> found(kSmplJointCount);
   for (std::size_t frame = 0; frame < kFrames; ++frame) {
@@ -186,7 +186,7 @@ TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   SmplReadOptions options;
   options.body = &*smpl;
 
-  // further ones that are zero are nothing to tell
+  // Additional zeros cause no warning.
   EXPECT_THAT(motion_of(Amass(), options).warnings, IsEmpty());
   const std::string betas = npy_doubles({5}, {1, 0, 0, 0, 2});
   const SmplMotion more = motion_of(Amass().with("betas", betas), options);
@@ -194,10 +194,10 @@ TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   EXPECT_NE(more.clip.skeleton().joint(5).offset,
             motion_of(Amass(), options).clip.skeleton().joint(5).offset);
 
-  // SMPL-X shapes are others: the mean one is taken
+  // SMPL-X has other shapes: the mean shape is used.
   options.body = &*smplx;
   const SmplMotion other = motion_of(Amass().with("betas", betas), options);
-  EXPECT_THAT(warnings_of(other), HasSubstr("betas are those of SMPL or SMPL+H"));
+  EXPECT_THAT(warnings_of(other), HasSubstr("betas belong to SMPL or SMPL+H"));
   EXPECT_EQ(other.clip.skeleton().joint(5).offset,
             motion_of(Amass(), options).clip.skeleton().joint(5).offset);
 }
@@ -211,7 +211,7 @@ TEST(ReadSmpl, DropsHandsAndFace) {
     other.poses.clear();
     for (std::size_t frame = 0; frame < kFrames; ++frame) {
       for (std::size_t i = 0; i < width; ++i) {
-        // hands may be anything
+        // Hands are unrestricted.
         other.poses.push_back(i < 66 ? whole.poses[frame * 156 + i]
                                      : std::numeric_limits<double>::quiet_NaN());
       }
@@ -239,7 +239,7 @@ TEST(ReadSmpl, ReadsSmplxSpellings) {
   }
   Amass smplx;
   smplx.without("mocap_framerate").with("mocap_frame_rate", number(120));
-  // SMPL-X files hold both forms
+  // SMPL-X files contain both forms.
   smplx.with("poses", npy_doubles({kFrames, 165}, std::vector<double>(kFrames * 165)));
   smplx.with("root_orient", npy_doubles({kFrames, 3}, root));
   smplx.with("pose_body", npy_doubles({kFrames, 63}, body));
@@ -330,13 +330,13 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
 
   const SmplMotion changing = motion_of(Amass().with("betas", npy_doubles({2, 2}, {1, 0, 2, 0})));
   EXPECT_DOUBLE_EQ(changing.height, 1.76);
-  EXPECT_THAT(warnings_of(changing), HasSubstr("change from frame to frame"));
+  EXPECT_THAT(warnings_of(changing), HasSubstr("vary over time"));
 
   SmplReadOptions options;
   options.height = 1.9;
   EXPECT_DOUBLE_EQ(motion_of(Amass(), options).height, 1.9);
   const Amass absurd = Amass().with("betas", npy_doubles({1}, {40}));
-  EXPECT_THAT(error_of(absurd), HasSubstr("would make a body 5.66"));
+  EXPECT_THAT(error_of(absurd), HasSubstr("would give a body height of 5.66"));
   EXPECT_THAT(error_of(absurd), HasSubstr("hint: give the height with height"));
   EXPECT_DOUBLE_EQ(motion_of(absurd, options).height, 1.9);
   options.height = -1.0;
@@ -386,7 +386,7 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
               HasSubstr("expected numbers of shape"));
   EXPECT_THAT(with("poses", npy_doubles({0, 72}, {})), HasSubstr("poses\": it has no frames"));
   EXPECT_THAT(with("poses", npy("|O", "(4, 72)", "pickled")),
-              HasSubstr("array \"poses\": it holds Python objects"));
+              HasSubstr("array \"poses\": it contains Python objects"));
   EXPECT_THAT(with("poses", npy_text("none")), HasSubstr("found text of ()"));
   EXPECT_THAT(error_of(Amass().without("trans")), HasSubstr("no array \"trans\""));
 }
@@ -443,7 +443,7 @@ TEST(ReadSmpl, ReadsOrRejectsEveryTruncationAndChange) {
   }
 }
 
-// where the lowest toes are over a clip, and where the head is above the pelvis on average
+// Height of the lowest toes over a clip, and mean height of the head above the pelvis.
 struct Extent {
   double lowest_toes = HUGE_VAL;
   double mean_head = 0.0;

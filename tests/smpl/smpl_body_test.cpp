@@ -39,7 +39,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   EXPECT_EQ(body.height, height);
   EXPECT_EQ(joint_named(body, "pelvis"), Eigen::Vector3d::Zero());
 
-  // Drillis and Contini: heights above the floor
+  // Drillis and Contini: heights above the floor.
   const double floor = body.tips[kHeadTop].y() - height;
   const auto share = [&](std::string_view name) {
     return (joint_named(body, name).y() - floor) / height;
@@ -56,7 +56,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   const double upper = joint_named(body, "left_elbow").x() - joint_named(body, "left_shoulder").x();
   const double lower = joint_named(body, "left_wrist").x() - joint_named(body, "left_elbow").x();
   EXPECT_GT(upper, lower);
-  // it faces z, and its feet point there
+  // It faces z, as do its feet.
   EXPECT_GT(body.tips[kLeftToes].z(), joint_named(body, "left_foot").z());
   EXPECT_GT(joint_named(body, "left_foot").z(), joint_named(body, "left_ankle").z());
 }
@@ -89,7 +89,7 @@ TEST(SmplSkeleton, IsDepthFirstAndItsZeroPoseIsTheRestBody) {
     EXPECT_EQ(found.has_position_channels(), place == 0);
     if (place == 0) continue;
     EXPECT_EQ(skeleton->joint(found.parent).name, kSmplJointNames[kSmplParents[joint]]);
-    // depth first: the parent is the joint before or an ancestor of that one
+    // Depth first: the parent is the previous joint or one of its ancestors.
     int ancestor = place - 1;
     while (ancestor >= 0 && ancestor != found.parent) ancestor = skeleton->joint(ancestor).parent;
     EXPECT_EQ(ancestor, found.parent) << found.name;
@@ -171,7 +171,7 @@ TEST(SmplBody, RejectsInconsistentArrays) {
   };
   EXPECT_THAT(
       with("J_regressor", npy("|O", "()", "sparse")),
-      HasSubstr("array \"J_regressor\": it holds Python objects (a sparse matrix perhaps)"));
+      HasSubstr("array \"J_regressor\": it contains Python objects (perhaps a sparse matrix)"));
   EXPECT_THAT(with("J_regressor", npy_doubles({24, 2}, std::vector<double>(48))),
               HasSubstr("expected numbers of shape (any, 40), found (24, 2)"));
   EXPECT_THAT(with("v_template", npy_doubles({120}, model.vertices)),
@@ -189,15 +189,15 @@ TEST(SmplBody, RejectsInconsistentArrays) {
               HasSubstr("170.000000 high along y is not in metres"));
   values = model.vertices;
   for (std::size_t i = 0; i < values.size(); i += 3) values[i] = std::abs(values[i]) + 0.1;
-  EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)), HasSubstr("has two sides"));
+  EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)), HasSubstr("on one side of x = 0"));
 }
 
 TEST(SmplBody, RejectsOtherKinematicTrees) {
   MadeUpModel hand(16, 3);
-  EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints are not those of SMPL"));
+  EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints do not match SMPL"));
   MadeUpModel swapped(24, 3);
   std::swap(swapped.tree[4], swapped.tree[5]);
-  EXPECT_THAT(error_of(swapped.bytes()), HasSubstr("joints are not those of SMPL"));
+  EXPECT_THAT(error_of(swapped.bytes()), HasSubstr("joints do not match SMPL"));
 }
 
 TEST(SmplBody, LoadsAFile) {

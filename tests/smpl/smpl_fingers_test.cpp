@@ -1,4 +1,4 @@
-// Fingers of SMPL+H and SMPL-X: read where they move, from whichever arrays hold them, and no others.
+// Fingers of SMPL+H and SMPL-X: read from any of their arrays if they move.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ SmplMotion motion_of(const std::string& bytes, bool fingers = true,
   return std::move(*motion);
 }
 
-// whole poses whose last 90 columns are `hands`
+// Whole poses with `hands` in the last 90 columns.
 std::string whole(std::size_t width, const std::vector<double>& hands) {
   std::vector<double> poses(kFrames * width);
   for (std::size_t frame = 0; frame < kFrames; ++frame) {
@@ -51,7 +51,7 @@ std::string whole(std::size_t width, const std::vector<double>& hands) {
   return file_of({{"poses", npy_doubles({kFrames, width}, poses)}});
 }
 
-// the joint's rotation in the file, by its number among the hands'
+// The joint's rotation in the file, by its index in the hands.
 Eigen::Quaterniond rotation_of(const std::vector<double>& hands, std::size_t frame,
                                std::size_t joint) {
   return exp_so3(Eigen::Map<const Eigen::Vector3d>(hands.data() + frame * 90 + 3 * joint));
@@ -84,7 +84,7 @@ TEST(SmplFingersTest, AreTheLastColumnsOfWholePoses) {
   for (const std::size_t width : {156, 165}) expect_fingers(motion_of(whole(width, hands)), hands);
 }
 
-TEST(SmplFingersTest, OrHaveArraysOfTheirOwn) {
+TEST(SmplFingersTest, MayHaveSeparateArrays) {
   const std::vector<double> hands = Numbers(2).list(kFrames * 90);
   const Arrays body = {
       {"root_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
@@ -129,7 +129,7 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
   EXPECT_NE(odd.warnings.back().message.find("fingers"), std::string::npos);
 }
 
-TEST(SmplFingersTest, TheBodyStaysAsItIs) {
+TEST(SmplFingersTest, DoNotChangeTheBody) {
   const std::vector<double> hands = Numbers(6).list(kFrames * 90);
   const SmplMotion with = motion_of(whole(156, hands));
   const SmplMotion without = motion_of(whole(156, hands), false);
@@ -142,7 +142,7 @@ TEST(SmplFingersTest, TheBodyStaysAsItIs) {
   }
 }
 
-TEST(SmplFingersTest, AModelPlacesThem) {
+TEST(SmplFingersTest, UseTheBonesOfAModel) {
   const MadeUpModel model(55, 2);
   const auto body = read_smpl_body(model.bytes(), "model.npz");
   ASSERT_TRUE(body.has_value());

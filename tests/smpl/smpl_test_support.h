@@ -25,8 +25,8 @@ class Numbers {
   std::mt19937 engine_;
 };
 
-/// A made-up body model: random points around a body, random shapes, joints that mix a few
-/// vertices each. Nothing in it is anyone's body.
+/// An artificial body model: random points around a body, random shapes, joints that mix a few
+/// vertices each. It contains no data of a real person.
 struct MadeUpModel {
   std::size_t vertex_count = 40;
   std::size_t joint_count = 24;
@@ -58,7 +58,7 @@ struct MadeUpModel {
     }
     for (std::size_t joint = 0; joint < joint_count; ++joint) {
       const int parent = joint < kSmplParents.size() ? kSmplParents[joint] : 20;
-      // the root's parent is -1, as unsigned
+      // The parent of the root is -1, as unsigned.
       tree.push_back(static_cast<std::uint32_t>(parent));
     }
     for (std::size_t joint = 0; joint < joint_count; ++joint) {
@@ -90,7 +90,7 @@ struct MadeUpModel {
     return value;
   }
 
-  /// Of a joint, over all vertices of the shaped mesh.
+  /// Regressed joint position over all vertices of the shaped mesh.
   [[nodiscard]] Eigen::Vector3d joint(std::size_t joint, const std::vector<double>& betas) const {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < vertex_count; ++i) {

@@ -15,8 +15,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// a body whose pelvis moves forward, `stride` metres a frame, over a left foot that stays while the right
-// one swings (with `glides` both move along); trans in another unit
+// A body whose pelvis moves forward by `stride` metres per frame over a planted left foot while the
+// right one swings (with `glides` both move along); trans in another unit.
 std::string moving_npz(double unit, double stride, double height, bool glides) {
   constexpr std::size_t kMovingFrames = 9;
   constexpr double kLeg = 0.81;  // of the generic body
@@ -38,11 +38,11 @@ std::string moving_npz(double unit, double stride, double height, bool glides) {
   return builder.build();
 }
 
-// of the clip's numbers, the metres
+// Metres per unit of the clip.
 double metres_of(double unit, double stride, double height, bool glides = false) {
   const SmplMotion motion = motion_of(moving_npz(unit, stride, height, glides));
   const double metres = motion.clip.translation(0, 0).z() / (unit * height);
-  EXPECT_EQ(warnings_of(motion).find("trans was taken") == std::string::npos, metres == 1.0);
+  EXPECT_EQ(warnings_of(motion).find("assuming that trans") == std::string::npos, metres == 1.0);
   return metres;
 }
 
@@ -66,9 +66,10 @@ TEST(TranslationUnitTest, SkatersCarsAndHillsAreInMetres) {
   EXPECT_DOUBLE_EQ(metres_of(1.0, 0.04, 90.0), 1.0);
 }
 
-TEST(TranslationUnitTest, TheSentenceSaysWhy) {
-  EXPECT_THAT(warnings_of(motion_of(moving_npz(100.0, 0.04, 0.9, false))),
-              HasSubstr("trans was taken as centimetres: in metres the slower foot would have 1"));
+TEST(TranslationUnitTest, MessageStatesTheReason) {
+  EXPECT_THAT(
+      warnings_of(motion_of(moving_npz(100.0, 0.04, 0.9, false))),
+      HasSubstr("assuming that trans is in centimetres: in metres the slower foot would have 1"));
   EXPECT_THAT(warnings_of(motion_of(moving_npz(100.0, 0.0, 0.9, false))),
               HasSubstr("in metres the feet would be at a height of 89 m"));
 }

@@ -1,4 +1,4 @@
-// The parts that bytes of streams go through: lines, queues, writers, senders.
+// Components for stream bytes: lines, queues, writers, senders.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -50,8 +50,8 @@ TEST(LineCutter, DropsLinesWithoutAnEnd) {
   EXPECT_EQ(cutter.dropped(), 1);
 }
 
-// a line that comes byte by byte is looked through once
-TEST(LineCutter, TakesTimeByTheBytes) {
+// A line that arrives byte by byte is scanned once.
+TEST(LineCutter, RunsInLinearTime) {
   LineCutter cutter(64);
   const auto begin = std::chrono::steady_clock::now();
   std::string_view line;
@@ -125,7 +125,7 @@ TEST_F(Writer, ASleepingReaderDoesNotBlockTheWriter) {
   EXPECT_EQ(read_all().size() % piece_.size(), 0U) << "no piece is cut";
 }
 
-TEST_F(Writer, WaitsForASlowReaderIfItIsPatient) {
+TEST_F(Writer, CanWaitForASlowReader) {
   std::string all;
   std::thread slow([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -141,9 +141,9 @@ TEST_F(Writer, WaitsForASlowReaderIfItIsPatient) {
   EXPECT_EQ(all.size(), 500 * piece_.size());
 }
 
-TEST_F(Writer, PatienceEndsWhenItIsStopped) {
+TEST_F(Writer, StopsWaitingWhenStopped) {
   WriterThread writer(std::move(to_), {200, 1 << 20});
-  // more than a pipe holds
+  // More than a pipe buffer.
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(writer.put(piece_));
   const auto stopped = [] { return true; };
   EXPECT_FALSE(writer.put_in_time(std::string(1 << 20, 'x'), stopped));
@@ -165,7 +165,7 @@ class Senders : public testing::Test {
   static Endpoint at(std::uint32_t host, std::uint16_t port) { return {host, port}; }
 };
 
-TEST_F(Senders, TheFirstOneIsKeptUntilItIsSilent) {
+TEST_F(Senders, FollowTheFirstOneUntilItIsSilent) {
   SenderLock lock;
   EXPECT_EQ(lock.judge(at(1, 5), 0.0), Verdict::kSender);
   EXPECT_EQ(lock.judge(at(1, 5), 0.1), Verdict::kSender);
@@ -184,7 +184,7 @@ TEST_F(Senders, APortForEveryDatagramIsOneSender) {
   }
 }
 
-TEST_F(Senders, OfTwoProgramsOfAMachineOneIsFollowed) {
+TEST_F(Senders, FollowOneOfTwoProgramsOnAMachine) {
   SenderLock lock;
   int first = 0, second = 0;
   for (int i = 0; i < 100; ++i) {

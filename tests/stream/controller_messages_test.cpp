@@ -31,7 +31,7 @@ std::shared_ptr<const Robot> robot_of(const std::string& name, const std::string
   return loaded->robot;
 }
 
-// each joint at a position of its own
+// Each joint has a different position.
 std::vector<double> numbered(const Robot& robot, double factor) {
   std::vector<double> qpos(static_cast<std::size_t>(robot.configuration_size()));
   for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] = factor * static_cast<double>(i);
@@ -50,7 +50,7 @@ RobotFrame frame_of(std::int64_t index, std::span<const double> qpos) {
   return {index, static_cast<double>(index) / kFps, LiveState::kFollowing, qpos};
 }
 
-// the numbers of a field
+// The numbers of a field.
 template <typename T>
 std::vector<T> field(std::string_view message, const std::string& name) {
   const nlohmann::json header = nlohmann::json::parse(message.substr(4, message.find('\0') - 4));
@@ -71,7 +71,7 @@ std::vector<T> field(std::string_view message, const std::string& name) {
 }
 
 TEST(SonicMessages, HaveIsaacLabsOrder) {
-  // as Isaac Lab lists the joints of the G1
+  // Isaac Lab's joint order of the G1.
   const std::vector<std::string> order = {
       "left_hip_pitch",       "right_hip_pitch",  "waist_yaw",         "left_hip_roll",
       "right_hip_roll",       "waist_roll",       "left_hip_yaw",      "right_hip_yaw",
@@ -99,7 +99,7 @@ TEST(SonicMessages, OverlapAndHaveVelocities) {
   auto message = SonicMessage::make(*robot, kFps, {3, false});
   ASSERT_TRUE(message) << describe(message.error());
   for (std::int64_t i = 0; i < 6; ++i) {
-    // a joint moves by 0.01 * its number in each frame, and so at 50 times that
+    // A joint moves by 0.01 * its number per frame, so its speed is 50 times that.
     auto qpos = numbered(*robot, 0.01 * static_cast<double>(i));
     qpos[3] = std::cos(0.05 * static_cast<double>(i));
     qpos[6] = std::sin(0.05 * static_cast<double>(i));
@@ -110,7 +110,7 @@ TEST(SonicMessages, OverlapAndHaveVelocities) {
     EXPECT_EQ(field<std::int64_t>(bytes, "frame_index"),
               (std::vector<std::int64_t>{i - 2, i - 1, i}));
     const auto velocities = field<float>(bytes, "joint_vel");
-    // the hip's pitch is number 7 of a configuration
+    // The hip pitch is number 7 of a configuration.
     for (std::size_t row = 0; row < 3; ++row) {
       const bool first = i - 2 + static_cast<std::int64_t>(row) == 0;
       EXPECT_NEAR(velocities[29 * row], first ? 0.0 : 0.01 * 7 * kFps, 1e-5);
@@ -121,19 +121,19 @@ TEST(SonicMessages, OverlapAndHaveVelocities) {
   }
 }
 
-TEST(SonicMessages, BeginAnewWithAnotherSession) {
+TEST(SonicMessages, RestartWithANewSession) {
   const auto robot = robot_of("unitree_g1");
   auto message = SonicMessage::make(*robot, kFps, {2, false});
   ASSERT_TRUE(message);
   EXPECT_TRUE(message->take(frame_of(7, numbered(*robot, 0.0))).empty());
   EXPECT_FALSE(message->take(frame_of(8, numbered(*robot, 0.0))).empty());
-  // no velocity between the two, and no message with frames of both
+  // No velocity across the gap, and no message with frames of both sides.
   EXPECT_TRUE(message->take(frame_of(0, numbered(*robot, 1.0))).empty());
   const std::string_view bytes = message->take(frame_of(1, numbered(*robot, 1.0)));
   for (const float velocity : field<float>(bytes, "joint_vel")) EXPECT_EQ(velocity, 0.0F);
 }
 
-TEST(SonicMessages, HandsAreInTheOrderOfTheirMotors) {
+TEST(SonicMessages, OrderHandsByTheirMotors) {
   const auto robot = robot_of("unitree_g1_with_hands");
   auto message = SonicMessage::make(*robot, kFps);
   auto actions = Twist2Actions::make(*robot, kFps);
@@ -157,17 +157,17 @@ TEST(SonicMessages, HandsAreInTheOrderOfTheirMotors) {
         action.left_hand);
   check("right", {"thumb_0", "thumb_1", "thumb_2", "index_0", "index_1", "middle_0", "middle_1"},
         action.right_hand);
-  // fingers that are held are none
+  // Held fingers are omitted.
   auto without = SonicMessage::make(*robot_of("unitree_g1_with_hands", "29"), kFps, {1, false});
   ASSERT_TRUE(without);
   EXPECT_TRUE(field<float>(without->take(frame_of(0, qpos)), "left_hand_joints").empty());
 }
 
-TEST(SonicMessages, AreForTheG1Alone) {
+TEST(SonicMessages, RequireAG1) {
   const auto h1 = robot_of("unitree_h1");
   EXPECT_EQ(SonicMessage::make(*h1, kFps).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(Twist2Actions::make(*h1, kFps).error().kind, ErrorKind::kUsage);
-  // 29 joints, but others
+  // 29 joints, but different ones.
   EXPECT_FALSE(SonicMessage::make(*robot_of("booster_t1_29dof"), kFps));
   EXPECT_FALSE(SonicMessage::make(*robot_of("unitree_g1", "23"), kFps));
   auto all = SonicMessage::make(*h1, kFps, {1, true});
@@ -180,7 +180,7 @@ TEST(SonicMessages, AreForTheG1Alone) {
   EXPECT_FALSE(SonicMessage::make(*g1, kFps, {101, false}));
 }
 
-// turns about a tilted axis of its own while it moves on a line: all rates are known
+// Rotates about its own tilted axis while it moves along a line: all rates are known.
 TEST(Twist2Actions, MatchASteadyTurn) {
   const auto robot = robot_of("unitree_g1");
   auto actions = Twist2Actions::make(*robot, kFps);
@@ -198,7 +198,7 @@ TEST(Twist2Actions, MatchASteadyTurn) {
     const Eigen::Quaterniond q(world_from_root);
     const Eigen::Vector3d position = Eigen::Vector3d(0.0, 0.0, 0.8) + time * velocity;
     for (int k = 0; k < 3; ++k) qpos[k] = position[k];
-    // a quaternion and its negative are the same rotation
+    // A quaternion and its negative are the same rotation.
     const double sign = i % 2 == 0 ? 1.0 : -1.0;
     qpos[3] = sign * q.w();
     for (int k = 0; k < 3; ++k) qpos[4 + k] = sign * q.vec()[k];

@@ -1,4 +1,4 @@
-// Decoders: frames, skeletons and refusals from bytes, and round trips of the player's packets.
+// Decoders: frames, skeletons and rejections from bytes, and round trips of the player's packets.
 
 #include "live/stream/formats.h"
 
@@ -34,7 +34,7 @@ Clip walk() {
   return load_clip(RETARGET_SOURCE_DIR "/data/walk.bvh").value();
 }
 
-// as a source gives them: a line at a time
+// As from a source: one line at a time.
 Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sink) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -57,7 +57,7 @@ std::string refusal(Decoder& decoder, std::string_view line) {
 TEST(StreamFormats, PlayedFramesRoundTrip) {
   const Clip clip = walk();
   for (const StreamFormat& format : stream_formats()) {
-    // others have tests of their own
+    // Other formats have their own tests.
     if (format.encoder == nullptr || !format.is_text || format.plays_human != nullptr) continue;
     const auto encoder = format.encoder();
     const auto decoder = format.decoder(parse_address("udp:1?fps=60").value());
@@ -121,7 +121,7 @@ TEST(Lines, ReportTheirProperties) {
   EXPECT_EQ(kept.frames[0].rotations[1].w(), 1.0);
 }
 
-TEST(Lines, AreRefusedWithAReason) {
+TEST(Lines, AreRejectedWithAReason) {
   const auto decoder = make_line_decoder({});
   EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
   EXPECT_THAT(refusal(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
@@ -147,7 +147,7 @@ TEST(Lines, AreRefusedWithAReason) {
               HasSubstr("time"));
 }
 
-TEST(BvhRows, NeedASkeleton) {
+TEST(BvhRows, RequireASkeleton) {
   const auto decoder = make_bvh_row_decoder({});
   EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("skeleton"));
   decoder->know_skeleton(walk().shared_skeleton());
@@ -161,7 +161,7 @@ TEST(BvhRows, NeedASkeleton) {
   EXPECT_THAT(refusal(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
 }
 
-TEST(BvhRows, ASkeletonOfTheUsersFileStays) {
+TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
   const Clip clip = walk();
   const auto decoder = make_bvh_row_decoder({});
   decoder->know_skeleton(clip.shared_skeleton());
@@ -170,7 +170,7 @@ TEST(BvhRows, ASkeletonOfTheUsersFileStays) {
   EXPECT_TRUE(kept.skeletons.empty());
 }
 
-TEST(Addresses, AreRead) {
+TEST(Addresses, AreParsed) {
   const auto udp = parse_address("udp:1118?format=bvh&fps=60");
   ASSERT_TRUE(udp);
   EXPECT_EQ(udp->transport, Transport::kUdp);

@@ -1,5 +1,5 @@
-// Formats that play the canonical human: packets decode to the sent poses in the world and move a
-// robot as the clip itself does.
+// Formats with the canonical human: packets decode to the sent world poses and give the robot
+// motion of the clip.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ Clip bones_of(const Clip& clip) {
   return *bones;
 }
 
-// z up from y up, where it is that
+// Converts formats with y up to z up.
 Eigen::Vector3d in_z_up_world(const Clip& clip, const Eigen::Vector3d& place) {
   const bool y_is_up = clip.origin().up && (*clip.origin().up).y() > 0.5;
   return y_is_up ? Eigen::Vector3d(place.x(), -place.z(), place.y()) : place;
@@ -39,7 +39,7 @@ struct SentBone {
   Bone bone;
 };
 
-// Positions of the clip's bones against those of the stream's joints; rotations from the T-pose.
+// Positions of the clip's bones against the stream's joints; rotations relative to the T-pose.
 void expect_same_world(std::string_view format, const Clip& clip, const std::vector<SentBone>& sent,
                        double metres, double radians) {
   const auto found = find_stream_format(std::string(format));
@@ -58,7 +58,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
     ASSERT_TRUE(taken) << describe(taken.error());
   }
   ASSERT_EQ(kept.skeletons.size(), 1U);
-  // SMPL's zero pose is known to recognition
+  // Recognition knows SMPL's zero pose.
   ASSERT_EQ(kept.rests[0], format != "smplx");
   ASSERT_EQ(kept.frames.size(), static_cast<std::size_t>(frames));
   const Clip& skeleton = kept.skeletons[0];
@@ -86,7 +86,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
       // The rotation from the T-pose, independent of its axes: its axis and angle.
       const Eigen::AngleAxisd turn(
           world.rotation * rest_poses[static_cast<std::size_t>(*joint)].rotation.conjugate());
-      // the T-pose of the stream faces -y where the canonical one faces x, that of OpenXR +y
+      // The T-pose of the stream faces -y where the canonical one faces x, OpenXR's faces +y.
       const double to_left = format == "xrobot" ? -1.0 : 1.0;
       const Eigen::AngleAxisd quarter(to_left * 0.5 * 3.14159265358979323846,
                                       Eigen::Vector3d::UnitZ());
@@ -99,8 +99,8 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
   }
 }
 
-// the robot's configurations by the human's time, in whole frames, while a clip is played in a format; `lines` plays
-// it as it is
+// Robot configurations by human time, in whole frames, for a clip played in a format; `lines` plays
+// it unchanged.
 std::map<long, std::vector<double>> followed(const Clip& given, const char* format) {
   static const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
@@ -108,7 +108,7 @@ std::map<long, std::vector<double>> followed(const Clip& given, const char* form
   const Clip clip = row.plays_human != nullptr && row.plays_human(given) ? bones_of(given) : given;
   LivePipelineOptions options;
   options.run.human.height = 1.75;
-  // a robot frame for each of the human's, whenever the first one is whole
+  // One robot frame per human frame, starting with the first complete one.
   options.live.fps = given.rate().fps();
   std::map<long, std::vector<double>> frames;
   LivePipeline pipeline(
@@ -138,13 +138,13 @@ double largest_difference(const std::map<long, std::vector<double>>& a,
                           const std::map<long, std::vector<double>>& b, std::size_t begin) {
   double largest = 0.0;
   EXPECT_GT(a.size(), 100U);
-  // of some formats the second packet brings the first frame as well
+  // In some formats, the second packet also completes the first frame.
   EXPECT_LE(a.size(), b.size() + 1);
   EXPECT_LE(b.size(), a.size());
   for (const auto& [frame, qpos] : b) {
     EXPECT_TRUE(a.contains(frame)) << frame;
     const std::vector<double>& other = a.at(frame);
-    // a quaternion and its opposite are the same rotation
+    // A quaternion and its opposite are the same rotation.
     const double sign =
         std::inner_product(qpos.begin() + 3, qpos.begin() + 7, other.begin() + 3, 0.0) < 0.0 ? -1.0
                                                                                              : 1.0;
@@ -194,12 +194,12 @@ const std::vector<SentBone> kXrobotSent = {
     {"Right_Foot", Bone::kRightToe},
 };
 
-TEST(HumanFormats, ComeBack) {
-  // of LAFAN1's skeleton, and of one with other names, axes and units
+TEST(HumanFormats, RoundTrip) {
+  // A clip with LAFAN1's skeleton, and one with other names, axes and units.
   for (const Clip& clip :
        {sample_clip("walk"), load_clip(RETARGET_SOURCE_DIR "/tests/scene/data/walk.fbx").value()}) {
     const Clip bones = bones_of(clip);
-    // numbers of VMC are floats
+    // VMC uses floats.
     expect_same_world("vmc", bones, kVmcBones, 2e-6, 2e-6);
     expect_same_world("rokoko", bones, kRokokoSent, 1e-9, 1e-7);
     expect_same_world("smplx", bones, kSmplJoints, 1e-9, 1e-7);
@@ -207,7 +207,7 @@ TEST(HumanFormats, ComeBack) {
   }
 }
 
-TEST(HumanFormats, ARobotFollowsThemAsItFollowsLines) {
+TEST(HumanFormats, GiveTheRobotMotionOfLines) {
   for (const char* name : {"walk", "wave"}) {
     const auto lines = followed(sample_clip(name), "lines");
     for (const char* format : {"vmc", "rokoko", "smplx", "xrobot"}) {

@@ -1,4 +1,4 @@
-// Packets in, robot frames out, without sockets: the same at every run.
+// Packets in, robot frames out, without sockets: deterministic.
 
 #include "live/stream/live_pipeline.h"
 #include "live/stream/formats.h"
@@ -45,7 +45,7 @@ struct StreamRun {
               told.push_back(std::string(label) + ": " + std::string(text));
             }) {}
 
-  // all lines of a text at one time
+  // All lines of a text at one time.
   void lines(std::string_view text, double now) {
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
@@ -61,7 +61,7 @@ struct StreamRun {
   LivePipeline pipeline;
 };
 
-// plays a sample to a run
+// Plays a sample to a run.
 void play_to(StreamRun& run, const Clip& clip, const char* format, double begin = 0.0,
              bool ticks = false) {
   const auto encoder = (*find_stream_format(format))->encoder();
@@ -106,14 +106,14 @@ TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
   }
 }
 
-TEST(LivePipeline, HowOftenItIsAskedChangesNothing) {
+TEST(LivePipeline, IsIndependentOfThePollingRate) {
   StreamRun seldom, often;
   play_to(seldom, sample("wave"), "lines");
   play_to(often, sample("wave"), "lines", 0.0, true);
   EXPECT_EQ(seldom.frames, often.frames);
 }
 
-TEST(LivePipeline, LeavesMalformedPacketsOut) {
+TEST(LivePipeline, SkipsMalformedPackets) {
   StreamRun run;
   const Clip clip = sample("wave");
   const auto encoder = make_line_encoder();
@@ -132,11 +132,11 @@ TEST(LivePipeline, LeavesMalformedPacketsOut) {
             1);
 }
 
-TEST(LivePipeline, TakesAnotherSkeletonOnTheWay) {
+TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   StreamRun run;
   play_to(run, sample("squat"), "lines");
   const std::size_t first = run.frames.size();
-  // the same joints, a smaller body, and a clock that begins anew
+  // The same joints, a smaller body, and a restarted clock.
   Clip small = sample("walk");
   std::vector<Joint> joints = small.skeleton().joints();
   for (Joint& joint : joints) joint.offset *= 0.9;
@@ -153,7 +153,7 @@ TEST(LivePipeline, TakesAnotherSkeletonOnTheWay) {
   EXPECT_EQ(run.states.back(), LiveState::kFollowing);
 }
 
-// a frame of a sample's body in its T-pose
+// A frame of a sample's body in its T-pose.
 Clip t_pose_of(const Clip& clip) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   Clip pose = clip.empty_like(clip.rate(), 1);
@@ -176,7 +176,7 @@ Clip t_pose_of(const Clip& clip) {
   return pose;
 }
 
-TEST(LivePipeline, CalibratesByThePoseThatThePerformerHas) {
+TEST(LivePipeline, CalibratesFromThePerformersPose) {
   LivePipelineOptions options;
   options.calibrate = LiveCalibration::kTpose;
   options.calibrate_after_s = 1.0;
@@ -195,7 +195,7 @@ TEST(LivePipeline, CalibratesByThePoseThatThePerformerHas) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     posed.lines(encoder->frame(clip, frame).value(), 1.02 + clip.rate().time_of(frame));
   }
-  // the same motion as by what is known of such skeletons
+  // The same motion as with the known properties of such skeletons.
   ASSERT_GT(posed.frames.size(), 200U);
   for (std::size_t i = 7; i < known.frames.back().size(); ++i) {
     EXPECT_NEAR(posed.frames.back()[i], known.frames.back()[i], 0.1) << i;
@@ -206,7 +206,7 @@ constexpr const char* kNobody =
     R"({"skeleton": {"joints": [{"name": "a", "rest": [0, 0, 0, 1, 0, 0, 0]}, )"
     R"({"name": "b", "parent": "a", "rest": [0, 0, 1, 1, 0, 0, 0]}]}})";
 
-TEST(LivePipeline, WaitsForAHumanBeforeItBegins) {
+TEST(LivePipeline, WaitsForAHuman) {
   StreamRun run;
   for (int i = 0; i < 3; ++i) run.lines(kNobody, 0.1 * i);
   EXPECT_FALSE(run.pipeline.has_begun());
@@ -219,7 +219,7 @@ TEST(LivePipeline, WaitsForAHumanBeforeItBegins) {
   EXPECT_GT(run.frames.size(), 100U);
 }
 
-TEST(LivePipeline, KeepsItsBodyWhenAnotherSkeletonIsRefused) {
+TEST(LivePipeline, KeepsItsBodyIfAnotherSkeletonIsRejected) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
     const Clip clip = sample("wave");
@@ -244,7 +244,7 @@ TEST(LivePipeline, KeepsItsBodyWhenAnotherSkeletonIsRefused) {
   }
 }
 
-TEST(StreamRecord, ComesBack) {
+TEST(StreamRecord, RoundTrips) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "input.stream";
   auto recorder = StreamRecorder::create(file, {});
@@ -270,7 +270,7 @@ TEST(StreamRecord, ComesBack) {
   }
 }
 
-TEST(LatencyTest, KnowsPercentiles) {
+TEST(LatencyTest, ComputesPercentiles) {
   Latency latency;
   EXPECT_EQ(latency.percentile(99.0), 0.0);
   for (int i = 1; i <= 1000; ++i) latency.add(1e-6 * i);

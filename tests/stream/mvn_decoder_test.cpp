@@ -1,4 +1,5 @@
-// Xsens MVN: messages as the specification lays them out, put together here byte by byte; and what the player sends.
+// Xsens MVN: messages according to the specification, built byte by byte; and the packets of the
+// player.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +49,7 @@ std::string message(const Header& header, int items, const std::string& payload)
          payload;
 }
 
-// 2.5.3
+// Section 2.5.3.
 std::string pose_item(int id, const Pose& pose) {
   std::string bytes = big_endian(static_cast<std::uint64_t>(id), 4);
   for (const double value : pose.translation) bytes += number(value);
@@ -57,7 +58,7 @@ std::string pose_item(int id, const Pose& pose) {
   return bytes;
 }
 
-// A body in a T-pose, in the order of the segments, metres; all turned as one about z and moved.
+// A body in a T-pose, in segment order, metres; rotated as a whole about z and moved.
 std::vector<Eigen::Vector3d> t_pose() {
   return {{0, 0, 0.95},       {-0.01, 0, 1.05},     {0, 0, 1.15},        {0.01, 0, 1.25},
           {0, 0, 1.35},       {0, 0, 1.49},         {0.02, 0, 1.58},     {0, -0.03, 1.44},
@@ -81,12 +82,12 @@ std::string frame_message(const Header& header, const std::vector<Pose>& poses) 
   for (std::size_t i = 0; i < poses.size(); ++i) {
     payload += pose_item(static_cast<int>(i) + 1, poses[i]);
   }
-  // a prop behind the body
+  // A prop after the body.
   payload += pose_item(25, Pose{});
   return message(header, 24, payload);
 }
 
-// 2.6.2; names as MVN shows them, with blanks
+// Section 2.6.2; names in MVN's spelling, with blanks.
 std::string scale_message(Header header, const std::vector<Eigen::Vector3d>& places) {
   header.type = "13";
   std::string payload = big_endian(24, 4);
@@ -154,7 +155,7 @@ TEST(Mvn, WithoutScaleDataAFrameDeterminesTheLengths) {
   EXPECT_LT((kept.skeletons[0].skeleton().joint(12).offset - (t_pose()[12] - t_pose()[11])).norm(),
             1e-6);
   expect_frames(kept, {turned(0.9)});
-  // the same body, told late, changes nothing; another one does
+  // Late scale data of the same body change nothing; those of another body do.
   ASSERT_TRUE(decoder->take(scale_message({}, t_pose()), kept));
   EXPECT_EQ(kept.skeletons.size(), 1U);
   auto larger = t_pose();
@@ -163,7 +164,7 @@ TEST(Mvn, WithoutScaleDataAFrameDeterminesTheLengths) {
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(Mvn, PartsOfAFrameMayComeInAnyOrder) {
+TEST(Mvn, AcceptsFramePartsInAnyOrder) {
   const auto poses = turned(0.2);
   const auto part = [&](std::uint32_t sample, int counter, std::size_t from, std::size_t to) {
     std::string payload;
@@ -206,7 +207,7 @@ TEST(Mvn, FollowsTheFirstOrTheNamedActor) {
   expect_frames(of_named, {turned(2), turned(2)});
 }
 
-TEST(Mvn, MessagesOfAConnectionAreCut) {
+TEST(Mvn, SplitsMessagesOfAConnection) {
   const auto decoder = decoder_of("tcp:9763?format=mvn");
   KeptStream kept;
   const std::string bytes = scale_message({}, t_pose()) + frame_message({}, turned(0.1)) +
@@ -214,7 +215,7 @@ TEST(Mvn, MessagesOfAConnectionAreCut) {
                             frame_message({}, turned(0.2)) + frame_message({}, turned(0.3));
   for (const char byte : bytes) ASSERT_TRUE(decoder->take(std::string_view(&byte, 1), kept));
   expect_frames(kept, {turned(0.1), turned(0.2), turned(0.3)});
-  // noise, and what it is followed by
+  // Noise, and the response to it.
   EXPECT_FALSE(decoder->take("MXTPxx noise" + frame_message({}, turned(0.4)), kept));
   ASSERT_TRUE(decoder->take(frame_message({}, turned(0.5)), kept));
   expect_frames(kept, {turned(0.1), turned(0.2), turned(0.3), turned(0.4), turned(0.5)});
@@ -244,14 +245,14 @@ TEST(Mvn, RejectsMalformedPackets) {
   scale.type = "13";
   EXPECT_THAT(refusal(*decoder, message(scale, 1, big_endian(0xFFFFFFFF, 4))),
               HasSubstr("truncated"));
-  // meta data and the time are none of its business
+  // Meta data and time messages are ignored.
   EXPECT_TRUE(decoder->take(message({"12"}, 1, "name:Anna\n"), kept));
   EXPECT_TRUE(decoder->take(message({"25"}, 1, "10:00:00.000"), kept));
   ASSERT_TRUE(decoder->take(good, kept));
   expect_frames(kept, {turned(0.1)});
 }
 
-// a network or a program may damage any of them
+// A network or a program may damage any of them.
 TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
   const auto decoder = decoder_of();
   KeptStream kept;
@@ -264,7 +265,7 @@ TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
     }
   }
   EXPECT_EQ(kept.skeletons.size(), 1U);
-  // nor may a frame tell such sizes
+  // A frame may not state such sizes either.
   const auto without_scale = decoder_of();
   KeptStream learnt;
   auto poses = turned(0.1);
@@ -279,7 +280,7 @@ TEST(Mvn, OneWrongNumberInScaleDataIsABadPacket) {
   expect_frames(kept, {turned(0.4)});
 }
 
-TEST(Mvn, AFileOfTheSameBodyMayHaveItsUnit) {
+TEST(Mvn, AcceptsAFileInAnotherUnit) {
   std::vector<Joint> joints;
   using enum Channel;
   for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
@@ -335,7 +336,7 @@ TEST(MvnPlayer, SendsTheHumanOfAnyClip) {
     EXPECT_NEAR(kept.frames.back().time, human.rate().time_of(frame), 0.00051);
   }
   EXPECT_EQ(kept.skeletons.size(), 1U);
-  // the T-pose: arms out, on the level
+  // The T-pose: arms horizontally sideways.
   const Clip rest(kept.skeletons[0].shared_skeleton(), FrameRate{}, 1);
   std::vector<Pose> pose(kMvnSegmentCount);
   forward_kinematics(rest, 0, pose);
@@ -344,8 +345,8 @@ TEST(MvnPlayer, SendsTheHumanOfAnyClip) {
   EXPECT_LT(std::abs(arms.z()), 0.05);
 }
 
-TEST(MvnPlayer, SendsTheSegmentsOfAClipThatHasThem) {
-  // Y up and centimetres, and one joint beside the segments
+TEST(MvnPlayer, SendsTheSegmentsOfAnMvnClip) {
+  // Y up and centimetres, and one additional joint.
   std::vector<Joint> joints;
   using enum Channel;
   const std::vector<Channel> all = {kXPosition, kYPosition, kZPosition,

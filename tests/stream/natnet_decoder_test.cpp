@@ -1,5 +1,5 @@
-// NatNet: messages of versions 3.0 to 4.2 with all that Motive may put into them, put together here byte by byte;
-// and what the player sends.
+// NatNet: messages of versions 3.0 to 4.2 with all sections of Motive, built byte by byte; and the
+// packets of the player.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ struct Bone {
   Eigen::Vector3d offset;
 };
 
-// a child before its parent, as Motive has toes
+// A child before its parent, as Motive sends toes.
 const std::vector<Bone> kBones = {{"Anna_Hip", 1, 0, {0, 0, 0}},
                                   {"Anna_LToe", 4, 3, {0, -0.07, 0.14}},
                                   {"Anna_LThigh", 2, 1, {0.09, -0.03, 0}},
@@ -79,7 +79,7 @@ std::string bone_description(Version version, const Bone& bone) {
                       little_endian(static_cast<std::uint64_t>(bone.parent), 4) +
                       vector(bone.offset);
   if (version.is_from(4, 2)) bytes += number(0) + number(0) + number(0) + number(1);
-  // two markers
+  // Two markers.
   bytes += little_endian(2, 4) + vector({1, 2, 3}) + vector({4, 5, 6}) + little_endian(7, 4) +
            little_endian(8, 4);
   if (version.is_from(4, 0)) bytes += text("WaistL") + text("WaistR");
@@ -130,7 +130,7 @@ std::string channels(int id) {
          little_endian(1, 4) + number(1) + little_endian(3, 4) + number(1) + number(2) + number(3);
 }
 
-// the bones' poses in the order of kBones
+// The poses of the bones in the order of kBones.
 std::string frame(Version version, const std::vector<Pose>& poses, double time,
                   bool models_changed = false, bool is_tracked = true) {
   std::string skeletons;
@@ -138,7 +138,7 @@ std::string frame(Version version, const std::vector<Pose>& poses, double time,
     skeletons += little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(poses.size(), 4);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       Pose pose = poses[i];
-      // the second one is elsewhere
+      // The second one is elsewhere.
       if (id == 6) pose.translation.x() += 5.0;
       skeletons += body(id << 16 | kBones[i].id, pose, is_tracked);
     }
@@ -193,7 +193,7 @@ std::string refusal(Decoder& decoder, std::string_view bytes) {
   return taken ? std::string() : taken.error().message;
 }
 
-// the joints of the decoder are in another order: parents first
+// The joints of the decoder have another order: parents first.
 void expect_world(const KeptStream& kept, std::size_t frame_index,
                   const std::vector<Pose>& expected, double x = 0.0) {
   ASSERT_LT(frame_index, kept.frames.size());
@@ -229,7 +229,7 @@ TEST(NatNet, ReadsAllVersionsInBothCoordinates) {
   }
 }
 
-TEST(NatNet, FollowsTheSkeletonThatIsNamed) {
+TEST(NatNet, FollowsTheNamedSkeleton) {
   const auto decoder = decoder_of("&actor=6&version=4.1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
@@ -243,7 +243,7 @@ TEST(NatNet, AcceptsGivenCoordinates) {
   const auto decoder = decoder_of("&version=3.1&coordinates=local");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({3, 1}), kept));
-  // bones that are nowhere near their places
+  // Bones far from their positions.
   auto poses = local_poses();
   for (std::size_t i = 1; i < poses.size(); ++i) poses[i].translation *= 7.0;
   ASSERT_TRUE(decoder->take(frame({3, 1}, poses, 1.0), kept));
@@ -252,7 +252,7 @@ TEST(NatNet, AcceptsGivenCoordinates) {
   expect_world(kept, 0, world);
 }
 
-TEST(NatNet, AsksUntilItIsAnswered) {
+TEST(NatNet, RepeatsRequestsUntilAReply) {
   const auto decoder = decoder_of("&server=127.0.0.1");
   KeptStream kept;
   EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
@@ -281,10 +281,10 @@ TEST(NatNet, ReportsASilentServer) {
   EXPECT_EQ(refused, 150);
 }
 
-TEST(NatNet, TakesBonesFromAFileWithoutDescriptions) {
+TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
   std::vector<Joint> joints;
   using enum Channel;
-  // Motive's order, a parent first: the frame's bones come so
+  // Motive's order with the parent first, as for the bones of the frame.
   for (const std::size_t i : {0UL, 2UL, 3UL, 1UL, 4UL}) {
     const int parent = i == 0 ? -1 : i == 3 ? 1 : i == 1 ? 2 : 0;
     joints.push_back({kBones[i].name,
@@ -375,13 +375,13 @@ TEST(NatNet, RejectsMalformedPackets) {
   EXPECT_EQ(kept.frames.size(), frames);
 }
 
-TEST(NatNetPlayer, AllJointsComeBack) {
+TEST(NatNetPlayer, RoundTripsAllJoints) {
   const std::string folder = find_data_folder(std::nullopt).value().string();
   const Clip clip = clip_with_units(sample_clip("walk"), {}, folder).value();
   EXPECT_EQ(clip.origin().metres_per_unit, 0.01);
   const auto encoder = make_natnet_encoder();
   const std::string header = encoder->begin(clip);
-  // piece by piece, as of a pipe
+  // In pieces, as from a pipe.
   const auto decoder = make_natnet_decoder(parse_address("stdin?format=natnet").value());
   KeptStream kept;
   std::string bytes = header;

@@ -1,5 +1,5 @@
-// The cost of packets is bounded: hostile packets are refused after little work and do not affect
-// the next one.
+// The cost of packets is bounded: hostile packets are rejected early and do not affect the next
+// one.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ using testing::HasSubstr;
 
 constexpr std::size_t kDatagram = 65000;  // bytes
 
-// A packet costs at most as much as so many ordinary objects of a datagram's size, so that sanitizers and slow
-// machines do not matter. One takes about a millisecond.
+// A packet costs at most as much as this many ordinary objects of a datagram's size, so that
+// sanitizers and slow machines do not matter. One object takes about a millisecond.
 constexpr double kMostObjects = 3.0;
 
 class Counted final : public StreamSink {
@@ -35,7 +35,7 @@ class Counted final : public StreamSink {
   int skeletons = 0, frames = 0;
 };
 
-// processor time, the least of some packets
+// Processor time, the minimum over some packets.
 double milliseconds_of(const std::function<void()>& work) {
   double least = 1e9;
   for (int i = 0; i < 5; ++i) {
@@ -52,7 +52,7 @@ std::string object_of_members() {
   return text + "}";
 }
 
-// Milliseconds that the JSON library takes for an ordinary object of a datagram's size.
+// Milliseconds of the JSON library for an ordinary object of a datagram's size.
 double object_time() {
   const std::string text = object_of_members();
   return milliseconds_of([&] { static_cast<void>(nlohmann::json::parse(text).size()); });
@@ -88,7 +88,7 @@ std::string bomb(const std::string& begin, std::uint16_t period) {
   return frame + block + std::string(4, '\0');
 }
 
-TEST(PacketBounds, BombsOfLz4AreCheap) {
+TEST(PacketBounds, RejectLz4BombsEarly) {
   if (!Lz4Frame::is_available()) GTEST_SKIP() << "this build lacks LZ4";
   const auto decoder = make_rokoko_decoder({});
   const std::string one = bomb(R"({"scene": {"a": [0,)", 2);
@@ -100,7 +100,7 @@ TEST(PacketBounds, BombsOfLz4AreCheap) {
   expect_cheap(*decoder, repeated(bomb(R"({"scene": {"a": "xxxx)", 1), kDatagram), "long texts");
 }
 
-TEST(PacketBounds, ObjectsWithoutEndAreCheap) {
+TEST(PacketBounds, RejectEndlessObjectsEarly) {
   const auto decoder = make_rokoko_decoder({});
   expect_cheap(*decoder, repeated("{}", kDatagram), "empty objects");
   expect_cheap(*decoder, repeated("{}x", kDatagram), "with noise between them");
@@ -130,7 +130,7 @@ TEST(PacketBounds, JsonIsBounded) {
   EXPECT_LT(spent, kMostObjects * object_time());
 }
 
-TEST(PacketBounds, LinesAreCheap) {
+TEST(PacketBounds, RejectTooManyLinesEarly) {
   const auto decoder = make_line_decoder({});
   std::string joints;
   for (int i = 0; joints.size() < kDatagram; ++i) {
@@ -153,7 +153,7 @@ std::string bundle_of(const std::string& message) {
   return std::string("#bundle\0\0\0\0\0\0\0\0\1", 16) + repeated(item, kDatagram);
 }
 
-TEST(PacketBounds, BundlesOfOscAreCheap) {
+TEST(PacketBounds, RejectOscBundlesEarly) {
   const auto decoder = make_vmc_decoder({});
   const std::string hips = osc_text("/VMC/Ext/Bone/Pos") + osc_text(",sfffffff") +
                            osc_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
@@ -166,7 +166,7 @@ TEST(PacketBounds, BundlesOfOscAreCheap) {
   expect_cheap(*decoder, bundle_of(osc_text("/a")), "short messages");
 }
 
-TEST(PacketBounds, HierarchiesAreCheap) {
+TEST(PacketBounds, RejectHierarchiesEarly) {
   const auto decoder = make_bvh_row_decoder({});
   std::string text =
       "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n";
@@ -184,8 +184,8 @@ TEST(PacketBounds, HierarchiesAreCheap) {
   expect_cheap(*decoder, text + ends + "MOTION\n", "joints");
 }
 
-// A refused packet does not change how the decoder reads the next one.
-TEST(PacketBounds, TheNextPacketIsRead) {
+// A rejected packet does not change how the decoder reads the next one.
+TEST(PacketBounds, KeepTheNextPacket) {
   const auto decoder = make_line_decoder({});
   Counted counted;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", counted));

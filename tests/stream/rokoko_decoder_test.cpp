@@ -1,5 +1,5 @@
-// Rokoko Studio: packets as its custom streaming writes them, put together here; sides, axes, actors,
-// compression, connections.
+// Rokoko Studio: packets of its custom streaming, built by hand; sides, axes, actors, compression,
+// connections.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,15 +25,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
-// in Unity's axes: left-handed, y up; x y z w
+// In Unity's axes: left-handed, y up; x y z w.
 struct UnityPose {
   std::array<double, 3> at;
   std::array<double, 4> turn;
 };
 using Body = std::map<std::string, UnityPose>;
 
-// A body in a T-pose that faces z, its left towards -x. Turns are those of Studio's T-pose, as Rokoko's plugin for
-// Blender lists them (there w comes first).
+// A body in a T-pose that faces z, its left towards -x. Rotations are those of Studio's T-pose in
+// Rokoko's plugin for Blender (there w comes first).
 Body t_pose() {
   constexpr double s = 0.70711;
   const std::array<double, 4> trunk = {0, 0, -1, 0};
@@ -68,7 +68,7 @@ Body t_pose() {
 // The left arm hangs down: a quarter turn about z, which in a left-handed world takes -x to -y.
 Body left_arm_down() {
   Body body = t_pose();
-  // (0, 0, s, s) before that of the T-pose, as products of quaternions are in Unity
+  // (0, 0, s, s) before the T-pose, in Unity's order of quaternion products.
   for (const char* bone : {"leftUpperArm", "leftLowerArm", "leftHand"}) {
     body[bone].turn = {0.0, -0.70711, 0.0, -0.70711};
   }
@@ -110,7 +110,7 @@ std::string refusal(const std::string& bytes, const std::string& address = "udp:
   return taken ? "" : taken.error().message;
 }
 
-TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
+TEST(Rokoko, LeftArmDrivesTheLeftArm) {
   const LoadedRobot loaded =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
   const Robot& robot = *loaded.robot;
@@ -120,7 +120,7 @@ TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
       set_up_robot(loaded, options.run).value(), options, decoder_at("udp:1"),
       [&](const RobotFrame& frame) { qpos.assign(frame.qpos.begin(), frame.qpos.end()); },
       [](std::string_view, std::string_view) {});
-  // calibrated by what is known of Studio's T-pose, not by this frame
+  // Calibrated with the known T-pose of Studio, not with this frame.
   for (int frame = 0; frame < 120; ++frame) {
     const double now = frame / 60.0;
     const auto taken =
@@ -129,7 +129,7 @@ TEST(Rokoko, TheLeftArmOfTheActorIsThatOfTheRobot) {
   }
   EXPECT_EQ(pipeline.packets().malformed, 0);
   EXPECT_EQ(pipeline.statistics().lost, 0);
-  // Studio's z is -y here, and so its left, -x, is x
+  // Studio's z is -y here, so its left, -x, is x.
   expect_left_arm_down(robot, qpos);
 }
 
@@ -142,17 +142,17 @@ TEST(Rokoko, ReportsItsProperties) {
   EXPECT_EQ(kept.skeletons[0].skeleton().joint_count(), 23);
   ASSERT_EQ(kept.frames.size(), 1U);
   EXPECT_EQ(kept.frames[0].time, 12.5);
-  // right-handed: the mirror image of x
+  // Right-handed: the mirror image of x.
   EXPECT_LT((kept.frames[0].translations[0] - Eigen::Vector3d(0, 0.95, 0)).norm(), 1e-12);
   const int arm = kept.skeletons[0].skeleton().find("leftUpperArm").value();
   EXPECT_GT(kept.skeletons[0].skeleton().joint(arm).offset.x(), 0.1);
-  // in the T-pose no joint is turned
+  // In the T-pose no joint is rotated.
   for (const auto& rotation : kept.frames[0].rotations) {
     EXPECT_LT(rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-5);
   }
 }
 
-TEST(Rokoko, ABodyNeedNotHaveToesNorCollarBones) {
+TEST(Rokoko, ToesAndCollarBonesAreOptional) {
   Body body = t_pose();
   for (const char* bone : {"leftToe", "leftToeEnd", "rightToe", "rightToeEnd", "leftShoulder",
                            "rightShoulder", "neck"}) {
@@ -167,7 +167,7 @@ TEST(Rokoko, ABodyNeedNotHaveToesNorCollarBones) {
             skeleton.find("chest").value());
 }
 
-TEST(Rokoko, OneActorOfSeveral) {
+TEST(Rokoko, SelectsOneOfSeveralActors) {
   Json gloves = actor_of("Gloves", t_pose());
   gloves["meta"]["hasBody"] = false;
   const Json ann = actor_of("Ann", t_pose()), bob = actor_of("Bob", left_arm_down());
@@ -193,7 +193,7 @@ TEST(Rokoko, OneActorOfSeveral) {
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(Rokoko, VersionTwoHasActorsOutsideAScene) {
+TEST(Rokoko, ReadsVersionTwo) {
   Json actor = actor_of("Ann", t_pose())["body"];
   actor["id"] = "Ann";
   const Json packet = {{"version", "2,0"},       {"timestamp", 3.5},
@@ -227,7 +227,7 @@ TEST(Rokoko, RejectsMalformedPackets) {
                 body["head"]["rotation"] = {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 0}};
               }),
               HasSubstr("the rotation is zero"));
-  // a bone that is missing later costs its frame alone
+  // A bone that is missing later only costs its frame.
   const auto decoder = decoder_at("udp:1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(whole.dump(), kept));
@@ -239,7 +239,7 @@ TEST(Rokoko, RejectsMalformedPackets) {
   EXPECT_EQ(kept.frames.size(), 2U);
 }
 
-TEST(Rokoko, AConnectionMayCutAnywhere) {
+TEST(Rokoko, JoinsPiecesOfAConnection) {
   std::string bytes;
   for (int frame = 0; frame < 5; ++frame) {
     bytes += packet_of({actor_of("A \"}{\\ nn", t_pose())}, frame).dump() + (frame % 2 ? "\n" : "");
@@ -275,7 +275,7 @@ std::string stored_in_lz4(const std::string& text) {
          little_endian(0);
 }
 
-TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
+TEST(Rokoko, ReadsLz4Frames) {
   const std::string packet = packet_of({actor_of("Ann", t_pose())}, 1.0).dump();
   const std::string frame = stored_in_lz4(packet);
   if (!Lz4Frame::is_available()) {
@@ -302,7 +302,7 @@ TEST(Rokoko, PacketsMayBeInFramesOfLz4) {
   EXPECT_THAT(refusal(broken), HasSubstr("LZ4"));
 }
 
-TEST(JsonCutter, HoldsNoMoreThanAMegabyte) {
+TEST(JsonCutter, LimitsObjectsToAMegabyte) {
   JsonCutter cutter;
   const std::string endless = "{" + std::string(1 << 16, ' ');
   bool refused = false;
@@ -313,7 +313,7 @@ TEST(JsonCutter, HoldsNoMoreThanAMegabyte) {
   EXPECT_TRUE(refused);
   EXPECT_FALSE(cutter.is_inside());
   if (!Lz4Frame::is_available()) return;
-  // a literal and a match of 255 times 4,000 bytes, in a block of five kilobytes, four times
+  // A literal and a match of 255 times 4,000 bytes, in a block of five kilobytes, four times.
   std::string block = "\x1F{";
   block += std::string("\x01\x00", 2) + std::string(4000, '\xFF') + std::string(1, '\x00');
   block += std::string("\x50") + "aaaaa";

@@ -1,4 +1,4 @@
-// SMPL's rotation vectors as lines: the frames of a file's motion, body descriptions, refusals.
+// SMPL's rotation vectors as lines: the frames of a file's motion, body descriptions, rejections.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
-// upright, turned at random; frames of 66 numbers and 3
+// Upright, with random rotations; frames of 66 numbers and 3.
 struct Motion {
   static constexpr std::size_t kFrames = 12;
   std::vector<double> poses, trans, betas = {0.7, -0.2};
@@ -68,7 +68,7 @@ void expect_same(const StreamFrame& frame, const Clip& clip, int index, double t
   EXPECT_LE((frame.translations[0] - clip.translations(index)[0]).norm(), tolerance);
 }
 
-TEST(SmplxLines, AreTheFramesOfTheSameFile) {
+TEST(SmplxLines, MatchTheFramesOfTheSameFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   ASSERT_TRUE(read) << describe(read.error());
@@ -77,7 +77,7 @@ TEST(SmplxLines, AreTheFramesOfTheSameFile) {
   for (std::size_t frame = 0; frame < Motion::kFrames; ++frame) {
     ASSERT_TRUE(decoder->take(motion.line(frame).dump(), kept));
   }
-  // the body comes once, though every line has its betas
+  // The body is described once, although every line has its betas.
   ASSERT_EQ(kept.skeletons.size(), 1U);
   const Skeleton& skeleton = kept.skeletons[0].skeleton();
   EXPECT_EQ(skeleton.names(), read->clip.skeleton().names());
@@ -92,7 +92,7 @@ TEST(SmplxLines, AreTheFramesOfTheSameFile) {
   }
 }
 
-TEST(SmplxLines, AFileIsPlayedAsItIs) {
+TEST(SmplxLines, PlayAFileUnchanged) {
   const auto read = read_smpl(Motion().npz(), "motion.npz");
   ASSERT_TRUE(read);
   ASSERT_FALSE(smplx_plays_human(read->clip));
@@ -115,7 +115,7 @@ TEST(SmplxLines, AFileIsPlayedAsItIs) {
   }
 }
 
-TEST(SmplxLines, NamesOfOtherProgramsServe) {
+TEST(SmplxLines, AcceptNamesOfOtherPrograms) {
   const Motion motion;
   const Json line = motion.line(3);
   const auto frame_of = [](const Json& told) {
@@ -162,12 +162,12 @@ TEST(SmplxLines, AWorldMayHaveYUp) {
   EXPECT_LT((frame.translations[0] - Eigen::Vector3d(1, -3, 2)).norm(), 1e-12);
   EXPECT_LT((frame.rotations[0] * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(),
             1e-12);
-  // another body, by a line of its own
+  // Another body, in a separate line.
   ASSERT_TRUE(decoder->take(R"({"height": 1.9})", kept));
   EXPECT_EQ(kept.skeletons.size(), 2U);
 }
 
-TEST(SmplxLines, TheUsersFileKnowsTheBody) {
+TEST(SmplxLines, UseTheBodyOfTheUsersFile) {
   const Motion motion;
   const auto read = read_smpl(motion.npz(), "motion.npz");
   const auto decoder = make_smplx_decoder({});
@@ -178,13 +178,13 @@ TEST(SmplxLines, TheUsersFileKnowsTheBody) {
   ASSERT_TRUE(decoder->take(line.dump(), kept));
   EXPECT_TRUE(kept.skeletons.empty());
   expect_same(kept.frames.at(0), read->clip, 2, 0.0);
-  // with fingers, as files have them whose hands move
+  // With fingers, as in files with moving hands.
   decoder->know_skeleton(smpl_skeleton(generic_smpl_rest_body(1.7), true));
   ASSERT_TRUE(decoder->take(line.dump(), kept));
   EXPECT_EQ(kept.frames.at(1).rotations.size(), 52U);
 }
 
-TEST(SmplxLines, AreRefusedWithAReason) {
+TEST(SmplxLines, AreRejectedWithAReason) {
   const Json line = Motion().line(0);
   const auto refusal = [&](const std::function<void(Json&)>& change) {
     Json changed = line;

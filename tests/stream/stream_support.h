@@ -66,7 +66,7 @@ inline void expect_left_arm_down(const Robot& robot, std::span<const double> qpo
   EXPECT_NEAR((root * Eigen::Vector3d::UnitZ()).z(), 1.0, 0.05);
 }
 
-// metres and radians, the larger one
+// Metres and radians, the larger one.
 inline double distance(const Pose& a, const Pose& b) {
   return std::max((a.translation - b.translation).norm(), a.rotation.angularDistance(b.rotation));
 }

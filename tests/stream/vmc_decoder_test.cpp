@@ -1,4 +1,4 @@
-// VMC: packets as a performer sends them, put together here byte by byte; sides, axes and frames.
+// VMC: packets of a performer, built byte by byte; sides, axes and frames.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ struct UnityPose {
   std::vector<float> rotation = {0, 0, 0, 1};
 };
 
-// an avatar in its T-pose: Unity's axes, it faces z, its left is -x
+// An avatar in its T-pose: Unity's axes, it faces z, its left is -x.
 std::vector<UnityPose> avatar() {
   return {{"Hips", {0, 0.95F, 0}},
           {"Spine", {0, 0.1F, 0}},
@@ -90,7 +90,7 @@ std::vector<std::string> messages_of(const std::vector<UnityPose>& bones, float 
   return messages;
 }
 
-// the robot's last frame after two seconds of a pose, a frame in a bundle or each message alone
+// The robot's last frame after two seconds of a pose, with one bundle per frame or single messages.
 std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, int* frames) {
   const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
@@ -119,9 +119,9 @@ std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, 
   return last;
 }
 
-TEST(Vmc, TheLeftArmOfTheAvatarIsThatOfTheRobot) {
+TEST(Vmc, LeftArmDrivesTheLeftArm) {
   std::vector<UnityPose> bones = avatar();
-  // 80 degrees about z: the left arm hangs down, the right one stays
+  // 80 degrees about z: the left arm hangs down, the right one does not move.
   for (UnityPose& bone : bones) {
     if (std::string(bone.name) == "LeftUpperArm") bone.rotation = {0, 0, 0.6427876F, 0.7660444F};
   }
@@ -131,7 +131,7 @@ TEST(Vmc, TheLeftArmOfTheAvatarIsThatOfTheRobot) {
     EXPECT_NEAR(frames, 97, 4) << bundles;
     const LoadedRobot loaded =
         load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
-    // the avatar faces its z, which is -y here, so its left is x
+    // The avatar faces its z, which is -y here, so its left is x.
     expect_left_arm_down(*loaded.robot, qpos);
   }
 }
@@ -157,7 +157,7 @@ TEST(Vmc, RejectsMalformedPackets) {
   EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Bone/Pos", "Tail", {1}), nothing));
 }
 
-TEST(Osc, HasTextsAndNumbersInTheirOrder) {
+TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {
   const std::string bytes = osc_text("/a") + osc_text(",ihsTfd") + big_endian(0xFFFFFFFEU) +
                             std::string(8, '\1') + osc_text("word") +
                             big_endian(std::bit_cast<std::uint32_t>(0.5F)) +

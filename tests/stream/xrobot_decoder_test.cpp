@@ -1,5 +1,5 @@
-// Body tracking of PICO headsets: poses as XRoboToolkit sends them, put together here from a T-pose; sides, axes,
-// times and frames that are refused.
+// Body tracking of PICO headsets: poses in XRoboToolkit's form, built from a T-pose; sides, axes,
+// times and rejected frames.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct TrackedJoint {
   Eigen::Vector3d at;  // in the T-pose that faces -z, its right side towards +x
 };
 
-// by the numbers of OpenXR's XrBodyJointBD
+// Indices of OpenXR's XrBodyJointBD.
 const std::vector<TrackedJoint> kTracked = {
     {"Pelvis", -1, {0, 0.95, 0}},
     {"Left_Hip", 0, {-0.09, 0.9, 0}},
@@ -65,7 +65,7 @@ Eigen::Quaterniond quarter_turns(double turns, const Eigen::Vector3d& axis) {
 // A person who turned to face +z, with the left arm down.
 std::vector<Pose> tracked_poses() {
   const Eigen::Quaterniond round = quarter_turns(2.0, Eigen::Vector3d::UnitY());
-  // about the joints' z, which points backwards: from the left side down
+  // About the joints' z, which points backwards: from the left side down.
   const Eigen::Quaterniond down = quarter_turns(1.0, Eigen::Vector3d::UnitZ());
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < kTracked.size(); ++i) {
@@ -88,7 +88,7 @@ std::vector<double> numbers_of(const Pose& pose) {
   return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-// as get_body_joints_pose() of the Python binding gives them
+// In the form of the Python binding's get_body_joints_pose().
 Json rows(const std::vector<Pose>& poses) {
   Json joints = Json::array();
   for (const Pose& pose : poses) joints.push_back(numbers_of(pose));
@@ -99,7 +99,7 @@ Json line_of(const std::vector<Pose>& poses, double time) {
   return {{"time", time}, {"joints", rows(poses)}};
 }
 
-// as the headset's client sends them
+// In the form of the headset's client.
 Json client_object(const std::vector<Pose>& poses, std::int64_t nanoseconds) {
   Json joints = Json::array();
   for (const Pose& pose : poses) {
@@ -115,7 +115,7 @@ Json client_object(const std::vector<Pose>& poses, std::int64_t nanoseconds) {
           {"timeStampNs", nanoseconds}};
 }
 
-TEST(Xrobot, PosesComeInTheOrderOfTheJoints) {
+TEST(Xrobot, PosesFollowTheJointOrder) {
   const std::vector<Pose> poses = tracked_poses();
   const auto decoder = make_xrobot_decoder({});
   KeptStream kept;
@@ -132,7 +132,7 @@ TEST(Xrobot, PosesComeInTheOrderOfTheJoints) {
     EXPECT_EQ(skeleton.joint(i).name, name);
     EXPECT_EQ(skeleton.joint(i).parent, parent);
     if (parent < 0) continue;
-    // bones are those of the T-pose, whatever pose came first
+    // Bones are those of the T-pose for any first pose.
     const Eigen::Vector3d bone = at - kTracked[static_cast<std::size_t>(parent)].at;
     EXPECT_LT((skeleton.joint(i).offset - bone).norm(), 1e-12) << name;
   }
@@ -142,7 +142,7 @@ TEST(Xrobot, PosesComeInTheOrderOfTheJoints) {
   for (std::size_t i = 0; i < 24; ++i) EXPECT_LT(distance(world[i], poses[i]), 1e-7) << i;
 }
 
-TEST(Xrobot, TheClientsObjectsAreRead) {
+TEST(Xrobot, ReadsTheClientsObjects) {
   const std::vector<Pose> poses = tracked_poses();
   const Json client = client_object(poses, 7250000000);
   Json of_body = client;
@@ -160,14 +160,14 @@ TEST(Xrobot, TheClientsObjectsAreRead) {
     const std::vector<Pose> world = kept.world(0);
     for (std::size_t i = 0; i < 24; ++i) EXPECT_LT(distance(world[i], poses[i]), 1e-7) << i;
   }
-  // without a time that of arrival counts
+  // Without a time, the arrival time is used.
   const auto decoder = make_xrobot_decoder({});
   KeptStream kept;
   ASSERT_TRUE(decoder->take(Json{{"joints", rows(poses)}}.dump(), kept));
   EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
 }
 
-TEST(Xrobot, TheLeftArmOfTheHumanIsThatOfTheRobot) {
+TEST(Xrobot, LeftArmDrivesTheLeftArm) {
   const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
   LivePipelineOptions options;
@@ -183,12 +183,12 @@ TEST(Xrobot, TheLeftArmOfTheHumanIsThatOfTheRobot) {
   }
   EXPECT_EQ(pipeline.packets().malformed, 0);
   EXPECT_THAT(told, Not(HasSubstr("unusual")));
-  // the human faces +z, which is -y where z is up
+  // The human faces +z, which is -y with z up.
   ASSERT_FALSE(last.empty());
   expect_left_arm_down(*robot.robot, last);
 }
 
-TEST(Xrobot, FramesWithoutABodyAreRefused) {
+TEST(Xrobot, RejectsFramesWithoutABody) {
   const std::vector<Pose> poses = tracked_poses();
   const auto decoder = make_xrobot_decoder({});
   KeptStream kept;
@@ -196,7 +196,7 @@ TEST(Xrobot, FramesWithoutABodyAreRefused) {
     const auto taken = decoder->take(line.dump(), kept);
     return taken ? std::string() : taken.error().message;
   };
-  // all joints at one place, as before tracking begins, are no body to remember
+  // Before tracking begins, all joints are at one position: not a body to remember.
   EXPECT_THAT(refusal(line_of(std::vector<Pose>(24), 0)), HasSubstr("not tracked yet"));
   EXPECT_TRUE(kept.skeletons.empty());
   EXPECT_EQ(refusal(line_of(poses, 0)), "");
@@ -226,7 +226,7 @@ TEST(Xrobot, FramesWithoutABodyAreRefused) {
   EXPECT_EQ(refusal(line_of(poses, 2)), "");
   EXPECT_EQ(kept.frames.size(), 2U);
   EXPECT_EQ(kept.skeletons.size(), 1U);
-  // another sender may have another body
+  // Another sender may have another body.
   decoder->restart();
   EXPECT_EQ(refusal(line_of(poses, 3)), "");
   EXPECT_EQ(kept.skeletons.size(), 2U);

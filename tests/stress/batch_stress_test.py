@@ -84,7 +84,7 @@ def make_broken(batch, good, bad):
 
 
 def kill_and_resume(batch, reference, rounds, longest, chance, *arguments):
-    """Kills the run `rounds` times, then lets it end. Gives how many clips were done by then."""
+    """Kills the run `rounds` times, then lets it end. Returns the number of clips done by then."""
     done_when_killed = []
     for _ in range(rounds):
         run = subprocess.Popen(batch.command("--resume", *arguments), cwd=batch.folder,

@@ -26,7 +26,7 @@ inline std::string mixamo_name(int side, Finger finger, int bone) {
          kNames[static_cast<std::size_t>(finger)] + std::to_string(bone);
 }
 
-/// Hands on a body that has only hips and wrists: y up, palms down, thumbs forwards (z), left hand
+/// Hands on a body that only has hips and wrists: y up, palms down, thumbs forwards (z), left hand
 /// at +x. Centimetres. A finger has three bones; the last one has an end site on request.
 class FingerClip {
  public:

@@ -35,7 +35,7 @@ std::string page_of(const std::string& label, const std::string& title = {}) {
   return view_page({&motion, 1}, {title, {}}).value();
 }
 
-TEST(Page, IsOneFileThatAsksForNothing) {
+TEST(Page, IsSelfContained) {
   const std::string page = page_of("arm");
   EXPECT_THAT(page, testing::StartsWith("<!doctype html>"));
   EXPECT_THAT(page, testing::EndsWith("</html>\n"));
@@ -51,7 +51,7 @@ TEST(Page, PolicyNamesTheHashesOfScriptAndStyle) {
   const std::string policy = between(page, "Content-Security-Policy\" content=\"", "\"");
   EXPECT_THAT(policy, HasSubstr("default-src 'none'"));
   EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
-  // The elements' text, not the files.
+  // The text of the elements, not of the files.
   for (const auto& [asset, begin, end] :
        {std::tuple{&kPageScript, "<script>", "</script>"}, {&kPageStyle, "<style>", "</style>"}}) {
     const std::string content = between(page, begin, end);
@@ -59,7 +59,7 @@ TEST(Page, PolicyNamesTheHashesOfScriptAndStyle) {
     EXPECT_EQ("sha256:" + std::string(asset->sha256), hash_bytes(content).value());
     EXPECT_THAT(policy, HasSubstr(asset->policy_source()));
   }
-  // the digest of nothing, as every description of such policies has it
+  // The digest of empty input, as in every description of such policies.
   const PageAsset empty{{}, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"};
   EXPECT_EQ(empty.policy_source(), "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='");
 }
@@ -82,11 +82,11 @@ TEST(Page, NamesStayText) {
             std::string("&lt;/script&gt;&lt;script&gt;alert(1)").substr(0, 30));
 }
 
-TEST(Page, TheSameMotionsGiveTheSameBytes) {
+TEST(Page, IsDeterministic) {
   EXPECT_EQ(page_of("arm"), page_of("arm"));
 }
 
-TEST(FaultKind, KnowsTheFaultsOfReports) {
+TEST(FaultKind, CoversTheFaultsOfReports) {
   EXPECT_EQ(fault_kind("jumps"), "jump");
   EXPECT_EQ(fault_kind("body_pen_1cm_pct"), "penetration");
   EXPECT_EQ(fault_kind("stance_slip_mean"), "slip");
@@ -107,7 +107,7 @@ HumanClip walking_human(int frames, double speed) {
   return human;
 }
 
-TEST(PlaceHuman, PutsItsPathOnTheRobots) {
+TEST(PlaceHuman, AlignsItsPathWithTheRobots) {
   constexpr int kFrames = 100;
   RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
   for (int i = 0; i < kFrames; ++i) {
@@ -124,18 +124,18 @@ TEST(PlaceHuman, PutsItsPathOnTheRobots) {
   EXPECT_NEAR(place_human(clip, walking_human(kFrames, 0.0)).scale, 0.7, 1e-9);
 }
 
-// a quarter turn to the left about the vertical
+// A quarter turn to the left about the vertical.
 void turn_left(RobotClip& clip, int frame) {
   const double half = std::sqrt(0.5);
   const double turned[] = {half, 0.0, 0.0, half};
   for (std::size_t i = 0; i < 4; ++i) clip.qpos(frame)[3 + i] = turned[i];
 }
 
-TEST(PlaceHuman, IsTurnedAsTheMotionWas) {
+TEST(PlaceHuman, FollowsTheRotationOfTheMotion) {
   constexpr int kFrames = 100;
   RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
   for (int i = 0; i < kFrames; ++i) {
-    // the human goes along x from (1, 2), the robot along y from (5, -1)
+    // The human moves along x from (1, 2), the robot along y from (5, -1).
     clip.qpos(i)[0] = 5.0;
     clip.qpos(i)[1] = -1.0 + 0.8 * 0.04 * i;
     clip.qpos(i)[2] = 0.7;

@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-// pixels of a PNG of this library, read by zlib and the five filters of the format
+// Pixels of a PNG of this library, decoded with zlib and the five filters of the format.
 struct DecodedPng {
   std::uint32_t width = 0, height = 0;
   std::vector<int> bytes;
@@ -80,7 +80,7 @@ Solid sphere(const Eigen::Vector3d& centre, double radius, int colour) {
   return solid;
 }
 
-// 200 by 200 pixels, 100 a metre, the world's origin in the middle
+// 200 by 200 pixels, 100 per metre, the world origin in the middle.
 DecodedPng drawn(const SolidFigure& figure) {
   Image image(200, 200, 0xFFFFFF);
   render(figure, Camera(), {0, 0, 200, 200, {100.0, 100.0}, 100.0}, image);
@@ -107,7 +107,7 @@ TEST(Png, KeepsEveryPixel) {
 }
 
 TEST(Render, DrawsShapesWithTheirPositionAndSize) {
-  // half a metre to the right and above the middle: 30 pixels around (150, 50)
+  // Half a metre to the right and above the middle: 30 pixels around (150, 50).
   const DecodedPng png = drawn({sphere({0.5, 0.0, 0.5}, 0.304, 0xFF0000)});
   EXPECT_GT(png.at(150, 50, 0), 100);
   EXPECT_LT(png.at(150, 50, 1), 60);
@@ -115,13 +115,13 @@ TEST(Render, DrawsShapesWithTheirPositionAndSize) {
   EXPECT_TRUE(is_paper(png, 182, 50));
   EXPECT_TRUE(is_paper(png, 150, 17));
   EXPECT_FALSE(is_paper(png, 150, 22));
-  // a circle: as many pixels as its area; half of the light is 181 of 255
+  // A circle: its pixel count equals its area; half of the light is 181 of 255.
   int covered = 0;
   for (std::uint32_t y = 0; y < 90; ++y) {
     for (std::uint32_t x = 0; x < 200; ++x) covered += png.at(x, y, 1) < 181 ? 1 : 0;
   }
   EXPECT_NEAR(covered, 3.14159 * 924.16, 30.0);
-  // its edge is soft
+  // Its edge is antialiased.
   bool between = false;
   for (std::uint32_t x = 176; x < 184; ++x) {
     between |= png.at(x, 50, 1) > 60 && png.at(x, 50, 1) < 250;
@@ -130,7 +130,7 @@ TEST(Render, DrawsShapesWithTheirPositionAndSize) {
 }
 
 TEST(Render, TheNearerShapeHidesTheOther) {
-  // the camera looks along +y
+  // The camera looks along +y.
   const Solid red = sphere({0.0, 0.4, 0.6}, 0.3, 0xFF0000),
               blue = sphere({0.0, -0.4, 0.6}, 0.2, 0x0000FF);
   for (const SolidFigure& figure : {SolidFigure{red, blue}, SolidFigure{blue, red}}) {
@@ -153,7 +153,7 @@ TEST(Render, CapsulesAndBoxesHaveTheirOutline) {
   EXPECT_FALSE(is_paper(lying, 100, 42));
   EXPECT_TRUE(is_paper(lying, 100, 38));
   EXPECT_TRUE(is_paper(lying, 52, 42));
-  // seen from its end it is a disc
+  // Seen from its end it is a disc.
   capsule.shape.half_axes[0] = {0.0, 0.4, 0.0};
   const DecodedPng end = drawn({capsule});
   EXPECT_FALSE(is_paper(end, 108, 50));
@@ -174,7 +174,7 @@ TEST(Render, CapsulesAndBoxesHaveTheirOutline) {
 TEST(Render, LightComesFromAboveAndCastsShadows) {
   const DecodedPng png = drawn({sphere({0.0, 0.0, 0.6}, 0.3, 0x808080)});
   EXPECT_GT(png.at(100, 18), png.at(100, 62) + 20);
-  // from a little above, as strips are seen: the ground below a foot is darker than beside it
+  // Slightly from above, as in strips: the ground below a foot is darker than beside it.
   Image image(200, 200, 0xFFFFFF);
   render({sphere({0.0, 0.0, 0.1}, 0.1, 0x808080)}, Camera::beside({0.0, 1.0, 0.0}),
          {0, 0, 200, 200, {100.0, 100.0}, 100.0}, image);
@@ -184,14 +184,14 @@ TEST(Render, LightComesFromAboveAndCastsShadows) {
   EXPECT_EQ(standing.at(100, 180), 255);
 }
 
-TEST(StripPicture, HasItsSizeItsPosesAndAlwaysTheSameBytes) {
+TEST(StripPicture, HasSizeAndPosesAndIsDeterministic) {
   const auto g1 = load_g1();
   const RobotClip clip(g1, FrameRate{30, 1}, 61);
   const std::string bytes = draw_strip_picture(clip, nullptr, {});
   EXPECT_EQ(bytes, draw_strip_picture(clip, nullptr, {}));
   const DecodedPng png = decode(bytes);
   EXPECT_NEAR(png.width, 1200, 1);
-  // six figures: columns with something in them, parted by empty ones
+  // Six figures: occupied columns separated by empty ones.
   int figures = 0;
   bool inside = false;
   for (std::uint32_t x = 0; x < png.width; ++x) {
@@ -207,14 +207,14 @@ TEST(StripPicture, HasItsSizeItsPosesAndAlwaysTheSameBytes) {
   small.times = false;
   const DecodedPng thumbnail = decode(draw_strip_picture(clip, nullptr, small));
   EXPECT_LE(thumbnail.width, 241);
-  // one pose is no wider than its height allows
+  // One pose is no wider than its height allows.
   small.poses = 1;
   small.width = 5000;
   small.max_row_height = 100.0;
   EXPECT_LT(decode(draw_strip_picture(clip, nullptr, small)).height, 120);
 }
 
-TEST(StripPicture, IsNoLargerForAMotionHighAboveTheFloorOrBelowIt) {
+TEST(StripPicture, SizeIsIndependentOfTheHeightOfTheMotion) {
   RobotClip clip(load_g1(), FrameRate{30, 1}, 7);
   StripPictureOptions small;
   small.width = 600;

@@ -24,7 +24,7 @@ constexpr const char* kPillar = R"(
   <geom type="capsule" size="0.1" fromto="0 0 0 0 0 1"/>
 </body></worldbody></mujoco>)";
 
-// three lines in a row, without anything that could collide
+// Three lines in a row, without collisions.
 constexpr const char* kBare = R"(
 <mujoco><worldbody><body name="base"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
   <body name="a" pos="0 0 0.5"><joint name="a" axis="1 0 0"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
@@ -39,7 +39,7 @@ std::size_t count(const std::string& text, std::string_view part) {
   return found;
 }
 
-// as many poses as there are times below them
+// One time below each pose.
 std::size_t poses_in(const std::string& svg) {
   return count(svg, "<text ");
 }
@@ -101,7 +101,7 @@ TEST(Strip, DrawsRobotWithoutShapesAsLines) {
   EXPECT_EQ(visible_shapes(clip.robot()).size(), 3);
   const std::string svg = draw_strip(clip, nullptr, {2, {}});
   EXPECT_EQ(poses_in(svg), 2);
-  // a rim and the piece itself
+  // An outline and the part itself.
   EXPECT_EQ(count(svg, "<path d="), 2 * 2 * 3 + 1);
 }
 
@@ -111,7 +111,7 @@ TEST(Strip, DrawsTheHumanAboveTheRobotUntilItEnds) {
   const std::string alone = draw_strip(clip, nullptr, {4, {}});
   const std::string with_all = draw_strip(clip, &all, {4, {}});
   const std::string with_half = draw_strip(clip, &half, {4, {}});
-  // hips to thigh, thigh to foot (the shank is missing), hips to head, head: twice each; a floor
+  // Hips to thigh, thigh to foot (the shank is missing), hips to head, head: twice each; a floor.
   EXPECT_EQ(count(with_all, "<path d="), count(alone, "<path d=") + 4 * 4 * 2 + 1);
   EXPECT_EQ(count(with_half, "<path d="), count(alone, "<path d=") + 2 * 4 * 2 + 1);
   EXPECT_EQ(poses_in(with_half), 4);
@@ -146,7 +146,7 @@ TEST(Camera, FacingDirectionIsToTheRight) {
     EXPECT_NEAR(camera.up.norm(), 1.0, 1e-12);
     EXPECT_NEAR(camera.right.z(), 0.0, 1e-12);
     EXPECT_GT(camera.up.z(), 0.9);
-    // the body's right hand is nearer than its left
+    // The right hand is nearer than the left one.
     EXPECT_GT(camera.nearer.dot(Eigen::Vector3d(std::sin(yaw), -std::cos(yaw), 0.0)), 0.7);
   }
   EXPECT_EQ(Camera::beside(Eigen::Vector3d::UnitZ()).right, Camera::beside({1.0, 0.0, 0.0}).right);
@@ -159,7 +159,7 @@ TEST(Figure, DrawsNearerPartsLater) {
   const Figure figure = robot_figure(*robot, visible_shapes(*robot), qpos, camera);
   ASSERT_GT(figure.size(), 20U);
   EXPECT_TRUE(std::ranges::is_sorted(figure, {}, &FigurePart::nearness));
-  // a G1 is 1.3 m high, and 0.5 m across
+  // A G1 is 1.3 m high, and 0.5 m wide.
   const Eigen::Vector2d size = extent(figure).sizes();
   EXPECT_NEAR(size.y(), 1.32, 0.1);
   EXPECT_NEAR(size.x(), 0.5, 0.3);

@@ -18,7 +18,7 @@
 namespace retarget {
 namespace {
 
-// Unpacks as the page's script does (viewer/src/decode.js), written from the description in the
+// Unpacks like the page's script (viewer/src/decode.js), implemented from the description in the
 // header.
 std::vector<double> unpacked(const std::string& bytes, std::size_t& at,
                              const TrackPacker::Track& track) {
@@ -74,14 +74,14 @@ std::string inflated(const std::string& text) {
   return result;
 }
 
-TEST(TrackPacker, IsOffByHalfAStepAtMost) {
+TEST(TrackPacker, ErrorIsAtMostHalfAStep) {
   constexpr int kChannels = 5, kFrames = 400;
   constexpr std::array kSteps = {1e-4, 2e-5};
   std::mt19937 random(3);
   std::uniform_real_distribution<double> noise(-0.01, 0.01);
   std::vector<double> values;
   for (int i = 0; i < kFrames; ++i) {
-    // at rest, along a line, swinging, noise, and leaps from one end to the other
+    // At rest, along a line, swinging, noise, and jumps from one end to the other.
     const double t = i / 30.0;
     values.insert(values.end(), {0.123456789, -3.0 + 0.7 * t, std::sin(3.0 * t), noise(random),
                                  i % 2 == 0 ? 9e3 : -9e3});
@@ -100,7 +100,7 @@ TEST(TrackPacker, IsOffByHalfAStepAtMost) {
       worst = std::max(worst, std::abs(found[i] - values[i]));
     }
     EXPECT_LE(worst, 0.5 * track.step * (1.0 + 1e-6));
-    // and not better than it says
+    // The stated error is not pessimistic.
     EXPECT_GT(worst, 0.4 * track.step);
   }
   EXPECT_EQ(at, bytes.size());
@@ -137,7 +137,7 @@ TEST(TrackPacker, PacksAnEmptyMotion) {
   EXPECT_EQ(inflated(packer.finish().value()).size(), 3U);
 }
 
-TEST(Base64, IsThatOfTheStandard) {
+TEST(Base64, MatchesTheStandard) {
   // RFC 4648, section 10
   EXPECT_EQ(base64_text(""), "");
   EXPECT_EQ(base64_text("f"), "Zg==");

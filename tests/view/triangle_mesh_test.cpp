@@ -19,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// an open tube of many triangles, radius 0.1 m, length 0.3 m
+// An open tube of many triangles, radius 0.1 m, length 0.3 m.
 TriangleMesh tube(int around, int along) {
   TriangleMesh mesh;
   for (int j = 0; j <= along; ++j) {
@@ -105,7 +105,7 @@ TEST(ReadMesh, RejectsOtherFiles) {
   }
 }
 
-// edges of one triangle alone
+// Edges of a single triangle.
 int open_edges(const TriangleMesh& mesh) {
   std::map<std::pair<int, int>, int> edges;
   for (const auto& triangle : mesh.triangles) {
@@ -135,7 +135,7 @@ TEST(Simplified, ClosesSeamsThatRoundingLeft) {
     }
   }
   EXPECT_GT(open_edges(seam), 2 * kAround);
-  // the two ends are open and nothing else
+  // Only the two ends are open.
   EXPECT_EQ(open_edges(simplified(seam, 100000)), 2 * kAround);
   const TriangleMesh coarse = simplified(seam, 800);
   EXPECT_LT(open_edges(coarse), 2 * kAround);

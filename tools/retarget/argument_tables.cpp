@@ -56,7 +56,7 @@ OptionTable request_table(RunArguments& arguments) {
           "Also write a picture, a strip of poses, as PNG",
           {.uses = OptionUse::kShow | OptionUse::kOneClip}),
       row("strip", arguments.strip, kOutputGroup, "N",
-          "Picture: number of poses from the first frame to the last (default: 6)",
+          "Picture: number of poses, first and last frame included (default: 6)",
           {.min = 1.0, .max = 100.0, .uses = OptionUse::kShow | OptionUse::kOneClip}),
       row("verbose", request.verbose, kGeneralGroup, "",
           "Also print the cost of every fit term, before and after, and its worst frames",
@@ -115,7 +115,7 @@ OptionTable convert_table(ConvertArguments& arguments) {
 
 OptionTable compare_table(CompareArguments& arguments) {
   OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
-                           "Largest difference to accept, in the files' units",
+                           "Maximum accepted difference, in the files' units",
                            {.min = 0.0, .max = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
   append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));

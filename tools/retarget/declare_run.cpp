@@ -65,7 +65,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--source-fps",
-              "Frames per second of the source, whatever its header says; without a source: frame "
+              "Frames per second of the source; overrides its header; without a source: frame "
               "rate of the motions");
   describe_as("--ik-config",
               "Retargeting configuration for tracking errors (default: as in a run)");

@@ -263,7 +263,7 @@ std::string options_page(const std::vector<Command>& commands) {
 CLI::App* add_generate_command(CLI::App& app, std::string& what) {
   CLI::App* command =
       app.add_subcommand("generate", "Print shell completions, the man page or the options page");
-  Option row = word("what", what, "", "What to print");
+  Option row = word("what", what, "", "Kind of output");
   row.choices = {"bash", "zsh", "fish", "man", "options"};
   declare(*command, {row});
   return command;

@@ -81,7 +81,7 @@ std::string robot_among(const CLI::App& command, const std::vector<std::string>&
   return found == words.end() ? std::string() : *found;
 }
 
-// Returns the help hint, preceded by the option that a stray robot name was probably meant for.
+// Returns the help hint, preceded by the option that a stray robot name probably belongs to.
 std::string robot_or_options_hint(const CLI::App& command, const std::vector<std::string>& words) {
   const std::string robot = robot_among(command, words);
   return (robot.empty() ? "" : "did you mean --robot " + robot + "? ") + options_hint(command);

@@ -32,8 +32,7 @@ struct Need {
 /// error.
 [[nodiscard]] Result<void> check_given(const CLI::App& app);
 
-/// Returns the error for unexpected words on a command line, with the option that was probably
-/// meant.
+/// Returns the error for unexpected words on a command line, with the probable option.
 [[nodiscard]] Failure unknown_words(const CLI::App& app);
 
 /// Returns the error for a parser exception.

@@ -5,8 +5,8 @@ One word of an import changes:
     from retarget.gmr import GeneralMotionRetargeting
     from retarget.gmr.utils.lafan1 import load_bvh_file
 
-The results are those of the published class, frame by frame. docs/migrating_from_gmr.md has what
-maps to what.
+The results equal those of the published class, frame by frame. docs/migrating_from_gmr.md lists
+the correspondences.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Errors of names, which are KeyErrors too, as in the published package."""
+"""Name errors, which are also KeyErrors, as in the published package."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from retarget._errors import InputError, UsageError
 
 
 class MissingBodyError(InputError, KeyError):
-    """A frame of a human lacks bodies that the tables name."""
+    """A human frame lacks bodies of the tables."""
 
     __str__ = Exception.__str__
 
@@ -34,7 +34,7 @@ def missing_bodies(missing: list[str], config: str, human_data: Mapping[str, obj
 
 
 def unknown_name(what: str, name: object, known: Iterable[str], hint: str = "") -> UnknownNameError:
-    """The error of a name that is none of the known ones."""
+    """Returns the error for a name that is not among the known ones."""
     names = [str(each) for each in known]
     near = difflib.get_close_matches(str(name), names, n=1)
     meant = f", did you mean {near[0]!r}?" if near else f": there are {_listed(names)}"

@@ -1,4 +1,4 @@
-"""Frames of a human as the published class takes them."""
+"""Human frames in the format of the published class."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ Frame = dict[str, list[np.ndarray]]
 
 def frames_of(names: Sequence[str], positions: np.ndarray, rotations: np.ndarray,
               sources: Sequence[tuple[int, int]] | None = None) -> list[Frame]:
-    """A dictionary per frame, over one copy of the arrays.
+    """Returns one dictionary per frame, with views of one copy of the arrays.
 
     Args:
-        names: of the bodies.
+        names: body names.
         positions: (F, J, 3).
         rotations: (F, J, 4).
-        sources: the joints that give each body its position and its rotation; None: each its own.
+        sources: the joints for position and rotation of each body; None: the body itself.
     """
     pairs = sources if sources is not None else [(i, i) for i in range(len(names))]
     bodies = list(zip(names, pairs))

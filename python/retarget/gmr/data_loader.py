@@ -1,4 +1,4 @@
-"""Motions of robots as the published scripts save them."""
+"""Robot motions saved by the published scripts."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 
 from retarget._errors import InputError
 
-# what arrays of numpy are made of in a pickle; nothing else is called
-# numpy 2 calls its core so, which pickles of either name want
+# Pickles of numpy arrays need only these modules and names; nothing else is called. numpy 2 renamed its
+# core, and a pickle may contain either name.
 _CORE = "numpy._core" if int(np.__version__.split(".")[0]) >= 2 else "numpy.core"
 _MODULES = {"numpy", "numpy.core.multiarray", "numpy._core.multiarray", "numpy.core.numeric",
             "numpy._core.numeric"}
@@ -25,7 +25,7 @@ class _ArraysOnly(pickle.Unpickler):
         if module in _MODULES and name in _NAMES:
             core = re.sub(r"^numpy\._?core\b", _CORE, module)
             return super().find_class(core, name)
-        raise InputError("a motion holds arrays and numbers, but this pickle wants "
+        raise InputError("a motion contains only arrays and numbers, but this pickle requests "
                          f"{module}.{name}")
 
 
@@ -42,11 +42,11 @@ def _array(motion: dict[str, Any], key: str, path: str, last: int | None) -> np.
 
 def load_robot_motion(motion_file: str | os.PathLike[str]) -> tuple[
         dict[str, Any], float, np.ndarray, np.ndarray, np.ndarray, Any, Any]:
-    """Reads a pickle of a robot's motion; only arrays are read from it, no code runs.
+    """Reads a robot motion from a pickle. Only arrays are read, no code runs.
 
     Returns:
         (motion, fps, root_pos, root_rot, dof_pos, local_body_pos, link_body_list), where motion is
-        the whole dictionary, fps frames per second (30 where the file has none), root_pos (F, 3) in
+        the whole dictionary, fps frames per second (30 if the file has none), root_pos (F, 3) in
         metres, root_rot (F, 4) quaternions w x y z, dof_pos (F, N) in radians; the last two may be
         None.
     """

@@ -1,9 +1,9 @@
 """The published dictionaries: models, retargeting configurations, root bodies, by robot.
 
 They are plain dictionaries of paths: more entries may be added, as with the published package.
-Models and the tables of LAFAN1 come with retarget. The other tables (SMPL-X, FBX, ...) belong to
-the published package; they are found where that is installed beside, or in the checkout that the
-environment variable RETARGET_GMR_ROOT names, or by use_published_files().
+retarget includes the models and the tables of LAFAN1. The other tables (SMPL-X, FBX, ...) belong to
+the published package. They are found if it is installed, in the checkout named by the environment
+variable RETARGET_GMR_ROOT, or by use_published_files().
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ _DATA = pathlib.Path(_retarget.data_folder(""))
 IK_CONFIG_ROOT = _DATA / "configs"
 ASSET_ROOT = _DATA / "robots"
 
-# by robot: its name in file names of tables, the places of its model among the published assets,
-# its root body, the distance of a camera in metres
+# By robot: its name in the file names of tables, the paths of its model in the published assets,
+# its root body, and the camera distance in metres.
 _ROBOTS: dict[str, tuple[str, tuple[str, ...], str, float]] = {
     "unitree_g1": ("g1", ("unitree_g1/g1_mocap_29dof.xml",), "pelvis", 2.0),
     "unitree_g1_with_hands": (
@@ -53,7 +53,7 @@ _ROBOTS: dict[str, tuple[str, tuple[str, ...], str, float]] = {
         "gr3", ("fourier_gr3v2_1_1/mjcf/gr3v2_1_1_dummy_hand.xml",), "base_link", 2.0),
 }
 
-# the humans of the published tables; "bvh" is the older name of LAFAN1's
+# Human formats of the published tables; "bvh" is the older name of LAFAN1.
 _LAFAN1 = ("bvh_lafan1", "bvh")
 _HUMANS = ("smplx", *_LAFAN1, "bvh_nokov", "bvh_xsens", "fbx", "fbx_offline", "xrobot", "xsens_mvn")
 
@@ -78,16 +78,16 @@ def _use_own_files() -> None:
 
 def use_published_files(ik_configs: str | os.PathLike[str],
                         assets: str | os.PathLike[str] | None = None) -> int:
-    """Enters tables and models of the published package that retarget does not have itself.
+    """Registers tables and models of the published package that retarget lacks.
 
-    Entries that are there already stay.
+    Existing entries are kept.
 
     Args:
         ik_configs: the folder of its tables (`smplx_to_g1.json`, ...).
-        assets: the folder of its robots; None: tables alone.
+        assets: the folder of its robots; None: only tables.
 
     Returns:
-        How many entries are new.
+        The number of new entries.
     """
     folder = pathlib.Path(ik_configs)
     if not folder.is_dir():
@@ -119,8 +119,8 @@ def _find_published_files() -> None:
             raise UsageError(f"RETARGET_GMR_ROOT: no folder ik_configs in {folders[0]} or {root}")
     else:
         try:
-            spec = importlib.util.find_spec(package)  # looks, and imports nothing
-        except (ImportError, ValueError):  # an importer of somebody's fails, a module without a spec
+            spec = importlib.util.find_spec(package)  # does not import it
+        except (ImportError, ValueError):  # a foreign importer fails, or a module has no spec
             spec = None
         folders = tuple(pathlib.Path(place) for place in
                         (spec.submodule_search_locations or () if spec else ()))

@@ -28,22 +28,22 @@ Option count(const char* name, int& value, const char* help, int min, int max) {
 
 OptionTable term_table(FitOptions& o) {
   return {
-      term("tracking", o.tracking, "Bodies follow their targets"),
+      term("tracking", o.tracking, "Bodies track their targets"),
       term("foot-height", o.foot_height, "Heel and toe follow the source's clearance"),
-      term("contact", o.contact, "Heels and toes in contact stay where they are, on the floor"),
-      term("floor", o.floor, "Nothing goes below the floor"),
+      term("contact", o.contact, "Heels and toes in contact do not move and stay on the floor"),
+      term("floor", o.floor, "No part of the robot penetrates the floor"),
       term("self-collision", o.self_collision, "Parts of the robot do not penetrate each other"),
       term("smoothness", o.smoothness, "Velocities change slowly"),
       term("speed", o.speed, "Joints stay below soft_joint_speed"),
-      term("dynamics", o.dynamics, "Contacts can supply the forces that the movement needs")};
+      term("dynamics", o.dynamics, "Contacts can supply the forces that the motion requires")};
 }
 
 OptionTable weight_table(TrackingWeights& w) {
   constexpr const char* kGroup = "Tracking, per metre or radian";
   return {
-      number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
-      number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
-      number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
+      number(kGroup, "hips_position", w.hips_position, "Pelvis position"),
+      number(kGroup, "hips_rotation", w.hips_rotation, "Pelvis orientation"),
+      number(kGroup, "torso_rotation", w.torso_rotation, "Torso orientation"),
       number(kGroup, "thigh_position", w.thigh_position, "Hip joints"),
       number(kGroup, "shank_position", w.shank_position, "Knees"),
       number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
@@ -63,30 +63,32 @@ OptionTable weight_table(TrackingWeights& w) {
 
 OptionTable foot_table(FitOptions& o) {
   constexpr const char* kGroup = "Feet, floor and body";
-  return {number(kGroup, "foot_height_near", o.foot_height_near,
-                 "Clearance of a foot near the floor, per metre"),
-          number(kGroup, "foot_height_far", o.foot_height_far,
-                 "The same at foot_height_range above the floor"),
-          number(kGroup, "foot_height_range", o.foot_height_range, "Metres", kAbove0),
-          number(kGroup, "contact_weight", o.contact_weight,
-                 "Heel or toe in contact to its contact position, per metre"),
-          number(kGroup, "contact_height_weight", o.contact_height_weight,
-                 "Heel or toe in contact to the floor, per metre"),
-          number(kGroup, "body_contact_weight", o.body_contact_weight,
-                 "Knee, elbow, hand, seat or back in contact to its contact position, per metre"),
-          number(kGroup, "body_contact_height_weight", o.body_contact_height_weight,
-                 "Knee, elbow, hand, seat or back in contact to the floor, per metre"),
-          number(kGroup, "sole_floor_weight", o.sole_floor_weight,
-                 "Sole points below sole_margin, per metre"),
-          number(kGroup, "sole_margin", o.sole_margin, "Metres; for feet that are not in contact",
-                 -1.0, 1.0),
-          number(kGroup, "body_floor_weight", o.body_floor_weight,
-                 "Other bodies below body_margin, per metre"),
-          number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
-          number(kGroup, "self_collision_weight", o.self_collision_weight,
-                 "Overlap of two shapes, per metre"),
-          number(kGroup, "self_collision_margin", o.self_collision_margin,
-                 "Metres; shapes closer than this count as overlapping", -1.0, 1.0)};
+  return {
+      number(kGroup, "foot_height_near", o.foot_height_near,
+             "Clearance of a foot near the floor, per metre"),
+      number(kGroup, "foot_height_far", o.foot_height_far,
+             "The same at foot_height_range above the floor"),
+      number(kGroup, "foot_height_range", o.foot_height_range, "Metres", kAbove0),
+      number(kGroup, "contact_weight", o.contact_weight,
+             "Distance of a heel or toe in contact from its contact position, per metre"),
+      number(kGroup, "contact_height_weight", o.contact_height_weight,
+             "Height of a heel or toe in contact above the floor, per metre"),
+      number(kGroup, "body_contact_weight", o.body_contact_weight,
+             "Distance of a knee, elbow, hand, seat or back in contact from its contact position, "
+             "per metre"),
+      number(kGroup, "body_contact_height_weight", o.body_contact_height_weight,
+             "Height of a knee, elbow, hand, seat or back in contact above the floor, per metre"),
+      number(kGroup, "sole_floor_weight", o.sole_floor_weight,
+             "Depth of sole points below sole_margin, per metre"),
+      number(kGroup, "sole_margin", o.sole_margin, "Metres; applies to feet without contact", -1.0,
+             1.0),
+      number(kGroup, "body_floor_weight", o.body_floor_weight,
+             "Depth of other bodies below body_margin, per metre"),
+      number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
+      number(kGroup, "self_collision_weight", o.self_collision_weight,
+             "Overlap of two shapes, per metre"),
+      number(kGroup, "self_collision_margin", o.self_collision_margin,
+             "Metres; shapes closer than this count as overlapping", -1.0, 1.0)};
 }
 
 OptionTable motion_table(FitOptions& o) {
@@ -104,8 +106,8 @@ OptionTable motion_table(FitOptions& o) {
              kAbove0, kMaxWeight, "speed_soft"),
       number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above soft_joint_speed"),
       number(kGroup, "max_joint_speed", o.max_joint_speed,
-             "rad/s; upper bound for all joints, whatever their own limits", kAbove0, kMaxWeight,
-             "speed_most"),
+             "rad/s; upper bound for all joints, in addition to their own limits", kAbove0,
+             kMaxWeight, "speed_most"),
       number(kGroup, "max_joint_step", o.max_joint_step,
              "rad; largest joint step between two frames", kAbove0, kMaxWeight, "largest_step")};
 }
@@ -114,7 +116,7 @@ OptionTable dynamics_table(FitOptions& o) {
   constexpr const char* kGroup = "Dynamics, for the size and mass of a G1";
   return {
       number(kGroup, "com_weight", o.com_weight,
-             "Centre of mass to its target position, per metre"),
+             "Distance of the centre of mass from its target, per metre"),
       number(kGroup, "spin_weight", o.spin_weight,
              "Angular momentum, as the rotation that it produces, per kg m^2"),
       number(kGroup, "support_friction", o.support_friction,
@@ -125,20 +127,19 @@ OptionTable dynamics_table(FitOptions& o) {
 OptionTable contact_table(FitOptions& o) {
   constexpr const char* kGroup =
       "Contact detection in the source, for a body with legs 0.85 m long";
-  return {
-      number(kGroup, "contact_speed", o.contact_speed,
-             "m/s; a slower heel or toe may be in contact"),
-      number(kGroup, "contact_release_speed", o.contact_release_speed,
-             "m/s; a contact ends above this speed"),
-      number(kGroup, "contact_height", o.contact_height,
-             "Metres above its standing height; a lower heel or toe may be in contact"),
-      number(kGroup, "contact_release_height", o.contact_release_height,
-             "Metres; a contact ends above this height"),
-      number(kGroup, "contact_time", o.contact_time, "Seconds; anything shorter is not a contact"),
-      number(kGroup, "support_time", o.support_time,
-             "Seconds; a raised foot that is slow for this long stands on something"),
-      number(kGroup, "support_drift", o.support_drift,
-             "Metres; the foot may move this far in that time")};
+  return {number(kGroup, "contact_speed", o.contact_speed,
+                 "m/s; a slower heel or toe may be in contact"),
+          number(kGroup, "contact_release_speed", o.contact_release_speed,
+                 "m/s; a contact ends above this speed"),
+          number(kGroup, "contact_height", o.contact_height,
+                 "Metres above its standing height; a lower heel or toe may be in contact"),
+          number(kGroup, "contact_release_height", o.contact_release_height,
+                 "Metres; a contact ends above this height"),
+          number(kGroup, "contact_time", o.contact_time, "Seconds; minimum duration of a contact"),
+          number(kGroup, "support_time", o.support_time,
+                 "Seconds; a raised foot that is slow for this long stands on something"),
+          number(kGroup, "support_drift", o.support_drift,
+                 "Metres; the foot may move this far in that time")};
 }
 
 OptionTable solver_table(FitOptions& o) {

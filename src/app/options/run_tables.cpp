@@ -82,7 +82,7 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
 
 Option memory_row(double& memory_gb) {
   return option("memory", memory_gb, kInputGroup, "GB",
-                "Refuse motions that need more memory than this, GB (default: three quarters of "
+                "Reject motions that need more memory than this, GB (default: three quarters of "
                 "the available memory)",
                 {.min = 0.001,
                  .max = 1e6,
@@ -109,7 +109,7 @@ OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
       option("source-dof", options.dof, group, "NAME",
              "Robot variant whose joints the file contains", info),
       option("ignore-header", options.ignore_header, group, "",
-             "Read the columns of a CSV by position, whatever its header says", info)};
+             "Read the columns of a CSV by position and ignore its header", info)};
   table[0].choices = {"npz-mjlab", "npz-beyondmimic"};
   table[2].choices = {"rad", "deg"};
   table[3].choices = {"m", "cm", "mm"};
@@ -139,10 +139,10 @@ OptionTable source_table(SourceOptions& options) {
              "joint order is unknown",
              {.file = OptionFile::kContent, .uses = kReading}),
       option("source-fps", options.source_fps, kInputGroup, "N",
-             "Frames per second of the source, whatever its header says",
+             "Frames per second of the source; overrides its header",
              {.min = kMinRate, .max = kMaxRate, .uses = kReading}),
       option("from-robot", options.from_robot, kInputGroup, "NAME",
-             "The motion is a motion of this robot: CSV, NPZ, pickle, ... (docs/robot_to_robot.md)",
+             "Robot of the source motion: CSV, NPZ, pickle, ... (docs/robot_to_robot.md)",
              {.basic = true, .uses = kJudged | OptionUse::kInspect | OptionUse::kEdit})};
   append(table, motion_file_table(options.robot_file, true));
   table.push_back(memory_row(options.memory_gb));
@@ -167,7 +167,7 @@ OptionTable human_table(HumanOptions& options) {
              "BVH of the same skeleton whose first frame is the T-pose",
              {.file = OptionFile::kContent, .uses = kHuman}),
       text_option("unit", options.unit, kHumanGroup, "UNIT",
-                  "Unit of length: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
+                  "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
                   {.uses = kHuman}),
       text_option("up", options.up, kHumanGroup, "AXIS", "Up axis of the source: y, z, -y, ...",
                   axis_text, axis_from_text, {.uses = kHuman}),
@@ -266,10 +266,11 @@ OptionTable solve_table(SolveOptions& options) {
              "solver; auto is follow, or off with " OPTION("method") " gmr",
              {.uses = OptionUse::kLive}),
       option("scale", options.scale, kRobotGroup, "",
-             "How the motion is scaled: limbs gives legs, trunk and arms the robot's lengths; "
-             "table as published (default for LAFAN1 with " OPTION("method") " gmr, " OPTION(
-                 "ik-config") " published or FILE); height first scales every body to one size "
-                              "(default with " OPTION("height") ")",
+             "Scaling of the motion: limbs scales legs, trunk and arms to the robot's lengths; "
+             "table uses the published factors (default for LAFAN1 with " OPTION(
+                 "method") " gmr, " OPTION("ik-config") " published or FILE); height first scales "
+                                                        "every body to one size "
+                                                        "(default with " OPTION("height") ")",
              {.none = "auto", .uses = kJudged | OptionUse::kLive})};
 }
 

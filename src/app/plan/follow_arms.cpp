@@ -66,7 +66,7 @@ Result<void> keep_arms(const Robot& robot, ResolvedConfig& config) {
   return {};
 }
 
-// Marks the links of each arm: those that carry, or hang from, a body that follows the arm (such as
+// Marks the links of each arm: links that carry, or hang from, a body that follows the arm (such as
 // fingers). A link that carries both arms belongs to the trunk.
 void mark_arms(const Robot& robot, const ResolvedConfig& config,
                std::vector<std::array<bool, 2>>& sides_of_link) {

@@ -32,7 +32,7 @@ GateText split_gate(const std::string& text) {
   return {text.substr(0, at), relation, text.substr(at + relation.size())};
 }
 
-// The key without its last `_` and what follows it, a unit or a kind.
+// The key without its suffix after the last `_`, a unit or a kind.
 std::string_view short_key(std::string_view key) {
   return key.substr(0, key.rfind('_'));
 }

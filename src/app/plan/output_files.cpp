@@ -43,7 +43,7 @@ Result<MotionFormat> only_format(const std::string& output, const SaveOptions& o
     if (kind == format_ending(format)) return format;
   }
   return usage_failure("the output \"" + output +
-                           "\" may be of several formats, and " OPTION("format") " is not given",
+                           "\" matches several formats, and " OPTION("format") " is not given",
                        "add " OPTION("format") " with one of: " + formats_ending_in(kind));
 }
 
@@ -52,7 +52,7 @@ Result<void> check_ending(const OutputItem& item) {
   const std::string_view kind = output_ending(ending);
   if (item.path == "-" && format_is_folder(item.format)) {
     return usage_failure(OPTION("format") " " + std::string(format_name(item.format)) +
-                             " makes a folder, which cannot go to standard output",
+                             " writes a folder and cannot use standard output",
                          "name a folder with " OPTION("output"));
   }
   if (!is_foreign(ending) && (kind.empty() || kind == format_ending(item.format))) return {};
@@ -83,7 +83,7 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
     return std::vector<OutputItem>{std::move(item)};
   }
   if (output == "-") {
-    return usage_failure("several formats cannot go to standard output",
+    return usage_failure("several formats cannot share standard output",
                          "name a file with " OPTION("output"));
   }
   std::string base = output;

@@ -19,8 +19,8 @@
 namespace retarget {
 
 /// Writes a robot CSV while its frames are being solved. A second thread formats and writes frames
-/// as they arrive, which saves time and memory at the end. Output to standard output or a pipe is
-/// held back until all frames are complete.
+/// as they arrive, which saves time and memory at the end. Output to standard output or a pipe
+/// waits until all frames are complete.
 class CsvSink {
  public:
   struct Options {

@@ -98,7 +98,7 @@ Result<RobotMotion> load_recorded_motion(const std::string& path,
   const std::string name = fs::path(path + ".json").filename().string();
   if (hash != sidecar->hash) {
     TRY_ASSIGN(auto motion, parse_robot_motion(content.view(), robot, path, options));
-    motion.notes.push_back(name + " describes another content of this file and is not used");
+    motion.notes.push_back(name + " belongs to another version of this file and is ignored");
     return motion;
   }
   TRY_ASSIGN(auto motion,

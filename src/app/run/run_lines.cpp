@@ -56,7 +56,7 @@ std::vector<SummaryLine> distance_lines(const RobotClip& clip, const LimitSet& l
 // Example: `targets lowered by 4 cm`
 std::string floor_text(const FitReport& report) {
   const std::string size = number_text(100.0 * std::abs(report.floor_height), 1);
-  if (size == "0") return "targets stay at their height";
+  if (size == "0") return "targets neither raised nor lowered";
   return std::string("targets ") + (report.floor_height > 0.0 ? "lowered" : "raised") + " by " +
          size + " cm";
 }
@@ -167,7 +167,7 @@ std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures) {
                                                            " to " + std::to_string(last);
     warnings.push_back(
         {0, 0,
-         failure.solver + ": numbers were not finite in " + frames +
+         failure.solver + ": non-finite numbers in " + frames +
              "; these steps were rejected, and the motion may deviate from its targets"});
   }
   return warnings;

@@ -112,7 +112,7 @@ Result<OutputFile> write_drawing(const RunDrawing& drawing, const Motion& motion
 Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
                                              const RunRequest& request, const Observer& observer) {
   // A verdict for the summary alone must not make the run fail. After a solver failure the motion
-  // is always measured, so that nobody takes it for good.
+  // is always measured, so that the summary shows its defects.
   const bool asked = request.measure || request.dynamics || request.sidecar ||
                      !request.report.empty() ||
                      std::ranges::any_of(request.drawings, &RunDrawing::needs_report) ||
@@ -236,7 +236,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
   observer.planned(plan);
   observer.lines(plan.robot_lines());
-  // From here on, an interrupt stops the run between two frames and leaves no files behind.
+  // An interrupt now stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));

@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Files that belong to the robot, whichever option names them.
+// Files that belong to the robot, regardless of the option that names them.
 constexpr std::array<std::string_view, 3> kOfTheRobot = {"robot-xml", "robot-profile", "ik-config"};
 
 Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,

@@ -20,8 +20,8 @@ struct RotationState {
 /// velocities at the samples are chosen so that the accelerations are continuous. They solve a
 /// block-tridiagonal system with a small term that depends on the solution, so the system is
 /// iterated (N. Mayorov, "Spline interpolation of rotations", 2019). About a fixed axis, this is
-/// the cubic spline of the angle. At both ends, the angular velocity is that of the parabola
-/// through the three samples there, so a constant angular acceleration about one axis is reproduced
+/// the cubic spline of the angle. At both ends, the angular velocity follows the parabola through
+/// the three outermost samples, so a constant angular acceleration about one axis is reproduced
 /// exactly.
 ///
 /// The rotations of math/spline.h cost less, but where the axis changes only their velocity is

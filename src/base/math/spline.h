@@ -10,7 +10,7 @@ namespace retarget {
 /// Cubic interpolation on a uniform grid. Time is measured in samples: a velocity is a change per
 /// sample, and `s` in [0, 1] is the fraction between one sample and the next.
 ///
-/// Velocities at the samples are those of the C2 cubic spline with not-a-knot ends (the first two
+/// Velocities at the samples come from the C2 cubic spline with not-a-knot ends (the first two
 /// pieces are a single cubic, likewise the last two), so polynomials up to the third degree are
 /// reproduced exactly, including the ends. For a 3 Hz unit sine resampled from 24 to 30 Hz, the
 /// largest error is 0.11 % inside and 0.41 % in the end pieces, compared with 0.9 % and 1.5 % for

@@ -11,7 +11,7 @@
 /// multiply-add), and these versions differ in the last place.
 ///
 /// Errors stay below 2 units in the last place (3 for the sine of angles above 100). Polynomials
-/// and constants are those of Sun's fdlibm (k_sin.c, k_cos.c, s_atan.c; 1993). Callers must be
+/// and constants come from Sun's fdlibm (k_sin.c, k_cos.c, s_atan.c; 1993). Callers must be
 /// compiled without contraction of products and sums into fused operations, as the library is.
 namespace retarget::portable {
 

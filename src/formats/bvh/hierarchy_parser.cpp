@@ -103,11 +103,11 @@ Result<Hierarchy> HierarchyParser::parse() {
       TRY(parse_joint(offset, -1));
       continue;
     }
-    if (hierarchy_.roots.empty()) return source_.unexpected_at(offset, "ROOT and its name");
+    if (hierarchy_.roots.empty()) return source_.unexpected_at(offset, "ROOT and a name");
     hierarchy_.has_motion = take_word("MOTION");
     if (hierarchy_.has_motion || token.empty()) break;
     return source_.unexpected_at(offset, "MOTION after the skeleton",
-                                 token == "}" ? "there is one closing brace too many" : "");
+                                 token == "}" ? "there is an extra closing brace" : "");
   }
   collect_warnings();
   return std::move(hierarchy_);
@@ -152,12 +152,12 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
   }
   const std::size_t offset = scanner_.offset();
   const std::string_view name = scanner_.take_name();
-  if (name.empty()) return source_.unexpected_at(offset, "the name of a joint");
+  if (name.empty()) return source_.unexpected_at(offset, "a joint name");
   const auto control = std::ranges::find_if(name, is_control);
   if (control != name.end()) {
     const auto bad = offset + static_cast<std::size_t>(control - name.begin());
     return source_.failure_at(
-        bad, "expected the name of a joint, found a control character in " + in_quotes(name));
+        bad, "expected a joint name, found a control character in " + in_quotes(name));
   }
   if (parent < 0 && !hierarchy_.roots.empty() && wanted_root_.empty()) {
     const Joint& first = hierarchy_.joints[hierarchy_.roots.front()];
@@ -262,7 +262,7 @@ Result<void> HierarchyParser::parse_channels(std::size_t keyword) {
   int count = 0;
   const auto [stop, error] = std::from_chars(token.data(), token.data() + token.size(), count);
   if (error != std::errc() || stop != token.data() + token.size() || count < 0) {
-    return source_.unexpected_at(offset, "the number of channels of " + block_name(block));
+    return source_.unexpected_at(offset, "the channel count of " + block_name(block));
   }
   scanner_.move_to(offset + token.size());
   if (block.end_site) {
@@ -381,7 +381,7 @@ void HierarchyParser::warn_about_duplicate_names() {
   if (repeated.empty()) return;
   hierarchy_.warnings.push_back(
       source_.warning_at(first, "several joints have the same name: " + list_names(repeated, 5) +
-                                    "; only their place in the file tells them apart"));
+                                    "; only their positions in the file distinguish them"));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Result<std::int64_t> parse_frame_count(const SourceText& source, Scanner& scanne
   const char* end = token.data() + token.size();
   const auto [stop, error] = std::from_chars(token.data(), end, frames);
   if (error != std::errc() || stop != end || frames < 0) {
-    return source.unexpected_at(scanner.offset(), "the number of frames, a whole number");
+    return source.unexpected_at(scanner.offset(), "the frame count, a whole number");
   }
   scanner.move_to(scanner.offset() + token.size());
   return frames;
@@ -73,9 +73,9 @@ Result<MotionHeader> parse_motion_header(const SourceText& source, Scanner& scan
       skip_to_value(scanner);
       TRY_ASSIGN(header.frame_time, parse_frame_time(source, scanner, needs_frame_time));
     } else {
-      if (!has_frames) return source.unexpected_at(place, "Frames: and their number");
+      if (!has_frames) return source.unexpected_at(place, "Frames: and a count");
       if (!header.frame_time && needs_frame_time) {
-        return source.unexpected_at(place, "Frame Time: and its seconds", kRateHint);
+        return source.unexpected_at(place, "Frame Time: and seconds", kRateHint);
       }
       return header;
     }

@@ -135,7 +135,7 @@ bool RowsParser::read_neat_line(std::size_t begin) {
   return true;
 }
 
-// Old files carry other data after the last row. A malformed number does not count as such.
+// Old files carry other data after the last row, which a malformed number is not.
 bool RowsParser::at_trailing_text() const {
   if (column_ > 0 || too_few()) return false;
   const std::string_view token = scanner_.token();
@@ -210,7 +210,7 @@ Result<MotionRows> RowsParser::parse() {
   if (stop == Stop::kTrailingText) {
     rows.warnings.push_back(source_.warning_at(
         scanner_.offset(), "text after the last frame ignored: " +
-                               source_.found_at(scanner_.offset()) + " and what follows"));
+                               source_.found_at(scanner_.offset()) + " and the rest"));
   }
   return rows;
 }
@@ -223,7 +223,7 @@ Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
   rows.count = layout_.deviation() ? resume.rows : rows_;
   std::string dropped;
   if (column_ > 0 || layout_.deviation() || !scanner_.at_end()) {
-    dropped = "; what follows them was dropped";
+    dropped = "; the rest of the file was dropped";
     const Lines lines = resume.neat ? read_lines(resume.begin, resume.rows, false) : Lines{};
     if (resume.neat && resume.rows + lines.good >= rows.count) {
       read_lines(resume.begin, resume.rows, true);

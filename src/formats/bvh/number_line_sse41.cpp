@@ -1,11 +1,11 @@
 // Number line reader in SSE4.1, selected at run time; baseline builds contain it as well.
 //
 // Every block of 64 bytes takes two steps. First, a bit mask marks blanks, which gives the bounds
-// of all numbers without inspecting single bytes. Then each number, whatever its length, is
-// converted by the same instructions: a load of the 16 bytes that end with the number puts the last
-// digit in the last byte; a mask clears the bytes before the number, a byte shuffle removes the
-// point, and three multiply-adds turn the digits into two integers below 10^8. Mantissa and power
-// of ten are exact as doubles, so their quotient is rounded once, as in parse_number.
+// of all numbers without inspecting single bytes. Then each number of any length is converted by
+// the same instructions: a load of the 16 bytes that end with the number puts the last digit in the
+// last byte; a mask clears the bytes before the number, a byte shuffle removes the point, and three
+// multiply-adds turn the digits into two integers below 10^8. Mantissa and power of ten are exact
+// as doubles, so their quotient is rounded once, as in parse_number.
 //
 // The masks follow Langdale and Lemire, "Parsing gigabytes of JSON per second" (VLDB Journal 28,
 // 2019), the multiply-adds Mula, "Parsing series of integers with SIMD" (2018).
@@ -31,7 +31,7 @@ namespace {
 constexpr std::size_t kBlock = 64;
 // Digits and point. A mantissa of at most 15 digits is exact.
 constexpr std::size_t kMaxLength = 15;
-// Index of the point in the 16 bytes when there is none.
+// Index of the point in 16 bytes without one.
 constexpr std::size_t kNoPoint = 16;
 
 struct alignas(16) Bytes : std::array<std::uint8_t, 16> {};

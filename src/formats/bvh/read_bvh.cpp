@@ -147,15 +147,14 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
 Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, Clip& clip) {
   if (tree.row_width == 0) {
     if (header.frames == 0) return {};
-    return source_.unexpected_at(header.frames_place, "no frames, as no joint has a channel");
+    return source_.unexpected_at(header.frames_place, "no frames, because no joint has a channel");
   }
   // Bound memory by the text, not by the header: a value takes at least a digit and a space.
   const std::size_t bytes_left = source_.text().size() - scanner_.offset();
   const std::size_t max_rows = (bytes_left + 1) / 2 / static_cast<std::size_t>(tree.row_width);
   if (max_rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return source_.failure_at(scanner_.offset(),
-                              "expected at most 2^31 - 1 rows, found a file "
-                              "that may hold more",
+                              "expected at most 2^31 - 1 rows, but the file may have more",
                               "split the file");
   }
   // Joints without channels need memory but no text, so limit the frames as well.
@@ -200,11 +199,11 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
   return source_.failure_at(
       header.frames_place,
       std::to_string(frames) + " frames of " + std::to_string(skeleton.joint_count()) +
-          " joints take " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
+          " joints need " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
           number_text(static_cast<double>(max_bytes()) / 1e6, 1) + " MB are allowed" +
           (by_user ? "" : " for a file of this size"),
       by_user ? OPTION("memory") " allows more; or split the file"
-              : "remove the joints without channels, which move with their parents");
+              : "remove the joints without channels, which never move relative to their parents");
 }
 
 void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {

@@ -21,18 +21,19 @@ struct Signature {
 };
 
 constexpr std::string_view kLfsHint =
-    "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it comes from";
+    "git-LFS has not fetched the file: run `git lfs pull` in its repository";
 constexpr std::string_view kWebHint =
     "the download returned a web page instead of the file: use the link to the raw file";
-constexpr std::string_view kUnpackHint = "unpack it and give the .bvh file inside";
+constexpr std::string_view kUnpackHint = "unpack it and pass the .bvh file inside";
 constexpr std::string_view kUnsupportedHint =
     "unpack it, or dump it with joblib's compress=3 (zlib)";
 constexpr std::string_view kFbxHint = "export the motion as BVH, for instance from Blender";
 constexpr std::string_view kSceneHint =
-    "export the animated skeleton from it as FBX, GLB or BVH: docs/scenes.md";
+    "export its animated skeleton as FBX, GLB or BVH: docs/scenes.md";
 constexpr std::string_view kMarkersHint =
-    "solve them onto a skeleton first, in the program that recorded them or in another, and export "
-    "that as FBX or BVH";
+    "solve the markers to a skeleton first, for example in the recording software, and export it "
+    "as "
+    "FBX or BVH";
 
 constexpr std::array kSignatures = {
     Signature{"version https://git-lfs", "a git-LFS pointer", kLfsHint},
@@ -50,17 +51,17 @@ constexpr std::array kSignatures = {
     Signature{"rar!", "a RAR archive", kUnpackHint},
     Signature{"#!oml:asf", "an Acclaim AMC file", "convert ASF and AMC to BVH first"},
     Signature{":version", "an Acclaim ASF file", "convert ASF and AMC to BVH first"},
-    Signature{"pathfiletype", "a TRC file, which holds markers and no skeleton", kMarkersHint},
+    Signature{"pathfiletype", "a TRC file, which contains markers but no skeleton", kMarkersHint},
     Signature{"#usda", "a USD file", kSceneHint},
     Signature{"pxr-usdc", "a USD file", kSceneHint},
     Signature{"ogawa", "an Alembic file", kSceneHint},
     Signature{"blender", "a Blender file", kSceneHint},
-    Signature{"(\xb5/\xfd", "a zstd archive, as Blender files are", kSceneHint},
+    Signature{"(\xb5/\xfd", "a zstd archive, possibly a Blender file", kSceneHint},
     Signature{"//maya ascii", "a Maya file", kSceneHint},
     Signature{"for4", "a Maya file", kSceneHint},
     Signature{"for8", "a Maya file", kSceneHint},
     Signature{"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a 3ds Max file", kSceneHint},
-    Signature{"\xc1\x83*\x9e", "an asset of the Unreal Engine", kSceneHint},
+    Signature{"\xc1\x83*\x9e", "an Unreal Engine asset", kSceneHint},
 };
 
 void skip_blanks(std::string_view& text) {
@@ -164,7 +165,7 @@ FileType file_type(std::string_view bytes) {
     return {FileKind::kForeign, "UTF-16 text", "save it as UTF-8 (or plain ASCII) text"};
   }
   if (is_c3d(bytes)) {
-    return {FileKind::kForeign, "a C3D file, which holds markers and no skeleton", kMarkersHint};
+    return {FileKind::kForeign, "a C3D file, which contains markers but no skeleton", kMarkersHint};
   }
   std::string_view text = bytes;
   skip_blanks(text);

@@ -26,7 +26,7 @@ struct FileType {
   std::string_view hint;  ///< Remedy for users who expected a motion; may be empty.
 };
 
-/// Detects the type of a file by its content. Every reader asks this function, so a file has the
+/// Detects the type of a file by its content. Every reader calls this function, so a file has the
 /// same type for all of them.
 [[nodiscard]] FileType file_type(std::string_view bytes);
 

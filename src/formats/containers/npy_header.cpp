@@ -33,7 +33,7 @@ class DictionaryParser {
     if (!take('{')) return expected("{");
     while (!take('}')) {
       const std::optional<std::string_view> key = quoted();
-      if (!key) return expected("a name in quotes");
+      if (!key) return expected("a quoted name");
       if (!take(':')) return expected(":");
       const bool known = *key == "descr"           ? parse_type(header, has_type)
                          : *key == "fortran_order" ? parse_order(header, has_order)
@@ -176,9 +176,9 @@ std::optional<NpyKind> kind_of(char letter, std::size_t size) {
 Result<NpyType> type_from_text(const std::string& text) {
   if (text.starts_with("|O") || text == "O") {
     return format_failure(
-        "it holds Python objects (dtype object), which would have to be unpickled",
-        "unpickling runs code from the file, so it is never done; save it again as a plain "
-        "array of numbers or text");
+        "it contains Python objects (dtype object), which would require unpickling",
+        "unpickling can run code from the file and is not supported; save a plain array of "
+        "numbers or text");
   }
   std::size_t size = 0;
   const bool shaped =
@@ -237,7 +237,7 @@ Result<NpyHeader> read_npy_header(const ReadBytes& read) {
   TRY_ASSIGN(const auto length_text, read(length_bytes));
   const std::size_t length = little_endian(length_text, 0, length_bytes);
   if (length > kMaxHeaderBytes) {
-    return format_failure("its NPY header claims " + count_text(length, "byte") + ", at most " +
+    return format_failure("its NPY header has " + count_text(length, "byte") + ", at most " +
                           std::to_string(kMaxHeaderBytes) + " are allowed");
   }
   TRY_ASSIGN(const auto text, read(length));
@@ -250,8 +250,7 @@ Result<NpyLayout> npy_layout(const NpyHeader& header) {
   TRY_ASSIGN(const auto type, type_from_text(header.type));
   const auto size = total_size(header.shape, type.item_size);
   if (!size) {
-    return format_failure("its shape " + shape_text(header.shape) +
-                          " has more elements than fit in any memory");
+    return format_failure("its shape " + shape_text(header.shape) + " has too many elements");
   }
   NpyLayout layout;
   layout.array = {type.kind, type.item_size, header.shape, {}};

@@ -27,14 +27,14 @@ std::string_view remedy_for(const FileType& type) {
       return "save its arrays with numpy.savez; nothing is ever unpickled, as that would run code "
              "from the file";
     case FileKind::kGzip:
-      return "unpack it and give the .npz file inside";
+      return "unpack it and pass the .npz file inside";
     default:
       return type.hint;
   }
 }
 
 constexpr std::string_view kBombHint =
-    "no motion is packed as tightly; numpy.savez writes it without compression";
+    "the compression ratio is implausible for a motion; numpy.savez writes without compression";
 
 // Whether the ratio of unpacked to packed bytes is suspicious.
 bool is_too_much(std::uint64_t unpacked, std::uint64_t packed, std::uint64_t free,

@@ -76,7 +76,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
     return input_failure(file,
                          "unpacked, the file has more than " + std::to_string(max) +
                              " bytes, but it has only " + std::to_string(bytes.size()),
-                         "no motion is as large or packed as tightly");
+                         "its size or compression ratio is implausible for a motion");
   }
   if (state != Z_STREAM_END) {
     return input_failure(file, "the compressed file is damaged or cut off");
@@ -134,9 +134,9 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
     const bool old = is_old_pickle(bytes);
     return input_failure(file,
                          old          ? "the pickle has protocol 0 or 1; 2 to 5 are supported"
-                         : compressed ? "the compressed file does not hold a pickle"
+                         : compressed ? "the compressed file does not contain a pickle"
                                       : "the file is not a pickle of protocol 2 or later",
-                         compressed && !old ? "unpack it and give what is inside"
+                         compressed && !old ? "unpack it and pass the file inside"
                                             : "write it with Python 3's pickle.dump(motion, file)");
   }
   PickleReader reader(bytes, file, document);

@@ -54,8 +54,8 @@ class PickleDocument {
  public:
   [[nodiscard]] const PickleNode& root() const { return nodes_[root_]; }
   [[nodiscard]] const PickleNode& at(std::uint32_t node) const { return nodes_[node]; }
-  /// Looks up a dictionary member by its text key; of duplicates the last one wins. Null when there
-  /// is none or `dictionary` is not a dictionary.
+  /// Looks up a dictionary member by its text key; of duplicates the last one wins. Null if the
+  /// key is missing or `dictionary` is not a dictionary.
   [[nodiscard]] const PickleNode* find(const PickleNode& dictionary, std::string_view key) const;
   /// The text keys of a dictionary, in order.
   [[nodiscard]] std::vector<std::string> keys(const PickleNode& dictionary) const;

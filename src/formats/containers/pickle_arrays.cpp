@@ -75,7 +75,7 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
     return push(std::move(made));
   }
   return fault(
-      "the pickle names " + short_name(module) + "." + short_name(name) + ", which is refused",
+      "the pickle names " + short_name(module) + "." + short_name(name) + ", which is not allowed",
       refusal_hint(short_name(module) + ".", dialect_ == Dialect::kTorch));
 }
 
@@ -94,13 +94,13 @@ Result<void> PickleReader::call() {
   switch (part) {
     case Part::kReconstruct:
       if (arguments.items.empty() || !is_part(node(arguments.items[0]), Part::kArrayClass)) {
-        return fault("the pickle makes an array of a class that is not numpy.ndarray");
+        return fault("the pickle creates an array of a class other than numpy.ndarray");
       }
       made.detail = static_cast<std::uint8_t>(Part::kShell);
       return push(std::move(made));
     case Part::kTypeClass:
       if (arguments.items.empty() || node(arguments.items[0]).kind != Kind::kText) {
-        return fault("the pickle makes a dtype that has no name");
+        return fault("the pickle creates a dtype without a name");
       }
       made.detail = static_cast<std::uint8_t>(Part::kType);
       made.text = node(arguments.items[0]).text;
@@ -134,7 +134,7 @@ Result<void> PickleReader::encode(const PickleNode& arguments) {
   }
   const std::string_view text = node(arguments.items[0]).text;
   encoded_bytes_ += text.size();
-  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its strings without end");
+  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its strings too often");
   std::string bytes;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto first = static_cast<unsigned char>(text[i]);
@@ -178,11 +178,11 @@ Result<void> PickleReader::make_array(Node target, const PickleNode& type, const
                                       bool fortran_order, std::string_view data) {
   TRY_ASSIGN(auto layout, array_layout(type, shape));
   if (layout.data_size != data.size()) {
-    return fault(fmt::format("an array of the pickle should have {} bytes and has {}",
-                             layout.data_size, data.size()));
+    return fault(fmt::format("the pickle has an array of {1} bytes, expected {0}", layout.data_size,
+                             data.size()));
   }
   array_bytes_ += data.size();
-  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
+  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays too often");
   document_.arrays_.push_back(npy_with_data(std::move(layout), std::string(data), fortran_order));
   PickleNode& made = node(target);
   made.kind = Kind::kArray;
@@ -224,7 +224,7 @@ Result<void> PickleReader::build() {
   if (is_part(object, Part::kType)) return set_byte_order(target, node(state));
   // PyTorch gives dictionaries of weights a state with layer versions; ignore it.
   if (dialect_ == Dialect::kTorch && object.kind == Kind::kDict) return {};
-  return fault("the pickle gives a state to an object that has none");
+  return fault("the pickle sets the state of an object without state");
 }
 
 // State: (version, shape, dtype, is Fortran order, bytes).
@@ -234,7 +234,7 @@ Result<void> PickleReader::fill_shell(Node shell, const PickleNode& state) {
   }
   if (node(state.items[4]).kind == Kind::kList) return fill_with_objects(shell, state);
   if (node(state.items[4]).kind != Kind::kBytes) {
-    return fault("the pickle has an array of Python objects, which is refused",
+    return fault("the pickle has an array of Python objects, which is not allowed",
                  "save arrays of numbers");
   }
   return make_array(shell, node(state.items[2]), node(state.items[1]),
@@ -250,7 +250,7 @@ Result<void> PickleReader::fill_with_objects(Node shell, const PickleNode& state
   const std::vector<Node> items = node(state.items[4]).items;
   // Each item needs an opcode in the file, unless one list is used repeatedly; limit the total.
   array_bytes_ += items.size();
-  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
+  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays too often");
   PickleNode& made = node(shell);
   made.kind = Kind::kList;
   made.items = items;

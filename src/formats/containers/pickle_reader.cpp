@@ -40,7 +40,7 @@ Failure PickleReader::fault(const std::string& message, std::string hint) const 
 Result<std::string_view> PickleReader::take(std::uint64_t size) {
   if (size > bytes_.size() - at_) {
     return fault("the pickle is cut off: " + std::to_string(size) + " bytes should follow, " +
-                 std::to_string(bytes_.size() - at_) + " are there");
+                 std::to_string(bytes_.size() - at_) + " remain");
   }
   const std::string_view taken = bytes_.substr(at_, static_cast<std::size_t>(size));
   at_ += taken.size();
@@ -62,14 +62,14 @@ Result<std::string_view> PickleReader::take_line() {
 
 Result<PickleReader::Node> PickleReader::pop() {
   const std::size_t floor = marks_.empty() ? 0 : marks_.back();
-  if (stack_.size() <= floor) return fault("the pickle takes a value that it never made");
+  if (stack_.size() <= floor) return fault("the pickle uses a value that it never created");
   const Node top = stack_.back();
   stack_.pop_back();
   return top;
 }
 
 Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
-  if (marks_.empty()) return fault("the pickle ends a list that it never began");
+  if (marks_.empty()) return fault("the pickle ends a list that it never started");
   const auto begin = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
   std::vector<Node> items(begin, stack_.end());
   stack_.erase(begin, stack_.end());
@@ -79,7 +79,7 @@ Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
 
 Result<void> PickleReader::push(PickleNode made) {
   if (document_.nodes_.size() >= kMaxNodes) {
-    return fault("the pickle has more than two million values: no motion needs as many");
+    return fault("the pickle has more than two million values, too many for a motion");
   }
   stack_.push_back(static_cast<Node>(document_.nodes_.size()));
   document_.nodes_.push_back(std::move(made));
@@ -105,7 +105,7 @@ Result<bool> PickleReader::read_plain(PickleOp op) {
       size = op == PickleOp::kBinInt1 ? 1 : op == PickleOp::kBinInt2 ? 2 : 4;
       if (op == PickleOp::kLong1) {
         TRY_ASSIGN(const auto length, take_size(1));
-        if (length > 8) return fault("the pickle holds an integer of more than 64 bits");
+        if (length > 8) return fault("the pickle contains an integer of more than 64 bits");
         size = static_cast<int>(length);
       }
       TRY_ASSIGN(const auto bytes, take(static_cast<std::uint64_t>(size)));
@@ -193,7 +193,7 @@ Result<bool> PickleReader::read_container(PickleOp op) {
   switch (op) {
     case PickleOp::kMark:
       // Marks create no nodes, so limit them separately.
-      if (marks_.size() >= kMaxNodes) return fault("the pickle begins lists without end");
+      if (marks_.size() >= kMaxNodes) return fault("the pickle nests lists too deeply");
       marks_.push_back(stack_.size());
       return true;
     case PickleOp::kEmptyTuple:
@@ -260,14 +260,14 @@ Result<bool> PickleReader::read_memo(PickleOp op) {
     const auto found = memo_.find(number);
     if (found == memo_.end()) {
       return fault("the pickle refers to its value " + std::to_string(number) +
-                   ", which it never kept");
+                   ", which it never stored");
     }
-    if (stack_.size() >= 2 * kMaxNodes) return fault("the pickle repeats a value without end");
+    if (stack_.size() >= 2 * kMaxNodes) return fault("the pickle repeats a value too often");
     stack_.push_back(found->second);
     return true;
   }
-  if (stack_.empty()) return fault("the pickle keeps a value that it never made");
-  if (memo_.size() >= kMaxNodes) return fault("the pickle keeps more values than it can have");
+  if (stack_.empty()) return fault("the pickle stores a value that it never created");
+  if (memo_.size() >= kMaxNodes) return fault("the pickle stores more values than it can have");
   memo_.insert_or_assign(number, stack_.back());
   return true;
 }
@@ -285,7 +285,7 @@ Result<bool> PickleReader::read_object(PickleOp op) {
       TRY_ASSIGN(const auto name, pop());
       TRY_ASSIGN(const auto module, pop());
       if (node(name).kind != Kind::kText || node(module).kind != Kind::kText) {
-        return fault("the pickle names a function by something that is not a string");
+        return fault("the pickle has a function name that is not a string");
       }
       done = push_global(node(module).text, node(name).text);
       break;
@@ -333,7 +333,8 @@ Result<void> PickleReader::read() {
     }
     if (!known) {
       return fault("the pickle has the opcode " +
-                       refused_opcode_name(static_cast<std::uint8_t>(op)) + ", which is refused",
+                       refused_opcode_name(static_cast<std::uint8_t>(op)) +
+                       ", which is not allowed",
                    "only plain values and NumPy arrays are read, and nothing is executed");
     }
   }

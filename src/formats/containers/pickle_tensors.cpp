@@ -88,7 +88,7 @@ Result<void> PickleReader::call_torch(Part callee, Node arguments_node) {
   const PickleNode& arguments = node(arguments_node);
   const auto give_first = [&](PickleNode::Kind kind) -> Result<void> {
     if (arguments.items.empty() || node(arguments.items[0]).kind != kind) {
-      return fault("the pickle makes a value of PyTorch in an unsupported way");
+      return fault("the pickle creates a PyTorch value in an unsupported way");
     }
     stack_.push_back(arguments.items[0]);
     return {};
@@ -118,7 +118,7 @@ Result<void> PickleReader::refer_to_storage() {
                      node(parts.items[2]).kind == PickleNode::Kind::kText &&
                      node(parts.items[4]).kind == PickleNode::Kind::kInteger &&
                      node(parts.items[4]).integer >= 0;
-  if (!sound) return fault("the pickle refers to something that is not a storage of numbers");
+  if (!sound) return fault("the pickle refers to a value that is not a number storage");
   PickleNode made;
   made.kind = PickleNode::Kind::kObject;
   made.detail = static_cast<std::uint8_t>(Part::kStorage);
@@ -143,7 +143,7 @@ Result<void> PickleReader::rebuild_tensor(const PickleNode& arguments) {
   if (arguments.items.size() < 4 || !is_part(node(arguments.items[0]), Part::kStorage) ||
       node(arguments.items[1]).kind != PickleNode::Kind::kInteger ||
       node(arguments.items[1]).integer < 0) {
-    return fault("the pickle makes a tensor in an unsupported way");
+    return fault("the pickle creates a tensor in an unsupported way");
   }
   const PickleNode& storage = node(arguments.items[0]);
   PickleTensor tensor;
@@ -160,11 +160,10 @@ Result<void> PickleReader::rebuild_tensor(const PickleNode& arguments) {
   const bool inside = reach && tensor.offset <= tensor.storage_count &&
                       (is_empty(tensor) || *reach < tensor.storage_count - tensor.offset);
   if (!inside) {
-    return fault(fmt::format("a tensor of shape {} reaches beyond its storage of {} numbers",
+    return fault(fmt::format("a tensor of shape {} exceeds its storage of {} numbers",
                              shape_text(tensor.shape), tensor.storage_count));
   }
-  if (document_.tensors_.size() >= kMaxTensors)
-    return fault("the pickle makes tensors without end");
+  if (document_.tensors_.size() >= kMaxTensors) return fault("the pickle creates too many tensors");
   document_.tensors_.push_back(std::move(tensor));
   PickleNode made;
   made.kind = PickleNode::Kind::kTensor;

@@ -96,9 +96,10 @@ struct TorchFile::Contents {
   [[nodiscard]] Result<std::string> read_entry(std::size_t place) const {
     const ZipEntry& entry = archive.entries()[place];
     if (is_much(entry.size, entry.packed_size, options)) {
-      return format_failure(fmt::format("its {} would be unpacked from {}",
-                                        count_text(entry.size, "byte"), entry.packed_size),
-                            "no motion is packed as tightly; torch.save does not compress");
+      return format_failure(
+          fmt::format("its {} would be unpacked from {}", count_text(entry.size, "byte"),
+                      entry.packed_size),
+          "the compression ratio is implausible for a motion; torch.save does not compress");
     }
     TRY_ASSIGN(ZipEntryReader reader, archive.entry_reader(place));
     TRY_ASSIGN(std::string bytes, reader.read(static_cast<std::size_t>(entry.size)));
@@ -110,13 +111,13 @@ struct TorchFile::Contents {
     const auto found = folder_of(archive);
     if (!found) {
       return format_failure("the archive has no data.pkl, which torch.save writes",
-                            "the file was changed, or torch.save did not write it");
+                            "the file was modified, or torch.save did not write it");
     }
     folder = *found;
     const std::vector<ZipEntry>& entries = archive.entries();
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (entries[i].name.starts_with(folder + "code/")) {
-        return format_failure("expected a motion, found a program of TorchScript",
+        return format_failure("expected a motion, found a TorchScript program",
                               "save a dictionary of tensors with torch.save");
       }
       if (!index.emplace(entries[i].name, i).second) {
@@ -155,7 +156,7 @@ struct TorchFile::Contents {
       return format_failure(fmt::format("its {} numbers need {} of memory, but its storage has {}",
                                         count, count_text(count * sizeof(double), "byte"),
                                         count_text(entry.packed_size, "byte")),
-                            "no motion has as many; or allow more memory");
+                            "too many for a motion; otherwise allow more memory");
     }
     TRY_ASSIGN(const auto storage, read_entry(place->second));
     std::string data = dense_bytes(storage, tensor, item_size, count);

@@ -258,7 +258,7 @@ void ZipWriter::add(std::string_view name, std::string_view content) {
 
 Result<std::string> ZipWriter::finish() {
   if (bytes_.size() + directory_.size() >= kIn64Bits) {
-    return run_failure("", "the motion is too long for one file, which holds up to 4 GiB",
+    return run_failure("", "the motion exceeds the file size limit of 4 GiB",
                        "write it in parts, with " OPTION("start") " and " OPTION("end"));
   }
   const std::string end = archive_end(count_, directory_.size(), bytes_.size(), kIn64Bits);

@@ -67,9 +67,8 @@ struct Format {
 
 [[nodiscard]] const Format& robot_format(MotionFormat format);
 
-/// Reads a human motion in the format of its content.
-/// Errors (kUsage): options that do not apply to this format. If the content may be a robot's
-/// motion, the hint says how to read it.
+/// Reads a human motion in the format of its content. Errors (kUsage): options that do not apply to
+/// this format. If the content may be a robot's motion, the hint explains how to read it.
 [[nodiscard]] Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
                                                 const HumanReadOptions& options);
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* kFromRobotHint =
     "if it is a robot motion, " OPTION("from-robot") " NAME names the robot, such as unitree_g1; "
-    "retarget convert changes its format alone";
+    "retarget convert only changes its format";
 
 std::optional<double> given_rate(const SourceOptions& options) {
   return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
@@ -49,7 +49,7 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
   if (file.empty()) return names;
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20U;
   TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kConfig, kMaxBytes));
-  constexpr const char* kHint = "one name a line, or a JSON list";
+  constexpr const char* kHint = "one name per line, or a JSON list";
   constexpr std::string_view kBom = "\xef\xbb\xbf";
   std::string_view text = bytes.view();
   if (text.starts_with(kBom)) text.remove_prefix(kBom.size());
@@ -57,11 +57,11 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
   if (text.starts_with('[') || text.starts_with('{')) {
     TRY_ASSIGN(const auto json, parse_json(text, file));
     if (!json.is_array()) {
-      return config_failure(file, "expected a JSON list of joints' names, found an object", kHint);
+      return config_failure(file, "expected a JSON list of joint names, found an object", kHint);
     }
     for (const auto& name : json) {
       if (!name.is_string()) {
-        return config_failure(file, "expected a list of joints' names, found something else in it");
+        return config_failure(file, "expected a list of joint names, found another value in it");
       }
       names.push_back(name.get<std::string>());
     }
@@ -76,11 +76,11 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
       if (!line.empty()) names.emplace_back(line);
     }
     if (names.size() == 1 && names.front().find(',') != std::string::npos) {
-      return config_failure(file, "expected a name a line, found one line with commas", kHint);
+      return config_failure(file, "expected one name per line, found one line with commas", kHint);
     }
   }
   if (!names.empty()) return names;
-  return config_failure(file, "the file names no joints", kHint);
+  return config_failure(file, "the file contains no joint names", kHint);
 }
 
 // Rejects options that state the type of a file, or select a part of it, for other types of files.
@@ -119,7 +119,7 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     if (format.family.read_robot == nullptr) {
       return input_failure(file,
                            "the file is " + std::string(type.what) + ", which only shows a motion",
-                           "name the file that it was made from, such as walk.csv");
+                           "give the motion file that it was made from, such as walk.csv");
     }
     auto raw = format.family.read_robot(bytes, robot, file, options);
     // The type explains more than the first line and column that no CSV has.
@@ -172,11 +172,10 @@ Result<HumanFile> read_array_file(std::string_view bytes, const std::string& fil
   if (!options.source.joint_names.empty()) return no_positions(file);
   SmplMotion& motion = std::get<SmplMotion>(content);
   if (motion.approximate_body) {
-    motion.warnings.push_back({0, 0,
-                               "bone lengths and the zero pose are those of a generic body, "
-                               "approximately: limbs may point "
-                               "up to 20 degrees elsewhere; " OPTION(
-                                   "smpl-model") " FILE takes them from your body model"});
+    motion.warnings.push_back(
+        {0, 0,
+         "bone lengths and the zero pose are those of a generic body, so limbs "
+         "may be up to 20 degrees off; " OPTION("smpl-model") " FILE uses your body model"});
   }
   ClipOrigin origin;
   origin.name = file;
@@ -247,8 +246,8 @@ Result<RobotMotion> load_robot_motion(const std::string& path,
       TRY_ASSIGN(auto raw, read_sonic_folder({}, robot, path, options));
       return interpret_motion(raw, robot, path, options);
     }
-    return input_failure(path, "expected a robot's motion, found a directory",
-                         "name files in it, such as " +
+    return input_failure(path, "expected a robot motion, found a directory",
+                         "give files in it, such as " +
                              (std::filesystem::path(path) / "*.csv").string() +
                              "; folders of human motions are for retarget batch");
   }

@@ -84,7 +84,7 @@ constexpr Format kFormats[] = {
     {"glb", kShown, "glTF 2.0, binary", "Blender, three.js, 3D viewers", "", "", MotionFormat::kGlb,
      ".glb", false, write_glb}};
 
-// The names on the command line are those of the table, in its order.
+// The command line uses the names of the table, in its order.
 constexpr std::size_t kHumanFormats = 6;
 static_assert(std::equal(std::begin(kFormats) + kHumanFormats, std::end(kFormats),
                          kEnumNames<MotionFormat>.begin(), kEnumNames<MotionFormat>.end(),

@@ -248,14 +248,14 @@ Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable
     return input_failure("",
                          "one motion has " + std::to_string(width) + " columns, the other " +
                              std::to_string(b.columns.size()),
-                         "with " OPTION("robot") ", files of different formats can be compared");
+                         OPTION("robot") " allows a comparison of different formats");
   }
   for (std::size_t i = 0; i < width; ++i) {
     if (a.columns[i] == b.columns[i]) continue;
     return input_failure("",
                          "column " + std::to_string(i + 1) + " is \"" + a.columns[i] +
                              "\" in one motion and \"" + b.columns[i] + "\" in the other",
-                         "with " OPTION("robot") ", files of different formats can be compared");
+                         OPTION("robot") " allows a comparison of different formats");
   }
   MotionDifference difference;
   difference.frames_a = a.frames;

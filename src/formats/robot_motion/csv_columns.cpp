@@ -188,16 +188,17 @@ Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const
   if (columns.joints.empty()) {
     return input_failure(file,
                          "the header is not understood: " + quoted(header) +
-                             " name no joint of the robot " + robot.name(),
+                             " are not joints of the robot " + robot.name(),
                          kByNumber);
   }
   if (!reader.unknown().empty()) {
     const std::vector<std::string>& unknown = reader.unknown();
     return input_failure(file,
                          "the header names " + quoted(unknown) + ", which " +
-                             (unknown.size() == 1 ? "is" : "are") + " no joint of the robot " +
-                             robot.name() + did_you_mean(unknown.front(), robot.joint_names()),
-                         std::string(kByNumber) + "; remove columns of other things");
+                             (unknown.size() == 1 ? "is not a joint" : "are not joints") +
+                             " of the robot " + robot.name() +
+                             did_you_mean(unknown.front(), robot.joint_names()),
+                         std::string(kByNumber) + "; otherwise remove these columns");
   }
   if (!reader.conflict().empty()) {
     return input_failure(file, "the header names " + reader.conflict());

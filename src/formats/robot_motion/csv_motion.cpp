@@ -159,7 +159,7 @@ class ClockReader {
       const bool even = steps_.whole && steps_.deviation < 1e-9;
       if (even && steps_.step > 1.5) {
         return doubt("may be frame numbers or times: it increases by " +
-                     number_text(steps_.step, 3) + " a line");
+                     number_text(steps_.step, 3) + " per line");
       }
       counts = even || !steps_.goes_up ? CsvClock::kFrames : CsvClock::kTimes;
     }
@@ -216,12 +216,12 @@ class ClockReader {
         columns_.seconds_per_tick > 0.0 ? columns_.seconds_per_tick : tick_by_magnitude(steps_);
     const double seconds = steps_.step * tick;
     if (!(seconds >= kMinStep && seconds <= 1.0 / kMinFileRate)) {
-      return doubt("gives no rate: it increases by " + number_text(steps_.step, 6) +
+      return doubt("does not determine the rate: it increases by " + number_text(steps_.step, 6) +
                    " per line, in an unknown unit");
     }
     if (steps_.deviation > 0.5 * steps_.step) {
-      return doubt("is not even: the time of frame " + std::to_string(steps_.where) + " is " +
-                   number_text(steps_.deviation * tick, 4) + " s off an even rate");
+      return doubt("is not uniform: the time of frame " + std::to_string(steps_.where) + " is " +
+                   number_text(steps_.deviation * tick, 4) + " s off a uniform rate");
     }
     const char* unit = tick == 1.0 ? "s" : tick == 1e-3 ? "ms" : tick == 1e-6 ? "us" : "ns";
     const FrameRate rate = rate_of_times(table_, columns_.clock, steps_, tick);

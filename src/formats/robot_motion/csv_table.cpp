@@ -38,7 +38,7 @@ class CsvTableReader {
       TRY(read_line(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (table_.rows() == 0) return input_failure(file_, "the file holds no frames");
+    if (table_.rows() == 0) return input_failure(file_, "the file has no frames");
     if (!table_.header.empty() && table_.header.size() != table_.columns) {
       return input_failure(file_, "the header has " + count_text(table_.header.size(), "column") +
                                       ", the lines " + std::to_string(table_.columns));
@@ -88,10 +88,9 @@ class CsvTableReader {
       const auto value = number_of_cell(cell.text);
       const std::string found(cell.text.substr(0, 40));
       if (!value) {
-        return fault(cell.column, "expected a number, found \"" + found + "\"",
-                     found.find(',') == std::string::npos
-                         ? ""
-                         : "use a decimal point: numbers with commas are not read");
+        return fault(
+            cell.column, "expected a number, found \"" + found + "\"",
+            found.find(',') == std::string::npos ? "" : "use a decimal point instead of a comma");
       }
       const bool first = &cell == &cells_.front();
       // Negated comparison: also rejects NaN.

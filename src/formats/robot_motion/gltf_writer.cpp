@@ -118,7 +118,7 @@ Result<std::string> GltfWriter::finish(std::span<const int> roots) {
   pad(json, ' ');
   const std::size_t size = 12 + 8 + json.size() + 8 + bytes_.size();
   if (size > std::numeric_limits<std::uint32_t>::max()) {
-    return run_failure("", "a GLB cannot hold 4 GiB or more", "write a part of the motion");
+    return run_failure("", "a GLB is limited to 4 GiB", "write a part of the motion");
   }
   std::string file;
   file.reserve(size);
@@ -163,9 +163,9 @@ Result<void> check_key_times(const FrameRate& rate, int frames) {
     if (static_cast<float>(rate.time_of(frame)) > static_cast<float>(rate.time_of(frame - 1)))
       continue;
     return run_failure("",
-                       "the times of a GLB are too coarse for so long a motion: those of frames " +
+                       "GLB times are too coarse for a motion of this length: frames " +
                            std::to_string(frame - 1) + " and " + std::to_string(frame) +
-                           " are the same",
+                           " have equal times",
                        "write it in parts");
   }
   return {};

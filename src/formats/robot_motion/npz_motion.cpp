@@ -67,7 +67,7 @@ struct LayoutChoice {
   double distance = 0.0;
 };
 
-// The robot and its variants. Variants with bodies of their own are also tried in their older form,
+// The robot and its variants. Variants with their own bodies are also tried in their older form,
 // which was the whole robot without the joints that they lack.
 std::vector<std::shared_ptr<const Robot>> layout_candidates(
     const std::shared_ptr<const Robot>& robot) {
@@ -122,8 +122,8 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
   }
   if (!(best->distance <= kSamePlace) && !options.format) {
     return npz.file_failure(
-        "its bodies lie up to " + number_text(best->distance, 3) +
-            " m from where its joints put those of the robot " + robot->name() +
+        "its bodies are up to " + number_text(best->distance, 3) +
+            " m away from the forward kinematics of the robot " + robot->name() +
             ", in mjlab's order and in BeyondMimic's",
         "is it for another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic sets the order");
   }
@@ -137,7 +137,7 @@ Result<void> take_contacts(const ArraySource& npz, RawMotion& raw) {
   const std::vector<std::size_t> shape = {raw.frames, kContactNames.size()};
   if (!contacts.is_number() || contacts.shape != shape) {
     return npz.array_failure("contacts", "has the shape " + shape_text(contacts.shape) +
-                                             " and should have " + shape_text(shape));
+                                             ", expected " + shape_text(shape));
   }
   raw.contacts.emplace();
   for (const double value : contacts.numbers()) raw.contacts->planted.push_back(value > 0.5);
@@ -194,8 +194,8 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
   TRY_ASSIGN(auto opened, NpzFile::open(bytes, file, npz_options));
   const NpzArrays npz(std::move(opened));
   if (npz.has("clip_starts")) {
-    return npz.file_failure("the file holds many clips, packed for training",
-                            "name the clips' own files");
+    return npz.file_failure("the file contains many clips, packed for training",
+                            "give the files of the clips instead");
   }
   TRY_ASSIGN(auto arrays, read_trainer_arrays(npz, kTrackingLayout));
   TRY_ASSIGN(const auto names, names_behind_root(npz, arrays.raw.joint_count));

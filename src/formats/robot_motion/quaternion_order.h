@@ -36,7 +36,7 @@ struct OrderGuess {
 /// in either order; otherwise the order in which the robot stands upright; otherwise the one whose
 /// feet slip less. If the robot stands upright and hardly moves in both, chooses the usual order.
 /// (The dot product of consecutive quaternions is the same for both orders, so continuity of the
-/// rotation alone is no evidence; continuity of the standing foot is.)
+/// rotation alone proves nothing; continuity of the standing foot is.)
 [[nodiscard]] OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual);
 
 /// Chooses the order in which the root has the rotation of the robot's fixed base in every frame.

@@ -75,7 +75,7 @@ class MimicKitRows {
       const Eigen::Vector3d turn(row[3], row[4], row[5]);
       // Negated comparison: also rejects NaN.
       if (!(turn.norm() <= kMaxTurn)) {
-        return input_failure(file_, "the root's rotation vector of frame " + std::to_string(frame) +
+        return input_failure(file_, "the root rotation vector in frame " + std::to_string(frame) +
                                         " is longer than any rotation");
       }
       const Eigen::Quaterniond rotation = exp_so3(turn);
@@ -103,12 +103,12 @@ class MimicKitRows {
     if (list != nullptr && list->kind == PickleNode::Kind::kArray) {
       const NpyArray& array = document_.array(*list);
       if (!array.is_number() || array.shape.size() != 2) {
-        return fault("should have rows of numbers");
+        return fault("must have rows of numbers");
       }
       rows = {array.shape[0], array.shape[1], array.numbers()};
     } else {
       if (list == nullptr || list->kind != PickleNode::Kind::kList) {
-        return fault("should be a list of rows");
+        return fault("must be a list of rows");
       }
       for (const std::uint32_t item : list->items) {
         const PickleNode& row = document_.at(item);
@@ -118,18 +118,18 @@ class MimicKitRows {
         }
         // A pickle can repeat one list without storing it again, so limit the total.
         if (rows.values.size() + rows.columns > max_numbers_) {
-          return fault("has more numbers than a file of its size has room for");
+          return fault("has more numbers than the file size allows");
         }
         for (const std::uint32_t number : row.items) {
           const auto value = document_.number(document_.at(number));
-          if (!value) return fault("has something else than numbers");
+          if (!value) return fault("has non-numeric values");
           rows.values.push_back(*value);
         }
       }
     }
-    if (rows.rows == 0) return fault("holds no frames");
+    if (rows.rows == 0) return fault("has no frames");
     if (rows.columns <= static_cast<std::size_t>(kMimicKitRoot))
-      return fault("has no joints behind the root's six numbers");
+      return fault("has no joints after the six numbers of the root");
     return rows;
   }
 
@@ -192,7 +192,7 @@ Result<std::string> choose_motion(const PickleDocument& document, const std::str
     if (document.find(member, kMotionLibLayout.position) != nullptr) motions.emplace_back(key.text);
   }
   if (motions.empty()) {
-    return input_failure(file, "the pickle does not hold a robot motion",
+    return input_failure(file, "the pickle does not contain a robot motion",
                          "GMR's dictionary (root_pos, root_rot, dof_pos), PBHC's "
                          "(root_trans_offset, root_rot, dof) and MimicKit's (loop_mode, fps, "
                          "frames) are supported");
@@ -217,7 +217,7 @@ Result<NpyArray> read_numbers(const ArraySource& file, std::string_view name,
                               std::size_t dimensions) {
   TRY_ASSIGN(auto array, file.read(name));
   if (array.is_number() && array.shape.size() == dimensions) return array;
-  return file.array_failure(name, "has the shape " + shape_text(array.shape) + " and should have " +
+  return file.array_failure(name, "has the shape " + shape_text(array.shape) + ", expected " +
                                       std::to_string(dimensions) + " dimensions of numbers");
 }
 
@@ -237,7 +237,7 @@ Result<TrainerArrays> read_trainer_arrays(const ArraySource& file, const Trainer
   for (const std::string_view name : {layout.joints, layout.position, layout.rotation}) {
     if (file.has(name)) continue;
     return file.file_failure(
-        "it is not a robot motion: there is no array \"" + std::string(name) + "\"",
+        "it is not a robot motion: it has no array \"" + std::string(name) + "\"",
         "it has " + list_names(file.names(), 12));
   }
   const std::size_t dimensions = layout.bodies ? 3 : 2;
@@ -250,10 +250,10 @@ Result<TrainerArrays> read_trainer_arrays(const ArraySource& file, const Trainer
                     (!layout.bodies || place[1] == turn[1]);
   if (!fits) {
     return file.file_failure(
-        "its arrays disagree about frames or bodies: " + shape_text(joints.shape) + ", " +
-        shape_text(place) + ", " + shape_text(turn));
+        "its arrays have different numbers of frames or bodies: " + shape_text(joints.shape) +
+        ", " + shape_text(place) + ", " + shape_text(turn));
   }
-  if (joints.shape[0] == 0) return file.file_failure("the file holds no frames");
+  if (joints.shape[0] == 0) return file.file_failure("the file has no frames");
   TrainerArrays arrays;
   RawMotion& raw = arrays.raw;
   raw.format = layout.format;
@@ -279,7 +279,7 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes,
   TRY_ASSIGN(auto document, read_pickle(bytes, file));
   const PickleNode& root = document.root();
   if (root.kind != PickleNode::Kind::kDict) {
-    return input_failure(file, "the pickle does not hold a motion dictionary");
+    return input_failure(file, "the pickle does not contain a motion dictionary");
   }
   const auto has = [&](std::string_view key) { return document.find(root, key) != nullptr; };
   if (has(kGmrLayout.position) || has(kGmrLayout.joints)) {
@@ -310,7 +310,7 @@ Result<RawMotion> read_protomotions(std::string_view bytes,
   TRY_ASSIGN(const auto torch, TorchFile::open(bytes, file, torch_options));
   const PickleNode& root = torch.document().root();
   if (root.kind != PickleNode::Kind::kDict) {
-    return input_failure(file, "the file of PyTorch does not hold a motion of a robot",
+    return input_failure(file, "the PyTorch file does not contain a robot motion",
                          "ProtoMotions' dictionary (dof_pos, rigid_body_pos, rigid_body_rot) is "
                          "supported");
   }

@@ -185,7 +185,7 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
     Eigen::Quaterniond turn(printed(from[3]), printed(from[4]), printed(from[5]), printed(from[6]));
     if (turn.norm() < kNoLength) {
       return run_failure("",
-                         "the root's quaternion in frame " + std::to_string(frame) +
+                         "the root quaternion in frame " + std::to_string(frame) +
                              " rounds to zero with " + std::to_string(precision) + " digits",
                          "print more digits: " OPTION("precision"));
     }

@@ -99,8 +99,8 @@ class MotionInterpreter {
       // Negated comparison: also rejects NaN.
       if (!(std::abs(length - 1.0) <= kUnitTolerance)) {
         return input_failure(file_,
-                             "the root's quaternion of frame " + std::to_string(frame) +
-                                 " has the length " + number_text(length, 3) + " and should have 1",
+                             "the root quaternion in frame " + std::to_string(frame) +
+                                 " has length " + number_text(length, 3) + ", expected 1",
                              "the columns are x y z, then the quaternion, then the joints");
       }
     }
@@ -131,7 +131,7 @@ class MotionInterpreter {
     const std::string note =
         std::to_string(missing.size()) + " of the robot's " +
         std::to_string(robot_->output_joints().size()) +
-        " joints are not in the file and stay at its zero pose: " + list_names(missing, kShown);
+        " joints are not in the file and remain in its zero pose: " + list_names(missing, kShown);
     // PBHC's pickles lack joints by design, and a user who names a variant expects it: note only.
     (is_csv() && options_.variant.empty() ? raw_.warnings : raw_.notes).push_back(note);
   }
@@ -168,7 +168,7 @@ class MotionInterpreter {
   Result<QuaternionOrder> find_order(const RobotClip& clip) {
     if (raw_.order) {
       if (options_.quaternion && is_csv()) {
-        raw_.notes.emplace_back("the header gives the order of the quaternion");
+        raw_.notes.emplace_back("the header specifies the quaternion order");
       }
       return *raw_.order;
     }
@@ -178,7 +178,7 @@ class MotionInterpreter {
       if (!is_csv()) return raw_.usual;
       return input_failure(
           file_,
-          "cannot infer the order of the root's quaternion: xyzw and wxyz are equally plausible",
+          "cannot infer the order of the root quaternion: xyzw and wxyz are equally plausible",
           "choose with " OPTION("source-quat"));
     }
     if (is_csv() || *guess.order != raw_.usual) {

@@ -70,14 +70,14 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
     worst = name;
   }
   if (lost.empty()) return std::nullopt;
-  return count_text(lost.size(), "joint") + " that move are held and lost, by up to " +
+  return count_text(lost.size(), "joint") + " with movement would be held, losing up to " +
          number_text(largest, 3) + " rad (" + worst + "): " + list_names(lost, kShown);
 }
 
 std::vector<std::string> soma_csv_losses(const RobotClip& motion) {
   if (soma_csv_tells(motion.rate())) return {};
   return {"csv-soma stores no rate: its readers assume 120 fps, this motion has " +
-          to_text(motion.rate()) + "; " OPTION("fps") " 120 writes what they expect"};
+          to_text(motion.rate()) + "; " OPTION("fps") " 120 writes the expected rate"};
 }
 
 std::vector<std::string> pbhc_losses(const RobotClip& motion) {
@@ -87,7 +87,7 @@ std::vector<std::string> pbhc_losses(const RobotClip& motion) {
   if (!lost) return {};
   const std::string& variant = (*robot)->variant().name;
   return {"pkl-pbhc has the joints of the variant " + variant + ": " + *lost +
-          "; " OPTION("dof") " " + variant + " leaves them out, and pkl-motion-lib has all joints"};
+          "; " OPTION("dof") " " + variant + " omits them, and pkl-motion-lib stores all joints"};
 }
 
 namespace {

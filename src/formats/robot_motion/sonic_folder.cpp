@@ -205,10 +205,10 @@ Result<RawMotion> read_sonic_folder(std::string_view /*bytes*/,
   TRY_ASSIGN(auto joints, table("joint_pos.csv"));
   TRY_ASSIGN(const auto places, table("body_pos.csv"));
   TRY_ASSIGN(const auto turns, table("body_quat.csv"));
-  if (joints.rows == 0) return input_failure(path, "the motion holds no frames");
+  if (joints.rows == 0) return input_failure(path, "the motion has no frames");
   if (places.rows != joints.rows || turns.rows != joints.rows || places.columns < 3 ||
       turns.columns < 4) {
-    return input_failure(path, "its files disagree about frames or bodies");
+    return input_failure(path, "its files have different numbers of frames or bodies");
   }
   const TrackingLayout layout = tracking_layout(*robot, MotionFormat::kCsvSonic);
   if (layout.joints.size() != joints.columns) {

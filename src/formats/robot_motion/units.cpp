@@ -109,7 +109,7 @@ class UnitFinder {
       return input_failure(
           file_,
           "the largest joint value is " + number_text(largest, 3) +
-              ", which may be radians or degrees: the robot's joints turn up to " +
+              ", which may be radians or degrees: the robot's joints reach " +
               number_text(widest, 2) + " rad, and the file names no unit",
           "choose with " OPTION("source-angles") " rad or " OPTION("source-angles") " deg");
     }
@@ -186,8 +186,8 @@ class UnitFinder {
         "joints are beyond their ranges by more than " + number_text(kBeyondRange, 1) + " rad in " +
         number_text(100.0 * static_cast<double>(beyond) / static_cast<double>(raw_.frames), 0) +
         " % of frames, most " + robot_.joints()[joint].name +
-        "; the file names no unit and is taken as radians: " OPTION(
-            "source-angles") " deg takes degrees");
+        "; the file names no unit, so radians are assumed: " OPTION(
+            "source-angles") " deg selects degrees");
   }
 
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
@@ -282,11 +282,11 @@ Result<void> find_units(const Robot& robot, const std::string& file,
 
 Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,
                                   std::vector<std::string>& warnings) {
-  // The height of a fixed base comes from the model and is no evidence for the unit.
+  // The height of a fixed base comes from the model and does not indicate the unit.
   if (clip.frame_count() == 0 || clip.robot().fixed_base()) return {};
   const auto doubt = [&](const std::string& what, const std::string& remedy) {
     warnings.push_back(
-        what + "; the file names no unit and is taken as metres: " OPTION("source-unit") " " +
+        what + "; the file names no unit, so metres are assumed: " OPTION("source-unit") " " +
         remedy);
   };
   const double reach = leg_reach_of(clip.robot());
@@ -301,7 +301,7 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
                              " m high, but the robot's legs reach " + number_text(reach, 2) + " m";
     if (low && height < kMinUprightReaches * reach) {
       return input_failure(file, what + "; lengths may not be in metres",
-                           "if that is intended, confirm with " OPTION("source-unit")
+                           "to confirm, use " OPTION("source-unit")
                            " m; else convert the positions to metres, centimetres or millimetres first");
     }
     if (low) doubt(what, "m confirms it");
@@ -309,9 +309,11 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
   const double lowest = lowest_height(clip);
   const double odd = upright ? kHighUprightReaches * reach : kOddReaches * reach_of(clip.robot());
   if (lowest > odd) {
-    doubt("the root is never lower than " + number_text(lowest, 2) + " m", "cm takes centimetres");
+    doubt("the root is never lower than " + number_text(lowest, 2) + " m",
+          "cm selects centimetres");
   } else if (const double speed = mean_speed(clip); speed > kMaxMeanSpeed) {
-    doubt("the root moves at " + number_text(speed, 1) + " m/s on average", "cm takes centimetres");
+    doubt("the root moves at " + number_text(speed, 1) + " m/s on average",
+          "cm selects centimetres");
   }
   return {};
 }

@@ -20,7 +20,7 @@ struct WorldJoint {
 
 /// Builds a clip from world poses.
 ///
-/// In the rest pose the axes of all joints are aligned with the world, whatever axes they had in
+/// In the rest pose the axes of all joints are aligned with the world, regardless of their axes in
 /// the file: with all rotations identity the skeleton is in the rest pose. Bone lengths are those
 /// of the motion, not of the rest pose. A joint whose translation is the same in all frames has it
 /// as its offset.

@@ -204,9 +204,8 @@ ufbx_load_opts load_options(std::size_t file_bytes, std::size_t max_bytes) {
 
 Failure load_failure(const ufbx_error& error, const std::string& file_name) {
   if (error.type == UFBX_ERROR_MEMORY_LIMIT || error.type == UFBX_ERROR_OUT_OF_MEMORY) {
-    return input_failure(
-        file_name, "the FBX file unpacks to more memory than a file of its size may take",
-        "export the skeleton and its animation alone, without meshes and textures");
+    return input_failure(file_name, "the unpacked FBX file exceeds the memory limit for its size",
+                         "export only the skeleton and its animation, without meshes and textures");
   }
   if (error.type == UFBX_ERROR_NODE_DEPTH_LIMIT) {
     return input_failure(file_name, "the FBX file's nodes are nested more than 1000 deep");
@@ -234,7 +233,7 @@ Result<Scene> read_fbx(std::string_view bytes, const std::string& file_name,
   for (const ufbx_node* node : file->nodes) {
     scene.nodes.push_back(node_of(*node));
     if (scene.nodes.back().parent >= static_cast<int>(scene.nodes.size()) - 1) {
-      return input_failure(file_name, "the FBX file's nodes are no tree");
+      return input_failure(file_name, "the nodes of the FBX file do not form a tree");
     }
   }
   add_bind_poses(*file, scene);

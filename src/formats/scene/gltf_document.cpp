@@ -124,7 +124,7 @@ Result<void> GltfDocument::split(std::string_view bytes) {
     return failure(std::move(parsed).error());
   }
   json_ = *std::move(parsed);
-  if (!json_.is_object()) return fault("it is no JSON object");
+  if (!json_.is_object()) return fault("its JSON is not an object");
   buffers_.resize(list("buffers").size());
   return {};
 }
@@ -144,7 +144,7 @@ const GltfJson* GltfDocument::element(const char* name, const GltfJson& number) 
 
 Result<void> GltfDocument::take_bytes(std::size_t bytes) {
   if (bytes > max_bytes_ - std::min(kept_, max_bytes_)) {
-    return fault("its numbers need more memory than they may take", kLargeFileHint);
+    return fault("its numbers exceed the memory limit", kLargeFileHint);
   }
   kept_ += bytes;
   return {};
@@ -153,7 +153,7 @@ Result<void> GltfDocument::take_bytes(std::size_t bytes) {
 Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJson& buffer) {
   const auto uri = buffer.find("uri");
   if (uri == buffer.end() || !uri->is_string()) {
-    return fault("its buffer has no bytes, as that of a compressed file",
+    return fault("its buffer has no bytes; the file is probably compressed",
                  "export it without compression of meshes (meshopt, Draco)");
   }
   const auto& text = uri->get_ref<const std::string&>();
@@ -163,27 +163,27 @@ Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJ
         comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
     auto bytes = is_base64 ? bytes_from_base64(std::string_view(text).substr(comma + 1))
                            : std::optional<std::string>();
-    if (!bytes) return fault("a buffer in the text is no base64");
+    if (!bytes) return fault("a data URI of a buffer is not valid base64");
     TRY(take_bytes(bytes->size()));
     available_ += bytes->size();
     return std::make_shared<const std::string>(*std::move(bytes));
   }
   if (file_name_ == "standard input") {
-    return fault("its buffer is in a file beside it, and standard input has none",
+    return fault("its buffer is in a separate file, which standard input cannot provide",
                  "give the file by its name, or as GLB");
   }
   const std::string name = unescaped(text);
   const auto file = file_inside(fs::path(file_name_).parent_path(), name);
   if (!file) {
-    return fault("its buffer \"" + printable(name) + "\" is not a file of its own folder",
-                 "no other is opened: export it as GLB, which is one file");
+    return fault("its buffer \"" + printable(name) + "\" is not in the folder of the file",
+                 "files elsewhere are not opened: export it as GLB, which is one file");
   }
   auto& kept = files_[file->string()];
   if (kept) return kept;
   // Opening a pipe could block forever.
   if (!is_file(*file)) {
-    return fault("its buffer \"" + printable(name) + "\" is no file beside it",
-                 "copy the files that belong to it too, or export it as GLB, which is one file");
+    return fault("its buffer \"" + printable(name) + "\" is missing or not a regular file",
+                 "copy its accompanying files too, or export it as GLB, which is one file");
   }
   TRY_ASSIGN(const FileContent content,
              read_file(file->string(), ErrorKind::kInput, max_bytes_ - kept_, kLargeFileHint));
@@ -195,7 +195,7 @@ Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJ
 
 Result<std::string_view> GltfDocument::buffer(const GltfJson& number) {
   const GltfJson* description = element("buffers", number);
-  if (description == nullptr) return fault("it refers to a buffer that it does not have");
+  if (description == nullptr) return fault("it refers to a missing buffer");
   const auto index = number.get<std::size_t>();
   if (index == 0 && binary_ && !description->contains("uri")) {
     if (available_ == 0) available_ = binary_->size();
@@ -210,7 +210,7 @@ Result<std::string_view> GltfDocument::buffer(const GltfJson& number) {
 
 Result<std::string_view> GltfDocument::buffer_view(const GltfJson& number, std::size_t& stride) {
   const GltfJson* view = element("bufferViews", number);
-  if (view == nullptr) return fault("it refers to a buffer view that it does not have");
+  if (view == nullptr) return fault("it refers to a missing buffer view");
   if (const auto extensions = view->find("extensions");
       extensions != view->end() && extensions->is_object() && !extensions->empty()) {
     return fault("its numbers are compressed (" + printable(extensions->begin().key()) + ")",
@@ -220,7 +220,7 @@ Result<std::string_view> GltfDocument::buffer_view(const GltfJson& number, std::
   const auto offset = size_of(*view, "byteOffset", 0), length = size_of(*view, "byteLength", 0);
   const auto step = size_of(*view, "byteStride", 0);
   if (which == view->end() || !offset || !length || !step) {
-    return fault("a buffer view has no place in a buffer");
+    return fault("a buffer view has no valid range in a buffer");
   }
   TRY_ASSIGN(const std::string_view bytes, buffer(*which));
   if (*offset > bytes.size() || *length > bytes.size() - *offset) {
@@ -238,23 +238,23 @@ Result<GltfDocument::Run> GltfDocument::run_of(const GltfJson& view, const GltfJ
   TRY_ASSIGN(const std::string_view bytes, buffer_view(view, stride));
   if (stride == 0) stride = element_bytes;
   const auto offset = size_of(place, "byteOffset", 0);
-  if (!offset || *offset > bytes.size()) return fault("numbers begin beyond their buffer view");
+  if (!offset || *offset > bytes.size()) return fault("an accessor starts beyond its buffer view");
   const std::string_view rest = bytes.substr(*offset);
   if (count > 0 && (stride < element_bytes || rest.size() < element_bytes ||
                     (rest.size() - element_bytes) / stride < count - 1)) {
-    return fault(fmt::format("{} numbers of {} bytes do not fit into the {} bytes that are theirs",
-                             count, element_bytes, rest.size()));
+    return fault(fmt::format("{} elements of {} bytes exceed their {} bytes", count, element_bytes,
+                             rest.size()));
   }
   return Run{rest, stride};
 }
 
 Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int width) {
   const GltfJson* accessor = element("accessors", number);
-  if (accessor == nullptr) return fault("it refers to numbers that it does not have");
+  if (accessor == nullptr) return fault("it refers to a missing accessor");
   const auto layout = gltf_layout(*accessor);
   const auto count = size_of(*accessor, "count", 0);
   if (!layout || layout->width != width || !count) {
-    return fault(fmt::format("an accessor holds no elements of {} numbers", width));
+    return fault(fmt::format("expected an accessor with elements of {} numbers", width));
   }
   constexpr std::size_t kMost = std::size_t{1} << 32U;
   const std::size_t all = std::min(*count, kMost) * static_cast<std::size_t>(width);
@@ -265,7 +265,7 @@ Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int wi
     taken_ += all * sizeof(double);
     TRY(take_bytes(all * sizeof(double)));
     if (taken_ > kFreeNumberBytes + kMaxReadings * available_) {
-      return fault("it has the same bytes read too often");
+      return fault("it reads the same bytes too often");
     }
     result.reserve(all);
     for (std::size_t i = 0; i < *count; ++i) {
@@ -274,14 +274,14 @@ Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int wi
   } else {
     taken_ += all * sizeof(double);
     TRY(take_bytes(all * sizeof(double)));
-    if (taken_ > kFreeNumberBytes) return fault("too many numbers have no bytes");
+    if (taken_ > kFreeNumberBytes) return fault("too many numbers have no data");
     result.resize(all, 0.0);
   }
   if (const auto sparse = accessor->find("sparse"); sparse != accessor->end()) {
     TRY(replace_sparse(*sparse, *accessor, width, result));
   }
   if (!std::ranges::all_of(result, [](double value) { return std::isfinite(value); })) {
-    return fault("it has numbers that are not finite");
+    return fault("a number is not finite");
   }
   return result;
 }
@@ -300,7 +300,7 @@ Result<void> GltfDocument::replace_sparse(const GltfJson& sparse, const GltfJson
   const auto count = value_from<std::size_t>(member(sparse, "count"));
   const auto kind = gltf_component(member(places, "componentType"));
   if (!count || !kind || !values.is_object() || !layout)
-    return fault("a sparse accessor is broken");
+    return fault("a sparse accessor is invalid");
   GltfLayout index_layout{*kind, 1, 1, false};
   TRY_ASSIGN(const Run indices,
              run_of(member(places, "bufferView"), places, *count, index_layout.bytes()));
@@ -310,7 +310,7 @@ Result<void> GltfDocument::replace_sparse(const GltfJson& sparse, const GltfJson
   for (std::size_t i = 0; i < *count; ++i) {
     const double at = gltf_number(indices.bytes.substr(i * indices.stride), *kind);
     const double before = static_cast<double>(numbers.size()) / width;
-    if (!(at >= 0.0 && at < before)) return fault("a sparse accessor replaces what is not there");
+    if (!(at >= 0.0 && at < before)) return fault("a sparse accessor replaces missing elements");
     element.clear();
     layout->append(elements.bytes.substr(i * elements.stride), element);
     std::ranges::copy(element, numbers.begin() + static_cast<std::ptrdiff_t>(at) * width);

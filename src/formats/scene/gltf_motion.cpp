@@ -112,7 +112,7 @@ Result<GltfTrack> GltfMotion::read_track(GltfDocument& document, const GltfJson&
   const GltfJson* input = gltf_member(sampler, "input");
   const GltfJson* output = gltf_member(sampler, "output");
   if (!kind || input == nullptr || output == nullptr) {
-    return document.fault("an animation's sampler is broken");
+    return document.fault("an animation sampler is invalid");
   }
   track.kind = *kind;
   track.width = path == GltfPath::kRotation ? 4 : 3;
@@ -121,14 +121,15 @@ Result<GltfTrack> GltfMotion::read_track(GltfDocument& document, const GltfJson&
   const std::size_t parts = track.kind == GltfTrack::Kind::kCubic ? 3 : 1;
   const std::size_t size = static_cast<std::size_t>(track.width);
   if (times.empty() || track.values.size() != times.size() * parts * size) {
-    return document.fault("an animation has other numbers of times and of values");
+    return document.fault("an animation has different numbers of times and values");
   }
   // Equal times occur in files and mean a jump.
-  if (!std::ranges::is_sorted(times)) return document.fault("an animation's times do not ascend");
+  if (!std::ranges::is_sorted(times))
+    return document.fault("the times of an animation do not ascend");
   for (std::size_t key = 0; path == GltfPath::kRotation && key < times.size(); ++key) {
     const double* rotation = track.values.data() + (key * parts + (parts == 3 ? 1 : 0)) * size;
     if (Eigen::Map<const Eigen::Vector4d>(rotation).norm() < 1e-3) {
-      return document.fault("an animation has a rotation of no length");
+      return document.fault("an animation has a zero quaternion");
     }
   }
   track.times = std::make_shared<const std::vector<double>>(std::move(times));
@@ -152,14 +153,14 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
   Channels found;
   for (const GltfJson& channel : *channels) {
     const GltfJson* target = gltf_member(channel, "target");
-    if (target == nullptr) return document.fault("an animation's channel has no target");
+    if (target == nullptr) return document.fault("an animation channel has no target");
     // Skip morph targets and paths of extensions, which do not affect a skeleton.
     const auto path = path_of(text_member(*target, "path", ""));
     const GltfJson* node = gltf_member(*target, "node");
     if (!path || node == nullptr) continue;
     const std::size_t index = number_of(node), sampler = number_of(gltf_member(channel, "sampler"));
     if (index >= scene_nodes.size() || sampler >= samplers->size()) {
-      return document.fault("an animation's channel leads nowhere");
+      return document.fault("an animation channel refers to a missing node or sampler");
     }
     TRY_ASSIGN(GltfTrack track, read_track(document, (*samplers)[sampler], *path));
     const int place = scene_nodes[index];

@@ -62,9 +62,9 @@ class GltfReader {
     const std::size_t takes = document_.list("animations").size();
     if (takes > kMaxTakesTimesNodes / std::max<std::size_t>(scene_.nodes.size(), 1)) {
       return document_.fault(
-          fmt::format("{} of {} are more than can be looked through",
-                      count_text(takes, "animation"), count_text(scene_.nodes.size(), "node")),
-          "export the armature with the animation that you want");
+          fmt::format("{} of {} exceed the limit", count_text(takes, "animation"),
+                      count_text(scene_.nodes.size(), "node")),
+          "export the armature with only the required animation");
     }
     for (const GltfJson& animation : document_.list("animations")) {
       TRY_ASSIGN(SceneTake take, motion->add(document_, animation, place_));
@@ -83,9 +83,9 @@ class GltfReader {
       const GltfJson* children = gltf_member(nodes[i], "children");
       if (children == nullptr) continue;
       const auto list = value_from<std::vector<std::size_t>>(*children);
-      if (!list) return document_.fault("a node's children are no list of nodes");
+      if (!list) return document_.fault("the children of a node are not a list of nodes");
       for (const std::size_t child : *list) {
-        if (child >= nodes.size()) return document_.fault("a node has a child that is not there");
+        if (child >= nodes.size()) return document_.fault("a node refers to a missing child");
         if (parent_[child] != -1) return document_.fault("a node has two parents");
         parent_[child] = static_cast<int>(i);
       }
@@ -110,14 +110,13 @@ class GltfReader {
       place_[index] = static_cast<int>(scene_.nodes.size());
       scene_.nodes.push_back(node_of(nodes[index], parent_[index]));
       if (!is_sound(scene_.nodes.back().rest)) {
-        return document_.fault("the place of " + name_of(index) +
-                               " has numbers that are not finite, or no "
-                               "rotation");
+        return document_.fault("the transform of " + name_of(index) +
+                               " is not finite or has a zero rotation");
       }
       for (const std::size_t child : children[index]) waiting.emplace_back(child, depth + 1);
     }
     if (scene_.nodes.size() != nodes.size())
-      return document_.fault("its nodes form a ring and not a tree");
+      return document_.fault("its nodes form a cycle instead of a tree");
     return {};
   }
 
@@ -147,7 +146,7 @@ class GltfReader {
       auto found = list == nullptr ? std::nullopt : value_from<std::vector<std::size_t>>(*list);
       if (!found) return document_.fault("a skin has no joints");
       for (const std::size_t joint : *found) {
-        if (joint >= place_.size()) return document_.fault("a skin's joint is not there");
+        if (joint >= place_.size()) return document_.fault("a skin refers to a missing joint");
       }
       joints[i] = *std::move(found);
     }

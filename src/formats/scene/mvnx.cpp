@@ -74,7 +74,7 @@ class MvnxReader {
     const XMLElement* subject = root == nullptr ? nullptr : root->FirstChildElement("subject");
     if (subject == nullptr) return fault("it has no subject");
     if (subject->NextSiblingElement("subject") != nullptr) {
-      warnings_.push_back({0, 0, "the file holds several subjects; the first is read"});
+      warnings_.push_back({0, 0, "the file has several subjects; only the first is read"});
     }
     TRY(find_segments(*subject));
     TRY(order_segments());
@@ -99,7 +99,7 @@ class MvnxReader {
          each = each->NextSiblingElement("segment")) {
       const std::string name(attribute(*each, "label"));
       if (!numbers.emplace(name, static_cast<int>(names_.size())).second) {
-        return fault("two segments are called \"" + printable(name) + "\"");
+        return fault("two segments have the name \"" + printable(name) + "\"");
       }
       names_.push_back(name);
       if (names_.size() > kMaxSegments) return fault("it has more than 1000 segments");
@@ -110,7 +110,7 @@ class MvnxReader {
       const auto parent = numbers.find(segment_of(each->FirstChildElement("connector1")));
       const auto child = numbers.find(segment_of(each->FirstChildElement("connector2")));
       if (parent == numbers.end() || child == numbers.end()) {
-        return fault("a joint connects segments that are not there",
+        return fault("a joint connects unknown segments",
                      static_cast<std::size_t>(each->GetLineNum()));
       }
       parents_[static_cast<std::size_t>(child->second)] = parent->second;
@@ -122,7 +122,7 @@ class MvnxReader {
   // parent is used; others are props.
   Result<void> order_segments() {
     const auto root = std::ranges::find(parents_, -1);
-    if (root == parents_.end()) return fault("its segments form a ring and not a tree");
+    if (root == parents_.end()) return fault("its segments form a cycle instead of a tree");
     std::vector<std::pair<int, int>> waiting = {{static_cast<int>(root - parents_.begin()), -1}};
     while (!waiting.empty()) {
       const auto [segment, parent] = waiting.back();
@@ -162,9 +162,9 @@ class MvnxReader {
     // Fingers and props may follow the body.
     if (!rotations || !positions || rotations->size() < 4 * names_.size() ||
         positions->size() < 3 * names_.size()) {
-      return fault(fmt::format("a frame has no orientation and position of each of its {} segments",
-                               names_.size()),
-                   line);
+      return fault(
+          fmt::format("a frame lacks orientations or positions for its {} segments", names_.size()),
+          line);
     }
     std::vector<Pose> poses;
     poses.reserve(segments_.size());
@@ -173,7 +173,7 @@ class MvnxReader {
       const double* p = positions->data() + 3 * static_cast<std::size_t>(segment);
       const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
       if (!(std::abs(rotation.norm() - 1.0) < 0.1)) {
-        return fault("a frame has an orientation that is no unit quaternion", line);
+        return fault("a frame has an orientation that is not a unit quaternion", line);
       }
       poses.push_back({rotation.normalized(), {p[0], p[1], p[2]}});
     }
@@ -221,8 +221,7 @@ class MvnxReader {
     TRY_ASSIGN(auto joints, rest_joints());
     const std::size_t most = options_.max_clip_bytes / ClipBuilder::frame_bytes(joints.size());
     if (frames_.size() > std::min<std::size_t>(most, std::numeric_limits<int>::max())) {
-      return input_failure(file_name_, "the motion needs more memory than it may take",
-                           kLargeFileHint);
+      return input_failure(file_name_, "the motion exceeds the memory limit", kLargeFileHint);
     }
     ClipBuilder builder(std::move(joints), rate, static_cast<int>(frames_.size()));
     for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -237,7 +236,7 @@ class MvnxReader {
     origin.metres_per_unit = 1.0;
     origin.up = Eigen::Vector3d::UnitZ();
     origin.choices = "MVNX, ";
-    origin.choices += rest_name_.empty() ? "no frame of calibration in it"
+    origin.choices += rest_name_.empty() ? "no calibration frame"
                                          : "its frame \"" + rest_name_ + "\" is the zero pose";
     clip.set_origin(std::move(origin));
     return clip;

@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// Reads Xsens MVNX: XML with the orientation (w x y z) and the position of each body segment per
+/// Reads Xsens MVNX: XML with the orientation (w x y z) and position of every body segment per
 /// frame, in metres, Z up (MVN User Manual, "MVNX").
 ///
 /// The motion consists of the frames of type `normal`. The rest pose is the frame `tpose`,

@@ -131,9 +131,8 @@ class SceneSampler {
 
   void warn_of_still_take() {
     warnings_.push_back({0, 0,
-                         "nothing moves in the take \"" +
-                             printable(scene_.takes[as_size(take_)].name) +
-                             "\": all its keys of the skeleton are the same"});
+                         "the take \"" + printable(scene_.takes[as_size(take_)].name) +
+                             "\" has no movement: all its skeleton keys are equal"});
   }
 
   void warn_of_other_actors() {
@@ -150,8 +149,8 @@ class SceneSampler {
   Failure mirrored(int node) const {
     return input_failure(file_name_,
                          name_of(node) +
-                             " is turned over by a negative scale, as in a mirror, "
-                             "which no skeleton of joints can be",
+                             " is mirrored by a negative scale, which a skeleton cannot "
+                             "represent",
                          "apply the scale before the export (Blender: Object, Apply, Scale)");
   }
 
@@ -165,8 +164,8 @@ class SceneSampler {
         uneven_ = true;
         warnings_.push_back({0, 0,
                              name_of(node) +
-                                 " is scaled unevenly, which skews the joints below it: their "
-                                 "places are right, their rotations are those without the scale"});
+                                 " has a non-uniform scale, which skews the joints below it: their "
+                                 "positions include the scale, their rotations ignore it"});
       }
     }
     return {};
@@ -179,7 +178,7 @@ class SceneSampler {
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
     if (options_.source_fps) {
       const FrameRate rate = frame_rate_from_fps(*options_.source_fps);
-      return {rate, "as " OPTION("source-fps") " asks for"};
+      return {rate, "set by " OPTION("source-fps")};
     }
     const auto keys = rate_of_keys(keys_);
     const double ratio = keys ? scene_.fps / *keys : 0.0;
@@ -187,12 +186,12 @@ class SceneSampler {
                                        std::abs(ratio - std::round(ratio)) < 1e-3))) {
       return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
     }
-    if (keys) return {frame_rate_from_fps(*keys), "as its keys are spaced"};
+    if (keys) return {frame_rate_from_fps(*keys), "from the key spacing"};
     if (keys_.size() < 3) {
-      return {frame_rate_from_fps(kDefaultRate), "too few keys to tell a rate by"};
+      return {frame_rate_from_fps(kDefaultRate), "too few keys to determine a rate"};
     }
     return {frame_rate_from_fps(kDefaultRate),
-            "its keys are not evenly spaced: " OPTION("source-fps") " N samples it otherwise"};
+            "its keys are not evenly spaced: " OPTION("source-fps") " N sets another rate"};
   }
 
   Result<int> count_frames(const FrameRate& rate, std::size_t file_bytes) const {
@@ -205,8 +204,8 @@ class SceneSampler {
     const double most = std::min(static_cast<double>(options_.max_clip_bytes), by_file);
     if (!(frames * static_cast<double>(frame_bytes) <= most) || frames > 1e9) {
       return input_failure(file_name_,
-                           fmt::format("the animation lasts {:.6g} s: its frames need more memory "
-                                       "than a file of its size may take",
+                           fmt::format("the animation lasts {:.6g} s: its frames exceed the memory "
+                                       "limit for this file size",
                                        length),
                            far_key_hint());
     }
@@ -224,8 +223,8 @@ class SceneSampler {
     }
     if (keys_.size() > 2 && gap > 0.5 * (end_ - begin_)) {
       return fmt::format(
-          "no key lies between {:.6g} s and {:.6g} s: remove the stray keys before the "
-          "export, or export the range of frames that you want",
+          "there are no keys between {:.6g} s and {:.6g} s: remove stray keys before the "
+          "export, or export only the required frame range",
           before, after);
     }
     return kLargeFileHint;
@@ -298,7 +297,7 @@ class SceneSampler {
         place = place_below(parent < 0 ? NodePlace() : places_[as_size(parent)], local);
       }
       if (!is_sound(local) || !place.world_from_node.matrix().allFinite()) {
-        return input_failure(file_name_, fmt::format("{} has a place that is no number at {:.4g} s",
+        return input_failure(file_name_, fmt::format("{} has a non-finite pose at {:.4g} s",
                                                      name_of(node), seconds));
       }
       if (is_mirrored(local)) return mirrored(node);
@@ -315,9 +314,9 @@ class SceneSampler {
     } else if (!grows_ && std::max(size, sizes_[as_size(node)]) >
                               kUneven * std::min(size, sizes_[as_size(node)])) {
       grows_ = true;
-      warnings_.push_back({0, 0,
-                           "the scale of " + name_of(node) +
-                               " changes during the motion: bones grow and shrink with it"});
+      warnings_.push_back(
+          {0, 0,
+           "the scale of " + name_of(node) + " changes during the motion, so bone lengths change"});
     }
   }
 

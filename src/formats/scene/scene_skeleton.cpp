@@ -159,7 +159,7 @@ Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::s
   auto candidates = skeletons_of(scene, take);
   if (candidates.empty()) {
     return input_failure(file_name,
-                         fmt::format("the {} file holds no skeleton: {} and no joint among them",
+                         fmt::format("the {} file has no skeleton: none of its {} is a joint",
                                      scene.format, count_text(scene.nodes.size(), "node")),
                          "export the armature with its animation");
   }
@@ -168,9 +168,8 @@ Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::s
   if (!root.empty()) {
     std::erase_if(candidates, [&](const Candidate& each) { return !is_below(scene, each, root); });
     if (candidates.empty()) {
-      return usage_failure("expected a skeleton \"" + root +
-                           "\" as " OPTION("root") " asks for, found " +
-                           (names.empty() ? "none of a body's size" : list_names(names, 8)));
+      return usage_failure("expected a skeleton \"" + root + "\" (" OPTION("root") "), found " +
+                           (names.empty() ? "no skeleton of human size" : list_names(names, 8)));
     }
   }
   const auto best = std::ranges::min_element(candidates, is_larger);
@@ -180,11 +179,10 @@ Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::s
            (best->moving > 0 || each.skeleton.joints.size() == best->skeleton.joints.size());
   });
   if (rivals > 1) {
-    return input_failure(
-        file_name,
-        fmt::format("the {} file holds {} skeletons that could be meant: {}", scene.format, rivals,
-                    list_names(root_names(scene, candidates), 8)),
-        "choose one of them with " OPTION("root") " NAME");
+    return input_failure(file_name,
+                         fmt::format("the {} file has {} possible skeletons: {}", scene.format,
+                                     rivals, list_names(root_names(scene, candidates), 8)),
+                         "choose one of them with " OPTION("root") " NAME");
   }
   SceneSkeleton chosen = std::move(best->skeleton);
   for (std::size_t i = 0; i < roots.size(); ++i) {
@@ -317,8 +315,8 @@ Result<int> find_take(const Scene& scene, const std::string& wanted, const std::
     return static_cast<int>(*number) - 1;
   }
   return usage_failure("expected a take \"" + printable(wanted) +
-                       "\" as " OPTION("take") " asks for, found " + take_names(scene, nullptr) +
-                       " in " + file_name + did_you_mean(printable(wanted), names));
+                       "\" (" OPTION("take") "), found " + take_names(scene, nullptr) + " in " +
+                       file_name + did_you_mean(printable(wanted), names));
 }
 
 }  // namespace
@@ -344,10 +342,9 @@ Result<SceneMotionChoice> choose_motion(const Scene& scene, const std::string& w
       TRY_ASSIGN(use.choice->skeleton, choose_skeleton(scene, wanted, root, file_name));
       return std::move(use.choice);
     }
-    return usage_failure(
-        "expected a take that moves the skeleton as " OPTION("take") " asks for; \"" +
-        printable(scene.takes[as_size(wanted)].name) +
-        "\" has no keys of its joints. Takes that move it: " + take_names(scene, &uses));
+    return usage_failure("expected a take with keys of the skeleton (" OPTION("take") "); \"" +
+                         printable(scene.takes[as_size(wanted)].name) +
+                         "\" has none. Takes that have: " + take_names(scene, &uses));
   }
   if (best < scene.takes.size()) return std::move(uses[best].choice);
   SceneMotionChoice still;

@@ -84,7 +84,7 @@ MotionKind kind_of_columns(const Columns& columns) {
   const bool motion_x = columns.width == kMotionXWidth;
   MotionKind kind;
   kind.fps = 30.0;
-  kind.fps_reason = fmt::format("the file states no frame rate: 30 fps, as {} has, are assumed",
+  kind.fps_reason = fmt::format("the file states no frame rate: assuming 30 fps, as in {}",
                                 motion_x ? "Motion-X" : "PHUMA");
   kind.gender = "neutral";
   kind.has_no_betas = columns.beta_count == 0;
@@ -98,16 +98,15 @@ Failure no_motion(const NpyArray& array, const std::string& file_name) {
   const std::string found =
       "expected an SMPL motion, found an array of shape " + shape_text(array.shape) + ": ";
   if (array.shape.size() == 2 && array.shape[1] == kHumanMlFeatures) {
-    return input_failure(
-        file_name, found + "HumanML3D's features are not read",
-        "give the joint positions that they were made from (new_joints), or those that "
-        "recover_from_ric computes: (frames, 22, 3)");
+    return input_failure(file_name, found + "HumanML3D features are not supported",
+                         "give the original joint positions (new_joints), or the output of "
+                         "recover_from_ric: (frames, 22, 3)");
   }
   return input_failure(file_name,
                        found +
                            "Motion-X has 322 columns, PHUMA 69, and joint positions are "
                            "(frames, joints, 3)",
-                       "put the arrays of a motion into one file with numpy.savez");
+                       "save all arrays of a motion in one file with numpy.savez");
 }
 
 }  // namespace
@@ -147,9 +146,7 @@ Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& 
   if (columns->beta_count > 0) add("betas", columns->betas, columns->beta_count);
   MotionFile file{std::move(arrays), kind_of_columns(*columns), {}};
   if (columns == &kMotionX) {
-    file.warnings.push_back(
-        {0, 0,
-         "a clip of Motion-X may stand in the axes of its own camera: look whether up is right"});
+    file.warnings.push_back({0, 0, "Motion-X clips may use camera axes: check the up axis"});
   }
   return file;
 }
@@ -196,7 +193,7 @@ class Reader {
     }
     TRY(check_offsets());
     const auto body = smpl_rest_body_of_offsets(mean_offset_);
-    if (!body) return no_motion("its bones make no body in metres");
+    if (!body) return no_motion("its bones do not form a body in metres");
 
     auto arrays = std::make_unique<MadeArrays>(file_name_);
     arrays->add("poses", float64_array(poses, {frames_, 3 * kSmplJointCount}));
@@ -204,8 +201,7 @@ class Reader {
     arrays->add("trans", float64_array(places, {frames_, 3}));
     InterMimicMotion motion{std::move(arrays), {}};
     motion.kind.fps = 30.0;
-    motion.kind.fps_reason =
-        "the file states no frame rate: 30 fps, as InterMimic's motions have, are assumed";
+    motion.kind.fps_reason = "the file states no frame rate: assuming InterMimic's 30 fps";
     motion.kind.gender = "neutral";
     motion.kind.up = Eigen::Vector3d::UnitZ();
     motion.kind.has_no_betas = true;
@@ -239,7 +235,7 @@ class Reader {
     const double* q = values_.data() + frame * kInterMimicColumns + kFirstRotation;
     const Eigen::Quaterniond world_from_body(q[3], q[0], q[1], q[2]);
     if (std::abs(world_from_body.norm() - 1.0) > 0.01) {
-      return no_motion(fmt::format("columns 3 to 6 of frame {} are no unit quaternion", frame));
+      return no_motion(fmt::format("columns 3 to 6 of frame {} are not a unit quaternion", frame));
     }
     const Eigen::Quaterniond body_from_smpl(0.5, 0.5, 0.5, 0.5);
     return world_from_body.normalized() * body_from_smpl;
@@ -278,13 +274,13 @@ class Reader {
   [[nodiscard]] Result<void> check_offsets() const {
     constexpr double kMaxSpread = 0.01;
     if (spread_ <= kMaxSpread) return {};
-    return no_motion(fmt::format("bones change their place by up to {:.2f} m", spread_));
+    return no_motion(fmt::format("bone offsets vary by up to {:.2f} m", spread_));
   }
 
   [[nodiscard]] Failure no_motion(const std::string& why) const {
     return input_failure(file_name_,
-                         fmt::format("the tensor has {} columns as InterMimic's motions have, but "
-                                     "something else in them: {}",
+                         fmt::format("the tensor has {} columns like InterMimic's motions, but "
+                                     "other contents: {}",
                                      kInterMimicColumns, why));
   }
 

@@ -129,8 +129,8 @@ class PlacesReader {
         fmt::format("it has {}, but there {} in {}", count_text(layout_.joints, "joint"),
                     motion_.names.size() == 1 ? std::string("is 1 name")
                                               : fmt::format("are {} names", motion_.names.size()),
-                    are_own ? "the file's own list" : "the list of " OPTION("joint-names")),
-        "one name for each joint, in the array's order");
+                    are_own ? "the file's joint list" : "the file of " OPTION("joint-names")),
+        "give one name per joint, in the order of the array");
   }
 
   Result<void> choose_sample() {
@@ -163,14 +163,14 @@ class PlacesReader {
         OPTION("memory") " allows more; or split the motion");
   }
 
-  // MDM pads motions to one length and stores the valid length of each.
+  // MDM pads motions to one length and stores their valid lengths.
   Result<std::size_t> frames_that_count() const {
     if (!layout_.frames_last || !file_.has("lengths")) return layout_.frames;
     TRY_ASSIGN(const auto lengths, file_.read("lengths"));
     const bool fits = lengths.is_number() && lengths.element_count() == layout_.samples;
     const double length = fits ? lengths.numbers()[sample_] : 0.0;
     if (!(length >= 1.0)) {
-      return file_.array_failure("lengths", "expected the number of frames of each motion");
+      return file_.array_failure("lengths", "expected one frame count per motion");
     }
     return length < static_cast<double>(layout_.frames) ? static_cast<std::size_t>(length)
                                                         : layout_.frames;
@@ -211,8 +211,8 @@ class PlacesReader {
   Result<void> read_kimodo() {
     if (layout_.joints == kKimodoRobotJoints) {
       return file_.file_failure(
-          "expected a motion of a human, found one of a robot: Kimodo's of the G1",
-          "it needs no retargeting; retarget convert reads the CSV that Kimodo writes beside it");
+          "expected a human motion, found a robot motion: Kimodo's G1",
+          "it needs no retargeting; retarget convert reads the CSV that Kimodo writes next to it");
     }
     const JointOrder* order = nullptr;
     for (const JointOrder& one : kimodo_orders()) {
@@ -220,8 +220,8 @@ class PlacesReader {
     }
     if (order == nullptr) {
       return file_.file_failure(
-          fmt::format("Kimodo's files have 77 or 30 joints of SOMA or 22 of "
-                      "SMPL-X, this one has {}",
+          fmt::format("Kimodo's files have 77 or 30 SOMA joints or 22 SMPL-X "
+                      "joints, this one has {}",
                       layout_.joints));
     }
     if (motion_.names.empty()) motion_.names = order->names();
@@ -234,7 +234,7 @@ class PlacesReader {
     if (!array.is_number() || array.element_count() != needed || array.shape.size() < 4 ||
         array.shape.back() != 3) {
       return file_.array_failure(
-          kRotations, fmt::format("expected a matrix for each of the {}, found {}",
+          kRotations, fmt::format("expected one matrix for each of the {}, found {}",
                                   count_text(layout_.joints, "joint"), shape_text(array.shape)));
     }
     const std::vector<double> values = array.numbers();
@@ -248,8 +248,9 @@ class PlacesReader {
       const Eigen::Matrix3d square = matrix * matrix.transpose() - Eigen::Matrix3d::Identity();
       // Negated comparison: also rejects NaN.
       if (!(square.norm() < kRounding && matrix.determinant() > 0.0)) {
-        return file_.array_failure(kRotations, fmt::format("no rotation in frame {}, joint {}",
-                                                           i / layout_.joints, i % layout_.joints));
+        return file_.array_failure(kRotations,
+                                   fmt::format("invalid rotation matrix in frame {}, joint {}",
+                                               i / layout_.joints, i % layout_.joints));
       }
       motion_.rotations.push_back(Eigen::Quaterniond(matrix).normalized());
     }
@@ -283,7 +284,7 @@ class PlacesReader {
     motion_.rate = frame_rate_from_fps(usual->fps);
     motion_.warnings.push_back(
         {0, 0,
-         fmt::format("the file states no frame rate: {:.0f} fps, as {}, are assumed", usual->fps,
+         fmt::format("the file states no frame rate: assuming {:.0f} fps, as {}", usual->fps,
                      usual->kind)});
     return {};
   }

@@ -194,8 +194,8 @@ void bridge_lost_points(JointMotion& motion) {
   if (joints.empty()) return;
   motion.warnings.push_back(
       {0, 0,
-       fmt::format("{} without a place (no number, or at the origin) in up to {} of {} frames, "
-                   "bridged: {}",
+       fmt::format("{} untracked (NaN, or at the origin) in up to {} of {} frames, "
+                   "interpolated: {}",
                    count_text(joints.size(), "joint"), most, motion.frame_count,
                    list_names(joints, 8))});
 }

@@ -200,7 +200,7 @@ class MotionReader {
       before += part.count / 3;
     }
     if (!std::ranges::all_of(rotations, is_rotation)) {
-      warn("the fingers are left out: their numbers are no rotations in radians");
+      warn("fingers ignored: their values are not rotations in radians");
     } else if (hands_move(rotations)) {
       arrays_.hand_rotations = std::move(rotations);
     }
@@ -271,7 +271,7 @@ class MotionReader {
 
   Result<void> read_betas() {
     if (!file_.has("betas")) {
-      if (!kind_.has_no_betas) warn("no betas: a body of average shape is assumed");
+      if (!kind_.has_no_betas) warn("no betas: assuming the average body shape");
       return {};
     }
     TRY_ASSIGN(const auto array, file_.read("betas"));
@@ -288,7 +288,7 @@ class MotionReader {
           "betas", "number " + std::to_string(bad - values.begin()) + " is not finite");
     }
     if (values.empty()) {
-      warn("no betas: a body of average shape is assumed");
+      warn("no betas: assuming the average body shape");
       return {};
     }
     // Fits to video give one row per frame, but a body has one shape.
@@ -296,7 +296,7 @@ class MotionReader {
     arrays_.betas.assign(values.begin(), values.begin() + width);
     for (auto row = values.begin(); row != values.end(); row += width) {
       if (std::equal(row, row + width, values.begin())) continue;
-      warn("betas change from frame to frame: those of the first frame are used");
+      warn("betas vary over time: using the first frame");
       break;
     }
     return {};
@@ -311,7 +311,7 @@ class MotionReader {
     TRY_ASSIGN(auto word, read_word("gender"));
     constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
     if (std::ranges::find(kGenders, word) == kGenders.end()) {
-      warn("gender is not the text neutral, female or male, and is ignored");
+      warn("gender is not neutral, female or male: ignored");
       return {};
     }
     arrays_.gender = std::move(word);
@@ -370,8 +370,8 @@ class MotionReader {
     arrays_.body = smpl_rest_body_of_offsets(offsets);
     if (arrays_.body) return {};
     return file_.array_failure(kName,
-                               "these are no offsets of a body's joints from their parents, in "
-                               "metres with y up and x to the left");
+                               "the offsets do not form a body: expected joint offsets from "
+                               "parents in metres, y up, x left");
   }
 
   void warn(std::string message) { arrays_.warnings.push_back({0, 0, std::move(message)}); }

@@ -20,8 +20,8 @@ namespace {
 using Kind = PickleNode::Kind;
 
 constexpr std::string_view kMotionHint =
-    "read are GVHMR's results (smpl_params_global), InterMimic's tensors (frames, 591), and "
-    "dictionaries with the arrays of an SMPL motion or with joint positions: docs/smpl.md";
+    "supported: GVHMR's results (smpl_params_global), InterMimic's tensors (frames, 591), and "
+    "dictionaries with the arrays of an SMPL motion or joint positions: docs/smpl.md";
 
 // Keys that identify dictionaries of robot motions.
 constexpr std::array<std::string_view, 4> kOfRobots = {"dof_pos", "root_trans_offset",
@@ -110,7 +110,7 @@ class MotionFinder {
     if (is_of_robot(document_, root) || !robots.empty()) {
       return input_failure(
           file_name_,
-          "expected a motion of a human, found one of a robot: " +
+          "expected a human motion, found a robot motion: " +
               describe_value(document_, robots.empty() ? root : *robots.front().node),
           "it needs no retargeting; retarget convert reads robots' motions in CSV, NPZ and GMR's "
           "and "
@@ -177,8 +177,8 @@ MotionKind kind_of(const ArraySource& arrays) {
   // AMASS defines z as up; OMOMO uses the same array names.
   if (!kind.up && has_amass_names(arrays)) kind.up = Eigen::Vector3d::UnitZ();
   if (maker != nullptr) {
-    kind.fps_reason = fmt::format(
-        "the file states no frame rate: {:.0f} fps, as {} has, are assumed", *kind.fps, maker);
+    kind.fps_reason = fmt::format("the file states no frame rate: assuming {:.0f} fps, as in {}",
+                                  *kind.fps, maker);
   }
   return kind;
 }
@@ -193,8 +193,7 @@ MotionFile motion_file_of(std::unique_ptr<ArraySource> arrays, bool took = false
 MotionKind gvhmr_kind() {
   MotionKind kind;
   kind.fps = 30.0;
-  kind.fps_reason =
-      "the file states no frame rate: 30 fps, to which GVHMR resamples videos, are assumed";
+  kind.fps_reason = "the file states no frame rate: assuming GVHMR's 30 fps";
   kind.gender = "neutral";
   kind.family = SmplFamily::kSmplx;
   kind.y_is_up = true;
@@ -225,8 +224,7 @@ Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_na
   if (document.find(root, kGvhmrCamera) != nullptr) {
     return input_failure(
         file_name,
-        "the file has GVHMR's motion in the camera's axes alone, which do not tell "
-        "where up is",
+        "the file has GVHMR's motion only in camera axes, which do not determine the up axis",
         "save smpl_params_global as well");
   }
   MotionFinder finder(document, file_name, options.take);
@@ -241,8 +239,7 @@ Result<MotionFile> open_pickled_motion(std::string_view bytes, const std::string
                                        const OpenOptions& options) {
   if (is_old_torch_file(bytes)) {
     return input_failure(file_name,
-                         "the file is of PyTorch's form before 1.6, which is not an archive and is "
-                         "not read",
+                         "the file has PyTorch's format before 1.6, which is not supported",
                          "save it again with a newer PyTorch: "
                          "torch.save(torch.load(\"old.pt\"), \"new.pt\")");
   }

@@ -29,7 +29,7 @@ Result<SmplRestBody> generic_rest_body(const ArraySource& file, const std::vecto
   if (is_human_height(guess)) return generic_smpl_rest_body(guess);
   return file.array_failure("betas",
                             "the first one, " + std::to_string(betas.front()) +
-                                ", would make a body " + std::to_string(guess) + " m high",
+                                ", would give a body height of " + std::to_string(guess) + " m",
                             "give the height with " OPTION("height") ", or the body model");
 }
 
@@ -41,9 +41,9 @@ SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
   const bool other_family = arrays.family != SmplFamily::kUnknown &&
                             body.family != SmplFamily::kUnknown && arrays.family != body.family;
   if (other_family && !arrays.betas.empty()) {
-    warn(std::string("the betas are those of ") +
+    warn(std::string("the betas belong to ") +
          (arrays.family == SmplFamily::kSmplx ? "SMPL-X" : "SMPL or SMPL+H") +
-         ", the body model is a different one: its average shape is used");
+         ", the body model to another family: using its average shape");
     return smpl_rest_body(body, {});
   }
   const auto known = static_cast<std::ptrdiff_t>(
@@ -135,8 +135,7 @@ Result<ArrayMotion> read_motion(std::string_view bytes, const std::string& file_
     return ArrayMotion(std::move(motion));
   }
   if (!options.take.empty() && !opened.took && options.take != "1") {
-    return opened.arrays->file_failure("the file holds one motion alone",
-                                       "leave out " OPTION("take"));
+    return opened.arrays->file_failure("the file has only one motion", "omit " OPTION("take"));
   }
   TRY_ASSIGN(auto motion, read_smpl_motion(opened, options));
   return ArrayMotion(std::move(motion));

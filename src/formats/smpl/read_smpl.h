@@ -47,7 +47,7 @@ struct SmplMotion {
   SmplFamily family = SmplFamily::kUnknown;
   std::string gender;            ///< `neutral`, `female`, `male`, or empty if unknown.
   std::vector<double> betas;     ///< As in the file; empty if there are none.
-  bool approximate_body = true;  ///< Bone lengths are those of the generic body.
+  bool approximate_body = true;  ///< Bone lengths come from the generic body.
   double height = 0.0;           ///< Body height, metres.
   std::vector<Warning> warnings;
   std::optional<Eigen::Vector3d> up = {};  ///< Up axis by definition of the kind of file.

@@ -108,10 +108,10 @@ class BodyReader {
     if (smpl) return {};
     return file_.array_failure(
         "kintree_table",
-        fmt::format("its joints are not those of SMPL, SMPL+H or SMPL-X (22 of the body and more, "
-                    "found {})",
+        fmt::format("its joints do not match SMPL, SMPL+H or SMPL-X (expected at least 22, found "
+                    "{})",
                     tree_.cols()),
-        "models of hands or heads alone (MANO, FLAME) and of animals are not supported");
+        "hand, head and animal models (MANO, FLAME, ...) are not supported");
   }
 
   Result<void> find_landmarks() {
@@ -138,9 +138,7 @@ class BodyReader {
         best_vertex(vertices_, -1, [](const Eigen::Vector3d& v) { return -v.x(); });
     landmarks_[kSole] = best_vertex(vertices_, 0, [](const Eigen::Vector3d& v) { return -v.y(); });
     if (std::ranges::find(landmarks_, -1) != landmarks_.end()) {
-      return file_.array_failure("v_template",
-                                 "a body has two sides, this one lies on one side of "
-                                 "x = 0");
+      return file_.array_failure("v_template", "the body lies entirely on one side of x = 0");
     }
     return {};
   }
@@ -153,7 +151,7 @@ class BodyReader {
     if (type && type->find('O') != std::string::npos) {
       return file_.array_failure(
           name,
-          "it holds Python objects (a sparse matrix perhaps), which would have to be unpickled",
+          "it contains Python objects (perhaps a sparse matrix), which would require unpickling",
           std::string(kSaveHint));
     }
     return array;
@@ -177,8 +175,7 @@ class BodyReader {
     }
     const std::vector<double> values = array.numbers();
     const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
-    if (bad != values.end())
-      return file_.array_failure(name, "it holds numbers that are not finite");
+    if (bad != values.end()) return file_.array_failure(name, "a number is not finite");
     const Eigen::Index rows = static_cast<Eigen::Index>(array.shape.front());
     return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), rows,
                                                  static_cast<Eigen::Index>(values.size()) / rows));

@@ -138,7 +138,8 @@ std::optional<TranslationUnit> find_translation_unit(const MotionArrays& arrays,
                      "instead of {:.2f}",
                      speed, best_speed)
                : fmt::format("in metres the feet would be at a height of {:.0f} m", level);
-  return TranslationUnit{best->metres, fmt::format("trans was taken as {}: {}", best->name, why)};
+  return TranslationUnit{best->metres,
+                         fmt::format("assuming that trans is in {}: {}", best->name, why)};
 }
 
 namespace {

@@ -30,8 +30,8 @@ double short_speed(const SourceFeet& source, int frame, const PlaceAt& place_at)
   return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, half, place_at));
 }
 
-// Position of an end of the sole. Its height is that of the lowest point, so a rolling foot stands
-// on its tip; its horizontal position is fixed in the foot.
+// Position of an end of the sole. Its height is the height of the lowest point, so a rolling foot
+// stands on its tip; its horizontal position is fixed in the foot.
 Eigen::Vector3d lower_end(const Pose& world_from_sole, const SoleEnd& end) {
   Eigen::Vector3d place = world_from_sole * end.middle;
   place.z() = std::min(place.z(), (world_from_sole * end.tip).z());

@@ -22,7 +22,7 @@ class StandingHeightFinder {
   struct StandingFoot {
     int frame = 0;
     double ankle = 0.0,
-           toe = 0.0;  // Heights; with a known sole, `ankle` is that of the heel.
+           toe = 0.0;  // Heights; with a known sole, `ankle` refers to the heel.
   };
   using Feet = std::span<const StandingFoot>;
 

@@ -25,8 +25,8 @@ std::optional<int> read_joint(const std::string& bone, const Json& value, const 
                               Faults& faults) {
   if (value.is_null()) return -1;
   if (!value.is_string()) {
-    faults.add(fmt::format("\"{}\" must be the name of a joint or null, found {}", bone,
-                           short_text(value)));
+    faults.add(
+        fmt::format("\"{}\" must be a joint name or null, found {}", bone, short_text(value)));
     return std::nullopt;
   }
   const std::string name = value.get<std::string>();

@@ -132,7 +132,7 @@ std::optional<Rest> rest_of_profile(const RestSearch& search) {
   return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
 }
 
-// A single pose says little about the roll of the arms, and rotations that were made for another
+// A single pose hardly determines the roll of the arms, and rotations that were made for another
 // skeleton bend the knees about another axis than the pose has.
 Result<Rest> with_limbs_of_movement(const RestSearch& search, Result<Rest> rest) {
   const auto& [clip, map, options, body, movement] = search;

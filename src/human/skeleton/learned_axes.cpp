@@ -246,7 +246,7 @@ class Learner {
       return a && b ? Eigen::Vector3d(a->normalized().cross(b->normalized()))
                     : Eigen::Vector3d(0, 0, 0);
     });
-    // The neutral direction of a hand is that of the forearm.
+    // The neutral direction of a hand is the direction of the forearm.
     const Eigen::Vector3d course = mean_course(joint, body_.segment(part == kHand ? lower : bone));
     if (normal.norm() < kMinBend || !are_apart(course, normal)) return;
     const Eigen::Matrix3d hinge = square(course, normal, 0, 2);

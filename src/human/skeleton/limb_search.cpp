@@ -87,7 +87,7 @@ class LimbSearch {
     if (in_line && gain > 0) best_ = choice;
   }
 
-  // Positive if b is preferable to a: the upper joint, but for the same word the shorter name,
+  // Positive if b is preferable to a: the upper joint or, if both are the same word, the shorter name,
   // because helpers have longer names.
   int preference(int a, int b) const {
     const auto length = [&](int joint) {

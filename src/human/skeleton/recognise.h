@@ -26,8 +26,8 @@ struct RecogniseOptions {
 ///
 /// Verification checks that bones are distinct and in line, that left and right have equal lengths,
 /// that thighs and shins are in proportion, that head, torso, hips and feet are above one another,
-/// and that proportions are human. The tree is viewed from the hips, whichever joint is the file's
-/// root; see rotation_joint.
+/// and that proportions are human. The tree is viewed from the hips, regardless of the file's root;
+/// see rotation_joint.
 ///
 /// @return kInput errors, without a file if only the skeleton is known: no human, missing limbs,
 ///   ambiguous names, undecidable sides.

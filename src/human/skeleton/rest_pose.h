@@ -36,7 +36,7 @@ using JointFromBone = BoneArray<std::optional<Eigen::Matrix3d>>;
 
 /// Brings a pose to the canonical T-pose and returns the axes of the canonical bones in the joints.
 ///
-/// Trunk, neck and head stay as they are. Each clavicle, upper arm, thigh and shin turns by the
+/// Trunk, neck and head do not move. Each clavicle, upper arm, thigh and shin turns by the
 /// minimal rotation to its canonical direction. The upper arm's rotation also moves the forearm,
 /// and the forearm's rotation the hand; so the arms of an A-pose rise about the body's forward axis
 /// and keep their twist. Feet turn about the vertical until they point forward; in a built pose

@@ -194,7 +194,7 @@ class UpChooser {
                         taken_text(guess_.axis))};
   }
 
-  // Keeps the declared axis. Adds a doubt if the floor is evidence for another axis, or if posture
+  // Keeps the declared axis. Adds a warning if the floor is evidence for another axis, or if posture
   // is and no floor shows that the body lies.
   [[nodiscard]] UpChoice keep(const Declared& declared) const {
     if (known_.of_fall && *known_.of_fall != declared.axis) {

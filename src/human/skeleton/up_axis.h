@@ -27,7 +27,7 @@ struct UpChoice {
 /// zero pose, then posture. Posture alone overrules none of the others, since people lie, swim and
 /// do handstands. To overrule, the body must also stand on a floor (clearly_stands), the lowest
 /// joint must climb along the known axis, or the body must fall along the guessed one. The choice
-/// has a doubt if evidence disagrees. Without other knowledge the motion decides, by the directions
+/// has a warning if evidence disagrees. Without other knowledge the motion decides, by the directions
 /// of trunk and legs and the range of the lowest joint; without poses the result is y, by
 /// convention.
 [[nodiscard]] UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses,

@@ -97,7 +97,7 @@ void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdi
   }
 }
 
-// Adds a doubt unless some pose has head over torso over hips over feet, along the trunk.
+// Adds a warning unless some pose has head over torso over hips over feet, along the trunk.
 void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   std::vector<int> order;
   for (const Bone bone : {Bone::kHead, Bone::kSpine2, Bone::kHips}) {

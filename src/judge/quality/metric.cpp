@@ -89,7 +89,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Share of every fifth frame in which primitives of two bodies penetrate by more than 1 cm "
      "(MuJoCo's contact depth), excluding allowed pairs.",
      kOwn},
-    {"self_max_cm", "cm", "Depth of the deepest of these contacts; 0 if there are none.", kOwn},
+    {"self_max_cm", "cm", "Depth of the deepest of these contacts; 0 without contacts.", kOwn},
     {"self_all_1cm_pct", "%",
      "The same for every frame and the exact depth: the shortest translation that separates the "
      "two.",

@@ -142,7 +142,7 @@ ReportLine verdict_of(const QualityReport& report) {
 }
 
 std::string missed_text_of(const QualityReport& report, const GateResult& gate) {
-  return report.file + ": " + gate.metric + " is " + figure_text(*gate.value, gate) + ", wanted " +
+  return report.file + ": " + gate.metric + " is " + figure_text(*gate.value, gate) + ", expected " +
          bounds_in_words(gate);
 }
 

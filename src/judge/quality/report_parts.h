@@ -40,7 +40,7 @@ using ReportLine = std::vector<ReportPiece>;
 /// Text such as `walk.csv: 22 of 23 gates kept, 1 missed`.
 [[nodiscard]] ReportLine verdict_of(const QualityReport& report);
 
-/// Text such as `walk.csv: jumps is 2, wanted at most 0`.
+/// Text such as `walk.csv: jumps is 2, expected at most 0`.
 [[nodiscard]] std::string missed_text_of(const QualityReport& report, const GateResult& gate);
 
 /// Where and when a gate was missed, worst first, at most three.

@@ -162,7 +162,7 @@ Lines side_by_side(std::span<const QualityReport> reports) {
   std::vector<const Metric*> metrics = metrics_by_group(reports);
   const bool has_gates = std::ranges::any_of(
       reports, [](const QualityReport& report) { return !report.gates.empty(); });
-  // Each of many motions needs a line of its own.
+  // Each of many motions needs a separate line.
   constexpr int kLinesOfMany = 15;
   const int all_lines = std::max(kReportLines, kLinesOfMany + static_cast<int>(verdicts.size()));
   // One line for the title, one for the legend.

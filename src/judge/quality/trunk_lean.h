@@ -37,7 +37,7 @@ struct TrunkBodies {
 };
 
 /// Measures how far both trunks lean from the vertical while the body is upright, relative to their
-/// standing poses. The human's standing pose is that of standing_trunk_lines, the robot's is the
+/// standing poses. The human's standing pose comes from standing_trunk_lines, the robot's is the
 /// zero configuration. Adds nothing for bodies without a trunk.
 /// @param robot_from_human  a yaw.
 /// @param frames            number of frames of both.

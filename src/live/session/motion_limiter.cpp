@@ -31,7 +31,7 @@ Quaterniond rotation_of(std::span<const double> qpos) {
 }
 
 // Maximum speed towards a limit at the given distance, such that the joint stops at the limit:
-// either by braking from the next step on, or in one step right after this one.
+// either by braking after the next step, or in one step right after this one.
 double braking_speed(double distance, double acceleration, double seconds, double shortest) {
   if (distance <= 0.0) return 0.0;
   const double braked =

@@ -21,7 +21,7 @@ struct MadeBody {
 struct BodyTask {
   Clip clip;                        ///< Skeleton and a pose.
   RestPose rest = RestPose::kAuto;  ///< Meaning of the first frame.
-  bool is_posed = false;            ///< The performer was asked to hold the pose.
+  bool is_posed = false;            ///< The performer holds the pose on request.
 };
 
 /// Recognises a human and prepares the robot for it, on another thread if robot frames must

@@ -39,7 +39,7 @@ Result<ByteSource> ByteSource::open(const StreamAddress& address, const StreamFo
   return source;
 }
 
-// The multicast group has a socket of its own, which receives no datagrams sent to this machine.
+// The multicast group has a separate socket, which receives no datagrams sent to this machine.
 Result<void> ByteSource::open_datagrams(int request_port) {
   StreamAddress own = address_;
   const std::string group = address_.extra("multicast"), server = address_.extra("server");

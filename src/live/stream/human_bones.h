@@ -11,8 +11,8 @@
 
 namespace retarget {
 
-/// Converts the canonical human in a clip to a clip of its own, so that formats with fixed bones
-/// can play any clip.
+/// Converts the canonical human in a clip to a separate clip, so that formats with fixed bones can
+/// play any clip.
 ///
 /// The clip has a joint for each bone found, with the bone's name (bone_name), in metres, Z up. The
 /// zero pose is the T-pose that faces x, in which all joints have the world's axes. Bones that are

@@ -41,10 +41,10 @@ struct NatNetVersion {
   auto operator<=>(const NatNetVersion&) const = default;
 };
 
-/// From this version on, sections start with their size, there are assets, and all timestamps share
+/// Since this version, sections start with their size, there are assets, and all timestamps share
 /// one clock.
 inline constexpr NatNetVersion kNatNetSizedSections = {4, 1};
-/// From this version on, bone descriptions contain a rotation.
+/// Since this version, bone descriptions contain a rotation.
 inline constexpr NatNetVersion kNatNetBoneRotations = {4, 2};
 inline constexpr std::size_t kNatNetServerName = 256;    ///< Bytes of the program name.
 inline constexpr std::uint32_t kNatNetSkeletonType = 2;  ///< Type of a skeleton description.

@@ -1,5 +1,5 @@
-// Reads NatNet messages by version. From 4.1 on, a section contains its size; before, unneeded data
-// must be parsed in order to be skipped.
+// Reads NatNet messages by version. Since 4.1, a section contains its size; in older versions,
+// unneeded data must be parsed to be skipped.
 
 #include <algorithm>
 #include <bit>

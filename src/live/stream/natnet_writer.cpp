@@ -104,7 +104,7 @@ std::string natnet_frame_payload(const NatNetFrame& frame, NatNetVersion version
   append_little_endian(bytes, frame.number, 4);
   for (int i = 0; i < 3; ++i) append_section(bytes, version, 0, {});
   append_section(bytes, version, 1, skeleton);
-  // Empty sections: labelled markers, force plates, devices, and assets before them from 4.1 on.
+  // Empty sections: labelled markers, force plates, devices, and, since 4.1, assets before them.
   for (int i = version >= kNatNetSizedSections ? 0 : 1; i < 4; ++i)
     append_section(bytes, version, 0, {});
   append_little_endian(bytes, 0, 8);  // Time code.

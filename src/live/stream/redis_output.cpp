@@ -141,7 +141,7 @@ class RedisKeys {
   }
 
   // Whether the bytes are valid parts of single-line replies. Only these are expected, and other
-  // types could make the reader allocate whatever size they claim.
+  // types could make the reader allocate any claimed size.
   bool are_plain(std::string_view bytes) {
     for (const char c : bytes) {
       if (reply_size_ == 0 && c != '+' && c != '-') return false;

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxRequest = 4096;  // bytes
 constexpr std::size_t kMaxReceivers = 16;
 constexpr auto kForgotten = std::chrono::seconds(10);  // Timeout of a silent receiver.
 
-// Whether frames go to a multicast group, whose members need no copies of their own.
+// Whether frames go to a multicast group, whose members need no separate copies.
 bool is_group(const StreamAddress& to) {
   constexpr int kFirst = 224, kLast = 239;
   const auto first = parse_number<int>(to.host.substr(0, to.host.find('.')));

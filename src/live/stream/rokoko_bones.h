@@ -24,7 +24,7 @@ struct RokokoBone {
 
 inline constexpr double kRokokoHalfTurn = 0.70710678118654752;  // sin(pi / 4)
 
-// Names, T-pose and world are those of Rokoko's own plugins (rokoko-studio-live-unity's
+// Names, T-pose and world follow Rokoko's own plugins (rokoko-studio-live-unity's
 // JsonLiveSerializerV3 and Actor, rokoko-studio-live-blender's animation_lists). In that T-pose the
 // left arm points to -x and the toes to z, so the world is left-handed.
 namespace rokoko_t_pose {

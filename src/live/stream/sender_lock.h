@@ -24,8 +24,8 @@ struct SenderFilter {
 };
 
 /// Decides which datagrams to accept: those of the first sender, until it has been silent for a
-/// second; then the next sender takes over. Programs that open a new port for each datagram count
-/// as one sender.
+/// second; then the next sender takes over. A program that opens a new port for each datagram is
+/// a single sender.
 class SenderLock {
  public:
   enum class Verdict : unsigned char {

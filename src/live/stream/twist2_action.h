@@ -25,7 +25,7 @@ struct Twist2Action {
 /// Converts robot frames to the values that TWIST2 reads from Redis (redis_output.h).
 ///
 /// Follows TWIST2 (amazon-far/TWIST2), deploy_real/xrobot_teleop_to_robot_w_hand.py:
-/// extract_mimic_obs_whole_body and send_to_redis. Roll and pitch are those of world_from_root =
+/// extract_mimic_obs_whole_body and send_to_redis. Roll and pitch refer to world_from_root =
 /// Rz(yaw) Ry(pitch) Rx(roll). Velocities are backward differences in the root's current axes;
 /// those of the first frame are 0.
 class Twist2Actions {

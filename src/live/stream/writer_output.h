@@ -17,7 +17,7 @@ namespace retarget {
 /// reader.
 [[nodiscard]] Result<Descriptor> open_for_writing(const StreamAddress& to);
 
-/// Writes robot frames to a file or standard output on a thread of its own.
+/// Writes robot frames to a file or standard output on its own thread.
 class WriterOutput final : public FrameOutput {
  public:
   WriterOutput(const StreamAddress& to, Descriptor file, const FrameOutputContext& context,

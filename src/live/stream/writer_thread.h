@@ -14,9 +14,9 @@ namespace retarget {
 /// Whether the descriptor is a regular file, not a pipe, a terminal or a device.
 [[nodiscard]] bool is_regular_file(const Descriptor& file);
 
-/// Writes to a file, a pipe or a terminal on a thread of its own, so that a slow disk or an idle
-/// reader delays nobody. Pieces are written completely and in order. A piece that is cut short by a
-/// full disk is removed from the file.
+/// Writes to a file, a pipe or a terminal on its own thread, so that a slow disk or an idle reader
+/// does not delay the caller. Pieces are written completely and in order. A piece that is cut short
+/// by a full disk is removed from the file.
 class WriterThread {
  public:
   WriterThread(Descriptor to, FrameBytesQueue::Bounds bounds);

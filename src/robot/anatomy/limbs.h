@@ -62,7 +62,7 @@ struct RobotAnatomy {
   std::vector<std::string> doubts;  ///< Human-readable: ambiguous limbs.
 };
 
-/// A Limb::clarity below this raises a doubt: another joint fits nearly as well.
+/// A Limb::clarity below this raises a warning: another joint fits nearly as well.
 inline constexpr double kClearMiddle = 0.3;
 
 /// Returns the configuration in which limbs are identified: the model's zero configuration with

@@ -10,15 +10,15 @@
 
 namespace retarget {
 
-/// Two bodies whose shapes overlap in the model itself, whatever the motion.
+/// Two bodies whose shapes overlap in the model itself, in every motion.
 struct ModelOverlap {
   int a = 0, b = 0;    ///< Body indices, the smaller first.
   double depth = 0.0;  ///< Largest overlap in the given poses, metres; 0 if apart in all of them.
   double share = 0.0;  ///< Fraction of the sampled configurations in which they overlap, 0 to 1.
 };
 
-/// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: those
-/// that overlap in nearly all configurations, and those that overlap in one of the given poses. A
+/// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: pairs
+/// that overlap in nearly all configurations, and pairs that overlap in one of the given poses. A
 /// pair with a forearm or a hand, which can move anywhere and may hang against a thigh, must also
 /// overlap in a significant fraction of all configurations.
 ///

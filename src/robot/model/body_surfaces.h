@@ -17,7 +17,7 @@ struct BodySurfaces {
   /// meshes.
   std::map<int, TriangleMesh> bodies;
   std::size_t named = 0;  ///< Number of files that the model names for bodies of the robot.
-  std::vector<std::string> missing;  ///< Those that do not exist, as the model names them.
+  std::vector<std::string> missing;  ///< Missing files, as the model names them.
   std::vector<Error> unreadable;     ///< One error per body, in body order.
 };
 

@@ -140,9 +140,9 @@ double ModelChecker::total() const {
 
 Result<void> ModelChecker::check_total(const std::string& file) const {
   const auto at_most = [&](const std::string& what, double bound) {
-    return config_failure(file,
-                          "the model has more than " + number_text(bound, 0) + " " + what +
-                              ", including included files and replicates; no robot needs so many");
+    return config_failure(
+        file, "the model has more than " + number_text(bound, 0) + " " + what +
+                  ", counting included files and replicates; no real robot has as many");
   };
   if (total() > kMaxElements) return at_most("elements", kMaxElements);
   if (bodies_ > kMaxBodies) return at_most("bodies", kMaxBodies);

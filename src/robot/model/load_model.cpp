@@ -71,7 +71,7 @@ bool has_free_joint(mjSpec* spec) {
                              [](mjsElement* e) { return mjs_asJoint(e)->type == mjJNT_FREE; });
 }
 
-// A base that has joints of its own is left unchanged.
+// A base with its own joints is left unchanged.
 void float_base(mjSpec* spec, LoadedModel& loaded) {
   if (has_free_joint(spec)) return;
   loaded.sliding = free_sliding_root(spec);

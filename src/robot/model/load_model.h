@@ -35,7 +35,7 @@ struct LoadedModel {
 /// Changes to make to a model, beyond dropping elements without effect on kinematics.
 struct ModelChanges {
   /// Add a free joint if the robot has none (URDFs, fixed-base robots) to the topmost body with the
-  /// most joints below it, which must have no joints of its own. Slides of a planar root and the
+  /// most joints below it, which must not have its own joints. Slides of a planar root and the
   /// joints after them there are removed. Ball joints that carry no joint are locked.
   bool float_base = false;
   /// Name unnamed bodies and joints: body_1, joint_1, ...

@@ -25,7 +25,7 @@ namespace retarget {
 /// | key | value |
 /// |---|---|
 /// | `name`, `description`, `source`, `licence` | text |
-/// | `base` | `floating` (default) or `fixed`: the robot has no soles, whatever `soles` says |
+/// | `base` | `floating` (default) or `fixed`: the robot has no soles, `soles` is ignored |
 /// | `joint_order` | joint names: the output columns; joints not named are not written |
 /// | `limit_sets` | name: `{"source": text, "ranges": {joint: [lower, upper]}}`, rad or m; joints
 /// not named keep the model's range; the set `model` is always there |

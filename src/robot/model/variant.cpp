@@ -21,7 +21,7 @@ Failure unknown_variant(const Robot& robot, const std::string& whole, const std:
   for (const RobotVariant& variant : robot.profile().variants) known.push_back(variant.name);
   const std::string message = "the robot " + robot.name() + " has no variant \"" + name + "\"";
   if (known.size() == 1) {
-    return config_failure("", message, "its " + whole + " joints are all there are");
+    return config_failure("", message, "it has no variants, only all " + whole + " joints");
   }
   return config_failure("", message + did_you_mean(name, known),
                         "its variants are " + list_names(known) + "; the first one has all joints");

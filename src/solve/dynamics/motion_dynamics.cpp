@@ -27,7 +27,7 @@ constexpr double kBadForce = 0.1;    // Share of the weight.
 constexpr double kBadTorque = 0.03;  // Metres x weight, for a robot as large as a G1.
 
 // Scales of lengths and speeds relative to a G1. In a time proportional to the square root of its
-// size, a body falls by the same number of its own lengths.
+// size, all bodies fall by the same multiple of their lengths.
 struct Sizes {
   double length = 1.0, speed = 1.0;
 

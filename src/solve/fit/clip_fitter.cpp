@@ -318,8 +318,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   worst_overlap_ =
       std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
   if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());
-  // The contact anchors and their weight change between steps, so their cost says nothing about the
-  // step.
+  // The contact anchors and their weight change between steps, so their cost does not
+  // measure the step.
   double cost = -costs[kTermContactPlace];
   for (const double part : costs) cost += part;
   // With dynamics, frames may leave their targets to satisfy the forces; this does not mean that

@@ -233,8 +233,8 @@ void FitDynamics::fill_cone(int t) {
 }
 
 // A human's movement is physically possible. A brief lack of force is due to the differences
-// between robot and human; a lasting one is due to an unknown contact (a box, a hand on a wall) and
-// is no reason to change the motion.
+// between robot and human; a lasting one is due to an unknown contact (a box, a hand on a wall).
+// Neither must change the motion.
 void FitDynamics::find_trust() {
   constexpr double kReach = 0.3;                   // Seconds.
   constexpr double kDoubtful = 0.1, kWrong = 0.3;  // Mean unexplained wrench, share of body weight.

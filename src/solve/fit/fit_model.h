@@ -88,7 +88,7 @@ struct BoundingSphere {
 };
 
 /// Everything that a fit takes from robot, configuration and options; the same for every frame.
-/// Immutable. Indices of links and degrees of freedom are those of the tree.
+/// Immutable. Indices of links and degrees of freedom refer to the tree.
 struct FitModel {
   KinematicTree tree;  ///< Contains all joints.
   /// Limits by degree of freedom; infinite for a moving root, 0 for a fixed base.

@@ -59,7 +59,7 @@ struct FrameGoals {
   std::span<const FootEndGoal> ends;    ///< Two per foot: heel, toe.
   std::span<const double> upright;      ///< By foot, 0 to 1; 0 for feet that lie or kneel.
   std::span<const Eigen::Vector2d>
-      anchors;                            ///< Held position of each contact phase, world x and y,
+      anchors;                            ///< Held positions, one per contact phase, world x and y,
                                           ///< metres.
   double anchor_hold = 1.0;               ///< Factor for the weight of the anchors.
   std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// The speed term sets in slightly below the limit, so that the limit is seldom reached.
+// The speed term sets in slightly below the limit, so that the limit is rarely reached.
 constexpr double kLimitShare = 0.9;
 
 // The change from one configuration to the next, by degree of freedom: root translation in metres,

@@ -15,7 +15,8 @@ struct OneSidedRow {
 ///
 /// With a jump in the curvature, the last bit of a value would decide how stiff the next step is.
 /// Start poses are lifted until their lowest point is exactly at 0, so rounding alone led to
-/// results that differed by millimetres. Below -band, the gradient is that of the square.
+/// results that differed by millimetres. Below -band, the gradient equals the gradient of the
+/// square.
 /// @return all zeros for values >= `band`.
 inline OneSidedRow one_sided(double value, double band) {
   const double inside = band - value;

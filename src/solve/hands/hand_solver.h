@@ -31,7 +31,7 @@ struct HandWeights {
 /// * the distances of the joints to the relaxed hand and to the previous frame,
 ///
 /// inside the joint ranges. Takes Gauss-Newton steps with Levenberg damping, each of which is a box
-/// QP. The terms are those of DexPilot (Handa et al. 2020) and AnyTeleop (Qin et al. 2023), with
+/// QP. The terms follow DexPilot (Handa et al. 2020) and AnyTeleop (Qin et al. 2023), with
 /// directions instead of vectors.
 ///
 /// A solver belongs to one hand and one thread. It does not allocate after construction.

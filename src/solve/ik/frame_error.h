@@ -27,9 +27,9 @@ struct FrameError {
 
 /// Derivative of the error with respect to the body's velocity: A and Q A, as coefficients.
 ///
-/// The closed forms are those of the reference engine (published_jacobian_inverse), even where they
-/// cancel at small angles. The same expressions on the same values lose the same digits, so the
-/// engines agree.
+/// The closed forms match the reference engine (published_jacobian_inverse), even where they cancel
+/// at small angles. The same expressions on the same values lose the same digits, so the engines
+/// agree.
 class ErrorJacobian {
  public:
   /// @param error  must outlive this object.

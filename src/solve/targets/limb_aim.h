@@ -13,8 +13,8 @@ struct LimbAim {
   Eigen::Quaterniond lower = Eigen::Quaterniond::Identity();
 };
 
-/// Aims a human limb as if its elbow or knee were a hinge: X of each bone points along the limb, Z
-/// of both is perpendicular to the limb's plane. Human bones also rotate about their own axes at
+/// Aims a human limb as if its elbow or knee were a hinge: the X axes of both bones point along the
+/// limb, their Z axes are perpendicular to the limb's plane. Human bones also rotate about their own axes at
 /// elbow and knee; a robot that followed these rotations would have to point its limbs elsewhere.
 /// The straighter the limb, the less its plane is defined, so the upper bone's own Z counts more.
 /// The hinge is along

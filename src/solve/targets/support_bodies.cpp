@@ -111,7 +111,7 @@ class SupportFinder {
     const double forearm = distance_to(place_of(forearm_bone));
     if (!(forearm > 0.0)) return false;
     const int elbow = link_of(forearm_bone);
-    // A hand without joints of its own is the far end of its forearm.
+    // A hand without its own joints is the far end of its forearm.
     const auto is_hand = [&](int link) {
       return link == own || (link != elbow && tree_.carries(elbow, link));
     };

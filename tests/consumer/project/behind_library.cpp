@@ -1,4 +1,4 @@
-// A program without any reference to retarget: only its library uses it.
+// A program that uses retarget only through its library.
 
 #include <filesystem>
 #include <iostream>

@@ -1,5 +1,5 @@
-// A program of another project: calls into the libraries by their public headers, with its own Eigen
-// and MuJoCo types.
+// A program of another project: calls the libraries by their public headers, with its own Eigen and
+// MuJoCo types.
 
 #include <mujoco/mujoco.h>
 
@@ -37,7 +37,7 @@ constexpr const char* kModel = R"(
   </worldbody>
 </mujoco>)";
 
-// a model that this program's MuJoCo made
+// A model created by this program's MuJoCo.
 std::shared_ptr<const retarget::Robot> make_robot() {
   std::array<char, 1000> error{};
   mjSpec* spec = mj_parseXMLString(kModel, nullptr, error.data(), error.size());
@@ -50,8 +50,8 @@ std::shared_ptr<const retarget::Robot> make_robot() {
   return std::make_shared<const retarget::Robot>(std::move(model), std::move(profile));
 }
 
-// quaternions that the library stores and this program writes, and the other way round: both must
-// lay them out alike, whatever instructions each was compiled for
+// The library stores quaternions that this program writes, and vice versa: both must use the same
+// layout, for any instruction set.
 bool poses_pass_between(const retarget::Robot& robot) {
   std::vector<retarget::Joint> joints(2);
   joints[0].name = "root";
@@ -85,7 +85,7 @@ bool poses_pass_between(const retarget::Robot& robot) {
          (arm.translation - Eigen::Vector3d::UnitZ()).norm() < 1e-12;
 }
 
-// through a file's bytes and back
+// Round trip through the bytes of a file.
 bool motion_survives(const std::shared_ptr<const retarget::Robot>& robot) {
   retarget::RobotClip clip(robot, retarget::FrameRate{50, 1}, 20);
   for (int frame = 0; frame < 20; ++frame) {

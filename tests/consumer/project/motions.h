@@ -2,5 +2,5 @@
 
 #include <string>
 
-/// Where the robots of the library are that this project links; empty: not found.
+/// The robots folder of the linked library; empty: not found.
 std::string folder_of_robots();

@@ -1,4 +1,4 @@
-"""BVH files as the published class takes them: one dictionary of bodies per frame."""
+"""BVH files in the format of the published class: one dictionary of bodies per frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import retarget
 from retarget._errors import InputError, UsageError
 from retarget.gmr._frames import Frame, frames_of
 
-# the published package takes every body for 1.75 m
+# The published package assumes 1.75 m for every body.
 _HEIGHT = 1.75
 _CENTIMETRE = 0.01
 _ANY = "retarget.to_robot(retarget.load(file), robot) accepts any skeleton"
@@ -19,13 +19,13 @@ _TOES = {"lafan1": "Toe", "nokov": "ToeBase"}
 
 
 def _z_up(positions: np.ndarray) -> np.ndarray:
-    """(..., 3), centimetres and Y up, as metres and Z up."""
+    """Converts (..., 3) from centimetres, Y up, to metres, Z up."""
     x, y, z = np.moveaxis(positions, -1, 0)
     return np.stack([x, -z, y], axis=-1) * _CENTIMETRE
 
 
 def _turned_z_up(rotations: np.ndarray) -> np.ndarray:
-    """(..., 4) w x y z, turned by a quarter about x."""
+    """Rotates (..., 4) w x y z by 90 degrees about x."""
     w, x, y, z = np.moveaxis(rotations, -1, 0)
     half = math.sqrt(0.5)
     return np.stack([half * w - half * x, half * x + half * w,

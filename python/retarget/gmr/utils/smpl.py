@@ -1,4 +1,4 @@
-"""SMPL-X motions as the published class takes them, read without torch and smplx."""
+"""SMPL-X motions in the format of the published class, read without torch and smplx."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import retarget
 from retarget._errors import InputError, UsageError
 from retarget.gmr._frames import Frame, frames_of
 
-# beyond this cosine of half the angle between two rotations the published package interpolates
-# linearly
+# The published package interpolates linearly if the cosine of half the angle between two rotations
+# exceeds this value.
 _NEARLY_EQUAL = 0.9995
 
 
@@ -32,7 +32,7 @@ def _model_in(folder: pathlib.Path, gender: str) -> pathlib.Path:
             return place / f"{name}.npz"
     pickled = [place for place in (folder / "smplx", folder) if (place / f"{name}.pkl").is_file()]
     hint = (f"there is {pickled[0] / name}.pkl: docs/smpl.md shows how to make an NPZ of it"
-            if pickled else "without a model (None) lengths of bones are those of a generic adult")
+            if pickled else "without a model (None), the bone lengths of a generic adult are used")
     raise InputError(f"{folder}: there is no {name}.npz; {hint}")
 
 
@@ -44,7 +44,7 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
     Args:
         smplx_file: the motion.
         smplx_body_model_path: your model as NPZ, or the folder with smplx/SMPLX_NEUTRAL.npz; None:
-            lengths of bones are those of a generic adult.
+            the bone lengths of a generic adult.
 
     Returns:
         (smplx_data, body_model, smplx_output, human_height): the arrays of the file; the model's
@@ -63,7 +63,7 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
                     arrays[name] = file[name]
                 except ValueError:  # Python objects, such as a gender: not needed
                     continue
-    except Exception as error:  # zipfile, zlib and headers of arrays have many of their own
+    except Exception as error:  # zipfile, zlib and array headers raise many kinds
         raise InputError(f"{path}: not an NPZ of SMPL-X: {error}") from None
     model: str | None = None
     if smplx_body_model_path is not None:
@@ -84,7 +84,7 @@ def _clip_of(smplx_output: Any) -> retarget.Clip:
 
 def get_smplx_data(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
                    smplx_output: retarget.Clip, curr_frame: int) -> Frame:
-    """One frame of what load_smplx_file gave: {joint: [position (3,), quaternion (4,) w x y z]}."""
+    """Returns one frame of a motion of load_smplx_file: {joint: [position (3,), quaternion (4,) w x y z]}."""
     clip = _clip_of(smplx_output)
     frame = range(len(clip))[curr_frame]
     return frames_of(clip.joint_names, clip.positions[frame:frame + 1],
@@ -92,7 +92,7 @@ def get_smplx_data(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of quaternions (..., 4), w x y z."""
+    """Product of quaternions (..., 4), w x y z."""
     w, v = a[..., :1], a[..., 1:]
     x, u = b[..., :1], b[..., 1:]
     return np.concatenate([w * x - np.sum(v * u, axis=-1, keepdims=True),
@@ -114,10 +114,10 @@ def _between(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
 def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
                                 smplx_output: retarget.Clip, tgt_fps: float = 30,
                                 is_smplh: bool = False) -> tuple[list[Frame], float]:
-    """The frames of what load_smplx_file gave, at a lower rate where the file's is higher.
+    """Returns the frames of a clip of load_smplx_file, at most at the given rate.
 
     Every int(fps / tgt_fps) frames become one, interpolated at even distances from the first to the
-    last. A file with fewer frames per second than tgt_fps stays as it is.
+    last. A file with fewer frames per second than tgt_fps keeps its rate.
 
     Returns:
         (frames, fps): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres, Z
