@@ -1,8 +1,8 @@
 // Single steps of the inverse kinematics, forward kinematics and resampling, over whole clips.
 
 #include "bench_support.h"
-#include "motion/forward_kinematics.h"
-#include "motion/resample.h"
+#include "retarget/clip.h"
+#include "retarget/resample.h"
 #include "solve/ik/ik_solver.h"
 
 namespace retarget {

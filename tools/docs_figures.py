@@ -28,7 +28,6 @@ Pictures need Chromium and numpy (tools/setup.sh); without them, pictures of pag
 """
 import argparse
 import difflib
-import hashlib
 import importlib.util
 import json
 import os
@@ -43,7 +42,7 @@ import quality_tables as tables  # noqa: E402  (beside this file)
 
 SOURCE = pathlib.Path(__file__).resolve().parents[1]
 PICTURES = SOURCE / "docs/pictures"
-# Hashes of the reports that the pages show.
+# The gates that the pictures of pages show.
 PAGES_FILE = PICTURES / "pages.json"
 FIGURE = re.compile(r"<!-- figure: (?P<what>[^>]*?) -->(?P<text>.*?)<!-- /figure -->")
 TABLE = re.compile(r"(?P<begin><!-- table: (?P<what>[^>]*?) -->\n)(?P<text>.*?)(?P<end><!-- /table -->)",
@@ -211,19 +210,21 @@ def draw_with_tool(tool, folder):
     return {name: (pathlib.Path(folder) / name).read_bytes() for name in names}
 
 
-def page_hashes(tool, folder):
-    """Returns, for each picture of a page, a hash of the reports that the page shows."""
+def page_gates(tool, folder):
+    """Returns, for each picture of a page, the gates of its motions with three digits, which pictures show."""
     import viewing_pictures  # needs numpy and modules of the tests
     from pages import data_of
 
     viewing_pictures.make_pages(tool, folder)
-    hashes = {}
+    pictures = {}
     for name, (page, *_) in viewing_pictures.SCENES.items():
         header = data_of((pathlib.Path(folder) / page).read_text(encoding="utf-8"))[0]
-        reports = [motion["report"] for motion in header["motions"]]
-        text = json.dumps(reports, sort_keys=True).encode()
-        hashes[f"{name}.png"] = hashlib.sha256(text).hexdigest()
-    return hashes
+        pictures[f"{name}.png"] = {
+            motion["report"]["file"]: {
+                gate["metric"]: f"{gate.get('value', 0.0):.3g} {'kept' if gate['passed'] else 'missed'}"
+                for gate in motion["report"]["gates"]}
+            for motion in header["motions"]}
+    return pictures
 
 
 def write_pictures(tool):
@@ -239,11 +240,11 @@ def write_pictures(tool):
         if not viewing_pictures.browser.chromium():
             print("pictures of pages are left as they are: there is no Chromium", file=sys.stderr)
             return
-        hashes = page_hashes(tool, folder)
+        gates = page_gates(tool, folder)
         known = json.loads(PAGES_FILE.read_text()) if PAGES_FILE.exists() else {}
-        if hashes != known:
+        if gates != known:
             viewing_pictures.take_pictures(folder)
-            PAGES_FILE.write_text(json.dumps(hashes, indent=2) + "\n")
+            PAGES_FILE.write_text(json.dumps(gates, indent=1) + "\n")
 
 
 def main():

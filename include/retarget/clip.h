@@ -12,6 +12,7 @@
 
 #include "retarget/error.h"
 #include "retarget/export.h"
+#include "retarget/pose.h"
 
 namespace RETARGET_API retarget {
 
@@ -201,6 +202,10 @@ void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
 /// Frames [begin, end) as a separate clip that starts at time 0.
 /// @pre 0 <= begin <= end <= clip.frame_count()
 [[nodiscard]] Clip cut(const Clip& clip, int begin, int end);
+
+/// World poses of all joints in one frame, in file units and axes.
+/// @param world_from_joint  one pose per joint, in joint order; overwritten.
+void forward_kinematics(const Clip& clip, int frame, std::span<Pose> world_from_joint);
 
 /// For every joint, replaces q by -q where that is nearer to the quaternion of the previous frame.
 /// The rotations do not change; interpolation and filtering require continuous signs.

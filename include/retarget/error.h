@@ -21,6 +21,24 @@ enum class ErrorKind {
   kInterrupted,  ///< The user stopped the run.
 };
 
+/// Exit code of a process that ends with an error of this kind. The README lists the codes for
+/// users.
+[[nodiscard]] constexpr int exit_code_of(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kUsage:
+      return 2;
+    case ErrorKind::kInput:
+      return 3;
+    case ErrorKind::kConfig:
+      return 4;
+    case ErrorKind::kInterrupted:
+      return 130;
+    case ErrorKind::kRun:
+      break;
+  }
+  return 1;
+}
+
 /// A place in a file.
 struct Location {
   std::string file;        ///< As the user named it; may be empty.

@@ -270,4 +270,12 @@ struct HumanClip : HumanClipInfo {
   }
 };
 
+/// Converts all frames of a clip under a calibration.
+[[nodiscard]] HumanClip to_human(const Clip& clip, const Calibration& calibration);
+
+/// Writes a bone map as JSON that a user can edit and pass to HumanOptions::map: for each canonical
+/// bone the name of the source joint, or null. Does nothing if the path is empty.
+[[nodiscard]] Result<void> save_bone_map(const std::string& path, const BoneMap& map,
+                                         const Skeleton& skeleton);
+
 }  // namespace retarget

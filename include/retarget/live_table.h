@@ -6,6 +6,7 @@
 #include "retarget/export.h"
 #include "retarget/live.h"
 #include "retarget/option_table.h"
+#include "retarget/serve.h"
 
 namespace RETARGET_API retarget {
 
@@ -17,6 +18,15 @@ inline constexpr auto kEnumNames<LiveMode> =
 template <>
 inline constexpr auto kEnumNames<LiveClock> = std::to_array<NamedValue<LiveClock>>(
     {{LiveClock::kSender, "sender"}, {LiveClock::kArrival, "arrival"}});
+
+template <>
+inline constexpr auto kEnumNames<LiveCalibration> =
+    std::to_array<NamedValue<LiveCalibration>>({{LiveCalibration::kAuto, "auto"},
+                                                {LiveCalibration::kTpose, "tpose"},
+                                                {LiveCalibration::kNpose, "npose"}});
+template <>
+inline constexpr auto kEnumNames<LivePace> = std::to_array<NamedValue<LivePace>>(
+    {{LivePace::kAuto, "auto"}, {LivePace::kClock, "clock"}, {LivePace::kInput, "input"}});
 
 /// The option rows of LiveOptions.
 [[nodiscard]] OptionTable live_table(LiveOptions& options);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <span>
@@ -32,6 +34,25 @@ enum class OptionFile : unsigned char {
              ///< file.
 };
 
+/// Work other than a run that takes some of a run's options. A row states it, so that no list of
+/// names has to be kept where the work is done. Values combine with `|`.
+enum class OptionUse : unsigned {
+  kNone = 0,
+  kMeasure = 1U << 0U,  ///< Measuring a robot motion against its source.
+  kShow = 1U << 1U,     ///< Showing a robot motion next to its source.
+  kShowBatch =
+      1U << 2U,         ///< Showing a motion of a batch, from the options that the batch recorded.
+  kConvert = 1U << 3U,  ///< Converting and comparing robot motions.
+  kInspect = 1U << 4U,  ///< Describing a human motion.
+  kEdit = 1U << 5U,     ///< Editing a human motion.
+  kLive = 1U << 6U,     ///< Retargeting a stream.
+  kTrack = 1U << 7U,    ///< Making training arrays of motion trackers.
+  kOneClip = 1U << 8U,  ///< Only a run of one clip: a batch does not take the option.
+};
+[[nodiscard]] constexpr OptionUse operator|(OptionUse a, OptionUse b) {
+  return static_cast<OptionUse>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
+}
+
 /// Properties of an option besides its name and its member.
 struct OptionInfo {
   std::string type =
@@ -47,6 +68,7 @@ struct OptionInfo {
   std::string former_name = {};  ///< Also accepted in files; empty if the name never changed.
   bool required = false;         ///< On the command line.
   std::string none = {};         ///< For an optional enum: the word for no choice; empty: none.
+  OptionUse uses = OptionUse::kNone;  ///< Other work that takes the option.
 };
 
 /// An option bound to a struct member: one row of a table. Command line, JSON, run records and
@@ -181,6 +203,25 @@ Option option(std::string name, T& member, std::string group, std::string type, 
 /// Appends the rows of a table to another.
 void append(OptionTable& table, OptionTable rows);
 
+/// The rows of a table that this work takes, or the others; in order.
+[[nodiscard]] OptionTable rows_for(OptionUse use, OptionTable table);
+[[nodiscard]] OptionTable rows_not_for(OptionUse use, OptionTable table);
+
+/// A table without the rows whose names another table has, or without the rows of these names.
+[[nodiscard]] OptionTable without_rows_of(const OptionTable& taken, OptionTable table);
+[[nodiscard]] OptionTable without(OptionTable table, std::initializer_list<std::string_view> names);
+
+/// Formats the options that affect a motion (OptionInfo::decides) as a JSON object, in table order,
+/// including those with default values.
+[[nodiscard]] std::string options_text(const OptionTable& table);
+
+/// Sets options from a file with a JSON object as options_text writes it; options that it lacks are
+/// unchanged. All errors are reported together (kConfig): unknown names with the nearest one, wrong
+/// types, values out of range. A value that stands for "not given" (0, -1) is always accepted.
+/// @param what  description for messages: `the options of the fit`.
+[[nodiscard]] Result<void> load_options(const std::string& file, const OptionTable& table,
+                                        const std::string& what);
+
 /// Option groups in help and docs.
 inline constexpr const char* kInputGroup = "Input";
 inline constexpr const char* kMotionFileGroup =
@@ -246,7 +287,9 @@ struct ReadingOptions : MotionFileOptions {
 [[nodiscard]] OptionTable reading_table(ReadingOptions& options);
 
 /// Converts the options for the reader.
-[[nodiscard]] ReadMotionOptions read_motion_options(const ReadingOptions& options);
+/// @param max_bytes  a larger motion is an error (memory_share).
+[[nodiscard]] ReadMotionOptions read_motion_options(
+    const ReadingOptions& options, std::size_t max_bytes = std::numeric_limits<std::size_t>::max());
 /// @param source_fps  0: as declared in the file.
 /// @param motion      name of one of several motions in a PBHC file.
 [[nodiscard]] ReadMotionOptions read_motion_options(const MotionFileOptions& options,

@@ -9,8 +9,8 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 
-// All options. The defaults match the command line. docs/options.md, generated from the same tables
-// (src/options), lists option names, ranges and meanings.
+// All options. The defaults match the command line. docs/options.md, generated from the same
+// tables (src/app/options), lists option names, ranges and meanings.
 
 namespace RETARGET_API retarget {
 

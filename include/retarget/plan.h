@@ -11,6 +11,7 @@
 #include "retarget/export.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
+#include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
@@ -42,6 +43,9 @@ struct RobotSetup {
   FitOptions fit_of_robots;  ///< As `fit`, for robot motions, whose rotations are known.
 
   [[nodiscard]] const ResolvedConfig& config_for(const HumanInClip& human) const;
+  /// Summary lines about the owners of the joints if only the arms follow (RobotChoice::follow);
+  /// otherwise none.
+  [[nodiscard]] std::vector<SummaryLine> follow_lines() const;
 };
 
 /// All decisions for retargeting a clip to a robot. A plain value: every member may be read and
@@ -78,6 +82,11 @@ struct Plan {
 /// @param data_folder  data folder with configs/skeletons; empty: the folder that load_robot finds.
 [[nodiscard]] Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
                                              const std::string& data_folder);
+
+/// The placement of a human's clip in a world with metres and Z up, with separate colours for left
+/// and right, for format_human_glb.
+/// @param clip  must outlive the result.
+[[nodiscard]] HumanInWorld human_in_world(const Clip& clip, const Calibration& calibration);
 
 /// Checks for contradictory options (kUsage), and for values and files that are wrong for any clip.
 [[nodiscard]] Result<void> check_options(const Options& options);

@@ -12,6 +12,7 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/human.h"
+#include "retarget/pose.h"
 #include "retarget/robot.h"
 
 namespace RETARGET_API retarget {
@@ -131,5 +132,29 @@ struct HumanConfig {
 /// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
 /// @return the number of removed tasks; a kConfig error if no task remains.
 [[nodiscard]] Result<int> leave_out_bones(ResolvedConfig& config, std::span<const Bone> bones);
+
+// The steps of the published method from a bone to its target.
+
+/// Scales a position about the root: p' = s (p - p_root) + p_root'.
+/// @param root, scaled_root  the root before and after scaling, metres.
+[[nodiscard]] inline Eigen::Vector3d scaled_about_root(const Eigen::Vector3d& position,
+                                                       double scale, const Eigen::Vector3d& root,
+                                                       const Eigen::Vector3d& scaled_root) {
+  return scale * (position - root) + scaled_root;
+}
+
+/// Target rotation q' = q r. The inputs need not be normalised, but must be non-zero.
+[[nodiscard]] inline Eigen::Quaterniond offset_rotation(
+    const Eigen::Quaterniond& world_from_bone, const Eigen::Quaterniond& bone_from_target) {
+  return (world_from_bone.normalized() * bone_from_target).normalized();
+}
+
+/// Target pose with position offset: p'' = p' + q' o.
+/// @param offset  in the target's frame, metres.
+[[nodiscard]] inline Pose offset_target(const Eigen::Quaterniond& world_from_target,
+                                        const Eigen::Vector3d& scaled,
+                                        const Eigen::Vector3d& offset) {
+  return {world_from_target, scaled + world_from_target * offset};
+}
 
 }  // namespace retarget

@@ -62,6 +62,20 @@ struct RobotSources {
   bool licence_stated = true;
 };
 
+/// Finds a robot by name or folder (find_robot), with its retargeting configurations.
+/// Errors: those of find_robot.
+[[nodiscard]] Result<RobotSources> find_robot_sources(const std::string& name_or_folder,
+                                                      const std::string& data_folder);
+
+/// The robot of a model file, with the `robot.json` and the retargeting configurations in the
+/// model's folder and the data folder.
+[[nodiscard]] RobotSources sources_of_model(const std::filesystem::path& model,
+                                            const std::string& data_folder);
+
+/// All robots, sorted by name: the installed ones, and without a model the known ones that are not
+/// installed. Errors (kConfig): an invalid list of known robots.
+[[nodiscard]] Result<std::vector<RobotSources>> list_robot_sources(const std::string& data_folder);
+
 /// Form of a description: human-readable, or JSON with more digits.
 enum class TextForm : unsigned char { kPlain, kJson };
 
@@ -94,5 +108,29 @@ struct RobotFinding {
 /// @return a kConfig error if the model cannot be loaded.
 [[nodiscard]] Result<std::vector<RobotFinding>> check_robot(
     const RobotSources& robot, OptionSpelling spelling = option_as_field);
+
+/// Robots to install, with their source and destination.
+struct RobotsToInstall {
+  /// Full names; empty: all robots of the source that are not installed yet.
+  std::vector<std::string> names;
+  /// A folder or a ZIP archive with robots as subfolders of `robots` or `unverified`, optionally
+  /// below a top-level folder of the archive. In a folder, robots may also be direct subfolders.
+  std::filesystem::path source;
+  /// Destination folder; empty: the user's (user_data_folder), where robots without a stated
+  /// licence are installed in `unverified`.
+  std::filesystem::path into;
+  bool replace = false;                     ///< Replace existing robots of the same names.
+  std::vector<std::string> installed = {};  ///< Robots that are skipped unless `names` lists them.
+};
+
+/// Copies robots and checks that each one loads.
+///
+/// Errors: kUsage: a source that is neither a folder nor a ZIP archive, has no robots, or lacks one
+///   of the names; a robot that already exists. kConfig: a robot that cannot be loaded, or whose
+///   robot.json has another name; robots copied before it remain. kRun: a folder that cannot be
+///   written.
+/// @return the folders, in the order of the names.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> install_robots(
+    const RobotsToInstall& request);
 
 }  // namespace retarget

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -21,7 +22,6 @@
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "retarget/solve.h"
-#include "retarget/view.h"
 
 namespace RETARGET_API retarget {
 
@@ -87,6 +87,8 @@ class Observer {
   [[nodiscard]] virtual bool is_stopped() const { return false; }
   /// Whether the summary is shown. If not, work that only serves the summary is skipped.
   [[nodiscard]] virtual bool is_read() const { return false; }
+  /// The plan of a run that writes files, before it is solved.
+  virtual void planned(const Plan& /*plan*/) {}
 };
 
 /// A set of files compared by identity instead of name: resolves hard and symbolic links, `a/../b`
@@ -143,6 +145,12 @@ class WrittenFiles {
                                                        const std::shared_ptr<const Robot>& robot,
                                                        const ReadMotionOptions& options);
 
+/// Reports how a motion file was interpreted, and its warnings.
+/// @param rate_option  option that states the rate if the file does not; marked (spell_options).
+///   Empty: `source-fps`.
+void report_reading(const std::string& file, const RobotMotion& motion, Observer& observer,
+                    const std::string& rate_option = {});
+
 /// Options for reading a run's motion. If it is a robot motion (SourceOptions::from_robot), the
 /// sidecar of a CSV fills in options that are not given.
 [[nodiscard]] SourceOptions recorded_source(const std::string& path, SourceOptions options);
@@ -162,8 +170,6 @@ class WrittenFiles {
 /// Minimum distance to the joint limits, and joints that stay at a limit with the reason.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 
-/// Number of bodies of a page with meshes and names of missing ones; empty if the robot has none.
-[[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
 /// A missed gate: `jumps 3 (at most 0)`.
 /// @pre its figure was measured
 [[nodiscard]] std::string missed_text(const GateResult& gate);
@@ -180,21 +186,36 @@ class WrittenFiles {
 [[nodiscard]] std::vector<SummaryLine> verdict_lines(const QualityReport& report,
                                                      const std::string& file = {});
 
+/// The content of a drawing, and a summary line about it: label and text.
+struct DrawnFile {
+  std::string bytes;
+  SummaryLine line;
+};
+
+/// A file that shows the motion of a run and appears together with it. page_of_run and
+/// picture_of_run (view.h) make drawings.
+struct RunDrawing {
+  std::string path;
+  bool needs_report = false;  ///< `draw` gets the report of the motion's quality.
+  /// Makes the content from the solved motion.
+  std::function<Result<DrawnFile>(const Motion& motion, const QualityReport* report,
+                                  Observer& observer)>
+      draw;
+};
+
 /// Additional outputs and settings of a run.
 struct RunRequest {
-  std::string report;        ///< JSON report of the motion's quality; empty: none.
-  std::string html;          ///< HTML page that plays the motion; empty: none.
-  std::string png;           ///< Picture with a strip of poses; empty: none.
-  int strip = 0;             ///< Number of poses in the strip; 0: the default.
-  std::string write_map;     ///< File for the map from joints to bones; empty: none.
-  bool sidecar = false;      ///< Write `<output>.json` for each file.
-  bool measure = false;      ///< Measure the motion's quality even if no report is written.
-  bool verbose = false;      ///< Report the cost of each term of the fit.
-  bool mirror = false;       ///< Retarget the mirror image of the clip (left-right).
-  bool hashes_only = false;  ///< Compute hashes only; write nothing.
-  bool partial = false;      ///< Skip formats that cannot represent so short a motion.
-  bool dynamics = false;     ///< Include inverse dynamics in the measurement.
-  int threads = 0;           ///< Threads per clip; 0: automatic. The result does not depend on it.
+  std::string report;                ///< JSON report of the motion's quality; empty: none.
+  std::vector<RunDrawing> drawings;  ///< Pages and pictures of the motion.
+  std::string write_map;             ///< File for the map from joints to bones; empty: none.
+  bool sidecar = false;              ///< Write `<output>.json` for each file.
+  bool measure = false;              ///< Measure the motion's quality even if no report is written.
+  bool verbose = false;              ///< Report the cost of each term of the fit.
+  bool mirror = false;               ///< Retarget the mirror image of the clip (left-right).
+  bool hashes_only = false;          ///< Compute hashes only; write nothing.
+  bool partial = false;              ///< Skip formats that cannot represent so short a motion.
+  bool dynamics = false;             ///< Include inverse dynamics in the measurement.
+  int threads = 0;  ///< Threads per clip; 0: automatic. The result does not depend on it.
   std::optional<Gates> gates;  ///< Gates for the motion, which is then measured; empty: the default
                                ///< gates.
 };
@@ -206,7 +227,7 @@ struct RunOutcome {
   std::string config;                    ///< File of the retargeting configuration.
   std::vector<WrittenFile> motions;      ///< Files of the motion with their hashes.
   std::vector<Error> left_out;           ///< Errors of formats that were not written.
-  std::vector<std::string> others;       ///< Sidecars, report, page and picture.
+  std::vector<std::string> others;       ///< Sidecars, report and drawings.
   std::optional<QualityReport> quality;  ///< Set if requested.
 };
 
@@ -219,8 +240,24 @@ struct RunOutcome {
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
                                          const RobotSetup& robot, Observer& observer);
 
-/// Processes one clip from its file to the output files of a run: motion, sidecars, report, page,
-/// picture. All of them appear after everything was solved and written, or none.
+/// Writes a motion as `output` and the options say, like run_to_files: all of its files appear
+/// together, or none. Reports what the formats cannot represent, and the written files.
+/// @param contacts  contacts of the feet per frame, for formats that store them; empty: unknown.
+/// Errors: those of plan_outputs, and of the formats.
+[[nodiscard]] Result<std::vector<WrittenFile>> write_motion(
+    const RobotClip& clip, const std::optional<FootContacts>& contacts, const std::string& output,
+    const SaveOptions& options, Observer& observer);
+
+/// Checks that the run recorded in a sidecar still gives the bytes that were recorded, by repeating
+/// it without writing. Reports inputs that have changed since, and the agreement. Inputs that moved
+/// together with the sidecar are found next to it.
+/// Errors: not a sidecar, or a motion that cannot be read again (kInput); the errors of the run; the
+/// output differs, or its file has changed (kRun).
+[[nodiscard]] Result<void> verify_run(const std::string& sidecar, const DataFolder& data_folder,
+                                      Observer& observer);
+
+/// Processes one clip from its file to the output files of a run: motion, sidecars, report,
+/// drawings. All of them appear after everything was solved and written, or none.
 [[nodiscard]] Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request,
                                               const RobotSetup& robot, Observer& observer);
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "retarget/error.h"
@@ -11,10 +12,13 @@
 #include "retarget/motion.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
+#include "retarget/run.h"
 #include "retarget/solve.h"
 #include "retarget/triangle_mesh.h"
 
 namespace RETARGET_API retarget {
+
+// Pages and pictures that show motions. A page is one HTML file that loads nothing else.
 
 /// Visual mesh of a body.
 struct BodyMesh {
@@ -43,6 +47,10 @@ struct RobotMeshes {
 ///     mesh (kInput); an unreadable model (kConfig).
 [[nodiscard]] Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& model,
                                                     const std::string& named = {});
+
+/// Number of bodies of a page with meshes and names of missing ones, as summary lines; empty if the
+/// robot has none.
+[[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
 
 /// A motion on a page, with optional data. The pointees must outlive the call that makes the page.
 struct PageMotion {
@@ -103,5 +111,74 @@ struct SkeletonPage {
 /// Makes an HTML file like view_page: the moving skeleton next to its rest pose, with the file's
 /// axes. Joints mapped to a bone are coloured by side. Errors as view_page.
 [[nodiscard]] Result<std::string> skeleton_page(const SkeletonPage& page);
+
+/// A clip in a gallery. Texts need no escaping.
+struct GalleryClip {
+  std::string name;
+  std::string robot;
+  std::string page;     ///< URL of its page; empty: none.
+  std::string picture;  ///< URL of its thumbnail; empty: none.
+  int frames = 0;
+  double fps = 30.0;
+  bool failed = false;
+  std::string message;    ///< Why the page or its motion is missing; empty: complete.
+  bool measured = false;  ///< True if metrics and gates are known.
+  std::vector<std::pair<std::string, double>> figures;  ///< Values by metric.
+  std::vector<std::string> missed;                      ///< Metrics that missed their gates.
+};
+
+/// Size of thumbnails, pixels.
+inline constexpr double kThumbnailWidth = 320.0, kThumbnailHeight = 96.0;
+
+/// Returns the page that lists the clips of a batch, with search, sorting and filters: one HTML
+/// file that loads nothing except the thumbnails next to it.
+/// @param clips  sorted, worst first.
+[[nodiscard]] std::string gallery_page(const std::string& title,
+                                       std::span<const GalleryClip> clips);
+
+/// Returns the page for a clip without a playable motion: the reason, and links to the other clips.
+[[nodiscard]] std::string gallery_note_page(const std::string& title, const std::string& message,
+                                            const PageLinks& links);
+
+/// How a strip is drawn as SVG.
+struct StripOptions {
+  int poses = 6;      ///< At least one; limited to the number of frames.
+  std::string title;  ///< Any text; empty: none.
+};
+
+/// Draws a motion as a row of evenly spaced poses from first to last frame, as an SVG file: the
+/// robot's collision shapes above a floor line, with the time below. The root is centred in each
+/// cell and heights are kept; all poses have the same scale and are seen from the robot's right,
+/// relative to its mean facing direction.
+/// @pre The motion has at least one frame.
+/// @param human  the source of the motion, frame by frame, drawn in a separate row above the robot;
+///   poses after its end are left out. Null: none.
+[[nodiscard]] std::string draw_strip(const RobotClip& motion, const HumanClip* human,
+                                     const StripOptions& options = {});
+
+/// How a strip is drawn as PNG.
+struct StripPictureOptions {
+  int poses = 6;                  ///< As StripOptions::poses.
+  double width = 1200.0;          ///< Maximum width of the picture, pixels.
+  double max_row_height = 420.0;  ///< Maximum height of the tallest figure, pixels.
+  bool times = true;              ///< Draw times below the poses.
+};
+
+/// Draws the same strip as a PNG: shaded, with soft shadows, from the same viewpoint.
+/// @pre The motion has at least one frame.
+[[nodiscard]] std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
+                                             const StripPictureOptions& options = {});
+
+/// Draws a solved motion with its source above it.
+[[nodiscard]] std::string draw_strip_picture(const Motion& motion,
+                                             const StripPictureOptions& options = {});
+
+/// A page of a run (run_to_files): view_page of its motion, with meshes and metrics.
+/// @param path  the file to write.
+[[nodiscard]] RunDrawing page_of_run(std::string path);
+
+/// A picture of a run: draw_strip_picture of its motion.
+/// @param poses  number of poses; 0: the default.
+[[nodiscard]] RunDrawing picture_of_run(std::string path, int poses = 0);
 
 }  // namespace retarget

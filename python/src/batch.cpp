@@ -6,14 +6,15 @@
 
 #include <csignal>
 #include <string>
+#include <utility>
 
-#include "base/exit_code.h"
-#include "batch/batch_table.h"
 #include "batch_keywords.h"
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
 #include "raise.h"
+#include "retarget/batch.h"
+#include "retarget/error.h"
 #include "retarget/measure.h"
 #include "retarget/option_table.h"
 #include "solving_table.h"
@@ -24,12 +25,14 @@ namespace retarget::python {
 using namespace nb::literals;
 
 OptionTable batch_keywords(BatchRequest& request) {
-  OptionTable table = without(batch_table(request, request.run), {"robot", "output"});
-  append(table, without(source_table(request.run.options.source), {"memory"}));
-  append(table, without(solving_table(request.run.options), {"memory", "contacts"}));
-  append(table, without(robot_table(request.run.robot), {"robot", "base"}));
+  OptionTable table = batch_table(request, request.run);
+  // The rows of a batch replace those of a run.
+  append(table, without_rows_of(table, source_table(request.run.options.source)));
+  append(table, without_rows_of(table, solving_table(request.run.options)));
+  append(table, without_rows_of(table, robot_table(request.run.robot)));
   table.push_back(dynamics_row(request.of_clip.dynamics));
-  return table;
+  // Parameters of their own in Python.
+  return without(std::move(table), {"robot", "output"});
 }
 
 namespace {
@@ -93,7 +96,6 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   if (!robots.is_none()) request.robots = paths_of(robots, "robots");
   request.quality = quality;
   request.of_clip.sidecar = sidecar;
-  request.exit_code = exit_code_of;
   request.begin_worker = begin_worker;
   request.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
   nb::list notes;

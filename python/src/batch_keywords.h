@@ -1,6 +1,6 @@
 #pragma once
 
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/option_table.h"
 
 namespace retarget::python {

@@ -5,18 +5,15 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <limits>
-
 #include "arrays.h"
 #include "bindings.h"
-#include "formats/bvh/write_bvh.h"
 #include "handles.h"
-#include "human/skeleton/joint_clip.h"
-#include "judge/inspect/inspect_clip.h"
 #include "keywords.h"
-#include "motion/clip_from_arrays.h"
-#include "motion/forward_kinematics.h"
 #include "raise.h"
+#include "retarget/bvh.h"
+#include "retarget/clip.h"
+#include "retarget/clip_arrays.h"
+#include "retarget/inspect.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/try.h"
@@ -162,25 +159,16 @@ ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::objec
 
 ClipHandle from_positions(nb::object positions, const nb::list& names, double fps,
                           const nb::object& name) {
-  JointMotion motion;
+  JointPositions motion;
   motion.rate = rate_of(fps);
+  motion.name = bytes_of_name(name, "name");
   for (nb::handle each : names) motion.names.push_back(bytes_of_name(each, "names"));
   const auto named = static_cast<std::int64_t>(motion.names.size());
   const GivenArray places(positions, "positions", {-1, named > 0 ? named : -1, 3});
-  constexpr std::size_t kMax = std::numeric_limits<int>::max();
-  if (places.size(0) == 0 || places.size(1) == 0 || places.size(0) > kMax ||
-      places.size(1) > kMax) {
-    raise(usage_failure("positions: expected frames and joints, found none or too many").value());
-  }
-  motion.frame_count = static_cast<int>(places.size(0));
-  motion.joint_count = static_cast<int>(places.size(1));
-  const std::span<const double> numbers = places.numbers();
-  motion.positions.reserve(numbers.size() / 3);
-  for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    motion.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-  }
-  const std::string called = bytes_of_name(name, "name");
-  ClipHandle clip(without_gil([&] { return clip_of_joints(motion, called); }));
+  motion.frames = places.size(0);
+  motion.joints = places.size(1);
+  motion.positions = places.numbers();
+  ClipHandle clip(without_gil([&] { return clip_from_positions(motion); }));
   warn(clip->origin().warnings, clip->name());
   return clip;
 }
@@ -210,7 +198,7 @@ void save(const ClipHandle& clip, const nb::object& file, std::optional<int> dec
 nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::object& data_dir) {
   HumanOptions how;
   const std::string chosen = bytes_of_folder(data_dir);
-  apply_keywords(without(human_table(how), {"clean"}), options);
+  apply_keywords(rows_for(OptionUse::kInspect, human_table(how)), options);
   Clip clip = *handle;
   const auto human = [&] {
     const nb::gil_scoped_release released;

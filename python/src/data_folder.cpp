@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/data_folder.h"
 #include "handles.h"
+#include "retarget/data_folder.h"
 #include "retarget/try.h"
 
 namespace retarget::python {

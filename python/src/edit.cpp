@@ -22,8 +22,8 @@ namespace retarget::python {
 using namespace nb::literals;
 
 OptionTable edit_table(EditOptions& options) {
-  OptionTable table = without(human_table(options.human), {"clean"});
-  append(table, only(part_table(options.part), {"start", "end", "frames"}));
+  OptionTable table = rows_for(OptionUse::kEdit, human_table(options.human));
+  append(table, rows_for(OptionUse::kEdit, part_table(options.part)));
   return table;
 }
 
@@ -109,7 +109,7 @@ ClipHandle edited(const ClipHandle& clip, const Call& call, const Function& func
 
 ClipHandle trim_clip(const ClipHandle& clip, const nb::dict& keywords) {
   PartOptions part;
-  apply_keywords(only(part_table(part), {"start", "end", "frames"}), keywords);
+  apply_keywords(rows_for(OptionUse::kEdit, part_table(part)), keywords);
   return ClipHandle(without_gil([&] { return trim(*clip, part); }));
 }
 

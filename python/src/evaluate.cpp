@@ -15,19 +15,19 @@
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
+#include "retarget/resample.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
-#include "robot/model/resample_robot.h"
 
 namespace retarget::python {
 
 using namespace nb::literals;
 
 OptionTable evaluate_table(Options& options, bool& dynamics) {
-  OptionTable table = only(solve_table(options.solve), {"limits", "ik-config"});
-  append(table, human_table(options.human));
-  append(table, only(part_table(options.part), {"start", "lead-in"}));
-  append(table, only(time_table(options.time), {"fps"}));
+  OptionTable table = rows_for(OptionUse::kMeasure, solve_table(options.solve));
+  append(table, rows_for(OptionUse::kMeasure, human_table(options.human)));
+  append(table, rows_for(OptionUse::kMeasure, part_table(options.part)));
+  append(table, rows_for(OptionUse::kMeasure, time_table(options.time)));
   table.push_back(dynamics_row(dynamics));
   return table;
 }

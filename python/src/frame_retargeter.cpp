@@ -19,7 +19,6 @@
 #include "handles.h"
 #include "raise.h"
 #include "retarget/try.h"
-#include "solve/targets/scale_human.h"
 
 namespace retarget::python {
 

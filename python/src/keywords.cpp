@@ -178,18 +178,6 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
   }
 }
 
-OptionTable without(OptionTable rows, std::initializer_list<std::string_view> names) {
-  std::erase_if(
-      rows, [&](const Option& row) { return std::ranges::find(names, row.name) != names.end(); });
-  return rows;
-}
-
-OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names) {
-  std::erase_if(
-      rows, [&](const Option& row) { return std::ranges::find(names, row.name) == names.end(); });
-  return rows;
-}
-
 std::string keyword_of(const Option& row) {
   std::string name = option_as_field(row.name);
   // These names are Python keywords.

@@ -2,9 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include <initializer_list>
 #include <string>
-#include <string_view>
 
 #include "retarget/option_table.h"
 
@@ -17,10 +15,6 @@ namespace nb = nanobind;
 /// Sets the options that keywords name; None leaves an option unchanged. Raises UsageError for an
 /// unknown name (with the nearest one) and for values of a wrong type or out of range.
 void apply_keywords(const OptionTable& table, const nb::dict& keywords);
-
-/// Returns a table without the rows of these names, or with only these rows.
-[[nodiscard]] OptionTable without(OptionTable rows, std::initializer_list<std::string_view> names);
-[[nodiscard]] OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names);
 
 /// Returns the keyword of an option, such as `lead_in`; `from_` if the name is a Python keyword.
 [[nodiscard]] std::string keyword_of(const Option& row);

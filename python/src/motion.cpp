@@ -126,7 +126,7 @@ nb::object rows(std::vector<double> numbers, std::size_t frames, std::size_t ite
 nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
   SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
   how.formats = {MotionFormat::kNpzMjlab};
-  apply_keywords(only(save_table(how), {"format", "npz-fps", "npz-velocity"}), options);
+  apply_keywords(rows_for(OptionUse::kTrack, save_table(how)), options);
   if (how.formats.size() != 1 || format_ending(how.formats.front()) != ".npz") {
     raise(usage_failure("format: expected npz-mjlab or npz-beyondmimic").value());
   }

@@ -31,8 +31,7 @@ nb::dict option_tables() {
   tables["SolvingOptions"] = described(solving_table(options));
   tables["FitOptions"] = described(fit_table(fit));
   tables["SaveOptions"] = described(save_table(options.save));
-  tables["TrackingOptions"] =
-      described(only(save_table(options.save), {"format", "npz-fps", "npz-velocity"}));
+  tables["TrackingOptions"] = described(rows_for(OptionUse::kTrack, save_table(options.save)));
   OptionTable read = reading_table(reading);
   read.push_back(memory_row(options.source.memory_gb));
   tables["ReadingOptions"] = described(read);

@@ -17,13 +17,14 @@
 #include "app/run/outputs.h"
 #include "base/machine.h"
 #include "base/option_name.h"
-#include "base/try.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
+#include "batch/signature_pass.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -32,17 +33,19 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWarnings = 20;
 
-std::string ending_of(const BatchInput& input) {
+std::string lower_extension(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().string());
 }
 
 // First character of an answer; the manifest line follows.
 constexpr char kFinished = 'f', kUnchanged = 'u';
 
-// Collects the messages of a clip's run for its manifest line.
+// Collects the messages of a clip's run, and the signature of its motion, for its manifest line.
 class ClipNotes : public Observer {
  public:
-  explicit ClipNotes(const Observer& batch) : batch_(batch) {}
+  // Without `wants_signature`, planned() does nothing.
+  ClipNotes(const Observer& batch, bool wants_signature)
+      : batch_(batch), wants_signature_(wants_signature) {}
 
   void line(std::string_view label, std::string_view text) override {
     if (label == "taken as") taken_as = text;
@@ -52,12 +55,17 @@ class ClipNotes : public Observer {
     for (const Warning& each : told) warnings.push_back(describe(each, file, option_as_flag));
   }
   [[nodiscard]] bool is_stopped() const override { return batch_.is_stopped(); }
+  void planned(const Plan& plan) override {
+    if (wants_signature_) signature = signature_of(plan);
+  }
 
   std::string taken_as;
+  std::string signature;
   std::vector<std::string> warnings;
 
  private:
   const Observer& batch_;
+  const bool wants_signature_;
 };
 
 // Spells options as flags, since manifests and summaries are read by command-line users.
@@ -122,8 +130,11 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   request.threads = threads_;
   request.mirror = task.input->variant.is_mirrored();
   request.partial = true;
-  ClipNotes notes(context_.observer);
+  // Every manifest line has a signature, so that lists can be split later without reading the clips
+  // again. A mirror image shares its original's.
+  ClipNotes notes(context_.observer, entry.signature.empty() && !request.mirror);
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
+  if (!notes.signature.empty()) entry.signature = std::move(notes.signature);
   entry.taken_as = std::move(notes.taken_as);
   const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMaxWarnings);
   notes.warnings.resize(notes.warnings.size() - more);
@@ -147,7 +158,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
     return file.substr(context_.output_folder.size() + 1);
   };
   for (const std::string& file : files) {
-    TRY_ASSIGN(auto record, record_file(file, below_output(file)));
+    RETARGET_TRY_ASSIGN(auto record, record_file(file, below_output(file)));
     entry.outputs.push_back(std::move(record));
   }
   for (const Error& error : outcome->left_out) {
@@ -183,7 +194,7 @@ void BatchWorker::remove_outputs(const BatchTask& task,
 
 Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
                                 ManifestEntry& entry) const {
-  TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
+  RETARGET_TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
   const std::string output = context_.output_folder + "/" + task.robot->folder +
                              batch_output(task.robot->run.options.save, task.input->relative);
   std::error_code error;
@@ -244,7 +255,7 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
     error.hint = "this is a bug in retarget; the other clips are not affected";
   }
   error = spelled(std::move(error));
-  entry.exit_code = request_.exit_code(error.kind);
+  entry.exit_code = exit_code_of(error.kind);
   entry.finished = finished_now(context_.finished, entry);
   return entry;
 }
@@ -284,7 +295,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   if (!done && done.error().kind == ErrorKind::kInterrupted) return;
   entry.done = done.has_value();
   if (!done) {
-    entry.exit_code = request_.exit_code(done.error().kind);
+    entry.exit_code = exit_code_of(done.error().kind);
     entry.error = spelled(std::move(done.error()));
   }
   entry.finished = finished_now(context_.finished, entry);
@@ -354,7 +365,7 @@ Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_g
   run.motion = clip.path;
   SourceOptions& source = run.options.source;
   // The body model applies only to the SMPL motions among the clips.
-  if (ending_of(clip) == ".bvh") source.smpl_model.clear();
+  if (lower_extension(clip) == ".bvh") source.smpl_model.clear();
   source.memory_gb = memory_gb;
   if (!clip.variant.part.empty()) {
     const LeadIn lead_in = run.options.part.lead_in;

@@ -9,7 +9,7 @@
 #include "batch/process_pool.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"

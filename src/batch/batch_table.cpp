@@ -1,4 +1,4 @@
-#include "batch/batch_table.h"
+#include "retarget/batch.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

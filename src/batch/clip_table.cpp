@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "base/option_name.h"
-#include "base/try.h"
 #include "formats/robot_motion/csv_table.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -168,7 +168,7 @@ std::string part_name(const BatchInput& input, const std::string& name) {
 }  // namespace
 
 Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
-  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, kMaxTableBytes));
+  RETARGET_TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, kMaxTableBytes));
   std::string_view text = content.view();
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   ClipTableReader reader(path);
@@ -181,7 +181,7 @@ Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
       ++reader.line_;
       continue;
     }
-    TRY(reader.take(line));
+    RETARGET_TRY(reader.take(line));
   }
   std::vector<ClipRow> rows = std::move(reader).rows();
   if (rows.empty()) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "batch/manifest.h"
-#include "batch/run_batch.h"
 #include "batch/split.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/report.h"
 #include "retarget/run.h"

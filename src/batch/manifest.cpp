@@ -11,8 +11,8 @@
 #include <tuple>
 
 #include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -54,7 +54,7 @@ Result<ManifestContent> read_manifest(const std::string& path) {
   ManifestContent content;
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0 && errno == ENOENT) return content;
-  TRY_ASSIGN(const auto file, read_file(path, ErrorKind::kRun));
+  RETARGET_TRY_ASSIGN(const auto file, read_file(path, ErrorKind::kRun));
   std::string_view text = file.view();
   while (!text.empty()) {
     const std::size_t length = std::min(text.find('\n'), text.size());
@@ -98,7 +98,7 @@ Result<std::unique_ptr<ManifestWriter>> ManifestWriter::begin(
     const std::string& path, std::span<const ManifestEntry> entries) {
   std::string text;
   for (const ManifestEntry& entry : entries) text += manifest_line(entry);
-  TRY(write_file(path, text));
+  RETARGET_TRY(write_file(path, text));
   auto state = std::make_unique<State>();
   state->path = path;
   state->descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);

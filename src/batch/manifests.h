@@ -6,8 +6,8 @@
 
 #include "batch/data_set.h"
 #include "batch/manifest.h"
-#include "batch/run_batch.h"
 #include "batch/shard.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/run.h"
 

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "base/option_name.h"
-#include "base/try.h"
 #include "batch/manifest.h"
 #include "retarget/file.h"
 #include "retarget/motion_io.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -62,7 +62,7 @@ Result<void> check_motion_list(const SaveOptions& options) {
 }
 
 Result<void> write_motion_lists(const std::string& folder, Observer& observer) {
-  TRY_ASSIGN(const auto manifest, read_manifest(folder + "/manifest.jsonl"));
+  RETARGET_TRY_ASSIGN(const auto manifest, read_manifest(folder + "/manifest.jsonl"));
   std::map<std::string, std::vector<std::string>> files;  // By the folder of the list.
   for (const ManifestEntry& entry : latest_entries(manifest.entries)) {
     if (!entry.done) continue;
@@ -76,7 +76,7 @@ Result<void> write_motion_lists(const std::string& folder, Observer& observer) {
   }
   for (const auto& [place, names] : files) {
     const std::string path = place + "/motions.yaml";
-    TRY(write_file(path, list_text(place, names)));
+    RETARGET_TRY(write_file(path, list_text(place, names)));
     observer.line("wrote", path + ": " + count_text(names.size(), "motion"));
   }
   return {};

@@ -6,7 +6,7 @@
 
 #include "batch/batch_runner.h"
 #include "batch/find_inputs.h"
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 
 namespace retarget {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/run.h"

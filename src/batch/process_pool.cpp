@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/sanitizer.h"
-#include "base/try.h"
 #include "batch/worker_process.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -86,7 +86,8 @@ class Pool {
           bound_memory(options_.max_memory);
           if (options_.begin_worker) options_.begin_worker();
         };
-        TRY_ASSIGN(auto started, WorkerProcess::start({options_.end_process, begin, work_}));
+        RETARGET_TRY_ASSIGN(auto started,
+                            WorkerProcess::start({options_.end_process, begin, work_}));
         slot.process.emplace(std::move(started));
       }
       if (!slot.process->give(*next)) {

@@ -10,9 +10,9 @@
 
 #include "app/provenance/hash.h"
 #include "app/run/folder_hash.h"
-#include "base/try.h"
 #include "batch/file_facts.h"
 #include "retarget/file.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -32,7 +32,7 @@ Result<FileRecord> record_file(const std::string& path, std::string name) {
   const auto facts = facts_of(path);
   if (!facts && S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
   if (!facts) return input_failure(path, "cannot read the file: not a file");
-  TRY_ASSIGN(auto hash, hash_motion(path));
+  RETARGET_TRY_ASSIGN(auto hash, hash_motion(path));
   return FileRecord{std::move(name), facts->bytes, facts->modified_ns, std::move(hash)};
 }
 

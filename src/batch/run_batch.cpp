@@ -1,4 +1,4 @@
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -7,13 +7,12 @@
 #include <exception>
 #include <utility>
 
-#include "base/try.h"
 #include "batch/duplicates.h"
 #include "batch/motion_signature.h"
 #include "retarget/load.h"
-#include "retarget/plan.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -27,8 +26,7 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
     if (!loaded) return {};
     const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
     if (!plan) return {};
-    return signature_bytes(
-        motion_signature(*plan->clip, plan->human.calibration, plan->part.begin, plan->part.end));
+    return signature_of(*plan);
   } catch (const std::exception&) {
     // Such as out of memory; the run itself reports it.
     return {};
@@ -46,6 +44,11 @@ std::vector<BatchInput*> originals(std::vector<BatchInput>& inputs) {
 }
 
 }  // namespace
+
+std::string signature_of(const Plan& plan) {
+  return signature_bytes(
+      motion_signature(*plan.clip, plan.human.calibration, plan.part.begin, plan.part.end));
+}
 
 Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& robot,
                              const BatchRequest& request, const FinishedClips& finished,
@@ -67,7 +70,7 @@ Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& 
     if (end.answered) unknown[task]->signature = end.answer;
     observer.status(fmt::format("looking for repeated motions: {} of {}", ++done, unknown.size()));
   };
-  if (!unknown.empty()) TRY(run_in_processes(pool.memory, pool.options, work, ended));
+  if (!unknown.empty()) RETARGET_TRY(run_in_processes(pool.memory, pool.options, work, ended));
   observer.end_progress();
   if (observer.is_stopped()) return interrupted_failure();
   return {};

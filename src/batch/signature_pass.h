@@ -8,11 +8,15 @@
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/resume.h"
-#include "batch/run_batch.h"
+#include "retarget/batch.h"
 #include "retarget/error.h"
+#include "retarget/plan.h"
 #include "retarget/run.h"
 
 namespace retarget {
+
+/// Signature of the motion that a run solves, as bytes.
+[[nodiscard]] std::string signature_of(const Plan& plan);
 
 /// Computes the signature of every clip in separate processes. Each file is read and its human is
 /// identified; nothing is solved. Recorded signatures are reused for unchanged files. A clip that

@@ -12,9 +12,9 @@
 
 #include "app/provenance/hash.h"
 #include "base/option_name.h"
-#include "base/try.h"
 #include "batch/find_inputs.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -176,7 +176,7 @@ Result<std::vector<SplitSide>> split_clips(const std::vector<std::string>& group
   for (const std::string& key : groups) ++sizes[key];
   std::vector<DrawnGroup> drawn;
   for (const auto& [key, size] : sizes) {
-    TRY_ASSIGN(std::string hash, hash_bytes(split.seed + '\n' + key));
+    RETARGET_TRY_ASSIGN(std::string hash, hash_bytes(split.seed + '\n' + key));
     drawn.push_back({std::move(hash), &key, size});
   }
   std::ranges::sort(drawn, {}, &DrawnGroup::hash);

@@ -6,7 +6,6 @@
 
 #include "base/try.h"
 #include "edit/rest_frames.h"
-#include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/pose.h"

@@ -7,10 +7,10 @@
 #include "base/try.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
-#include "motion/resample.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/options.h"
+#include "retarget/resample.h"
 #include "retarget/text.h"
 
 namespace retarget {

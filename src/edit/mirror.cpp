@@ -4,7 +4,6 @@
 #include "base/try.h"
 #include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
-#include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"

@@ -13,7 +13,6 @@
 #include "base/try.h"
 #include "edit/ground_pose.h"
 #include "human/gait/contact_plan.h"
-#include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"

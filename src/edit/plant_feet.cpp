@@ -9,7 +9,7 @@
 #include "edit/blend_offset.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

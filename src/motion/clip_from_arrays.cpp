@@ -1,4 +1,4 @@
-#include "motion/clip_from_arrays.h"
+#include "retarget/clip_arrays.h"
 
 #include <fmt/format.h>
 

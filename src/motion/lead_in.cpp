@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "base/try.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

@@ -7,7 +7,7 @@
 #include "base/math/so3.h"
 #include "base/math/spline.h"
 #include "base/math/trigonometry.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

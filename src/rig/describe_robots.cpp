@@ -11,9 +11,9 @@
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
+#include "retarget/robots.h"
 #include "retarget/text.h"
 #include "robot/model/core_points.h"
-#include "robot/model/find_robot.h"
 #include "robot/model/kinematic_tree.h"
 #include "robot/model/load_robot.h"
 

@@ -1,4 +1,4 @@
-#include "rig/install_robots.h"
+#include "retarget/rig.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,10 @@
 #include <system_error>
 #include <utility>
 
-#include "base/data_folder.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/containers/zip.h"
+#include "retarget/data_folder.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "rig/robot_folder.h"

@@ -1,4 +1,4 @@
-#include "view/gallery.h"
+#include "retarget/view.h"
 
 #include <fmt/format.h>
 

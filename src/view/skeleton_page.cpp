@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "base/try.h"
-#include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
+#include "retarget/clip.h"
 #include "retarget/version.h"
 #include "retarget/view.h"
 #include "view/page_data.h"

@@ -1,4 +1,4 @@
-#include "view/strip.h"
+#include "retarget/view.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "retarget/text.h"
+#include "retarget/view.h"
 #include "view/image.h"
 #include "view/render.h"
-#include "view/strip.h"
 #include "view/strip_frames.h"
 #include "view/written_motion.h"
 

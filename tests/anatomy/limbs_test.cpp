@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/built_humanoids.h"
 #include "support/humanoids.h"
 
 namespace retarget {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string body_name(const Robot& robot, int body) {
   return robot.bodies()[static_cast<std::size_t>(body)].name;
@@ -106,6 +109,34 @@ TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
     EXPECT_NEAR((limbs->forward - forward).norm(), 0.0, 1e-9);
     const auto upright = robot_from_text(scramble_names(tiny_humanoid(true)));
     EXPECT_EQ(bodies_of(*limbs), bodies_of(*find_limbs(*upright, "")));
+  }
+}
+
+// A leg that is not an exact mirror image, by rounding, is across the other way if the model lists
+// the right one first. The names of seven arm joints outweigh those of six leg joints.
+TEST(FindLimbs, OrderOfLegsInTheModelDoesNotTurnTheRobot) {
+  BuiltHumanoid built = plain_humanoid();
+  built.right_leg_first = true;
+  built.arm.end = Eigen::Vector3d::Zero();
+  built.arm.joints.push_back({"wrist_yaw", kAxisZ, {0, 0, -0.15}});
+  built.arm.joints.push_back({"wrist_roll", kAxisX});
+  built.arm.joints.push_back({"wrist_pitch", kAxisY});
+  for (const bool knees_tell : {true, false}) {
+    if (!knees_tell) {
+      built.leg.joints[3].lower = -2.4;
+      built.leg.more = "<geom type=\"box\" pos=\"0 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
+    }
+    std::string text = built.mjcf();
+    const std::string ankle = "name=\"right_ankle_pitch\" pos=\"0 ";
+    ASSERT_NE(text.find(ankle), std::string::npos);
+    text.replace(text.find(ankle) + ankle.size() - 2, 1, "1e-17");
+    const auto robot = robot_from_text(text);
+    const auto limbs = find_limbs(*robot, "");
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    EXPECT_NEAR((limbs->forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
+    EXPECT_EQ(body_name(*robot, limbs->arms[0].upper.body), "left_shoulder_yaw");
+    EXPECT_EQ(body_name(*robot, limbs->legs[0].upper.body), "left_hip_yaw");
+    EXPECT_THAT(limbs->notes, Not(Contains(HasSubstr("named right"))));
   }
 }
 

@@ -1,4 +1,4 @@
-#include "base/data_folder.h"
+#include "retarget/data_folder.h"
 #include "base/option_name.h"
 
 #include <gmock/gmock.h>

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bvh_test_support.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

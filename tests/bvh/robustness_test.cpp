@@ -14,7 +14,7 @@
 #include "base/option_name.h"
 #include "bvh_test_support.h"
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
+#include "retarget/bvh.h"
 
 namespace retarget {
 namespace {

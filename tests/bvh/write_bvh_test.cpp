@@ -1,4 +1,4 @@
-#include "formats/bvh/write_bvh.h"
+#include "retarget/bvh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -21,6 +21,12 @@ class DataSetTest(BatchTest):
     def rows(self, name, folder="out"):
         return [line.split("\t") for line in self.lines(name, folder)]
 
+    def forget_signatures(self, folder):
+        """Makes the folder's manifest one of an older version, which has no signatures."""
+        lines = self.manifest(f"{folder}/manifest.jsonl")
+        self.assertTrue(all(line.pop("signature") for line in lines))
+        self.write(f"{folder}/manifest.jsonl", "".join(json.dumps(line) + "\n" for line in lines))
+
     def measured(self, *arguments, **options):
         return self.batch(*GMR, *arguments, fast=False, **options)
 
@@ -91,6 +97,10 @@ class Gates(DataSetTest):
                        ["--resume"], ["--redo"]):
             self.assert_fails(self.run_tool("batch", "--merge", "-o", "out", *option), 2,
                               f"{option[0]} and --merge cannot be combined")
+        merged = self.run_tool("batch", "--merge", "-o", "out", "--dedupe")
+        self.assert_done(merged)
+        self.assertNotIn("no signature", merged.stderr)
+        self.forget_signatures("out")
         merged = self.run_tool("batch", "--merge", "-o", "out", "--dedupe")
         self.assert_done(merged)
         self.assertIn("1 clip has no signature", merged.stderr)
@@ -248,9 +258,18 @@ class Splits(DataSetTest):
             self.assert_together("d.csv", "zz.csv")
         self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--split", "0.6:0"))
         self.assert_together("a.csv", "other.csv")
-        # A batch without the option stores no signatures: the merge pairs mirror images by name
+        # Shards that ran without the option can be split when they are merged.
+        for part in ("1/2", "2/2"):
+            self.assert_done(self.batch("--shard", part, output="bare"))
+        for seed in range(6):
+            merged = self.run_tool("batch", "--merge", "-o", "bare", "--split", f"0.6:{seed}")
+            self.assert_done(merged)
+            self.assertNotIn("only by their names", merged.stderr)
+            self.assert_together("a.csv", "other.csv", folder="bare")
+            self.assert_together("d.csv", "zz.csv", folder="bare")
+        # The manifest of an older version has no signatures: the merge pairs mirror images by name
         # only, and warns.
-        self.assert_done(self.batch(output="bare"))
+        self.forget_signatures("bare")
         merged = self.run_tool("batch", "--merge", "-o", "bare", "--split", "0.6:0")
         self.assert_done(merged)
         self.assertIn("mirror images of 8 clips are identified only by their names", merged.stderr)

@@ -128,8 +128,8 @@ class Figures(ToolTest):
         if importlib.util.find_spec("numpy") is None:
             self.skipTest("there is no numpy")
         with tempfile.TemporaryDirectory() as folder:
-            hashes = docs_figures.page_hashes(TOOL, folder)
-        self.assertEqual(json.loads(docs_figures.PAGES_FILE.read_text()), hashes, AGAIN)
+            gates = docs_figures.page_gates(TOOL, folder)
+        self.assertEqual(json.loads(docs_figures.PAGES_FILE.read_text()), gates, AGAIN)
 
 
 if __name__ == "__main__":

@@ -62,7 +62,7 @@ class Outputs(FormatsTest):
         # A clip of two frames has no tracking NPZ.
         result = self.retarget("--method", "gmr", "--frames", "0:2", "--format", "csv,npz-mjlab",
                                output="x")
-        self.assert_fails(result, 3, "three frames")
+        self.assert_fails(result, 3, "three frames at 50 fps, but the motion has 2 at 30 fps")
         self.assertEqual(self.files(), [])
 
     def test_the_same_bytes_again(self):

@@ -12,7 +12,7 @@ from tool import SOURCE, ToolTest, absent, read_rows, sample
 
 FPS = 30
 ROOT = 7  # columns of the root: place and quaternion (x, y, z, w)
-WAIST_PITCH, LEFT_SHOULDER_PITCH = 14, 15  # joints of a G1
+WAIST_YAW, WAIST_PITCH, LEFT_SHOULDER_PITCH = 12, 14, 15  # joints of a G1
 LEFT_HIP_PITCH, LEFT_ELBOW, RIGHT_WRIST_YAW = 0, 18, 28
 
 
@@ -87,6 +87,10 @@ PERTURBATIONS = {
 OF_STANDING = {
     "has a hip off": (lambda rows: off_by(rows, LEFT_HIP_PITCH, 0.2),
                       {"stance_height_p50_cm", "stance_slip_mean", "foot_pen_1cm_pct"}),
+    "has the waist turned to the left": (lambda rows: off_by(rows, WAIST_YAW, 0.25),
+                                         {"joint_offset_rad"}),
+    "has the waist turned to the right": (lambda rows: off_by(rows, WAIST_YAW, -0.25),
+                                          {"joint_offset_rad"}),
     "has an elbow off": (lambda rows: off_by(rows, LEFT_ELBOW, 0.2), {"joint_offset_rad"}),
     "has a wrist off": (lambda rows: off_by(rows, RIGHT_WRIST_YAW, -0.2), {"joint_offset_rad"}),
 }

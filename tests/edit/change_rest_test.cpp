@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
 
 namespace retarget {

@@ -7,10 +7,10 @@
 
 #include "edit/transfer.h"
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/bvh.h"
+#include "retarget/clip.h"
 
 namespace retarget::edit_test {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/bvh.h"
 #include "retarget/edit.h"
 #include "support/lafan1_map.h"
 

@@ -2,8 +2,8 @@
 #include <numbers>
 
 #include "edit_sample.h"
-#include "motion/resample.h"
 #include "retarget/edit.h"
+#include "retarget/resample.h"
 #include "support/clip_sampler.h"
 
 namespace retarget {

@@ -10,7 +10,7 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"

@@ -12,7 +12,7 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 

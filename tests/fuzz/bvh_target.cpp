@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
 #include "fuzz/fuzz_target.h"
+#include "retarget/bvh.h"
 
 namespace retarget::fuzz {
 namespace {

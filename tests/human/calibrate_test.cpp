@@ -8,12 +8,12 @@
 #include <filesystem>
 
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
 #include "human/twins.h"
-#include "motion/forward_kinematics.h"
-#include "motion/resample.h"
+#include "retarget/bvh.h"
+#include "retarget/clip.h"
+#include "retarget/resample.h"
 
 namespace retarget {
 namespace {

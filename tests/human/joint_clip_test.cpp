@@ -12,7 +12,7 @@
 
 #include "formats/smpl/joint_orders.h"
 #include "human/skeleton/joint_tree.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "human/skeleton/body_axes.h"
 #include "human/skeleton/canonical_pose.h"
-#include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "support/lafan1_map.h"

@@ -9,7 +9,7 @@
 #include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
 #include "human/twins.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

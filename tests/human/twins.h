@@ -10,7 +10,7 @@
 
 #include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

@@ -11,7 +11,7 @@
 #include "human/hand_made_maps.h"
 #include "human/postures.h"
 #include "human/twins.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

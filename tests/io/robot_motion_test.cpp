@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/math/so3.h"
-#include "formats/robot_motion/compare_motions.h"
-#include "robot/model/resample_robot.h"
+#include "retarget/compare.h"
+#include "retarget/resample.h"
 #include "robot/model/variant.h"
 #include "support/test_robots.h"
 

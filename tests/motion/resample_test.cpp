@@ -1,4 +1,4 @@
-#include "motion/resample.h"
+#include "retarget/resample.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

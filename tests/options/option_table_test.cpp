@@ -9,6 +9,7 @@
 #include <set>
 
 #include "app/options/options_json.h"
+#include "retarget/file.h"
 
 namespace retarget {
 namespace {
@@ -47,6 +48,34 @@ TEST(OptionTable, SingleRowSuggestsAndValidates) {
   ASSERT_FALSE(beyond);
   EXPECT_THAT(describe(beyond.error()), HasSubstr("a number from 0 to 10"));
   EXPECT_EQ(options.depth, 1.5);
+}
+
+TEST(OptionTable, WorkTakesTheRowsThatStateIt) {
+  RobotChoice robot;
+  EXPECT_THAT(option_names(rows_for(OptionUse::kConvert, robot_table(robot))),
+              ElementsAre("robot", "robot-xml", "robot-profile", "dof", "base"));
+  EXPECT_THAT(option_names(rows_not_for(OptionUse::kConvert, robot_table(robot))),
+              ElementsAre("follow"));
+  EXPECT_THAT(option_names(rows_for(OptionUse::kMeasure | OptionUse::kLive, robot_table(robot))),
+              testing::SizeIs(6));
+}
+
+TEST(OptionTable, RowsOfAnotherTableAreLeftOut) {
+  RobotChoice robot;
+  const OptionTable taken = rows_for(OptionUse::kConvert, robot_table(robot));
+  EXPECT_THAT(option_names(without_rows_of(taken, robot_table(robot))), ElementsAre("follow"));
+  EXPECT_THAT(option_names(without(taken, {"robot", "dof", "unknown"})),
+              ElementsAre("robot-xml", "robot-profile", "base"));
+}
+
+TEST(OptionTable, FilesRoundTrip) {
+  Extended written, read;
+  written.depth = 2.5;
+  const std::string file = testing::TempDir() + "/options.json";
+  ASSERT_TRUE(write_file(file, options_text(written.table)));
+  ASSERT_TRUE(load_options(file, read.table, "the options"));
+  EXPECT_EQ(read.depth, 2.5);
+  EXPECT_FALSE(load_options(file + ".missing", read.table, "the options"));
 }
 
 TEST(OptionTable, RunsRoundTrip) {

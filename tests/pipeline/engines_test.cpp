@@ -6,7 +6,7 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "retarget/motion_io.h"
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 #include "solve/targets/solve_frames.h"
 #include "solve/targets/targets.h"
 #include "support/csv.h"

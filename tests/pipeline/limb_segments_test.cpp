@@ -14,7 +14,7 @@
 #include "formats/smpl/read_smpl.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "solve/targets/solve_frames.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"

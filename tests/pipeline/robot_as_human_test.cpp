@@ -15,7 +15,7 @@
 #include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 #include "robot/model/load_robot.h"
 #include "solve/targets/targets.h"
 

@@ -14,7 +14,7 @@
 #include "base/math/so3.h"
 #include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 #include "robot/model/load_robot.h"
 #include "solve/targets/targets.h"
 #include "support/test_robots.h"

@@ -15,7 +15,7 @@
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/limb_segments.h"
 #include "human/skeleton/recognise.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "rig/derive_config.h"
 #include "rig/t_pose.h"
 #include "robot/anatomy/limbs.h"

@@ -285,6 +285,31 @@ std::string tiny_urdf() {
   return links + joints + "</robot>";
 }
 
+TEST(MakeRobot, VisualsOfAUrdfMayHaveSeveralMaterials) {
+  const auto with = [](const std::string& materials, const std::string& more = {}) {
+    std::string text = tiny_urdf();
+    const std::string place = "<link name=\"l_knee\">";
+    text.insert(text.find(place) + place.size(),
+                "<visual><geometry><box size=\"0.1 0.1 0.1\"/></geometry>" + materials +
+                    "</visual>\n" + more);
+    return text;
+  };
+  const std::string one = "<material name=\"grey\"/>";
+  const std::string several =
+      one + "<!-- <material> --><material name=\"\">\n<color rgba=\"1 0 0 1\"/>\n</material>" + one;
+  const TemporaryFolder folder;
+  const auto expected = make_robot(folder.write("one.urdf", with(one)), "tiny");
+  const auto made = make_robot(folder.write("several.urdf", with(several)), "tiny");
+  ASSERT_TRUE(expected) << describe(expected.error());
+  ASSERT_TRUE(made) << describe(made.error());
+  EXPECT_EQ(made->model, expected->model);
+  // errors have the line of the file
+  const auto broken =
+      make_robot(folder.write("broken.urdf", with(several, "<inertial/><inertial/>")), "tiny");
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().location.line, 4U);
+}
+
 TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny");

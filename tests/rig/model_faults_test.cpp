@@ -163,6 +163,14 @@ TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
   const auto made = make_robot(write(text), "robot");
   ASSERT_TRUE(made);
   EXPECT_EQ(made->model.find("rootx"), std::string::npos);
+  // A free joint in parts, without names.
+  text = changed([](BuiltHumanoid& built) {
+           built.root =
+               "<joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 1 0\"/>"
+               "<joint type=\"slide\" axis=\"0 0 1\"/><joint type=\"ball\"/>";
+         }).mjcf();
+  expect_noted(text,
+               "the root moved by \"joint_1\", \"joint_2\", \"joint_3\", \"joint_4\": a free");
   // Each in a separate body.
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
   text = plain_humanoid().mjcf();

@@ -16,7 +16,7 @@
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "retarget/rig.h"
 #include "robot/model/kinematic_tree.h"
 #include "robot/model/load_robot.h"

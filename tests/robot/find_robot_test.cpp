@@ -1,6 +1,6 @@
-#include "robot/model/find_robot.h"
 #include "base/json.h"
 #include "base/option_name.h"
+#include "retarget/robots.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

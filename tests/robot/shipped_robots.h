@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 #include "robot/model/load_robot.h"
 
 namespace retarget {

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "retarget/pose.h"
 

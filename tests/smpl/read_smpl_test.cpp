@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "smpl_test_support.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "motion/forward_kinematics.h"
 #include "retarget/clip.h"
 #include "smpl_test_support.h"
 #include "support/temporary_folder.h"

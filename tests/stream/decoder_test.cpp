@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
 
 namespace retarget {

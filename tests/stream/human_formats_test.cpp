@@ -15,7 +15,7 @@
 #include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
 #include "stream/stream_support.h"
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "base/data_folder.h"
 #include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/mvn_segments.h"
+#include "retarget/data_folder.h"
 #include "stream/stream_support.h"
 
 namespace retarget {

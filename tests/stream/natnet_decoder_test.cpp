@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "base/data_folder.h"
 #include "live/stream/clip_axes.h"
 #include "live/stream/formats.h"
+#include "retarget/data_folder.h"
 #include "stream/stream_support.h"
 
 namespace retarget {

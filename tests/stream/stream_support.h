@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "live/stream/decoder.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/robot.h"
 

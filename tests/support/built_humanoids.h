@@ -47,6 +47,7 @@ struct BuiltHumanoid {
   Eigen::Vector3d shoulder{0.0, 0.15, 0.4};  ///< Position of the first left joint in the torso.
   std::vector<BuiltJoint> waist;             ///< Joints from the root outwards.
   bool torso_is_root = false;
+  bool right_leg_first = false;  ///< The model lists the right leg before the left one.
 
   [[nodiscard]] std::string mjcf() const;
 };
@@ -95,7 +96,9 @@ inline std::string limb_text(const BuiltLimb& limb, const std::string& side,
 inline std::string BuiltHumanoid::mjcf() const {
   const std::string mass = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
   const auto limbs = [&](const BuiltLimb& limb, const Eigen::Vector3d& place) {
-    return limb_text(limb, "left", place) + limb_text(limb, "right", place);
+    const std::string left = limb_text(limb, "left", place);
+    const std::string right = limb_text(limb, "right", place);
+    return right_leg_first && &limb == &leg ? right + left : left + right;
   };
   std::string text = "<mujoco>" + before + "<compiler angle=\"radian\"/><worldbody><body name=\"" +
                      (torso_is_root ? "torso" : "pelvis") + "\" " + pelvis + ">" + root + mass;

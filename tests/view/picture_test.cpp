@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "retarget/view.h"
 #include "support/test_robots.h"
 #include "view/image.h"
 #include "view/render.h"
-#include "view/strip.h"
 
 namespace retarget {
 namespace {

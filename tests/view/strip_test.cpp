@@ -1,4 +1,4 @@
-#include "view/strip.h"
+#include "retarget/view.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include <utility>
 #include <vector>
-#include "batch/batch_table.h"
+#include "retarget/batch.h"
 
 #include "declare_table.h"
 #include "retarget/measure.h"
@@ -13,6 +13,8 @@
 namespace retarget::cli {
 namespace {
 
+constexpr OptionUse kMeasureOrShow = OptionUse::kMeasure | OptionUse::kShow;
+
 Option row(const char* name, auto& member, const char* group, const char* type, const char* help,
            OptionInfo info = {}) {
   info.decides = false;
@@ -22,43 +24,53 @@ Option row(const char* name, auto& member, const char* group, const char* type, 
 }  // namespace
 
 OptionTable common_table(CommonArguments& arguments) {
-  return {row("quiet", arguments.quiet, kGeneralGroup, "", "Print errors only", {.letter = "q"}),
+  return {row("quiet", arguments.quiet, kGeneralGroup, "", "Print errors only",
+              {.letter = "q", .uses = kMeasureOrShow}),
           row("data-dir", arguments.data_dir, kGeneralGroup, "DIR",
               "Folder that contains robots/ and configs/ (default: $RETARGET_DATA_DIR, or found "
-              "relative to the program)")};
+              "relative to the program)",
+              {.uses = kMeasureOrShow})};
 }
 
 Option write_map_row(std::string& file) {
-  return row("write-map", file, kHumanGroup, "FILE", "Write the bone map of this run, for editing");
+  return row("write-map", file, kHumanGroup, "FILE", "Write the bone map of this run, for editing",
+             {.uses = kMeasureOrShow | OptionUse::kOneClip});
 }
 
 OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
-  return {write_map_row(request.write_map),
-          row("mirror", request.mirror, kInputGroup, "", "Mirror the motion, left for right"),
-          row("sidecar", request.sidecar, kOutputGroup, "",
-              "Write FILE.json next to every output: hashes, options, detected properties, "
-              "quality; retarget verify checks it"),
-          row("report", request.report, kOutputGroup, "FILE",
-              "Write a quality report, JSON as in retarget evaluate"),
-          dynamics_row(request.dynamics),
-          row("html", request.html, kOutputGroup, "FILE",
-              "Write a page that plays the motion next to its source (docs/viewing.md)"),
-          row("png", request.png, kOutputGroup, "FILE",
-              "Also write a picture, a strip of poses, as PNG"),
-          row("strip", request.strip, kOutputGroup, "N",
-              "Picture: number of poses, first and last frame included (default: 6)",
-              {.min = 1.0, .max = 100.0}),
-          row("verbose", request.verbose, kGeneralGroup, "",
-              "Also print the cost of every fit term, before and after, and its worst frames",
-              {.letter = "v"})};
+  return {
+      write_map_row(request.write_map),
+      row("mirror", request.mirror, kInputGroup, "", "Mirror the motion, left for right",
+          {.uses = kMeasureOrShow}),
+      row("sidecar", request.sidecar, kOutputGroup, "",
+          "Write FILE.json next to every output: hashes, options, detected properties, "
+          "quality; retarget verify checks it"),
+      row("report", request.report, kOutputGroup, "FILE",
+          "Write a quality report, JSON as in retarget evaluate", {.uses = OptionUse::kOneClip}),
+      dynamics_row(request.dynamics),
+      row("html", arguments.html, kOutputGroup, "FILE",
+          "Write a page that plays the motion next to its source (docs/viewing.md)",
+          {.uses = OptionUse::kOneClip}),
+      row("png", arguments.png, kOutputGroup, "FILE",
+          "Also write a picture, a strip of poses, as PNG",
+          {.uses = OptionUse::kShow | OptionUse::kOneClip}),
+      row("strip", arguments.strip, kOutputGroup, "N",
+          "Picture: number of poses, first and last frame included (default: 6)",
+          {.min = 1.0, .max = 100.0, .uses = OptionUse::kShow | OptionUse::kOneClip}),
+      row("verbose", request.verbose, kGeneralGroup, "",
+          "Also print the cost of every fit term, before and after, and its worst frames",
+          {.letter = "v", .uses = OptionUse::kOneClip})};
 }
 
 OptionTable run_command_table(RunArguments& arguments) {
   OptionTable table = {row("bvh", arguments.run.motion, kInputGroup, "FILE",
-                           "Motion to retarget; - reads standard input", {.basic = true}),
+                           "Motion to retarget; - reads standard input",
+                           {.basic = true, .uses = kMeasureOrShow | OptionUse::kOneClip}),
                        row("smpl", arguments.smpl_file, kInputGroup, "FILE",
-                           "SMPL or SMPL-X motion to retarget (docs/smpl.md)", {.basic = true})};
+                           "SMPL or SMPL-X motion to retarget (docs/smpl.md)",
+                           {.basic = true, .uses = kMeasureOrShow | OptionUse::kOneClip})};
+  // The command line spells these two --bvh and --smpl.
   append(table, without(run_table(arguments.run), {"motion", "smpl"}));
   append(table, request_table(arguments));
   table.push_back(gate_row(
@@ -93,7 +105,7 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
 OptionTable convert_table(ConvertArguments& arguments) {
   OptionTable table = {memory_row(arguments.memory_gb)};
   append(table, reading_table(arguments.reading));
-  append(table, without(robot_table(arguments.robot), {"follow"}));
+  append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));
   append(table, time_table(arguments.time));
   table.push_back(output_row(arguments.output));
   append(table, save_table(arguments.save));
@@ -106,7 +118,7 @@ OptionTable compare_table(CompareArguments& arguments) {
                            "Maximum accepted difference, in the files' units",
                            {.min = 0.0, .max = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
-  append(table, without(robot_table(arguments.robot), {"follow"}));
+  append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));
   append(table, reading_table(arguments.reading));
   append(table, common_table(arguments.common));
   return table;
@@ -114,10 +126,10 @@ OptionTable compare_table(CompareArguments& arguments) {
 
 OptionTable inspect_table(InspectArguments& arguments) {
   Options& options = arguments.run.run.options;
-  OptionTable table = without(source_table(options.source), {"smpl-model"});
+  OptionTable table = rows_for(OptionUse::kInspect, source_table(options.source));
   table.push_back(row("skeleton", arguments.skeleton_only, kInputGroup, "",
                       "Accept a file with a skeleton but no MOTION"));
-  append(table, without(human_table(options.human), {"clean"}));
+  append(table, rows_for(OptionUse::kInspect, human_table(options.human)));
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",
                       {.basic = true}));
@@ -145,14 +157,7 @@ OptionTable view_table(ViewArguments& arguments) {
           "Page: frame rate of motions whose files have none, in frames per second, or `source`; "
           "the source is resampled to it (default: 30; SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
-  append(table,
-         only(run_command_table(arguments.run),
-              {"output",     "strip",   "png",       "bvh",           "smpl",     "smpl-model",
-               "start",      "lead-in", "map",       "partial",       "rest",     "tpose-frame",
-               "tpose-file", "unit",    "up",        "forward",       "height",   "clean",
-               "write-map",  "robot",   "robot-xml", "robot-profile", "base",     "dof",
-               "ik-config",  "limits",  "scale",     "quiet",         "data-dir", "mirror",
-               "from-robot"}));
+  append(table, rows_for(OptionUse::kShow, run_command_table(arguments.run)));
   append(table, reading_table(arguments.reading));
   return table;
 }

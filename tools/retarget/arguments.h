@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "batch/run_batch.h"
-#include "live/stream/serve.h"
+#include "retarget/batch.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
+#include "retarget/serve.h"
 
 namespace retarget::cli {
 
@@ -23,7 +23,10 @@ struct CommonArguments {
 struct RunArguments {
   CommonArguments common;
   Run run;
-  RunRequest request;              ///< Except its gates.
+  RunRequest request;              ///< Except its gates and drawings.
+  std::string html;                ///< Page that plays the motion; empty: none.
+  std::string png;                 ///< Picture with a strip of poses; empty: none.
+  int strip = 0;                   ///< Number of poses in the strip; 0: the default.
   std::vector<std::string> gates;  ///< As for changed_gates(); empty: gates do not affect the exit
                                    ///< code.
   std::string smpl_file;           ///< Replaces the run's motion.

@@ -3,9 +3,9 @@
 #include <cstddef>
 
 #include "arguments.h"
-#include "batch/run_batch.h"
 #include "commands.h"
 #include "console.h"
+#include "retarget/batch.h"
 #include "retarget/try.h"
 #include "shared_arguments.h"
 
@@ -17,7 +17,6 @@ Result<ExitCode> batch(const BatchArguments& arguments, Console& console) {
   request.run = arguments.run.run;
   request.of_clip = arguments.run.request;
   request.quality = !arguments.no_quality;
-  request.exit_code = [](ErrorKind kind) { return int{exit_code(kind)}; };
   request.begin_worker = leave_interrupts_to_parent;
   RETARGET_TRY_ASSIGN(const std::size_t failed, arguments.merge ? merge_batch(request, console)
                                                                 : run_batch(request, console));

@@ -6,11 +6,8 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "formats/robot_motion/compare_motions.h"
-#include "motion/clip_size.h"
-#include "read_motion.h"
 #include "retarget/check_options.h"
-#include "retarget/file.h"
+#include "retarget/compare.h"
 #include "retarget/load.h"
 #include "retarget/run.h"
 #include "retarget/try.h"
@@ -38,10 +35,7 @@ Result<MotionTables> load_as_they_are(const CompareArguments& arguments) {
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string& file = i == 0 ? arguments.a : arguments.b;
-    RETARGET_TRY_ASSIGN(
-        const auto content,
-        read_file(file, ErrorKind::kInput, memory_share(arguments.memory_gb), kLargeFileHint));
-    RETARGET_TRY_ASSIGN(tables[i], parse_motion_table(content.view(), file));
+    RETARGET_TRY_ASSIGN(tables[i], load_motion_table(file, memory_share(arguments.memory_gb)));
   }
   return tables;
 }
@@ -50,12 +44,13 @@ Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& c
   RETARGET_TRY(check_robot_choice(arguments.robot));
   RETARGET_TRY_ASSIGN(const LoadedRobot chosen,
                       load_robot(arguments.robot, arguments.common, console, Soles::kAsTheyAre));
-  const auto read_options = read_motion_options(arguments.reading, arguments.memory_gb);
+  const auto read_options =
+      read_motion_options(arguments.reading, memory_share(arguments.memory_gb));
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string& file = i == 0 ? arguments.a : arguments.b;
     RETARGET_TRY_ASSIGN(const auto motion, load_recorded_motion(file, chosen.robot, read_options));
-    print_motion(file, motion, console);
+    report_reading(file, motion, console);
     tables[i] = motion_table(motion.clip);
     if (motion.rate_known) tables[i].others = {{"fps", {motion.clip.rate().fps()}}};
   }

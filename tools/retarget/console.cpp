@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/exit_code.h"
+#include "retarget/error.h"
 #include "retarget/text.h"
 
 namespace retarget::cli {

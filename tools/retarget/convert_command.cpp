@@ -4,17 +4,13 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include "base/located.h"
 #include "commands.h"
 #include "human_glb.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
-#include "app/run/outputs.h"
 #include "arguments.h"
 #include "console.h"
-#include "motion/resample.h"
-#include "read_motion.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/load.h"
@@ -22,9 +18,9 @@
 #include "retarget/motion_io.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
+#include "retarget/resample.h"
+#include "retarget/robot.h"
 #include "retarget/run.h"
-#include "robot/model/resample_robot.h"
-#include "robot/model/variant.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -82,11 +78,11 @@ Result<ReadMotion> load_motion(const ConvertArguments& arguments, Console& conso
   whole.variant.clear();
   RETARGET_TRY_ASSIGN(const LoadedRobot robot,
                       load_robot(whole, arguments.common, console, Soles::kAsTheyAre));
-  RETARGET_TRY_ASSIGN(
-      RobotMotion motion,
-      load_recorded_motion(arguments.input, robot.robot,
-                           read_motion_options(arguments.reading, arguments.memory_gb)));
-  print_motion(arguments.input, motion, console);
+  RETARGET_TRY_ASSIGN(RobotMotion motion,
+                      load_recorded_motion(arguments.input, robot.robot,
+                                           read_motion_options(arguments.reading,
+                                                               memory_share(arguments.memory_gb))));
+  report_reading(arguments.input, motion, console);
   const std::string& name = arguments.robot.variant;
   const FrameRate file_rate = motion.clip.rate();
   RobotClip read = std::move(motion.clip);
@@ -118,9 +114,10 @@ Result<void> convert_human(const ConvertArguments& arguments, Console& console) 
   console.warn(clip.origin().warnings, clip.name());
   const TimeOptions& time = arguments.time;
   if (time.fps) {
-    RETARGET_TRY_ASSIGN(clip, located(resample(std::move(clip), frame_rate_from_fps(*time.fps),
-                                               {time.interpolation, !time.no_antialias}),
-                                      arguments.input));
+    auto resampled = resample(std::move(clip), frame_rate_from_fps(*time.fps),
+                              {time.interpolation, !time.no_antialias});
+    if (!resampled) resampled.error().location.file = arguments.input;
+    RETARGET_TRY_ASSIGN(clip, std::move(resampled));
   }
   const std::string summary =
       count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) + " fps";
@@ -136,15 +133,8 @@ Result<void> convert(const ConvertArguments& arguments, Console& console) {
   RETARGET_TRY(check_usage(arguments));
   if (is_of_human(arguments)) return convert_human(arguments, console);
   RETARGET_TRY_ASSIGN(const ReadMotion motion, load_motion(arguments, console));
-  const RobotClip& clip = motion.clip;
-  RETARGET_TRY_ASSIGN(const auto outputs, MotionOutputs::open(arguments.output, arguments.save,
-                                                              clip.shared_robot(), clip.rate()));
-  for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
-  const OutputMotion written{&clip, std::nullopt, motion.contacts};
-  RETARGET_TRY_ASSIGN(const auto files, outputs->finish({&written, 1}));
-  warn_of_losses(clip, files, console);
-  console.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
-                            " at " + to_text(clip.rate()) + " fps");
+  RETARGET_TRY(
+      write_motion(motion.clip, motion.contacts, arguments.output, arguments.save, console));
   return {};
 }
 

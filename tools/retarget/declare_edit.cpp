@@ -93,13 +93,11 @@ OptionTable edit_table(Edit edit, EditArguments& arguments) {
           : word("file", arguments.file, "FILE", "Motion to edit, BVH; - reads standard input")};
   append(table, own_table(edit, arguments));
   if (edit >= Edit::kResample && edit != Edit::kConcat) {
-    append(table, only(part_table(arguments.part), {"start", "end", "frames"}));
+    append(table, rows_for(OptionUse::kEdit, part_table(arguments.part)));
   }
-  append(table, without(source_table(arguments.source),
-                        {"smpl-model", "from", "source-quat", "source-angles", "source-unit",
-                         "source-dof", "ignore-header"}));
+  append(table, rows_for(OptionUse::kEdit, source_table(arguments.source)));
   if (edit != Edit::kRest && edit != Edit::kResample && edit != Edit::kTrim) {
-    append(table, without(human_table(arguments.human), {"clean"}));
+    append(table, rows_for(OptionUse::kEdit, human_table(arguments.human)));
     table.push_back(write_map_row(arguments.write_map));
   }
   Option output = output_row(arguments.output);

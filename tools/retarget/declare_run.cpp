@@ -32,10 +32,10 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "with names; with --merge, further manifests",
                           false)});
+  // The rows of a batch replace those of a run.
   declare(*command,
-          without(run_command_table(arguments.run),
-                  {"bvh", "smpl", "write-map", "robot", "base", "output", "report", "html", "png",
-                   "strip", "memory", "verbose", "gate", "mirror", "contacts"}));
+          without_rows_of(batch_table(arguments),
+                          rows_not_for(OptionUse::kOneClip, run_command_table(arguments.run))));
   declare(*command, batch_table(arguments));
   for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
   return command;
@@ -46,19 +46,18 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
       "evaluate", "Measure robot motions; exit code 1 if a gate is missed (docs/quality.md)");
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
-  declare(*command, only(run_command_table(arguments.run),
-                         {"bvh",       "smpl",        "smpl-model",  "lenient",       "root",
-                          "take",      "joint-names", "source-fps",  "memory",        "map",
-                          "partial",   "rest",        "tpose-frame", "tpose-file",    "unit",
-                          "up",        "forward",     "height",      "start",         "clean",
-                          "lead-in",   "robot",       "robot-xml",   "robot-profile", "base",
-                          "ik-config", "limits",      "scale",       "write-map",     "quiet",
-                          "data-dir",  "mirror",      "dof",         "from-robot"}));
-  declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
+  const OptionTable own = evaluate_table(arguments);
+  const OptionTable of_run =
+      without_rows_of(own, rows_for(OptionUse::kMeasure, run_command_table(arguments.run)));
+  const OptionTable reading = without_rows_of(of_run, reading_table(arguments.reading));
+  declare(*command, of_run);
+  declare(*command, reading);
   // Here, the option that convert calls --source-quat keeps its old name.
-  declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));
+  Option quaternion = *find_option(reading, "source-quat");
+  quaternion.name = "csv-quat";
+  declare(*command, {quaternion});
   command->get_option("--csv-quat")->group("");
-  declare(*command, evaluate_table(arguments));
+  declare(*command, own);
   const auto describe_as = [command](const char* name, const char* help) {
     command->get_option(name)->description(help);
   };

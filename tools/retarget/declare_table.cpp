@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -73,33 +72,10 @@ void declare(CLI::App& command, const Option& row) {
   if (row.info.type.ends_with(",...")) declared->delimiter(',');
 }
 
-template <typename Keep>
-OptionTable filtered(OptionTable rows, const Keep& keep) {
-  std::erase_if(rows, [&](const Option& row) { return !keep(row.name); });
-  return rows;
-}
-
 }  // namespace
 
 void declare(CLI::App& command, const OptionTable& rows) {
   for (const Option& row : rows) declare(command, row);
-}
-
-OptionTable without(OptionTable rows, std::initializer_list<std::string_view> names) {
-  return filtered(std::move(rows), [&](std::string_view name) {
-    return std::ranges::find(names, name) == names.end();
-  });
-}
-
-OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names) {
-  return filtered(std::move(rows), [&](std::string_view name) {
-    return std::ranges::find(names, name) != names.end();
-  });
-}
-
-OptionTable renamed(OptionTable rows, const char* name) {
-  rows.front().name = name;
-  return rows;
 }
 
 void refuse_empty_values(CLI::App& app) {

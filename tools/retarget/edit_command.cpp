@@ -10,10 +10,8 @@
 #include "commands.h"
 #include "console.h"
 #include "edit_arguments.h"
-#include "formats/bvh/read_bvh.h"
-#include "formats/bvh/write_bvh.h"
-#include "human/skeleton/bone_map_file.h"
 #include "human_glb.h"
+#include "retarget/bvh.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/file.h"
@@ -135,10 +133,8 @@ class EditRun {
 
   Result<Clip> to_rest() {
     RETARGET_TRY_ASSIGN(const Clip motion, read_clip(options_.file));
-    BvhReadOptions read_options;
-    read_options.motion_optional = true;
-    RETARGET_TRY_ASSIGN(const auto like, load_bvh(options_.like, read_options));
-    return told(change_rest(motion, like.clip.shared_skeleton(), file_, options_.like), file_);
+    RETARGET_TRY_ASSIGN(const Clip like, load_skeleton(options_.like));
+    return told(change_rest(motion, like.shared_skeleton(), file_, options_.like), file_);
   }
 
   Result<Clip> to_other(const EditSource& source) {

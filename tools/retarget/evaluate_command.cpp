@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "arguments.h"
-#include "base/option_name.h"
 #include "commands.h"
 #include "console.h"
 #include "measure_files.h"
@@ -33,7 +32,8 @@ Result<void> check_usage(const EvaluateArguments& arguments) {
 
 Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) {
   RETARGET_TRY(check_usage(arguments));
-  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
+  RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
+  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(request, console));
   std::vector<QualityReport> reports;
   for (const std::string& file : arguments.motions) {
     RETARGET_TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
@@ -45,7 +45,7 @@ Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) 
   if (arguments.json != "-") {
     const ReportStyle style{.all = arguments.all, .colour = output_takes_colours()};
     RETARGET_TRY(write_file("-", report_text(reports, style)));
-    if (!arguments.all) console.line("figures", OPTION("all") " prints all measured metrics");
+    if (!arguments.all) console.line("figures", "--all prints all measured metrics");
   }
   for (const QualityReport& report : reports) console.lines(verdict_lines(report, report.file));
   // A missed gate is a result, not an error; the exit code reports it.

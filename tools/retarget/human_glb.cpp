@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "app/plan/human_in_world.h"
 #include "retarget/file.h"
+#include "retarget/motion_io.h"
 #include "retarget/plan.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

@@ -4,25 +4,21 @@
 
 #include <csignal>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include "app/options/options_json.h"
-#include "app/plan/follow_arms.h"
 #include "argument_tables.h"
 #include "arguments.h"
-#include "base/json.h"
 #include "commands.h"
 #include "console.h"
 #include "interrupt.h"
-#include "live/stream/decoder.h"
-#include "live/stream/output_formats.h"
-#include "live/stream/serve.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/option_table.h"
+#include "retarget/plan.h"
+#include "retarget/serve.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 #include "shared_arguments.h"
@@ -62,7 +58,7 @@ class RecalibrationSignal {
 
 Result<void> list_formats() {
   std::string text = "inputs\n";
-  for (const StreamFormat& format : stream_formats()) {
+  for (const InputFormat& format : input_formats()) {
     const std::string port = format.port > 0 ? fmt::format("usual port {}", format.port) : "";
     text += fmt::format("  {:<8} {}{}{}\n", format.name, format.description,
                         port.empty() ? "" : "; ", port);
@@ -93,8 +89,7 @@ Result<void> play_clip(const LiveArguments& arguments, Console& console) {
 Result<void> take_recorded(LiveArguments& arguments) {
   const fs::path folder(arguments.serve.replay);
   const std::string file = (folder / kRecordedOptions).string();
-  RETARGET_TRY_ASSIGN(const auto json, load_json(file));
-  RETARGET_TRY(read_options(json, live_run_table(arguments), file, "the options of a live run"));
+  RETARGET_TRY(load_options(file, live_run_table(arguments), "the options of a live run"));
   if (!arguments.skeleton.empty()) {
     arguments.skeleton = (folder / fs::path(arguments.skeleton).filename()).string();
   }
@@ -111,8 +106,7 @@ Result<void> record_options(const LiveArguments& given) {
     RETARGET_TRY_ASSIGN(const auto bytes, read_file(arguments.skeleton));
     RETARGET_TRY(write_file(copy.string(), bytes.view()));
   }
-  return write_file((folder / kRecordedOptions).string(),
-                    printable_dump(options_json(live_run_table(arguments))));
+  return write_file((folder / kRecordedOptions).string(), options_text(live_run_table(arguments)));
 }
 
 Result<void> check_usage(const LiveArguments& arguments) {
@@ -141,11 +135,11 @@ void summarise(const ServeSummary& summary, Console& console) {
     console.line("failed",
                  count_text(live.failed_steps, "step") + " of the fit with non-finite numbers");
   }
-  const Latency& latency = summary.latency;
-  console.line("latency", fmt::format("packet to robot frame p50 {} ms, p99 {} ms, max {} ms",
-                                      number_text(1e3 * latency.percentile(50.0), 3),
-                                      number_text(1e3 * latency.percentile(99.0), 3),
-                                      number_text(1e3 * latency.max(), 3)));
+  const LatencySummary& latency = summary.latency;
+  console.line("latency",
+               fmt::format("packet to robot frame p50 {} ms, p99 {} ms, max {} ms",
+                           number_text(1e3 * latency.p50_s, 3), number_text(1e3 * latency.p99_s, 3),
+                           number_text(1e3 * latency.max_s, 3)));
   for (const OutputStatistics& output : summary.outputs) {
     if (output.dropped == 0 && output.reconnects == 0) continue;
     console.line("output", fmt::format("{}: {} sent, {} dropped, {}; {}", output.name, output.sent,
@@ -174,9 +168,7 @@ Result<void> live(const LiveArguments& given, Console& console) {
     RETARGET_TRY_ASSIGN(serve_options.skeleton, load_skeleton(arguments.skeleton));
   }
   RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
-  for (const auto& [label, text] : follow_lines(robot.loaded, robot.limits)) {
-    console.line(label, text);
-  }
+  console.lines(robot.follow_lines());
   if (!serve_options.record.empty()) RETARGET_TRY(record_options(arguments));
   ServeControl control;
   control.is_stopped = [] { return InterruptGuard::interrupted(); };

@@ -2,27 +2,12 @@
 
 #include "argument_tables.h"
 
-#include <array>
 #include <utility>
 
 #include "declare_table.h"
-#include "live/stream/live_pipeline.h"
-#include "retarget/enum_names.h"
 #include "retarget/live_table.h"
 #include "retarget/option_table.h"
-
-namespace retarget {
-
-template <>
-inline constexpr auto kEnumNames<LiveCalibration> =
-    std::to_array<NamedValue<LiveCalibration>>({{LiveCalibration::kAuto, "auto"},
-                                                {LiveCalibration::kTpose, "tpose"},
-                                                {LiveCalibration::kNpose, "npose"}});
-template <>
-inline constexpr auto kEnumNames<LivePace> = std::to_array<NamedValue<LivePace>>(
-    {{LivePace::kAuto, "auto"}, {LivePace::kClock, "clock"}, {LivePace::kInput, "input"}});
-
-}  // namespace retarget
+#include "retarget/serve.h"
 
 namespace retarget::cli {
 namespace {
@@ -59,9 +44,9 @@ OptionTable pipeline_rows(LiveArguments& arguments) {
 
 OptionTable live_run_table(LiveArguments& arguments) {
   OptionTable table = pipeline_rows(arguments);
-  append(table, robot_table(arguments.run.run.robot));
-  append(table, without(solve_table(arguments.run.run.options.solve), {"with", "window"}));
-  append(table, without(human_table(arguments.run.run.options.human), {"tpose-frame", "clean"}));
+  append(table, rows_for(OptionUse::kLive, robot_table(arguments.run.run.robot)));
+  append(table, rows_for(OptionUse::kLive, solve_table(arguments.run.run.options.solve)));
+  append(table, rows_for(OptionUse::kLive, human_table(arguments.run.run.options.human)));
   return table;
 }
 

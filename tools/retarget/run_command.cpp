@@ -13,9 +13,10 @@
 #include "retarget/measure.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/robots.h"
 #include "retarget/run.h"
 #include "retarget/try.h"
-#include "robot/model/find_robot.h"
+#include "retarget/view.h"
 #include "shared_arguments.h"
 #include "usage_errors.h"
 
@@ -97,20 +98,20 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
     return usage_failure("--report needs a file",
                          "use retarget evaluate --json - to print a report");
   }
-  if (request.html == "-") {
+  if (arguments.html == "-") {
     return usage_failure("--html needs a file", "give a file name that ends in .html");
   }
-  if (request.png == "-") return usage_failure("--png needs a file");
-  if (request.strip > 0 && request.png.empty()) {
+  if (arguments.png == "-") return usage_failure("--png needs a file");
+  if (arguments.strip > 0 && arguments.png.empty()) {
     return usage_failure("--strip needs a picture", "add --png FILE");
   }
-  for (const std::string& file : {request.report, request.html, request.png}) {
+  for (const std::string& file : {request.report, arguments.html, arguments.png}) {
     if (!file.empty()) RETARGET_TRY(check_output_folder(file));
   }
   std::vector<std::string> read = files_of(run, data_folder);
   read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
   return check_outputs(run, request.sidecar, read,
-                       {request.report, request.html, request.png, request.write_map});
+                       {request.report, arguments.html, arguments.png, request.write_map});
 }
 
 }  // namespace
@@ -130,6 +131,10 @@ Result<ExitCode> run(const RunArguments& given, Console& console) {
   // Quality affects the exit code only if gates were requested.
   if (!arguments.gates.empty()) {
     RETARGET_TRY_ASSIGN(request.gates, changed_gates(arguments.gates, *data_folder));
+  }
+  if (!arguments.html.empty()) request.drawings.push_back(page_of_run(arguments.html));
+  if (!arguments.png.empty()) {
+    request.drawings.push_back(picture_of_run(arguments.png, arguments.strip));
   }
   RETARGET_TRY_ASSIGN(const RunOutcome outcome,
                       run_to_files(arguments.run, request, setup, console));

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/data_folder.h"
+#include "retarget/data_folder.h"
 #include "retarget/option_table.h"
 #include "retarget/run.h"
 #include "retarget/try.h"

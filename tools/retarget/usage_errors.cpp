@@ -8,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "base/data_folder.h"
 #include "human_glb.h"
+#include "retarget/data_folder.h"
+#include "retarget/robots.h"
 #include "retarget/text.h"
-#include "robot/model/find_robot.h"
 
 namespace retarget::cli {
 namespace {

@@ -8,13 +8,12 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "gallery.h"
-#include "human/skeleton/human_clip.h"
+#include "interrupt.h"
 #include "measure_files.h"
-#include "read_motion.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/file.h"
+#include "retarget/gallery.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/motion_io.h"
@@ -26,7 +25,6 @@
 #include "retarget/try.h"
 #include "retarget/view.h"
 #include "shared_arguments.h"
-#include "view/strip.h"
 
 namespace retarget::cli {
 namespace {
@@ -41,8 +39,7 @@ bool is_page(const std::string& output) {
 // Rejects options that do not apply to the chosen output, page or picture.
 Result<void> check_use(const ViewArguments& arguments) {
   const bool page = is_page(arguments.run.run.output);
-  const RunRequest& request = arguments.run.request;
-  if (page && request.png.empty() && request.strip > 0) {
+  if (page && arguments.run.png.empty() && arguments.run.strip > 0) {
     return usage_failure("--strip needs a picture, but only a page is written",
                          "add --png FILE, or give an output that ends in .png or .svg");
   }
@@ -63,7 +60,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
   RETARGET_TRY(check_robot_choice(run.robot));
   RETARGET_TRY(check_use(arguments));
   RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
-  if ((!is_page(run.output) || !request.png.empty()) && arguments.motions.size() > 1) {
+  if ((!is_page(run.output) || !arguments.run.png.empty()) && arguments.motions.size() > 1) {
     return usage_failure(
         "a picture shows one motion, found " + count_text(arguments.motions.size(), "motion"),
         "give an output that ends in .html to play them side by side");
@@ -73,20 +70,21 @@ Result<void> check_usage(const ViewArguments& arguments) {
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "give one --label per motion, in the same order");
   }
-  return check_written({run.output, request.png, request.write_map}, read);
+  return check_written({run.output, arguments.run.png, request.write_map}, read);
 }
 
 // Draws a strip in the format that the file name implies.
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
   const RunRequest& request = arguments.run.request;
-  if (file == request.png || lower_case(fs::path(file).extension().string()) == ".png") {
+  if (file == arguments.run.png || lower_case(fs::path(file).extension().string()) == ".png") {
     StripPictureOptions options;
-    options.poses = request.strip;
+    options.poses = arguments.run.strip;
     return draw_strip_picture(motion.clip, human, options);
   }
   const std::string name = fs::path(arguments.motions.front()).filename().string();
-  return draw_strip(motion.clip, human, {request.strip, name + ", " + motion.clip.robot().name()});
+  return draw_strip(motion.clip, human,
+                    {arguments.run.strip, name + ", " + motion.clip.robot().name()});
 }
 
 // Returns the human source of a motion, resampled to the motion's frames.
@@ -109,18 +107,19 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
                       load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
   RETARGET_TRY_ASSIGN(
       const RobotMotion motion,
-      load_recorded_motion(file, robot.robot,
-                           read_motion_options(arguments.reading, run.options.source.memory_gb)));
-  print_motion(file, motion, console);
+      load_recorded_motion(
+          file, robot.robot,
+          read_motion_options(arguments.reading, memory_share(run.options.source.memory_gb))));
+  report_reading(file, motion, console);
   RETARGET_TRY_ASSIGN(const auto human,
                       source_human(arguments.run, robot, motion.clip.rate(), console));
-  for (const std::string& output : {run.output, request.png}) {
+  for (const std::string& output : {run.output, arguments.run.png}) {
     if (output.empty() || is_page(output)) continue;
     RETARGET_TRY(
         write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
-    console.line(
-        "wrote",
-        output + ": " + count_text(std::min(request.strip, motion.clip.frame_count()), "pose"));
+    console.line("wrote",
+                 output + ": " +
+                     count_text(std::min(arguments.run.strip, motion.clip.frame_count()), "pose"));
   }
   return {};
 }
@@ -135,8 +134,9 @@ Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
   }
   RETARGET_TRY_ASSIGN(
       const RobotMotion motion,
-      load_recorded_motion(file, robot.robot,
-                           read_motion_options(arguments.reading, run.options.source.memory_gb)));
+      load_recorded_motion(
+          file, robot.robot,
+          read_motion_options(arguments.reading, memory_share(run.options.source.memory_gb))));
   return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
 }
 
@@ -165,7 +165,8 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
                                              DataFolder{arguments.run.common.data_dir, {}}));
     RETARGET_TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
   }
-  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(arguments, console, source_rate));
+  RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
+  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(request, console, source_rate));
   std::vector<MeasuredMotion> motions;
   for (const std::string& file : arguments.motions) {
     RETARGET_TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
@@ -188,19 +189,56 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   return {};
 }
 
+Result<void> check_gallery(const ViewArguments& arguments) {
+  const std::string& output = arguments.run.run.output;
+  if (arguments.motions.size() > 1) {
+    return usage_failure("a gallery shows one folder",
+                         "give motion files to play them side by side");
+  }
+  std::error_code ignored;
+  if (output == "-" || (fs::exists(output, ignored) && !fs::is_directory(output, ignored)) ||
+      (!fs::exists(output, ignored) && !fs::path(output).extension().empty() &&
+       output.back() != '/')) {
+    return usage_failure("a gallery must be a folder, found the output \"" + output + "\"",
+                         "give a folder, such as gallery/");
+  }
+  if (!arguments.run.run.motion.empty() || !arguments.run.png.empty() ||
+      !arguments.labels.empty()) {
+    return usage_failure("--bvh, --smpl, --png and --label apply to motions, not to a folder");
+  }
+  fs::path folder = fs::path(output).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  return check_output_folder(folder.string());
+}
+
+// Makes pages of the motions of a batch, and an index page.
+Result<void> view_batch(const ViewArguments& arguments, Console& console) {
+  RETARGET_TRY(check_gallery(arguments));
+  GalleryRequest request;
+  request.batch = arguments.motions.front();
+  request.output = arguments.run.run.output;
+  request.data_folder = DataFolder{arguments.run.common.data_dir, {}};
+  request.robot = arguments.run.run.robot;
+  request.gates = arguments.gates;
+  request.meshes = arguments.meshes;
+  request.spelling = option_as_flag;
+  request.begin_worker = leave_interrupts_to_parent;
+  return write_gallery(request, console);
+}
+
 }  // namespace
 
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
   std::error_code ignored;
   const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
-  if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
+  if (std::ranges::any_of(arguments.motions, is_folder)) return view_batch(arguments, console);
   RETARGET_TRY(take_smpl_file(arguments.run));
   RETARGET_TRY(check_usage(arguments));
   RunRequest& request = arguments.run.request;
-  if (request.strip == 0) request.strip = StripPictureOptions().poses;
+  if (arguments.run.strip == 0) arguments.run.strip = StripPictureOptions().poses;
   const bool page = is_page(arguments.run.run.output);
-  if (!page || !request.png.empty()) RETARGET_TRY(draw_picture(arguments, console));
+  if (!page || !arguments.run.png.empty()) RETARGET_TRY(draw_picture(arguments, console));
   return page ? write_page(arguments, console) : Result<void>();
 }
 

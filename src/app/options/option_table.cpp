@@ -15,6 +15,10 @@ Failure unexpected(const Option& row, const OptionValue& found) {
                                    word ? did_you_mean(*word, row.choices) : std::string()));
 }
 
+bool is_for(OptionUse use, const Option& row) {
+  return (static_cast<unsigned>(row.info.uses) & static_cast<unsigned>(use)) != 0;
+}
+
 }  // namespace
 
 std::string expectation(const Option& row) {
@@ -107,6 +111,29 @@ std::vector<std::string> option_names(const OptionTable& table) {
 
 void append(OptionTable& table, OptionTable rows) {
   std::ranges::move(rows, std::back_inserter(table));
+}
+
+OptionTable rows_for(OptionUse use, OptionTable table) {
+  std::erase_if(table, [use](const Option& row) { return !is_for(use, row); });
+  return table;
+}
+
+OptionTable rows_not_for(OptionUse use, OptionTable table) {
+  std::erase_if(table, [use](const Option& row) { return is_for(use, row); });
+  return table;
+}
+
+OptionTable without_rows_of(const OptionTable& taken, OptionTable table) {
+  std::erase_if(table, [&](const Option& row) {
+    return std::ranges::find(taken, row.name, &Option::name) != taken.end();
+  });
+  return table;
+}
+
+OptionTable without(OptionTable table, std::initializer_list<std::string_view> names) {
+  std::erase_if(
+      table, [&](const Option& row) { return std::ranges::find(names, row.name) != names.end(); });
+  return table;
 }
 
 }  // namespace retarget

@@ -12,6 +12,7 @@
 
 #include "base/faults.h"
 #include "base/json.h"
+#include "base/try.h"
 #include "base/utf8.h"
 
 namespace retarget {
@@ -118,6 +119,16 @@ Result<void> read_options(const Json& json, const OptionTable& table, const std:
   }
   if (faults.empty()) return {};
   return faults.failure_in(file, what);
+}
+
+std::string options_text(const OptionTable& table) {
+  return printable_dump(options_json(table));
+}
+
+Result<void> load_options(const std::string& file, const OptionTable& table,
+                          const std::string& what) {
+  TRY_ASSIGN(const Json json, load_json(file));
+  return read_options(json, table, file, what);
 }
 
 }  // namespace retarget

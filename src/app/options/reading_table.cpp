@@ -31,8 +31,10 @@ ReadMotionOptions read_motion_options(const MotionFileOptions& options, double s
   return read;
 }
 
-ReadMotionOptions read_motion_options(const ReadingOptions& options) {
-  return read_motion_options(options, options.source_fps, options.motion);
+ReadMotionOptions read_motion_options(const ReadingOptions& options, std::size_t max_bytes) {
+  ReadMotionOptions read = read_motion_options(options, options.source_fps, options.motion);
+  read.max_bytes = max_bytes;
+  return read;
 }
 
 }  // namespace retarget

@@ -19,6 +19,15 @@ constexpr double kMinRate = 0.001, kMaxRate = 1e6, kMaxTime = 1e9;
 constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
     {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"cmu", 0.056444}}};
 
+// Other work that takes an option. To judge or show a motion, its source must be read and
+// understood as in the run that made it.
+constexpr OptionUse kJudged = OptionUse::kMeasure | OptionUse::kShow | OptionUse::kShowBatch;
+constexpr OptionUse kReading =
+    OptionUse::kMeasure | OptionUse::kShowBatch | OptionUse::kInspect | OptionUse::kEdit;
+constexpr OptionUse kHuman = kJudged | OptionUse::kInspect | OptionUse::kEdit | OptionUse::kLive;
+constexpr OptionUse kRobot =
+    OptionUse::kMeasure | OptionUse::kShow | OptionUse::kConvert | OptionUse::kLive;
+
 std::optional<double> number_in(std::string_view text, double min, double max) {
   const auto number = parse_number<double>(text);
   return number && *number >= min && *number <= max ? number : std::nullopt;
@@ -75,17 +84,20 @@ Option memory_row(double& memory_gb) {
   return option("memory", memory_gb, kInputGroup, "GB",
                 "Reject motions that need more memory than this, GB (default: three quarters of "
                 "the available memory)",
-                {.min = 0.001, .max = 1e6, .decides = false});
+                {.min = 0.001,
+                 .max = 1e6,
+                 .decides = false,
+                 .uses = OptionUse::kMeasure | OptionUse::kInspect | OptionUse::kEdit});
 }
 
 Option output_row(std::string& output) {
   return option("output", output, kOutputGroup, "FILE", "File to write; - writes standard output",
-                {.basic = true, .letter = "o"});
+                {.basic = true, .letter = "o", .uses = OptionUse::kShow});
 }
 
 OptionTable motion_file_table(MotionFileOptions& options, bool decides) {
   constexpr const char* group = kMotionFileGroup;
-  const OptionInfo info{.decides = decides};
+  const OptionInfo info{.decides = decides, .uses = OptionUse::kShowBatch | OptionUse::kInspect};
   OptionTable table = {
       option("from", options.from, group, "", "NPZ: joint order of the file", info),
       option("source-quat", options.quaternion, group, "",
@@ -111,24 +123,27 @@ OptionTable source_table(SourceOptions& options) {
       option("smpl-model", options.smpl_model, kInputGroup, "FILE",
              "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
              "of the same height)",
-             {.file = OptionFile::kContent}),
+             {.file = OptionFile::kContent, .uses = kJudged}),
       option("lenient", options.lenient, kInputGroup, "",
-             "Keep the complete frames of a damaged file and report what was dropped"),
+             "Keep the complete frames of a damaged file and report what was dropped",
+             {.uses = kReading}),
       option("root", options.root, kInputGroup, "NAME",
-             "Skeleton to read if the file contains several ROOTs or skeletons"),
+             "Skeleton to read if the file contains several ROOTs or skeletons",
+             {.uses = kReading}),
       option("take", options.take, kInputGroup, "NAME|N",
              "Motion to read if the file contains several: its name, or its number from 1 (FBX, "
-             "glTF; default: the longest one with movement)"),
+             "glTF; default: the longest one with movement)",
+             {.uses = kReading}),
       option("joint-names", options.joint_names, kInputGroup, "FILE",
              "Joint names, one per line or as a JSON list, for a file of joint positions whose "
              "joint order is unknown",
-             {.file = OptionFile::kContent}),
+             {.file = OptionFile::kContent, .uses = kReading}),
       option("source-fps", options.source_fps, kInputGroup, "N",
              "Frames per second of the source; overrides its header",
-             {.min = kMinRate, .max = kMaxRate}),
+             {.min = kMinRate, .max = kMaxRate, .uses = kReading}),
       option("from-robot", options.from_robot, kInputGroup, "NAME",
              "Robot of the source motion: CSV, NPZ, pickle, ... (docs/robot_to_robot.md)",
-             {.basic = true})};
+             {.basic = true, .uses = kJudged | OptionUse::kInspect | OptionUse::kEdit})};
   append(table, motion_file_table(options.robot_file, true));
   table.push_back(memory_row(options.memory_gb));
   return table;
@@ -138,69 +153,80 @@ OptionTable human_table(HumanOptions& options) {
   return {
       option("map", options.map, kHumanGroup, "FILE",
              "Bone map (the joint of every bone) to use instead of automatic recognition",
-             {.file = OptionFile::kContent}),
+             {.file = OptionFile::kContent, .uses = kHuman}),
       option("partial", options.partial, kHumanGroup, "",
-             "Accept a body without arms or without legs"),
+             "Accept a body without arms or without legs", {.uses = kHuman}),
       option("rest", options.rest, kHumanGroup, "",
              "Pose to use as T-pose, corrected if necessary: the zero pose, the first frame, the "
-             "best frame, or none (learned from the movement)"),
+             "best frame, or none (learned from the movement)",
+             {.uses = kHuman}),
       option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
-             "Frame of the source that is the T-pose", {.min = 0.0}),
+             "Frame of the source that is the T-pose",
+             {.min = 0.0, .uses = kJudged | OptionUse::kInspect | OptionUse::kEdit}),
       option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
              "BVH of the same skeleton whose first frame is the T-pose",
-             {.file = OptionFile::kContent}),
+             {.file = OptionFile::kContent, .uses = kHuman}),
       text_option("unit", options.unit, kHumanGroup, "UNIT",
-                  "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit),
+                  "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
+                  {.uses = kHuman}),
       text_option("up", options.up, kHumanGroup, "AXIS", "Up axis of the source: y, z, -y, ...",
-                  axis_text, axis_from_text),
+                  axis_text, axis_from_text, {.uses = kHuman}),
       text_option("forward", options.forward, kHumanGroup, "AXIS",
-                  "Facing direction of the source's rest pose", axis_text, axis_from_text),
+                  "Facing direction of the source's rest pose", axis_text, axis_from_text,
+                  {.uses = kHuman}),
       option(
           "height", options.height, kHumanGroup, "M",
           "Body height, metres; determines an unknown unit (default: estimated; 1.75 for LAFAN1)",
-          {.min = 0.1, .max = 10.0}),
+          {.min = 0.1, .max = 10.0, .uses = kHuman}),
       option("clean", options.clean, kHumanGroup, "",
              "Noise of video estimates and IMU suits: auto removes measured noise and reports it, "
-             "except with " OPTION("method") " gmr; clean clips remain unchanged")};
+             "except with " OPTION("method") " gmr; clean clips remain unchanged",
+             {.uses = kJudged})};
 }
 
 OptionTable part_table(PartOptions& options) {
-  return {
-      option("start", options.start_s, kInputGroup, "S",
-             "Start at this time of the source, seconds", {.min = 0.0, .max = kMaxTime}),
-      option("end", options.end_s, kInputGroup, "S",
-             "End at this time of the source, seconds, inclusive", {.min = 0.0, .max = kMaxTime}),
-      option("frames", options.frames, kInputGroup, "A:B",
-             "Source frames A to B, excluding B; either may be omitted"),
-      option("lead-in", options.lead_in, kInputGroup, "",
-             "Leading frames before a jump (a T-pose, all zeros), unless " OPTION(
-                 "start") " or " OPTION("frames") " is given: auto drops them except "
-                                                  "with " OPTION("method") " gmr")};
+  return {option("start", options.start_s, kInputGroup, "S",
+                 "Start at this time of the source, seconds",
+                 {.min = 0.0, .max = kMaxTime, .uses = kJudged | OptionUse::kEdit}),
+          option("end", options.end_s, kInputGroup, "S",
+                 "End at this time of the source, seconds, inclusive",
+                 {.min = 0.0, .max = kMaxTime, .uses = OptionUse::kShowBatch | OptionUse::kEdit}),
+          option("frames", options.frames, kInputGroup, "A:B",
+                 "Source frames A to B, excluding B; either may be omitted",
+                 {.uses = OptionUse::kShowBatch | OptionUse::kEdit}),
+          option("lead-in", options.lead_in, kInputGroup, "",
+                 "Leading frames before a jump (a T-pose, all zeros), unless " OPTION(
+                     "start") " or " OPTION("frames") " is given: auto drops them except "
+                                                      "with " OPTION("method") " gmr",
+                 {.uses = kJudged})};
 }
 
 Option base_row(RobotBase& base) {
   return option(
       "base", base, kRobotGroup, "",
       "fixed: the base does not move (a stand, a wheeled platform); only the limbs attached to it "
-      "follow the human; feet and floor are ignored (default: from the robot's profile)");
+      "follow the human; feet and floor are ignored (default: from the robot's profile)",
+      {.uses = kRobot | OptionUse::kShowBatch});
 }
 
 OptionTable robot_table(RobotChoice& options) {
   return {option("robot", options.name, kRobotGroup, "NAME", "Robot name or robot folder",
-                 {.basic = true}),
+                 {.basic = true, .uses = kRobot}),
           option("robot-xml", options.model, kRobotGroup, "FILE",
                  "Any other robot: its MJCF model; meshes are not needed",
-                 {.file = OptionFile::kContent}),
+                 {.file = OptionFile::kContent, .uses = kRobot}),
           option("robot-profile", options.profile, kRobotGroup, "FILE",
                  "Output joint order, limit sets and soles of " OPTION("robot-xml") ", JSON",
-                 {.file = OptionFile::kContent}),
+                 {.file = OptionFile::kContent, .uses = kRobot}),
           option("dof", options.variant, kRobotGroup, "NAME",
                  "Variant of the robot with fewer joints: 29, 27, 23 or 23-pbhc for the G1 "
-                 "(default: all joints)"),
+                 "(default: all joints)",
+                 {.uses = kRobot}),
           base_row(options.base),
           option("follow", options.follow, kRobotGroup, "",
                  "arms: only the arms follow the human's arms, relative to the chest; base, legs, "
-                 "trunk and head keep the standing pose, for another controller")};
+                 "trunk and head keep the standing pose, for another controller",
+                 {.uses = OptionUse::kLive})};
 }
 
 OptionTable solve_table(SolveOptions& options) {
@@ -208,18 +234,19 @@ OptionTable solve_table(SolveOptions& options) {
       option("limits", options.limits, kRobotGroup, "SET|FILE",
              "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file (default: "
              "gmr with " OPTION("method") " gmr)",
-             {.file = OptionFile::kOrName}),
+             {.file = OptionFile::kOrName, .uses = kJudged | OptionUse::kLive}),
       option("ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
              "Retargeting configuration (which robot body follows which bone): that of the "
              "published method, the one derived from the robot's model, or a JSON file (default: "
              "derived; with " OPTION("method") " gmr published for LAFAN1 if available)",
-             {.file = OptionFile::kOrName}),
+             {.file = OptionFile::kOrName, .uses = kJudged | OptionUse::kLive}),
       option("method", options.method, kRobotGroup, "",
              "fit: optimise the whole clip for feasibility; gmr: the published two-pass inverse "
              "kinematics, frame by frame",
-             {.basic = true}),
+             {.basic = true, .uses = OptionUse::kShowBatch | OptionUse::kLive}),
       option("fit-config", options.fit_config, kRobotGroup, "FILE",
-             "Weights and other options of the fit, JSON", {.file = OptionFile::kContent}),
+             "Weights and other options of the fit, JSON",
+             {.file = OptionFile::kContent, .uses = OptionUse::kLive}),
       option("window", options.fit_window_s, kRobotGroup, "SECONDS",
              "Length of the windows that the fit solves at once, seconds; determines memory and "
              "look-ahead (default: 20)",
@@ -228,30 +255,34 @@ OptionTable solve_table(SolveOptions& options) {
              "Additional terms of the fit: dynamics moves the body so that its contacts can supply "
              "the required forces (docs/dynamics.md)"),
       option("without", options.without, kRobotGroup, "TERM,...",
-             "Terms to omit from the fit: floor, self-collision, contact, ..."),
+             "Terms to omit from the fit: floor, self-collision, contact, ...",
+             {.uses = OptionUse::kLive}),
       option("engine", options.engine, kRobotGroup, "",
-             "Inverse kinematics engine; both produce the same iterates"),
+             "Inverse kinematics engine; both produce the same iterates",
+             {.uses = OptionUse::kLive}),
       option("hands", options.hands, kRobotGroup, "",
              "Fingers of robots with hands: follow imitates the human's fingers, or relaxes them "
              "if the source has none; relaxed keeps them half open; off leaves them to the body's "
-             "solver; auto is follow, or off with " OPTION("method") " gmr"),
+             "solver; auto is follow, or off with " OPTION("method") " gmr",
+             {.uses = OptionUse::kLive}),
       option("scale", options.scale, kRobotGroup, "",
              "Scaling of the motion: limbs scales legs, trunk and arms to the robot's lengths; "
              "table uses the published factors (default for LAFAN1 with " OPTION(
                  "method") " gmr, " OPTION("ik-config") " published or FILE); height first scales "
                                                         "every body to one size "
                                                         "(default with " OPTION("height") ")",
-             {.none = "auto"})};
+             {.none = "auto", .uses = kJudged | OptionUse::kLive})};
 }
 
 OptionTable time_table(TimeOptions& options) {
   return {text_option("fps", options.fps, kTimeGroup, "N|source",
                       "Output rate in frames per second, or `source`", rate_text, rate_from_text,
-                      {.basic = true}),
+                      {.basic = true, .uses = OptionUse::kMeasure}),
           option("interpolation", options.interpolation, kTimeGroup, "",
-                 "Interpolation between source frames"),
+                 "Interpolation between source frames", {.uses = OptionUse::kShowBatch}),
           option("no-antialias", options.no_antialias, kTimeGroup, "",
-                 "Do not low-pass filter a source whose rate is higher than the output's")};
+                 "Do not low-pass filter a source whose rate is higher than the output's",
+                 {.uses = OptionUse::kShowBatch})};
 }
 
 OptionTable save_table(SaveOptions& options) {
@@ -262,7 +293,7 @@ OptionTable save_table(SaveOptions& options) {
           "pkl-motion-lib, pkl-mimickit, protomotions, csv-sonic (a folder), glb "
           "(default if the output ends in .glb); several formats are written to files named after "
           "the output",
-          {.basic = true}),
+          {.basic = true, .uses = OptionUse::kTrack}),
       option("precision", options.precision, kOutputGroup, "N",
              "CSV: digits after the decimal point, 0 to 17", {.min = 0.0, .max = 17.0}),
       option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: column separator"),
@@ -276,12 +307,15 @@ OptionTable save_table(SaveOptions& options) {
       option("csv-centimetres", options.centimetres, kOutputGroup, "",
              "CSV: root position in centimetres (default: metres)"),
       option("normalize-start", options.normalize_start, kOutputGroup, "",
-             "Move and turn the motion so that it starts at x = y = 0, facing +x"),
+             "Move and turn the motion so that it starts at x = y = 0, facing +x",
+             {.uses = OptionUse::kShowBatch}),
       option("npz-fps", options.npz_fps, kOutputGroup, "N",
-             "NPZ and csv-sonic: frames per second, also of the fit", {.min = 1.0, .max = 1000.0}),
+             "NPZ and csv-sonic: frames per second, also of the fit",
+             {.min = 1.0, .max = 1000.0, .uses = OptionUse::kTrack}),
       option("npz-velocity", options.npz_velocity, kOutputGroup, "",
              "NPZ: linear velocities at link origins or centres of mass (default: link for "
-             "npz-mjlab, mass for the others, as in their simulators)"),
+             "npz-mjlab, mass for the others, as in their simulators)",
+             {.uses = OptionUse::kTrack}),
       option("motion-name", options.motion_name, kOutputGroup, "NAME",
              "pkl-pbhc and pkl-motion-lib: name of the motion (default: the file's)"),
       option("contacts", options.contacts, kOutputGroup, "FILE",

@@ -6,7 +6,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/file.h"
-#include "robot/model/known_robots.h"
+#include "retarget/robots.h"
 
 namespace retarget {
 

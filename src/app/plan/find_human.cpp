@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/plan/robot_source.h"
-#include "base/data_folder.h"
 #include "base/try.h"
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/bone_map_file.h"
@@ -19,6 +18,7 @@
 #include "human/skeleton/robot_up.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
+#include "retarget/data_folder.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/option_table.h"

@@ -116,6 +116,10 @@ std::vector<SummaryLine> follow_lines(const LoadedRobot& robot, const LimitSet& 
                                   count_text(held, "joint"))}};
 }
 
+std::vector<SummaryLine> RobotSetup::follow_lines() const {
+  return retarget::follow_lines(loaded, limits);
+}
+
 std::vector<std::string> locked_joints(const Robot& robot, const LimitSet& limits) {
   std::vector<std::string> names;
   for (const int joint : robot.output_joints()) {

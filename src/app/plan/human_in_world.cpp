@@ -3,6 +3,7 @@
 #include <array>
 
 #include "human/skeleton/side_colours.h"
+#include "retarget/plan.h"
 #include "robot/model/normalize_start.h"
 
 namespace retarget {

@@ -6,16 +6,16 @@
 
 #include <fmt/format.h>
 
-#include "base/data_folder.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
+#include "retarget/data_folder.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
+#include "retarget/robots.h"
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
-#include "robot/model/find_robot.h"
 #include "robot/model/load_robot.h"
 #include "robot/model/variant.h"
 

@@ -6,8 +6,8 @@
 
 #include "base/machine.h"
 #include "base/option_name.h"
-#include "motion/resample.h"
 #include "retarget/motion_io.h"
+#include "retarget/resample.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -10,7 +10,7 @@
 #include "base/machine.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "motion/resample.h"
+#include "retarget/resample.h"
 #include "retarget/text.h"
 #include "solve/fit/fit.h"
 #include "solve/hands/hand_track.h"

@@ -31,6 +31,31 @@ constexpr std::array<std::string_view, 12> kTakenByMeaning = {
     "motion", "smpl",      "output",     "robot",  "robot-xml", "robot-profile",
     "dof",    "ik-config", "fit-config", "window", "with",      "without"};
 
+// The file of the retargeting configuration, and whether the user chose it.
+constexpr const char* kConfigRole = "mapping";
+constexpr const char* kConfigNamed = "ik-config-named";
+
+// The name under which a file that an option names is recorded.
+std::string role_of(const Option& row) {
+  return row.name == "ik-config" ? kConfigRole : row.name;
+}
+
+std::string text_of(const Json& json, const std::string& name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+Json member(const Json& json, const char* name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_object() ? *found : Json::object();
+}
+
+void set_option(const Option& row, const std::string& text) {
+  if (text.empty()) return;
+  const auto value = option_value(row, text);
+  if (value) static_cast<void>(row.set(*value));
+}
+
 std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -116,7 +141,7 @@ Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
   TRY_ASSIGN(print.hashed["model"], model_hash(robot));
   TRY_ASSIGN(print.hashed["soles"], soles_hash(robot));
   TRY(print.add_file("profile", setup.loaded.profile));
-  TRY(print.add_file("mapping", setup.config.file));
+  TRY(print.add_file(kConfigRole, setup.config.file));
   if (setup.config_of_others) {
     TRY(print.add_file("mapping_of_others", setup.config_of_others->file));
   }
@@ -147,7 +172,7 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   // A retargeting configuration given by name is scaled differently from the same one found
   // automatically.
   const std::string& config = run.options.solve.ik_config;
-  print.hashed["options"]["ik-config-named"] = !config.empty() && config != "derived";
+  print.hashed["options"][kConfigNamed] = !config.empty() && config != "derived";
   TRY(add_robot(setup, print));
   TRY(add_source_robot(run, setup, print));
   const fs::path configs = fs::path(setup.loaded.data_folder) / "configs";
@@ -160,6 +185,54 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   if (request.gates) shown["gates"] = gates_json(*request.gates);
   shown["paths"] = print.paths;
   return RunFingerprint{std::move(hash), json_text(shown, 2)};
+}
+
+std::string restore_options(const Json& description, const FindRecorded& find, Run& run) {
+  const OptionTable table = rows_for(OptionUse::kShowBatch, run_table(run));
+  const Json options = member(description, "options"), paths = member(description, "paths"),
+             hashes = member(description, "files");
+  std::string changed;
+  for (const Option& row : table) {
+    const bool is_file = row.info.file != OptionFile::kNone;
+    const std::string role = role_of(row);
+    if (!is_file || !paths.contains(role)) {
+      // Files are recorded separately, with their hashes.
+      const std::string text = text_of(options, row.name);
+      std::error_code ignored;
+      if (is_file && (text.find('/') != std::string::npos || fs::exists(text, ignored))) continue;
+      set_option(row, text);
+      continue;
+    }
+    // Without a choice, the configuration is that of the robot.
+    const auto named = options.find(kConfigNamed);
+    if (role == kConfigRole && (named == options.end() || *named != true)) continue;
+    const std::string path = text_of(paths, role), hash = text_of(hashes, role);
+    if (path.empty()) continue;
+    const std::string found = find(path, hash);
+    if (!found.empty()) {
+      set_option(row, found);
+    } else if (changed.empty()) {
+      changed = path;
+    }
+  }
+  run.robot.variant = text_of(description, "dof");
+  return changed;
+}
+
+ReadingOptions restored_dialect(const Json& description) {
+  ReadingOptions reading;
+  const Json options = member(description, "options");
+  if (text_of(options, "format").find("csv-soma") != std::string::npos) return reading;
+  if (const std::string is = text_of(options, "csv-degrees"); !is.empty()) {
+    reading.angles = is == "true" ? "deg" : "rad";
+  }
+  if (const std::string is = text_of(options, "csv-centimetres"); !is.empty()) {
+    reading.unit = is == "true" ? "cm" : "m";
+  }
+  if (const std::string is = text_of(options, "csv-quat"); !is.empty()) {
+    reading.quaternion = is == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
+  }
+  return reading;
 }
 
 }  // namespace retarget

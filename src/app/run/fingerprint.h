@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "retarget/error.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -24,6 +26,20 @@ struct RunFingerprint {
 /// @param request  counts whether sidecars are written and motions are measured.
 [[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
                                                      const RobotSetup& setup);
+
+/// Where a recorded file is now: its path, or empty if it is missing or its content has changed.
+using FindRecorded = std::function<std::string(const std::string& path, const std::string& hash)>;
+
+/// Restores how a recorded run read and understood its sources, and how its motions are measured:
+/// the options that OptionUse::kShowBatch marks.
+/// @param description  RunFingerprint::description, parsed.
+/// @return the recorded path of the first option file that `find` does not find; empty: none. Such
+///   an option is not set.
+[[nodiscard]] std::string restore_options(const nlohmann::ordered_json& description,
+                                          const FindRecorded& find, Run& run);
+
+/// How to read a CSV that a recorded run wrote; other formats are self-describing.
+[[nodiscard]] ReadingOptions restored_dialect(const nlohmann::ordered_json& description);
 
 /// Gates by metric, in the form used in RunFingerprint::description.
 [[nodiscard]] nlohmann::ordered_json gates_json(const Gates& gates);

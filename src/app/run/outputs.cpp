@@ -152,4 +152,28 @@ std::string outputs_text(std::span<const WrittenFile> files) {
   return list_names(names);
 }
 
+void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
+                    Observer& observer) {
+  for (const WrittenFile& file : files) {
+    for (const std::string& loss : format_losses(motion, file.item.format)) {
+      observer.warn({{0, 0, loss}}, file.item.path);
+    }
+  }
+}
+
+Result<std::vector<WrittenFile>> write_motion(const RobotClip& clip,
+                                              const std::optional<FootContacts>& contacts,
+                                              const std::string& output, const SaveOptions& options,
+                                              Observer& observer) {
+  TRY_ASSIGN(const auto outputs,
+             MotionOutputs::open(output, options, clip.shared_robot(), clip.rate()));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
+  const OutputMotion written{&clip, std::nullopt, contacts};
+  TRY_ASSIGN(auto files, outputs->finish({&written, 1}));
+  warn_of_losses(clip, files, observer);
+  observer.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
+                             " at " + to_text(clip.rate()) + " fps");
+  return files;
+}
+
 }  // namespace retarget

@@ -80,6 +80,10 @@ class MotionOutputs {
 [[nodiscard]] std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
                                            std::span<const OutputMotion> motions);
 
+/// Warns about motion data that the output formats cannot store.
+void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files,
+                    Observer& observer);
+
 /// File names such as `walk.csv`, or `standard output`, separated by commas.
 [[nodiscard]] std::string outputs_text(std::span<const WrittenFile> files);
 

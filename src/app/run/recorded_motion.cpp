@@ -9,10 +9,12 @@
 
 #include "app/provenance/hash.h"
 #include "app/run/sidecar.h"
+#include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip_size.h"
 #include "retarget/file.h"
 #include "retarget/options.h"
+#include "retarget/text.h"
 
 namespace retarget {
 
@@ -103,6 +105,18 @@ Result<RobotMotion> load_recorded_motion(const std::string& path,
              parse_robot_motion(content.view(), robot, path, completed(options, *sidecar, *robot)));
   motion.notes.push_back("read as " + name + " records it");
   return motion;
+}
+
+void report_reading(const std::string& file, const RobotMotion& motion, Observer& observer,
+                    const std::string& rate_option) {
+  const std::string rate = rate_option.empty() ? OPTION("source-fps") : rate_option;
+  observer.line("read", (file == "-" ? "standard input" : file) + ": " +
+                            std::string(format_name(motion.format)) + ", " +
+                            count_text(motion.clip.frame_count(), "frame") + " at " +
+                            to_text(motion.clip.rate()) + " fps" +
+                            (motion.rate_known ? "" : ", not given in the file: " + rate));
+  for (const std::string& note : motion.notes) observer.line("", note);
+  for (const std::string& warning : motion.warnings) observer.warn({{0, 0, warning}}, file);
 }
 
 }  // namespace retarget

@@ -158,20 +158,6 @@ std::vector<SummaryLine> limit_lines(const Motion& motion) {
   return lines;
 }
 
-std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes) {
-  std::vector<SummaryLine> lines;
-  if (!meshes.bodies.empty()) {
-    lines.push_back(
-        {"meshes", (meshes.bodies.size() == 1 ? std::string("1 body")
-                                              : std::to_string(meshes.bodies.size()) + " bodies") +
-                       " of the robot"});
-  }
-  for (const std::string& note : meshes.notes) {
-    lines.push_back({lines.empty() ? "meshes" : "", note});
-  }
-  return lines;
-}
-
 std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures) {
   std::vector<Warning> warnings;
   for (const SolverFailure& failure : failures) {

@@ -7,20 +7,18 @@
 #include <span>
 #include <utility>
 
-#include "app/plan/human_in_world.h"
 #include "app/plan/motion_contacts.h"
 #include "app/run/sidecar.h"
 #include "base/located.h"
 #include "base/try.h"
-#include "human/skeleton/bone_map_file.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/file.h"
+#include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/measure.h"
+#include "retarget/plan.h"
 #include "retarget/text.h"
-#include "retarget/view.h"
-#include "view/strip.h"
 
 namespace retarget {
 namespace {
@@ -101,32 +99,13 @@ Result<OutputFile> write_report(const std::string& path, const QualityReport& re
   return file;
 }
 
-// Writes the page to a temporary file, likewise.
-Result<OutputFile> write_page(const std::string& path, const Motion& motion,
-                              const QualityReport& report, Observer& observer) {
-  TRY_ASSIGN(const RobotMeshes meshes,
-             load_robot_meshes(*motion.plan.robot.robot, motion.plan.robot.model));
-  observer.lines(mesh_lines(meshes));
-  TRY_ASSIGN(
-      const std::string page,
-      view_page(motion, std::filesystem::path(report.file).stem().string(), &report, &meshes));
-  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
-  TRY(file.write(page));
-  observer.line("page", path + ": " + number_text(static_cast<double>(page.size()) / 1e6, 2) +
-                            " MB, opens in a browser");
-  return file;
-}
-
-// Writes the picture to a temporary file, likewise.
-Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion,
-                                 Observer& observer) {
-  StripPictureOptions options;
-  if (request.strip > 0) options.poses = request.strip;
-  TRY_ASSIGN(OutputFile file, OutputFile::create(request.png));
-  TRY(file.write(draw_strip_picture(motion, options)));
-  observer.line(
-      "picture",
-      request.png + ": " + count_text(std::min(options.poses, motion.clip.frame_count()), "pose"));
+// Writes a page or a picture to a temporary file, likewise.
+Result<OutputFile> write_drawing(const RunDrawing& drawing, const Motion& motion,
+                                 const QualityReport* report, Observer& observer) {
+  TRY_ASSIGN(const DrawnFile drawn, drawing.draw(motion, report, observer));
+  TRY_ASSIGN(OutputFile file, OutputFile::create(drawing.path));
+  TRY(file.write(drawn.bytes));
+  observer.line(drawn.line.label, drawing.path + ": " + drawn.line.text);
   return file;
 }
 
@@ -135,7 +114,8 @@ Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& ru
   // A verdict for the summary alone must not make the run fail. After a solver failure the motion
   // is always measured, so that the summary shows its defects.
   const bool asked = request.measure || request.dynamics || request.sidecar ||
-                     !request.report.empty() || !request.html.empty() ||
+                     !request.report.empty() ||
+                     std::ranges::any_of(request.drawings, &RunDrawing::needs_report) ||
                      request.gates.has_value() || !motion.solver_failures.empty();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
   auto report = evaluate(motion, request.dynamics);
@@ -193,18 +173,17 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
     }
     TRY_ASSIGN(sidecar, sidecars_of(run, request, solved, motions));
   }
-  std::optional<OutputFile> report, page, picture;
+  std::optional<OutputFile> report;
   if (!request.report.empty()) {
     TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
     outcome.others.push_back(request.report);
   }
-  if (!request.html.empty()) {
-    TRY_ASSIGN(page, write_page(request.html, motion, *outcome.quality, observer));
-    outcome.others.push_back(request.html);
-  }
-  if (!request.png.empty()) {
-    TRY_ASSIGN(picture, write_picture(request, motion, observer));
-    outcome.others.push_back(request.png);
+  const QualityReport* quality = outcome.quality ? &*outcome.quality : nullptr;
+  std::vector<OutputFile> drawings;
+  for (const RunDrawing& drawing : request.drawings) {
+    TRY_ASSIGN(OutputFile file, write_drawing(drawing, motion, quality, observer));
+    drawings.push_back(std::move(file));
+    outcome.others.push_back(drawing.path);
   }
   TRY_ASSIGN(outcome.motions,
              outputs.finish(motions, sidecar, request.partial ? &outcome.left_out : nullptr));
@@ -214,8 +193,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
   const std::string& contacts = run.options.save.contacts;
   if (!contacts.empty()) outcome.others.push_back(contacts);
   if (report) TRY(report->commit());
-  if (page) TRY(page->commit());
-  if (picture) TRY(picture->commit());
+  for (OutputFile& drawing : drawings) TRY(drawing.commit());
   return outcome;
 }
 
@@ -256,6 +234,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
                                 Observer& observer) {
   const auto start = std::chrono::steady_clock::now();
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
+  observer.planned(plan);
   observer.lines(plan.robot_lines());
   // An interrupt now stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
@@ -264,11 +243,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));
   auto outcome = write_results(run, request, solved, *outputs, observer);
   if (!outcome || request.hashes_only) return outcome;
-  for (const WrittenFile& file : outcome->motions) {
-    for (const std::string& loss : format_losses(solved.front().motion.clip, file.item.format)) {
-      observer.warn({{0, 0, loss}}, file.item.path);
-    }
-  }
+  warn_of_losses(solved.front().motion.clip, outcome->motions, observer);
   observer.warn(solver_warnings(solved.front().motion.solver_failures), run.motion);
   observer.line("wrote", outputs_text(outcome->motions) + " in " +
                              number_text(seconds_since(start), 2) + " s");

@@ -12,7 +12,7 @@
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/option_table.h"
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 
 namespace retarget {
 

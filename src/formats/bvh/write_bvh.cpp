@@ -1,4 +1,4 @@
-#include "formats/bvh/write_bvh.h"
+#include "retarget/bvh.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "formats/robot_motion/compare_motions.h"
+#include "retarget/compare.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,9 @@
 #include "formats/containers/npz.h"
 #include "formats/containers/pickle.h"
 #include "formats/robot_motion/csv_table.h"
+#include "motion/clip_size.h"
 #include "retarget/error.h"
+#include "retarget/file.h"
 #include "retarget/robot.h"
 #include "retarget/text.h"
 
@@ -232,6 +234,11 @@ Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string
     return input_failure(file, "the file has no array with one row per frame");
   }
   return table;
+}
+
+Result<MotionTable> load_motion_table(const std::string& path, std::size_t max_bytes) {
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, max_bytes, kLargeFileHint));
+  return parse_motion_table(content.view(), path);
 }
 
 Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,

@@ -231,7 +231,8 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
   const std::size_t count = samples.qpos.size();
   if (count < kMinSamples) {
     return input_failure("", "a tracking file needs three frames at " + to_text(options.rate) +
-                                 " fps, but the motion has " + std::to_string(count));
+                                 " fps, but the motion has " + std::to_string(clip.frame_count()) +
+                                 " at " + to_text(clip.rate()) + " fps");
   }
   TrackingMotion motion;
   motion.format = format;

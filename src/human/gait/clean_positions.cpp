@@ -12,7 +12,7 @@
 #include "formats/smpl/joint_motion.h"
 #include "human/gait/track_noise.h"
 #include "human/skeleton/joint_clip.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

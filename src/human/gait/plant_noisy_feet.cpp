@@ -17,8 +17,8 @@
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/legs.h"
-#include "motion/forward_kinematics.h"
 #include "motion/two_bone_leg.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

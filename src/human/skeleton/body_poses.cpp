@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "human/skeleton/bone_map.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -14,10 +14,6 @@ namespace retarget {
 /// name of the source joint or null.
 [[nodiscard]] std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton);
 
-/// Writes the JSON of format_bone_map to a file. Does nothing if the path is empty.
-[[nodiscard]] Result<void> save_bone_map(const std::string& path, const BoneMap& map,
-                                         const Skeleton& skeleton);
-
 /// Parses the JSON of format_bone_map for a skeleton. Missing bones count as null. Missing arms or
 /// legs make the map partial; this is not an error, because the file's author intends it.
 /// @param file  file name for error messages

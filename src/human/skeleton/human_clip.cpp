@@ -1,6 +1,6 @@
 #include "human/skeleton/human_clip.h"
 
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 Calibration lafan1_calibration(const BoneArray<int>& joints, const BoneArray<int>& turning) {

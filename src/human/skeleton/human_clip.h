@@ -44,7 +44,4 @@ using HumanPoseSource = std::function<void(int frame, HumanPose& world_from_bone
 /// Poses from a poser, which must outlive the source.
 [[nodiscard]] HumanPoseSource poses_of(HumanPoser& poser);
 
-/// Converts all frames under a calibration.
-[[nodiscard]] HumanClip to_human(const Clip& clip, const Calibration& calibration);
-
 }  // namespace retarget

@@ -22,7 +22,7 @@
 #include "human/skeleton/joint_tree.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
-#include "motion/clip_from_arrays.h"
+#include "retarget/clip_arrays.h"
 #include "retarget/text.h"
 
 namespace retarget {

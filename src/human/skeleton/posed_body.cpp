@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/math/se3.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

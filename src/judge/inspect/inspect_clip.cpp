@@ -1,6 +1,6 @@
 // Describes a motion file in text and JSON.
 
-#include "judge/inspect/inspect_clip.h"
+#include "retarget/inspect.h"
 
 #include <algorithm>
 #include <vector>

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "judge/inspect/inspect_clip.h"
-#include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
 #include "retarget/clip.h"
+#include "retarget/inspect.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -13,6 +13,7 @@
 #include "judge/quality/joint_offset_metric.h"
 #include "judge/quality/lag_metric.h"
 #include "judge/quality/tracking_measure.h"
+#include "judge/quality/yaw_fit.h"
 
 namespace retarget {
 namespace {
@@ -41,6 +42,23 @@ bool is_of_legs(const LimbSegment& segment) {
     const auto part = limb_bone(bone);
     return part == LimbBone::kUpLeg || part == LimbBone::kLeg || part == LimbBone::kFoot;
   });
+}
+
+// A waist that is turned by a constant angle takes the arms with it, and these determine most of the
+// yaw that aligns the whole body. So lines of the trunk are compared relative to the hips.
+void align_trunk_by_hips(std::vector<LimbDirections>& limbs) {
+  YawFit yaw;
+  for (const LimbDirections& limb : limbs) {
+    if (limb.rank != 0 || !limb.of_legs) continue;
+    for (std::size_t frame = 0; frame < limb.human.size(); ++frame) {
+      if (limb.is_free(frame)) yaw.add(limb.human[frame], limb.robot[frame]);
+    }
+  }
+  const Eigen::Quaterniond turn = yaw.rotation();
+  for (LimbDirections& limb : limbs) {
+    if (limb.rank != 0 || limb.of_legs) continue;
+    for (Vector3d& direction : limb.human) direction = turn * direction;
+  }
 }
 
 }  // namespace
@@ -144,6 +162,7 @@ void TrackingMeasure::measure_limbs() const {
     draft_.set("worst_limb_angle_deg", *std::ranges::max_element(upright));
   }
   if (const auto lag = limb_lag(directions, draft_.clip.rate().fps())) draft_.set("lag_s", *lag);
+  align_trunk_by_hips(directions);
   std::erase_if(directions, [](const LimbDirections& limb) { return limb.of_legs; });
   measure_joint_offsets(draft_, limits_, directions, hand_directions());
 }

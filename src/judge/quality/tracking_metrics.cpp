@@ -9,6 +9,7 @@
 #include "base/math/trigonometry.h"
 #include "judge/quality/root_slide_metric.h"
 #include "judge/quality/tracking_measure.h"
+#include "judge/quality/yaw_fit.h"
 #include "solve/targets/targets.h"
 
 namespace retarget {
@@ -74,18 +75,12 @@ void TrackingMeasure::collect_limb_targets() {
 
 // Finds the yaw that best aligns bones and bodies, because some data sets rotate the whole motion.
 void TrackingMeasure::find_yaw() {
-  double sine = 0.0, cosine = 0.0;
+  YawFit yaw;
   for (const TrackedRow& row : rows_) {
     if (row.table != judged_table() || !has_position(row)) continue;
-    for (int frame = 0; frame < frames_; ++frame) {
-      const Vector3d wanted = want(frame, row), found = have(frame, row);
-      sine += wanted.x() * found.y() - wanted.y() * found.x();
-      cosine += wanted.x() * found.x() + wanted.y() * found.y();
-    }
+    for (int frame = 0; frame < frames_; ++frame) yaw.add(want(frame, row), have(frame, row));
   }
-  const double half = 0.5 * portable::atan2(sine, cosine);
-  const auto [half_sine, half_cosine] = portable::sin_cos(half);
-  robot_from_human_ = Eigen::Quaterniond(half_cosine, 0.0, 0.0, half_sine);
+  robot_from_human_ = yaw.rotation();
 }
 
 std::vector<double> TrackingMeasure::position_errors(const TrackedRow& row) const {

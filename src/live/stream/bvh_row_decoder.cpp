@@ -13,8 +13,8 @@
 #include "formats/bvh/number_parser.h"
 #include "formats/bvh/read_bvh.h"
 #include "formats/bvh/row_decoder.h"
-#include "formats/bvh/write_bvh.h"
 #include "live/stream/formats.h"
+#include "retarget/bvh.h"
 #include "retarget/text.h"
 
 namespace retarget {

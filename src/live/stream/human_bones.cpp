@@ -6,7 +6,7 @@
 #include "base/try.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/plan.h"
 
 namespace retarget {

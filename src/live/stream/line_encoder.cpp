@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "live/stream/formats.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -17,41 +16,9 @@
 #include "retarget/live.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/serve.h"
 
 namespace retarget {
-
-/// How the body of a stream is calibrated.
-enum class LiveCalibration : unsigned char {
-  kAuto,   ///< From the skeleton's file or header.
-  kTpose,  ///< From a T-pose some seconds after the first frame.
-  kNpose,  ///< From a pose with arms down some seconds after the first frame.
-};
-
-/// The clock that sets the pace of robot frames.
-enum class LivePace : unsigned char {
-  kAuto,   ///< kInput from standard input to files, otherwise kClock.
-  kClock,  ///< Wall clock: one frame every 1 / fps seconds, regardless of the input.
-  kInput,  ///< Input timestamps, as fast as they arrive: for motions sent through a pipe.
-};
-
-struct LivePipelineOptions {
-  LiveOptions live;
-  Options run;  ///< How to recognise the human and solve for the robot.
-  LiveCalibration calibrate = LiveCalibration::kAuto;
-  double calibrate_after_s = 3.0;
-  LivePace pace = LivePace::kAuto;  ///< The pipeline treats kAuto as kClock.
-  /// Recognise new bodies of a running stream on another thread; the caller then calls take_body.
-  bool in_background = false;
-};
-
-/// Counters of a stream's packets that LiveStatistics does not contain.
-struct PipelineStatistics {
-  std::int64_t packets = 0;
-  std::int64_t malformed = 0;  ///< Dropped packets: invalid, or with frames of another skeleton.
-  std::int64_t crowded = 0;    ///< Dropped frames: too many in one packet.
-  int skeletons = 0;           ///< Skeletons received.
-  int refused_skeletons = 0;   ///< Skeletons refused: not human or unusable; the body was kept.
-};
 
 /// Converts packets to robot frames. The caller passes the time of each packet: the same packets at
 /// the same times give the same frames, regardless of how often tick is called in between.
@@ -61,8 +28,7 @@ struct PipelineStatistics {
 class LivePipeline final {
  public:
   using TakeFrame = std::function<void(const RobotFrame&)>;
-  /// Receives a human-readable message: a label and a text with marked options.
-  using Tell = std::function<void(std::string_view label, std::string_view text)>;
+  using Tell = LiveTell;
 
   LivePipeline(RobotSetup robot, LivePipelineOptions options, std::unique_ptr<Decoder> decoder,
                TakeFrame take_frame, Tell tell);

@@ -13,7 +13,7 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/mvn_protocol.h"
 #include "live/stream/mvn_segments.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

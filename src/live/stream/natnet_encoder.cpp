@@ -7,7 +7,7 @@
 #include "live/stream/clip_axes.h"
 #include "live/stream/formats.h"
 #include "live/stream/natnet_protocol.h"
-#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

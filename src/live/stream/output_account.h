@@ -11,7 +11,7 @@ namespace retarget {
 /// Counts an output's frames and reports when it stops accepting them and when it recovers.
 class OutputAccount {
  public:
-  OutputAccount(std::string name, OutputTell tell) : tell_(std::move(tell)) {
+  OutputAccount(std::string name, LiveTell tell) : tell_(std::move(tell)) {
     statistics_.name = std::move(name);
   }
 
@@ -31,7 +31,7 @@ class OutputAccount {
 
  private:
   OutputStatistics statistics_;
-  OutputTell tell_;
+  LiveTell tell_;
   std::int64_t dropped_before_ = 0;  // At the start of the trouble.
   int reports_ = 0;
   bool in_trouble_ = false;

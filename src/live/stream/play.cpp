@@ -14,7 +14,7 @@
 #include "live/stream/human_bones.h"
 #include "live/stream/input_address.h"
 #include "live/stream/request_server.h"
-#include "live/stream/serve.h"
+#include "retarget/serve.h"
 
 namespace retarget {
 namespace {

@@ -53,7 +53,7 @@ class RedisKeys {
  public:
   using Pairs = std::span<const std::pair<std::string, std::string>>;
 
-  RedisKeys(const StreamAddress& address, OutputTell tell)
+  RedisKeys(const StreamAddress& address, LiveTell tell)
       : connection_(address), account_(address.text(), std::move(tell)) {}
   RedisKeys(const RedisKeys&) = delete;
   RedisKeys& operator=(const RedisKeys&) = delete;
@@ -200,7 +200,7 @@ std::int64_t wall_clock() {
 
 class Twist2Output final : public FrameOutput {
  public:
-  Twist2Output(const StreamAddress& to, OutputTell tell, Twist2Actions actions)
+  Twist2Output(const StreamAddress& to, LiveTell tell, Twist2Actions actions)
       : keys_(to, std::move(tell)), actions_(std::move(actions)) {}
 
   [[nodiscard]] Result<void> open() { return keys_.open(); }

@@ -1,4 +1,4 @@
-#include "live/stream/serve.h"
+#include "retarget/serve.h"
 
 #include <fmt/format.h>
 
@@ -18,6 +18,8 @@
 #include "app/plan/follow_arms.h"
 #include "base/try.h"
 #include "live/stream/byte_source.h"
+#include "live/stream/latency.h"
+#include "live/stream/live_pipeline.h"
 #include "live/stream/outputs.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
@@ -112,6 +114,7 @@ class Server {
   std::unique_ptr<LivePipeline> pipeline_;
   Stopwatch watch_;
   ServeSummary summary_;
+  Latency latency_;  // Of all frames.
   // Guards the state shared by both threads: the pipeline except decoding, the outputs, the
   // recorder.
   std::mutex mutex_;
@@ -163,7 +166,7 @@ void Server::leave(const RobotFrame& frame) {
   outputs_.take(frame);
   if (!options_.replay.empty() || std::isnan(frame.since)) return;
   const double latency = seconds_of(watch_.now()) - frame.since;
-  summary_.latency.add(latency);
+  latency_.add(latency);
   if (stats_) stats_->add(latency);
 }
 
@@ -339,6 +342,7 @@ Result<ServeSummary> Server::run() {
   if (!ran) return failure(ran.error());
   summary_.outputs = outputs_.statistics();
   summary_.live = pipeline_->statistics();
+  summary_.latency = {latency_.percentile(50.0), latency_.percentile(99.0), latency_.max()};
   summary_.packets = pipeline_->packets();
   return summary_;
 }

@@ -5,6 +5,7 @@
 
 #include "live/stream/formats.h"
 #include "live/stream/natnet_protocol.h"
+#include "retarget/serve.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -72,6 +73,14 @@ constexpr auto kFormats = std::to_array<StreamFormat>({
 });
 
 }  // namespace
+
+std::vector<InputFormat> input_formats() {
+  std::vector<InputFormat> formats;
+  for (const StreamFormat& format : stream_formats()) {
+    formats.push_back({format.name, format.description, format.port});
+  }
+  return formats;
+}
 
 std::span<const StreamFormat> stream_formats() {
   return kFormats;

@@ -41,7 +41,7 @@ class StreamRecorder {
   void end();
 
   std::string name_;
-  OutputTell tell_;
+  LiveTell tell_;
   std::function<bool()> is_stopped_;
   bool waits_;
   std::unique_ptr<WriterThread> thread_;

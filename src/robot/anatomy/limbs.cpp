@@ -287,6 +287,11 @@ void LimbFinder::find_facing() {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d& across = (found_.has_legs ? legs_ : arms_).pair.across;
   const Eigen::Vector3d forward = across.cross(up);
+  // Each pair has its own direction across, and the two may be opposite. Names can only be added if
+  // arms and legs are in the same order.
+  if ((arms_.limbs[0].root - arms_.limbs[1].root).dot(across) < 0.0) {
+    std::swap(arms_.limbs[0], arms_.limbs[1]);
+  }
   // A positive vote means that the first branches are the left ones.
   double votes = 0.25 * (forward.x() + forward.y());
   const double names = side_by_names(robot_, legs_.limbs) + side_by_names(robot_, arms_.limbs);
@@ -314,10 +319,6 @@ void LimbFinder::find_facing() {
   }
   if (sign < 0.0) {
     std::swap(legs_.limbs[0], legs_.limbs[1]);
-    std::swap(arms_.limbs[0], arms_.limbs[1]);
-  }
-  // The arms are ordered by their own pair.
-  if ((arms_.limbs[0].root - arms_.limbs[1].root).dot(found_.left) < 0.0) {
     std::swap(arms_.limbs[0], arms_.limbs[1]);
   }
 }

@@ -1,4 +1,4 @@
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 
 #include <algorithm>
 #include <cctype>

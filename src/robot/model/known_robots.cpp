@@ -1,13 +1,13 @@
-#include "robot/model/known_robots.h"
+#include "retarget/robots.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "base/data_folder.h"
 #include "base/faults.h"
 #include "base/json.h"
 #include "base/json_members.h"
 #include "base/try.h"
+#include "retarget/data_folder.h"
 #include "retarget/file.h"
 
 namespace retarget {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,7 @@
 #include "robot/model/mesh_geoms.h"
 #include "robot/model/mujoco_messages.h"
 #include "robot/model/urdf_couplings.h"
+#include "robot/model/urdf_materials.h"
 #include "version_numbers.h"
 
 namespace retarget {
@@ -208,6 +210,25 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
   return {};
 }
 
+using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
+
+// Reads the XML. MuJoCo rejects several materials of one visual, which other readers of URDF accept.
+Result<SpecPtr> parse_model(const std::string& path) {
+  std::array<char, 2000> error{};
+  const auto room = static_cast<int>(error.size());
+  SpecPtr spec(mj_parseXML(path.c_str(), nullptr, error.data(), room));
+  if (!spec && std::string_view(error.data()).find("repeated element: 'material'") !=
+                   std::string_view::npos) {
+    TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
+    const std::string bare = without_materials(std::string(text.view()));
+    spec.reset(mj_parseXMLString(bare.c_str(), nullptr, error.data(), room));
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    if (spec) mjs_setString(spec->modelfiledir, folder.c_str());
+  }
+  if (!spec) return model_failure(path, error.data());
+  return spec;
+}
+
 }  // namespace
 
 Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
@@ -217,10 +238,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;
-  std::array<char, 2000> text{};
-  const std::unique_ptr<mjSpec, SpecDeleter> spec(
-      mj_parseXML(path.c_str(), nullptr, text.data(), static_cast<int>(text.size())));
-  if (!spec) return model_failure(path, text.data());
+  TRY_ASSIGN(const SpecPtr spec, parse_model(path));
   LoadedModel loaded;
   for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
     const mjsExclude* exclude = mjs_asExclude(e);

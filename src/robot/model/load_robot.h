@@ -6,7 +6,7 @@
 #include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
-#include "robot/model/find_robot.h"
+#include "retarget/robots.h"
 
 namespace retarget {
 

@@ -114,11 +114,7 @@ std::vector<std::string> free_sliding_root(mjSpec* spec) {
     if (!joints.empty() && !slides) break;
     root.insert(root.end(), joints.begin(), joints.end());
   }
-  const bool plain = std::ranges::all_of(root, [](const mjsJoint* joint) {
-    return joint->type == mjJNT_SLIDE || joint->type == mjJNT_HINGE;
-  });
   std::vector<std::string> names;
-  if (!plain) return names;
   for (mjsJoint* joint : root) {
     names.push_back(element_name(joint->element));
     mjs_delete(spec, joint->element);

@@ -20,6 +20,7 @@ std::vector<std::string> mend_inertias(mjSpec* spec);
 /// Removes the joints that move a model's root through the world, if one of them is a slide: those
 /// of the topmost body and of the unbranched chain below it. The robot is the subtree with the most
 /// joints.
+/// @param spec  a model without a free joint.
 /// @return the names of the joints; empty if the root does not slide.
 std::vector<std::string> free_sliding_root(mjSpec* spec);
 

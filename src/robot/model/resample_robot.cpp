@@ -1,4 +1,4 @@
-#include "robot/model/resample_robot.h"
+#include "retarget/resample.h"
 
 #include <memory>
 #include <string>

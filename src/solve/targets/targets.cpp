@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "retarget/retargeting_config.h"
 #include "solve/targets/limb_aim.h"
-#include "solve/targets/scale_human.h"
 
 namespace retarget {
 namespace {

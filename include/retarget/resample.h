@@ -4,14 +4,16 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/motion.h"
 #include "retarget/options.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
+/// How frames are interpolated and filtered.
 struct ResampleOptions {
   Interpolation interpolation = Interpolation::kCubic;
-  /// Whether to filter out frequencies that a lower output rate cannot represent; see
-  /// anti_alias_taps.
+  /// Whether to filter out frequencies that a lower output rate cannot represent.
   bool antialias = true;
 };
 
@@ -29,7 +31,7 @@ struct ResampleOptions {
 /// Rates that agree within 1e-4 (same_rate) count as equal: all frames are kept bit for bit, and
 /// the clip takes the output rate. Otherwise, quaternions are made sign-continuous (also in the
 /// result), a clip that goes to a lower rate is low-pass filtered first (zero-phase; rotations by
-/// their components, see low_pass), and samples between frames are interpolated. Samples that fall
+/// their components), and samples between frames are interpolated. Samples that fall
 /// on a frame take it bit for bit, so without the filter, a whole fraction of the rate selects
 /// frames.
 ///
@@ -38,5 +40,12 @@ struct ResampleOptions {
 /// memory.
 [[nodiscard]] Result<Clip> resample(Clip source, const FrameRate& output_rate,
                                     const ResampleOptions& options = {});
+
+/// Resamples a robot motion to another frame rate, as resample() does for clips: root position and
+/// joint positions as scalar tracks, the root's rotation as quaternions; sample i is at time i /
+/// output rate.
+[[nodiscard]] Result<RobotClip> resample_robot(const RobotClip& source,
+                                               const FrameRate& output_rate,
+                                               const ResampleOptions& options = {});
 
 }  // namespace retarget

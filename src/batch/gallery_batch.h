@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "arguments.h"
 #include "batch/manifest.h"
+#include "retarget/error.h"
+#include "retarget/gallery.h"
+#include "retarget/measure_files.h"
 
-namespace retarget::cli {
+namespace retarget {
 
 /// Contents of a batch's output folder.
 struct BatchFolder {
@@ -43,20 +45,21 @@ struct RecordedFile {
 
 /// How to measure and show an entry's motion.
 struct ShownEntry {
-  ViewArguments arguments;
+  MeasureRequest request;
+  std::string label;  ///< Label of the motion on its page.
   std::string lacks;  ///< Why an existing source is not shown; empty: no problem.
 };
 
 /// Removes the source from a run, and the options that concern it.
 void forget_source(Run& run);
 
-/// Builds the arguments that show an entry: its robot, its source, and the batch options that
-/// describe how the source was processed, how the motion is measured and how its file was written.
-/// Sources and option files are used only if they match the batch's record.
-/// @param given        arguments of this call; its data folder and gates take precedence.
-/// @param given_robot  robot of this call, which takes precedence for entries of that name; empty:
-///   none.
-[[nodiscard]] ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
-                                      const ViewArguments& given, const std::string& given_robot);
+/// How to show an entry: its robot, its source, and the batch options that describe how the source
+/// was processed, how the motion is measured and how its file was written. Sources and option files
+/// are used only if they match the batch's record.
+/// @param given        the gallery; its data folder and gates take precedence.
+/// @param given_robot  name of the gallery's robot, which takes precedence for entries of that
+///   name; empty: none.
+[[nodiscard]] ShownEntry show_entry(const BatchFolder& batch, const ManifestEntry& entry,
+                                    const GalleryRequest& given, const std::string& given_robot);
 
-}  // namespace retarget::cli
+}  // namespace retarget

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/motion.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A motion as named columns of numbers, one row per frame.
 struct MotionTable {
@@ -32,6 +33,10 @@ struct MotionTable {
 /// become columns. Errors (kInput): the errors of the file readers; a file without any column.
 [[nodiscard]] Result<MotionTable> parse_motion_table(std::string_view bytes,
                                                      const std::string& file);
+
+/// Reads a file as parse_motion_table does; `-` is standard input.
+/// @param max_bytes  a larger file is an error (memory_share).
+[[nodiscard]] Result<MotionTable> load_motion_table(const std::string& path, std::size_t max_bytes);
 
 /// Difference of one column between two motions.
 struct ColumnDifference {

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
 
-namespace retarget {
+// Link retarget::batch.
+namespace RETARGET_API retarget {
 
 /// Settings of a batch: many clips for one or several robots.
 struct BatchRequest {
@@ -29,16 +33,14 @@ struct BatchRequest {
   std::string shard;                 ///< `I/N`; empty: the whole batch.
   bool quality = true;               ///< Measure the quality of the motions.
   std::vector<std::string> gates;    ///< Quality gates for the motions: changed_gates().
-  std::string clips;                 ///< Table of parts of the files (clip_table.h); empty: none.
+  std::string clips;                 ///< Table of parts of the files (docs/batch.md); empty: none.
   bool mirror = false;               ///< Add the mirror image of every clip.
   bool dedupe = false;               ///< Leave out duplicate clips.
-  std::string split;                 ///< Shares and seed (split.h); empty: no lists for training.
-  bool contacts = false;             ///< Write CLIP.contacts.csv next to each motion.
-  bool motion_list = false;          ///< Write motions.yaml.
-  std::string pack;                  ///< Name of the NPZ with all passed motions; empty: none.
+  std::string split;         ///< `SHARES:SEED` (docs/batch.md); empty: no lists for training.
+  bool contacts = false;     ///< Write CLIP.contacts.csv next to each motion.
+  bool motion_list = false;  ///< Write motions.yaml.
+  std::string pack;          ///< Name of the NPZ with all passed motions; empty: none.
 
-  /// Exit code recorded for failed clips, as in a run of one clip alone.
-  std::function<int(ErrorKind)> exit_code;
   /// Called first in each worker process.
   std::function<void()> begin_worker;
 };
@@ -52,5 +54,13 @@ struct BatchRequest {
 /// Merges the manifests of all parts in the output folder and the manifests given as inputs.
 /// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer);
+
+/// Group of batch options in help and docs.
+inline constexpr const char* kBatchGroup = "Batch";
+
+/// The rows of a batch request, without the rows of each clip's run.
+/// @param run  settings of every clip. Its memory limit applies to all running clips together. The
+///             row `base` sets its robot's base and still accepts a folder, its former meaning.
+[[nodiscard]] OptionTable batch_table(BatchRequest& request, Run& run);
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "gallery_files.h"
+#include "batch/gallery_files.h"
 
 #include <algorithm>
 #include <system_error>
@@ -7,7 +7,7 @@
 #include "retarget/file.h"
 #include "retarget/try.h"
 
-namespace retarget::cli {
+namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
@@ -81,4 +81,4 @@ void remove_stale_pages(const fs::path& pages, const std::set<std::string>& kept
   }
 }
 
-}  // namespace retarget::cli
+}  // namespace retarget

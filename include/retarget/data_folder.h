@@ -5,12 +5,16 @@
 #include <string>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
+
+/// The data folder holds robots/ and configs/. Most programs need none of this: load_robot and
+/// load_clip search for it.
 
 /// Places to search for the data folder; see find_data_folder.
 struct DataFolderSearch {
-  std::optional<std::string> flag;         ///< Value of --data-dir.
+  std::optional<std::string> flag;         ///< The user's choice.
   std::optional<std::string> environment;  ///< RETARGET_DATA_DIR; empty counts as not set.
   std::filesystem::path executable;  ///< The running binary with links resolved; may be empty.
   std::string installed = {};        ///< Data folder of the installed library; empty when unknown.

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A motion given as arrays: positions and rotations of named joints, by frame.
 struct ClipArrays {
@@ -32,5 +34,22 @@ struct ClipArrays {
 /// Errors (kUsage): an invalid tree, empty or repeated names, rotations whose norm differs from 1
 /// by more than 1e-3.
 [[nodiscard]] Result<Clip> clip_from_arrays(const ClipArrays& arrays);
+
+/// A motion given as joint positions alone, by frame.
+struct JointPositions {
+  std::vector<std::string> names;     ///< Unique joint names; empty: the joint order is recognised.
+  std::span<const double> positions;  ///< Size frames x joints x 3; any unit, any up axis.
+  std::size_t frames = 0;
+  std::size_t joints = 0;
+  FrameRate rate;
+  std::string name;  ///< Name of the clip, for messages.
+};
+
+/// Creates a clip from joint positions; rotations are computed from limb directions and bending
+/// planes (docs/positions.md). The clip's origin() has warnings about findings and assumptions.
+///
+/// Errors (kUsage): no frames or joints, or more than an int counts. Errors (kInput): an unknown or
+/// ambiguous joint order, joints that do not form a human, duplicate names.
+[[nodiscard]] Result<Clip> clip_from_positions(const JointPositions& motion);
 
 }  // namespace retarget

@@ -5,9 +5,13 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
+// Reading: load_clip and load_skeleton (load.h).
+
+/// How a clip is written as BVH.
 struct BvhWriteOptions {
   /// Decimals of offsets, positions and angles, 0 to 17. When not set, numbers have as many digits
   /// as an exact round trip needs. The frame time always does.

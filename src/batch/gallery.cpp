@@ -1,6 +1,4 @@
-// `retarget view FOLDER`: makes pages for a batch, and an index page.
-
-#include "gallery.h"
+#include "retarget/gallery.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,21 +11,18 @@
 
 #include "base/machine.h"
 #include "batch/clip_memory.h"
+#include "batch/gallery_batch.h"
+#include "batch/gallery_files.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
-#include "gallery_batch.h"
-#include "gallery_files.h"
-#include "interrupt.h"
-#include "measure_files.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/measure_files.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
-#include "shared_arguments.h"
-#include "view/gallery.h"
-#include "view/strip.h"
+#include "retarget/view.h"
 
-namespace retarget::cli {
+namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,21 +39,21 @@ struct GalleryTask {
 
 class GalleryMaker {
  public:
-  /// @param robot  the robot named in the arguments; empty: none.
-  GalleryMaker(const ViewArguments& arguments, BatchFolder batch, std::string robot,
-               Console& console)
-      : arguments_(arguments),
+  /// @param robot  the name of the request's robot; empty: none.
+  GalleryMaker(const GalleryRequest& request, BatchFolder batch, std::string robot,
+               Observer& observer)
+      : request_(request),
         batch_(std::move(batch)),
         robot_(std::move(robot)),
-        folder_(arguments.run.run.output),
-        console_(console) {}
+        folder_(request.output),
+        observer_(observer) {}
 
   Result<void> make() {
     RETARGET_TRY(plan());
     RETARGET_TRY(make_folders());
-    const auto interrupts = console_.hold_interrupts();
+    const auto interrupts = observer_.hold_interrupts();
     RETARGET_TRY(make_pages());
-    if (console_.is_stopped()) {
+    if (observer_.is_stopped()) {
       Failure stopped = interrupted_failure();
       stopped.value().message = "interrupted; the index was not written";
       return stopped;
@@ -81,36 +76,36 @@ class GalleryMaker {
   // Reports the result and what is missing, one sentence each.
   void tell() const {
     if (!missing_.empty()) {
-      console_.warn({{0, 0,
-                      (missing_.size() == 1 ? "a motion of the manifest is missing: "
-                                            : count_text(missing_.size(), "motion") +
-                                                  " of the manifest are missing: ") +
-                          list_names(missing_, 3)}},
-                    batch_.folder);
+      observer_.warn({{0, 0,
+                       (missing_.size() == 1 ? "a motion of the manifest is missing: "
+                                             : count_text(missing_.size(), "motion") +
+                                                   " of the manifest are missing: ") +
+                           list_names(missing_, 3)}},
+                     batch_.folder);
     }
     if (!sources_.empty()) {
-      console_.warn(
+      observer_.warn(
           {{0, 0,
             count_text(sources_.size(), "clip") + (sources_.size() == 1 ? " is" : " are") +
                 " shown without the source, which no longer exists: " + list_names(sources_, 3)}},
           batch_.folder);
     }
     if (unshown_ > 0) {
-      console_.warn(
+      observer_.warn(
           {{0, 0,
             count_text(unshown_, "motion") + " cannot be shown; the index gives the reasons"}},
           batch_.folder);
     }
     if (batch_.unreadable > 0) {
-      console_.warn(
+      observer_.warn(
           {{0, 0,
             count_text(batch_.unreadable, "line") + " of the manifest cannot be read and " +
                 (batch_.unreadable == 1 ? "is" : "are") + " skipped"}},
           batch_.folder);
     }
-    console_.line("wrote", (folder_ / "index.html").string() + ": " +
-                               count_text(clips_.size(), "clip") + ", " +
-                               count_text(tasks_.size(), "page"));
+    observer_.line("wrote", (folder_ / "index.html").string() + ": " +
+                                count_text(clips_.size(), "clip") + ", " +
+                                count_text(tasks_.size(), "page"));
   }
 
  private:
@@ -127,7 +122,7 @@ class GalleryMaker {
       if (entry->error) {
         clip.message =
             describe({entry->error->kind, entry->error->location, entry->error->message, {}, {}},
-                     option_as_flag);
+                     request_.spelling);
       }
       if (entry->quality) {
         clip.measured = true;
@@ -181,36 +176,35 @@ class GalleryMaker {
   // Makes page and picture of a clip; returns what is missing on the page, if anything.
   Result<std::string> make_page(std::size_t i) const {
     const GalleryTask& task = tasks_[i];
-    Console silent(true);
+    Observer silent;
     const GalleryClip& clip = clips_[task.clip];
     if (find_motion(batch_, *task.entry).path.empty()) {
       return input_failure(motion_of(batch_, *task.entry),
                            "the motion has changed since the batch wrote it");
     }
-    ShownEntry shown_entry = arguments_of(batch_, *task.entry, arguments_, robot_);
-    ViewArguments& arguments = shown_entry.arguments;
-    Run& run = arguments.run.run;
+    ShownEntry shown_entry = show_entry(batch_, *task.entry, request_, robot_);
+    Run& run = shown_entry.request.run;
     run.options.source.memory_gb = memory_gb_[i];
     std::string lacks = shown_entry.lacks;
-    auto measures = load_measures(arguments, silent);
+    auto measures = load_measures(shown_entry.request, silent);
     if (!measures && !run.motion.empty()) {
       // Show the motion even if its source cannot be read.
-      lacks = describe(measures.error(), option_as_flag);
+      lacks = describe(measures.error(), request_.spelling);
       forget_source(run);
-      measures = load_measures(arguments, silent);
+      measures = load_measures(shown_entry.request, silent);
     }
     if (!measures) return failure(measures.error());
     if (!lacks.empty()) lacks = "without its source: " + lacks;
     RETARGET_TRY_ASSIGN(const MeasuredMotion motion,
-                        measure_file(arguments.motions.front(), *measures, silent));
+                        measure_file(shown_entry.request.motions.front(), *measures, silent));
     RobotMeshes meshes;
     // Without the option, pages have no meshes: there are many pages, so each must be small.
-    if (!arguments_.meshes.empty()) {
+    if (!request_.meshes.empty()) {
       RETARGET_TRY_ASSIGN(meshes,
-                          load_robot_meshes(*measures->robot, measures->model, arguments_.meshes));
+                          load_robot_meshes(*measures->robot, measures->model, request_.meshes));
     }
-    const PageMotion shown{arguments.labels.front(), &motion.clip, motion.human, &motion.report,
-                           &measures->limits,        {},           &meshes};
+    const PageMotion shown{shown_entry.label, &motion.clip, motion.human, &motion.report,
+                           &measures->limits, {},           &meshes};
     RETARGET_TRY_ASSIGN(
         const std::string page,
         view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks, task.links}));
@@ -235,7 +229,7 @@ class GalleryMaker {
   std::string done_page(std::size_t i) const {
     try {
       const auto made = make_page(i);
-      return made ? *made : kNoMotion + describe(made.error(), option_as_flag);
+      return made ? *made : kNoMotion + describe(made.error(), request_.spelling);
     } catch (const std::bad_alloc&) {
       return kNoMotion + std::string("not enough memory for its page");
     }
@@ -279,10 +273,10 @@ class GalleryMaker {
     if (tasks_.empty()) return {};
     ProcessPoolOptions pool;
     pool.workers = std::max(1, std::min<int>(usable_cores(), static_cast<int>(tasks_.size())));
-    pool.end_process = [](int code) { ::_exit(code); };
-    pool.begin_worker = leave_interrupts_to_parent;
+    pool.end_process = ::_exit;
+    pool.begin_worker = request_.begin_worker;
     Result<void> taken;
-    pool.keep_going = [&] { return taken && !console_.is_stopped(); };
+    pool.keep_going = [&] { return taken && !observer_.is_stopped(); };
     std::vector<std::uint64_t> memory;
     plan_memory(pool, memory);
     std::size_t done = 0;
@@ -291,12 +285,12 @@ class GalleryMaker {
         [&](std::size_t i, const TaskEnd& end) {
           auto noted = take_answer(tasks_[i], end);
           if (!noted && taken) taken = std::move(noted);
-          console_.status(fmt::format("page {} of {}", ++done, tasks_.size()));
+          observer_.status(fmt::format("page {} of {}", ++done, tasks_.size()));
         });
-    console_.end_progress();
+    observer_.end_progress();
     RETARGET_TRY(std::move(ran));
     RETARGET_TRY(std::move(taken));
-    if (answered_ == 0 && !console_.is_stopped()) {
+    if (answered_ == 0 && !observer_.is_stopped()) {
       return run_failure(folder_.string(),
                          "no page could be created: all worker processes ended early",
                          "memory may have run out");
@@ -304,11 +298,11 @@ class GalleryMaker {
     return {};
   }
 
-  const ViewArguments& arguments_;
+  const GalleryRequest& request_;
   const BatchFolder batch_;
   const std::string robot_;
   const fs::path folder_;
-  Console& console_;
+  Observer& observer_;
   std::vector<GalleryClip> clips_;              // Worst first.
   std::vector<GalleryTask> tasks_;              // In the same order.
   std::vector<std::string> missing_, sources_;  // Files that no longer exist.
@@ -317,35 +311,13 @@ class GalleryMaker {
   int unshown_ = 0;
 };
 
-Result<void> check_gallery(const ViewArguments& arguments) {
-  const std::string& output = arguments.run.run.output;
-  if (arguments.motions.size() > 1) {
-    return usage_failure("a gallery shows one folder",
-                         "give motion files to play them side by side");
-  }
-  std::error_code ignored;
-  if (output == "-" || (fs::exists(output, ignored) && !fs::is_directory(output, ignored)) ||
-      (!fs::exists(output, ignored) && !fs::path(output).extension().empty() &&
-       output.back() != '/')) {
-    return usage_failure("a gallery must be a folder, found the output \"" + output + "\"",
-                         "give a folder, such as gallery/");
-  }
-  if (!arguments.run.run.motion.empty() || !arguments.run.request.png.empty() ||
-      !arguments.labels.empty()) {
-    return usage_failure("--bvh, --smpl, --png and --label apply to motions, not to a folder");
-  }
-  fs::path folder = fs::path(output).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  return check_output_folder(folder.string());
-}
-
-// Returns the robot that the arguments name, which must occur in the batch; empty if none is named.
-Result<std::string> given_robot(const ViewArguments& arguments, const BatchFolder& batch,
-                                Console& console) {
-  const RobotChoice& choice = arguments.run.run.robot;
+// Returns the name of the request's robot, which must occur in the batch; empty if it has none.
+Result<std::string> given_robot(const GalleryRequest& request, const BatchFolder& batch,
+                                Observer& observer) {
+  const RobotChoice& choice = request.robot;
   if (choice.name.empty() && choice.model.empty()) return std::string();
   RETARGET_TRY_ASSIGN(const LoadedRobot loaded,
-                      load_robot(choice, arguments.run.common, console, Soles::kAsTheyAre));
+                      load_robot(choice, request.data_folder, observer, Soles::kAsTheyAre));
   // Batches name robots this way.
   std::string name = fs::path(loaded.robot->name()).filename().string();
   std::set<std::string> robots;
@@ -358,15 +330,14 @@ Result<std::string> given_robot(const ViewArguments& arguments, const BatchFolde
 
 }  // namespace
 
-Result<void> write_gallery(const ViewArguments& arguments, Console& console) {
-  RETARGET_TRY(check_gallery(arguments));
-  RETARGET_TRY_ASSIGN(BatchFolder batch, read_batch_folder(arguments.motions.front()));
-  RETARGET_TRY(check_gallery_folder(arguments.run.run.output, batch));
-  RETARGET_TRY_ASSIGN(std::string robot, given_robot(arguments, batch, console));
-  GalleryMaker maker(arguments, std::move(batch), std::move(robot), console);
+Result<void> write_gallery(const GalleryRequest& request, Observer& observer) {
+  RETARGET_TRY_ASSIGN(BatchFolder batch, read_batch_folder(request.batch));
+  RETARGET_TRY(check_gallery_folder(request.output, batch));
+  RETARGET_TRY_ASSIGN(std::string robot, given_robot(request, batch, observer));
+  GalleryMaker maker(request, std::move(batch), std::move(robot), observer);
   RETARGET_TRY(maker.make());
   maker.tell();
   return {};
 }
 
-}  // namespace retarget::cli
+}  // namespace retarget

@@ -3,13 +3,12 @@
 #include <span>
 #include <string>
 
-#include "human/skeleton/bone_map.h"
-#include "human/skeleton/calibrate.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/human.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// Contents of a motion file: the clip as read, and the human recognised in it.
 struct Inspection {

@@ -4,9 +4,9 @@
 #include <set>
 #include <string>
 
-#include "gallery_batch.h"
+#include "batch/gallery_batch.h"
 
-namespace retarget::cli {
+namespace retarget {
 
 /// Subfolder of a gallery that holds the pages.
 inline constexpr const char* kGalleryPages = "clips";
@@ -24,4 +24,4 @@ inline constexpr const char* kGalleryPages = "clips";
 /// @param kept  names of files to keep.
 void remove_stale_pages(const std::filesystem::path& pages, const std::set<std::string>& kept);
 
-}  // namespace retarget::cli
+}  // namespace retarget

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/measure.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
+#include "retarget/run.h"
+
+// Link retarget::batch.
+namespace RETARGET_API retarget {
+
+/// Motion files to measure, and the source that they are compared with.
+struct MeasureRequest {
+  /// Robot and limits, and how the source is read and understood. `motion` is the source; empty:
+  /// none, and figures that need a source are omitted.
+  Run run;
+  RunRequest of_source;              ///< Whether the source is mirrored; file of its bone map.
+  std::string fps;                   ///< Frame rate of motions whose files have none, in frames per
+                                     ///< second, or `source`; empty: the format's default.
+  ReadingOptions reading;            ///< Facts that the motion files do not state.
+  std::vector<std::string> motions;  ///< Motion files; only their sidecars are read.
+  std::vector<std::string> gates;    ///< As for changed_gates().
+  bool dynamics = false;             ///< Also compute inverse dynamics figures.
+  DataFolder data_folder;
+};
+
+/// Robot, source and gates that all measurements of a request use.
+struct Measures {
+  std::shared_ptr<const Robot> robot;
+  std::string model;  ///< The robot's model, MJCF or URDF.
+  LimitSet limits;
+  ReadMotionOptions reading;
+  FrameRate rate;  ///< Frame rate of the source.
+  std::optional<MeasuredSource> source;
+  Gates gates;
+  bool dynamics = false;
+};
+
+/// Loads robot, limits, gates and source. If no variant of the robot is given, the one that the
+/// sidecars of all motions record is used.
+/// @param source_rate  rate for the source if the request has none; it does not apply to motions
+///   whose files state no rate.
+/// Errors: those of load_robot, changed_gates and read_and_plan; an invalid rate (kUsage).
+[[nodiscard]] Result<Measures> load_measures(
+    const MeasureRequest& request, Observer& observer,
+    const std::optional<FrameRate>& source_rate = std::nullopt);
+
+/// A measured motion, resampled to the source's frames.
+struct MeasuredMotion {
+  RobotClip clip;
+  const HumanClip* human = nullptr;    ///< Human of the source, if any; otherwise null.
+  QualityReport report;                ///< Judged by the gates.
+  std::optional<FrameRate> file_rate;  ///< The file's rate, if the motion was resampled to the
+                                       ///< source's.
+};
+
+/// Reads and measures a motion file.
+/// @param measures  must outlive the result.
+/// Errors: those of load_recorded_motion.
+[[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
+                                                  Observer& observer);
+
+}  // namespace retarget

@@ -1,0 +1,145 @@
+#include "retarget/measure_files.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/check_options.h"
+#include "retarget/data_folder.h"
+#include "retarget/plan.h"
+#include "retarget/resample.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<void> add_source(const MeasureRequest& request, const Run& run, LoadedRobot robot,
+                        Measures& measures, Observer& observer) {
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
+  TRY_ASSIGN(Plan plan, read_and_plan(run, request.of_source, setup, observer));
+  // Restores the tasks of bones that the human lacks, which the plan leaves out: they are measured
+  // as well.
+  plan.config = setup.config_for(plan.human);
+  TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
+  measures.rate = measures.source->rate;
+  return {};
+}
+
+MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
+                       Observer& observer) {
+  const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
+  MotionMeasure measure = measure_motion(clip, measures.limits, source);
+  if (measures.dynamics) add_dynamics(clip, measure.report);
+  if (measure.has_lead_in) {
+    observer.line("lead-in", file + " includes the source's leading frames; they are kept");
+  }
+  if (source != nullptr && measure.source_frames < clip.frame_count()) {
+    observer.warn(
+        {{0, 0,
+          "the source has " + count_text(measure.source_frames, "frame") +
+              " after its start time, the motion has " + count_text(clip.frame_count(), "frame") +
+              "; contacts and tracking are measured only up to its end"}},
+        file);
+  }
+  const HumanClip* human = nullptr;
+  if (source != nullptr) {
+    human = measure.has_lead_in ? &*source->human_with_lead_in : &source->human;
+  }
+  return {std::move(clip), human, std::move(measure.report), std::nullopt};
+}
+
+// Returns the variant that all motions were made for, according to their sidecars; empty for the
+// whole robot or several variants.
+std::string variant_of(const std::vector<std::string>& motions) {
+  std::string common;
+  for (const std::string& motion : motions) {
+    const std::string variant = recorded_variant(motion);
+    if (variant.empty() || (!common.empty() && variant != common)) return {};
+    common = variant;
+  }
+  return common;
+}
+
+}  // namespace
+
+Result<Measures> load_measures(const MeasureRequest& request, Observer& observer,
+                               const std::optional<FrameRate>& source_rate) {
+  Run run = request.run;
+  if (!request.fps.empty()) {
+    auto rate = rate_from_text(request.fps);
+    if (!rate) return usage_failure(OPTION("fps") ": " + rate.error().message);
+    run.options.time.fps = *rate;
+  } else if (source_rate) {
+    run.options.time.fps = source_rate->fps();
+  }
+  Measures measures;
+  measures.dynamics = request.dynamics;
+  const std::string& chosen = request.data_folder.chosen;
+  TRY_ASSIGN(const fs::path data_folder,
+             find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
+                              request.data_folder.installed));
+  TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder.string()));
+  const std::string variant = run.robot.variant.empty() ? variant_of(request.motions) : "";
+  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, request.data_folder, observer));
+  const auto& variants = robot.robot->profile().variants;
+  if (std::ranges::find(variants, variant, &RobotVariant::name) != variants.end()) {
+    run.robot.variant = variant;
+    TRY_ASSIGN(robot, load_robot(run.robot, request.data_folder, observer));
+  }
+  measures.robot = robot.robot;
+  measures.model = robot.model;
+  std::string& limits = run.options.solve.limits;
+  if (limits.empty()) limits = measures.robot->limits_for({});
+  TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
+  if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
+  measures.reading =
+      read_motion_options(request.reading, memory_share(run.options.source.memory_gb));
+  if (!run.motion.empty()) {
+    TRY(add_source(request, run, std::move(robot), measures, observer));
+  } else if (run.options.source.source_fps > 0.0) {
+    measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
+  }
+  if (!request.fps.empty()) measures.reading.default_rate = measures.rate;
+  return measures;
+}
+
+Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
+                                    Observer& observer) {
+  TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, measures.robot, measures.reading));
+  // A rate given by the user is not a guess.
+  const bool rate_known = motion.rate_known;
+  motion.rate_known = rate_known || measures.reading.default_rate.has_value();
+  report_reading(file, motion, observer, OPTION("fps"));
+  if (rate_known && measures.reading.default_rate && !measures.source &&
+      !same_rate(*measures.reading.default_rate, motion.clip.rate())) {
+    observer.warn(
+        {{0, 0,
+          "the file gives " + to_text(motion.clip.rate()) +
+              " fps, which is used; " OPTION("fps") " applies only to files without a "
+                                                    "rate, " OPTION("source-fps") " to all files"}},
+        file);
+  }
+  // Measuring against the source needs matching frames.
+  const FrameRate file_rate = motion.clip.rate();
+  RobotClip clip = std::move(motion.clip);
+  if (measures.source) {
+    TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  MeasuredMotion measured = measure(std::move(clip), measures, file, observer);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  if (measures.source && !same_rate(file_rate, measures.rate)) measured.file_rate = file_rate;
+  QualityReport& report = measured.report;
+  report.file = file == "-" ? "-" : fs::path(file).filename().string();
+  measures.gates.judge(report);
+  observer.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
+                                number_text(time.count(), 2) + " s");
+  return measured;
+}
+
+}  // namespace retarget

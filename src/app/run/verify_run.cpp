@@ -1,0 +1,141 @@
+// Repeats the run of a sidecar and compares the bytes.
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/provenance/hash.h"
+#include "app/run/folder_hash.h"
+#include "app/run/sidecar.h"
+#include "base/try.h"
+#include "retarget/check_options.h"
+#include "retarget/enum_names.h"
+#include "retarget/file.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/run.h"
+#include "retarget/text.h"
+#include "retarget/version.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Looks for a file next to the sidecar if it no longer exists at its recorded path.
+void find_moved(std::string& file, const fs::path& beside) {
+  std::error_code ignored;
+  if (file.empty() || file == "-" || fs::exists(file, ignored)) return;
+  const fs::path near = beside / fs::path(file).filename();
+  const fs::path below = beside / file;
+  if (fs::exists(below, ignored)) {
+    file = below.string();
+  } else if (fs::exists(near, ignored)) {
+    file = near.string();
+  }
+}
+
+Result<Sidecar> load_sidecar(const std::string& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    return input_failure(
+        file, "expected a run's sidecar, found a directory",
+        "give a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
+  }
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
+  return read_sidecar(content.view(), file);
+}
+
+// Returns the inputs whose content has changed, one line each.
+std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadFile>& now) {
+  std::vector<std::string> changed;
+  if (sidecar.version != version_number()) {
+    changed.push_back("the tool is version " + version_number() + ", the sidecar's was " +
+                      sidecar.version);
+  }
+  for (const ReadFile& then : sidecar.files) {
+    const auto found = std::ranges::find(now, then.role, &ReadFile::role);
+    if (found == now.end()) {
+      changed.push_back("the " + then.role + " " + then.file + " is no longer used");
+    } else if (found->hash != then.hash && !then.hash.empty()) {
+      changed.push_back("the " + then.role + " " + found->file + " has changed");
+    }
+  }
+  return changed;
+}
+
+// Reconstructs the sidecar's run with only the output that the sidecar describes.
+Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file) {
+  Run run = sidecar.run;
+  if (run.motion == "-") {
+    return input_failure(file, "the motion came from standard input and cannot be read again");
+  }
+  for (auto check :
+       {check_robot_choice(run.robot), check_config_choice(run.robot, run.options.solve),
+        check_solving_options(run.options)}) {
+    if (check) continue;
+    check.error().kind = ErrorKind::kInput;
+    check.error().location.file = file;
+    return failure(check.error());
+  }
+  find_moved(run.motion, beside);
+  find_moved(run.robot.name, beside);
+  find_moved(run.options.source.from_robot, beside);
+  for (const Option& row : run_table(run)) {
+    if (row.info.file == OptionFile::kNone) continue;
+    std::string named = to_text(row.get());
+    find_moved(named, beside);
+    TRY(row.set(named));
+  }
+  const auto format = enum_from_name<MotionFormat>(sidecar.format);
+  if (!format) {
+    return input_failure(file, "unknown format in the sidecar: \"" + sidecar.format + "\"",
+                         "it may come from a newer version of this tool");
+  }
+  run.options.save.formats = {*format};
+  run.output = sidecar.output;
+  return run;
+}
+
+}  // namespace
+
+Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
+                        Observer& observer) {
+  TRY_ASSIGN(const Sidecar sidecar, load_sidecar(file));
+  const fs::path beside = fs::path(file).parent_path();
+  TRY_ASSIGN(const Run run, run_of(sidecar, beside, file));
+  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, data_folder, observer));
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
+  RunRequest request;
+  request.hashes_only = true;
+  request.mirror = sidecar.mirror;
+  const auto outcome = run_to_files(run, request, setup, observer);
+  // The configuration depends on the source, so it is known only after the run.
+  const auto files = files_read(run, setup.loaded, outcome ? outcome->config : setup.config.file);
+  if (!files) return failure(outcome ? files.error() : outcome.error());
+  const std::vector<std::string> changed = changes(sidecar, *files);
+  for (const std::string& change : changed) observer.line("changed", change);
+  if (!outcome) return failure(outcome.error());
+
+  const std::string output = (beside / sidecar.output).string();
+  std::error_code ignored;
+  if (fs::exists(output, ignored)) {
+    TRY_ASSIGN(const std::string there,
+               fs::is_directory(output, ignored) ? folder_hash(output, "") : hash_file(output));
+    if (there != sidecar.hash) {
+      return run_failure(output, "the file has changed since the sidecar was written");
+    }
+  }
+  if (outcome->motions.front().hash == sidecar.hash) {
+    observer.line("verified", sidecar.output + ": the output is identical");
+    return {};
+  }
+  return run_failure(file, "the output differs from " + sidecar.output,
+                     changed.empty() ? "all recorded inputs match; a different machine or build?"
+                                     : list_names(changed));
+}
+
+}  // namespace retarget
