@@ -142,8 +142,8 @@ ReportLine verdict_of(const QualityReport& report) {
 }
 
 std::string missed_text_of(const QualityReport& report, const GateResult& gate) {
-  return report.file + ": " + gate.metric + " is " + figure_text(*gate.value, gate) + ", expected " +
-         bounds_in_words(gate);
+  return report.file + ": " + gate.metric + " is " + figure_text(*gate.value, gate) +
+         ", expected " + bounds_in_words(gate);
 }
 
 std::vector<std::string> places_of_gate(const QualityReport& report, const GateResult& gate) {
