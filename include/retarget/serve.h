@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,27 @@ namespace RETARGET_API retarget {
 
 /// Receives a human-readable message: a label and a text with marked options.
 using LiveTell = std::function<void(std::string_view label, std::string_view text)>;
+
+class WriterThread;
+
+/// Writes text on a thread, so that a reader that pauses does not delay the caller. The reader
+/// misses what it does not read in time. For the messages of a live run: LiveTell is called while
+/// robot frames wait.
+class MessageWriter {
+ public:
+  /// @param descriptor  a file, a pipe or a terminal; duplicated.
+  explicit MessageWriter(int descriptor);
+  /// Waits for queued text, for half a second if the reader reads nothing.
+  ~MessageWriter();
+  MessageWriter(MessageWriter&&) noexcept;
+  MessageWriter& operator=(MessageWriter&&) noexcept;
+
+  /// Queues a text, or drops it if the queue is full.
+  void write(std::string_view text);
+
+ private:
+  std::unique_ptr<WriterThread> thread_;
+};
 
 /// How the body of a stream is calibrated.
 enum class LiveCalibration : unsigned char {

@@ -86,13 +86,14 @@ class BlockedOutputs(LiveTest):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             i, begin = 0, time.monotonic()
             while self.process.poll() is None:
-                packet = self.packets[0 if i == 0 else 1 + (i - 1) % (len(self.packets) - 1)]
-                if i > 0:  # its clock continues where the clip begins again
-                    frame = json.loads(packet)
-                    frame["time"] = i / 30
-                    packet = json.dumps(frame).encode()
+                frame = json.loads(self.packets[1 + i % (len(self.packets) - 1)])
+                frame["time"] = i / 30  # The clock continues when the clip restarts.
+                packets = [json.dumps(frame).encode()]
+                if i % 30 == 0:  # The first one may be sent before the run listens.
+                    packets.insert(0, self.packets[0])
                 try:
-                    sender.sendto(packet, ("127.0.0.1", port))
+                    for packet in packets:
+                        sender.sendto(packet, ("127.0.0.1", port))
                 except OSError:
                     pass
                 i += 1
@@ -254,6 +255,49 @@ class BlockedOutputs(LiveTest):
         # The partial recording can be replayed.
         self.assert_done(self.run_tool("live", "--replay", "kept", "-o", "again.jsonl"))
         self.assertGreater(len((self.folder / "again.jsonl").read_text().splitlines()), 5)
+
+    def full_pipe(self):
+        """Returns the writing end of a full pipe without an active reader."""
+        reads, takes = os.pipe()
+        self.addCleanup(os.close, reads)
+        self.addCleanup(os.close, takes)
+        os.set_blocking(takes, False)
+        with self.assertRaises(BlockingIOError):
+            while True:
+                os.write(takes, bytes(512))
+        os.set_blocking(takes, True)
+        return takes
+
+    def assert_runs_beside(self, *arguments, **options):
+        """Checks that a live run sends robot frames and ends with Ctrl-C; does not read its messages."""
+        receiver = Receiver(self)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.process = subprocess.Popen(
+            [TOOL, "live", "--robot", "unitree_g1", "--input", f"udp:{port}", "-o", receiver.address, *arguments],
+            cwd=self.folder, stdin=subprocess.DEVNULL, **options)
+        sender = threading.Thread(target=self.send, args=(port,), daemon=True)
+        self.addCleanup(self.process.wait)
+        self.addCleanup(self.process.kill)
+        self.told = []
+        sender.start()
+        self.addCleanup(sender.join)
+        self.addCleanup(self.process.kill)
+        self.wait_for(lambda: receiver.frames)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.sendto(b"{}", ("127.0.0.1", port))  # This packet is reported.
+        self.wait_for(lambda: len(receiver.frames) > 150)
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(PROMPT), 0)
+
+    def test_messages_that_are_not_read(self):
+        takes = self.full_pipe()
+        self.assert_runs_beside(stdout=subprocess.DEVNULL, stderr=takes)
+
+    def test_statistics_that_are_not_read(self):
+        takes = self.full_pipe()
+        self.assert_runs_beside("--stats", "-", stdout=takes, stderr=subprocess.DEVNULL)
 
     def test_a_player_without_a_reader_ends_at_ctrl_c(self):
         with socket.socket() as listener:

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "live/live_sample.h"
@@ -24,10 +26,10 @@ const Plan& stander() {
 }
 
 // One pose that is translated.
-HumanPose carried(double time) {
+HumanPose carried(double time, double pace) {
   static const HumanClip human = human_of(stander());
   HumanPose pose = human.frame(0);
-  for (const Bone bone : kAllBones) pose[bone].translation.x() += kPace * time;
+  for (const Bone bone : kAllBones) pose[bone].translation.x() += pace * time;
   return pose;
 }
 
@@ -39,8 +41,8 @@ struct Shown {
 // A stream in true time, and the robot's response.
 class ClockRun {
  public:
-  explicit ClockRun(double fps = 50.0)
-      : session(LiveSession::make(stander(), options(fps)).value()) {}
+  explicit ClockRun(double fps = 50.0, double human_pace = kPace)
+      : session(LiveSession::make(stander(), options(fps)).value()), pace(human_pace) {}
 
   static LiveOptions options(double fps) {
     LiveOptions made;
@@ -51,7 +53,7 @@ class ClockRun {
   // A frame of a true time.
   void frame(double time, double stamp, double arrival) {
     until(arrival);
-    session.push({stamp, carried(time)}, arrival);
+    session.push({stamp, carried(time, pace)}, arrival);
     take(arrival);
   }
   void until(double time) { take(time - 1e-6); }
@@ -95,7 +97,23 @@ class ClockRun {
     }
   }
 
+  // Expects that the root reaches speeds above the one to resume with gradually, in all frames due
+  // at or after `from`.
+  void expect_gentle(double from, const std::string& what, double fps = 50.0) const {
+    constexpr double kResumes = 1.0, kMore = 0.5;  // m/s
+    constexpr std::size_t kEarlier = 3;            // frames
+    std::vector<double> speeds = {0.0};
+    for (std::size_t i = 1; i < shown.size(); ++i) {
+      const double seconds = std::min(1.0 / fps, shown[i].due - shown[i - 1].due);
+      speeds.push_back(std::abs(shown[i].x - shown[i - 1].x) / seconds);
+      if (shown[i].due < from || i < kEarlier) continue;
+      const double before = *std::max_element(speeds.end() - 1 - kEarlier, speeds.end() - 1);
+      ASSERT_LE(speeds.back(), std::max(kResumes, before) + kMore) << what << " at " << shown[i].due;
+    }
+  }
+
   LiveSession session;
+  double pace;  // m/s, of the human
   std::vector<Shown> shown;
 };
 
@@ -152,6 +170,32 @@ TEST(LiveClocks, ADelayThatChangesIsFollowedWithinTwoFifthsOfASecond) {
     const std::string what = "later by " + std::to_string(more);
     run.expect_even(what);
     run.expect_follows(2.0 + more + 0.45, more + 0.1, what);
+  }
+}
+
+// After a step of the clock or of the delay the human may be elsewhere, whatever the stamps say.
+TEST(LiveClocks, StepsAndShorterDelaysAreResumedGently) {
+  constexpr double kWalks = 0.8;  // m/s
+  for (const double fps : {30.0, 50.0, 100.0}) {
+    for (const double size : {0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 1.0}) {
+      for (const double rate : {0.5, 1.0, 2.0}) {
+        ClockRun back(50.0, kWalks), forth(50.0, kWalks), sooner(50.0, kWalks);
+        std::vector<std::pair<double, double>> arrivals;  // Arrival and frame time.
+        for (int i = 0; i <= 4.0 * fps; ++i) {
+          const double time = i / fps, step = time > 2.0 ? size : 0.0;
+          back.frame(time, rate * time - step, time);
+          forth.frame(time, rate * time + step, time);
+          arrivals.emplace_back(time + size - step, time);
+        }
+        std::ranges::sort(arrivals);
+        for (const auto& [arrival, time] : arrivals) sooner.frame(time, rate * time, arrival);
+        const std::string what = std::to_string(size) + ", rate " + std::to_string(rate) + ", " +
+                                 std::to_string(fps) + " fps";
+        back.expect_gentle(1.9, "set back by " + what);
+        forth.expect_gentle(1.9, "set forward by " + what);
+        sooner.expect_gentle(1.9, "sooner by " + what);
+      }
+    }
   }
 }
 

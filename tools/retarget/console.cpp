@@ -27,10 +27,6 @@ constexpr std::size_t kMessageIndent = 4;
 constexpr double kTerminalPause = 0.1;
 constexpr double kLinePause = 15.0;
 
-void put(std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), stderr);
-}
-
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -58,6 +54,18 @@ Console::Console(bool quiet)
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
+
+void Console::never_wait() {
+  if (!writer_) writer_.emplace(STDERR_FILENO);
+}
+
+void Console::put(std::string_view text) {
+  if (writer_) {
+    writer_->write(text);
+  } else {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+  }
+}
 
 std::string Console::paint(std::string_view text, std::string_view code) const {
   if (!colour_) return std::string(text);

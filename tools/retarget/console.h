@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "interrupt.h"
 #include "retarget/error.h"
 #include "retarget/run.h"
+#include "retarget/serve.h"
 #include "retarget/solve.h"
 #include "retarget/text.h"
 
@@ -39,6 +41,10 @@ class Console : public Observer {
   /// Prints nothing and collects notes, which must outlive the console.
   explicit Console(ConsoleNotes& notes);
 
+  /// Writes all further messages on a thread: a reader of standard error that pauses does not delay
+  /// the caller, but misses what it does not read in time.
+  void never_wait();
+
   /// Returns true if summary lines are printed.
   [[nodiscard]] bool is_read() const override { return !quiet_ && notes_ == nullptr; }
   /// Prints a summary line: a short label and its text. Silent when quiet.
@@ -67,6 +73,7 @@ class Console : public Observer {
   [[nodiscard]] std::string message(const std::string& text) const;
   /// Colours the severity word of a line.
   [[nodiscard]] std::string paint_severity(std::string text) const;
+  void put(std::string_view text);
 
   bool quiet_ = false;
   bool terminal_ = false;
@@ -74,6 +81,7 @@ class Console : public Observer {
   ConsoleNotes* notes_ = nullptr;
   bool progress_shown_ = false;
   double last_progress_s_ = 0.0;
+  std::optional<MessageWriter> writer_;  // Writes the messages, if they may not wait.
 };
 
 /// Whether standard output is a terminal that takes colours (NO_COLOR is not set).

@@ -151,6 +151,7 @@ void summarise(const ServeSummary& summary, Console& console) {
 }  // namespace
 
 Result<void> live(const LiveArguments& given, Console& console) {
+  console.never_wait();
   LiveArguments arguments = given;
   if (arguments.list) return list_formats();
   if (!arguments.play.empty()) return play_clip(arguments, console);

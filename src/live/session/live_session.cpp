@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,8 @@ namespace {
 
 constexpr double kPatience =
     0.1;                         // Seconds that a frame may be overdue before it counts as missing.
-constexpr double kTooFar = 1e5;  // Metres from the origin.
+constexpr double kTooFar = 1e5;   // Metres from the origin.
+constexpr double kSetBack = 0.04;  // Seconds; a smaller set-back of a clock is jitter.
 
 Result<void> check_options(const Plan& plan, const LiveOptions& options) {
   LiveOptions given = options;
@@ -81,6 +83,8 @@ class LiveSession::Impl {
   bool feed(const HumanPose& human);
   bool hold(double seconds);
   void interrupt(double now);
+  void note_older(double time, double now) { older_ = {time, now}; }
+  [[nodiscard]] bool was_set_back(double time, double now) const;
   void take_next_of_lag();
   RobotFrame show(const Playout::Slot& slot, LiveState state);
   void limit(const Playout::Slot& slot, LiveState state);
@@ -105,6 +109,8 @@ class LiveSession::Impl {
   bool absent_ = false;  // Frames have been missing for longer than kPatience.
   bool catches_up_ = false;
   double settled_ = -std::numeric_limits<double>::infinity();  // Last multi-start search.
+  // Session time and arrival of the last frame that was not newer than all frames before it.
+  std::optional<std::pair<double, double>> older_;
   std::vector<double> shown_times_;  // Times of the frames in the window, as a ring buffer.
   std::int64_t fed_ = 0;
 };
@@ -117,9 +123,11 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   }
   const bool by_sender = options_.clock == LiveClock::kSender && std::isfinite(frame.time);
   const double used = playout_.time();
-  const int set_back = clock_.set_back();
+  const int set_back = clock_.set_back(), changes = clock_.jumps() + clock_.anchored();
   const auto time = clock_.take(by_sender ? frame.time : now, now, used);
   if (clock_.set_back() != set_back) playout_.cut();
+  // Session time continues evenly, but the human may not: the delay may have become shorter.
+  if (clock_.jumps() + clock_.anchored() != changes) limiter_.set_off_slowly();
   statistics_.clock_jumps = clock_.jumps();
   statistics_.clock_anchors = clock_.anchored();
   if (!time) {
@@ -129,8 +137,11 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   // An emptied queue no longer contains the frame that was shown, so compare with its time.
   if (queue_.empty() && *time <= used) {
     ++statistics_.late;
+    note_older(*time, now);
     return;
   }
+  if (was_set_back(*time, now)) limiter_.set_off_slowly();
+  if (!queue_.empty() && *time <= queue_.newest()) note_older(*time, now);
   const double bridged = kMaxBridgedGap * std::max(1.0, clock_.rate());
   switch (queue_.push(*time, frame.world_from_bone, now, bridged)) {
     case FrameQueue::Taken::kYes:
@@ -145,6 +156,17 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   }
   statistics_.lost = queue_.lost();
   statistics_.teleports = static_cast<int>(queue_.teleports());
+}
+
+// Whether the frame continues a sender's clock that was set back a little: its predecessor counted
+// as old, and less time has passed by the stamps than by the arrivals. The human moved meanwhile.
+bool LiveSession::Impl::was_set_back(double time, double now) const {
+  constexpr double kNext = 1.5;  // Intervals; consecutive frames are not further apart.
+  if (!older_ || queue_.empty() || time <= queue_.newest()) return false;
+  const double newest = queue_.newest(), arrival = queue_.known_since(newest);
+  const auto& [older_time, older_arrival] = *older_;
+  return older_arrival > arrival && time - older_time < kNext * queue_.interval() &&
+         now - arrival - (time - newest) / clock_.rate() > kSetBack;
 }
 
 bool LiveSession::Impl::begin() {
@@ -338,6 +360,7 @@ void LiveSession::Impl::reset() {
   state_ = LiveState::kWaiting;
   statistics_ = {};
   has_human_ = finished_ = begun_ = absent_ = catches_up_ = false;
+  older_.reset();
   settled_ = -std::numeric_limits<double>::infinity();
   fed_ = 0;
 }
@@ -346,6 +369,7 @@ void LiveSession::Impl::recalibrate(std::unique_ptr<LiveBody> body) {
   body_ = std::move(body);
   clock_.restart();
   queue_.clear();
+  older_.reset();
   playout_.cut();
   has_human_ = false;
   ++statistics_.interruptions;

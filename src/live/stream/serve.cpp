@@ -336,6 +336,7 @@ Result<ServeSummary> Server::run() {
   }
   const Result<void> ran = options_.replay.empty() ? listen() : replay();
   summary_.written = outputs_.finish();
+  if (stats_) stats_->finish();
   if (recorder_) {
     if (auto kept = recorder_->finish(); !kept && summary_.written) summary_.written = kept;
   }

@@ -1,13 +1,13 @@
 #include "live/stream/stats_writer.h"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/try.h"
 #include "live/stream/robot_frame_writer.h"
@@ -15,25 +15,26 @@
 namespace retarget {
 namespace {
 
-double rounded(double value, double unit) {
-  return std::isfinite(value) ? std::round(value / unit) * unit : 0.0;
+constexpr FrameBytesQueue::Bounds kWaitingLines = {4, std::size_t{64} << 10};
+
+// To a multiple of 1 / parts, the nearest number that prints as one.
+double rounded(double value, double parts) {
+  return std::isfinite(value) ? std::round(value * parts) / parts : 0.0;
 }
 
 }  // namespace
 
+StatsWriter::StatsWriter(Descriptor to)
+    : thread_(std::make_unique<WriterThread>(std::move(to), kWaitingLines)) {}
+
 Result<StatsWriter> StatsWriter::open(const std::string& to) {
-  StatsWriter writer;
-  if (to == "-") {
-    writer.to_ = Descriptor(::dup(STDOUT_FILENO));
-    return writer;
-  }
+  if (to == "-") return StatsWriter(Descriptor(::dup(STDOUT_FILENO)));
   constexpr int kMode = 0644;
-  writer.to_ =
-      Descriptor(::open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, kMode));
-  if (!writer.to_.is_open()) {
+  Descriptor file(::open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, kMode));
+  if (!file.is_open()) {
     return run_failure(to, std::string("cannot be written: ") + std::strerror(errno));
   }
-  return writer;
+  return StatsWriter(std::move(file));
 }
 
 void StatsWriter::write_if_due(double now, const LivePipeline& pipeline,
@@ -47,16 +48,17 @@ void StatsWriter::write_if_due(double now, const LivePipeline& pipeline,
   before_ = now;
   due_ = std::max(due_ + 1.0, now);
   latency_ = Latency();
-  // A pipe that is ready accepts a line of this size completely.
-  pollfd ready{to_.number(), POLLOUT, 0};
-  if (::poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return;
-  if (::write(to_.number(), line.data(), line.size()) < 0) return;
+  static_cast<void>(thread_->put(line));
+}
+
+void StatsWriter::finish() {
+  thread_->finish(false, {});
 }
 
 std::string stats_line(double now, const LivePipeline& pipeline, const Latency& latency,
                        double robot_fps, const SourceStatistics& source,
                        std::span<const OutputStatistics> outputs) {
-  constexpr double kMilli = 1e-3, kMicro = 1e-6;
+  constexpr double kMilli = 1e3, kMicro = 1e6;
   const LiveStatistics live = pipeline.statistics();
   const PipelineStatistics& packets = pipeline.packets();
   nlohmann::ordered_json line = {

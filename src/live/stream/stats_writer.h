@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "live/stream/latency.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/socket.h"
+#include "live/stream/writer_thread.h"
 #include "retarget/error.h"
 
 namespace retarget {
@@ -22,12 +24,16 @@ class StatsWriter {
 
   /// Adds a latency from a packet to its robot frame, seconds.
   void add(double latency_s) { latency_.add(latency_s); }
-  /// Writes a line if a second has passed. Never blocks: a slow reader misses lines.
+  /// Writes a line if a second has passed. Never blocks: a slow reader or disk misses lines.
   void write_if_due(double now, const LivePipeline& pipeline, const SourceStatistics& source,
                     std::span<const OutputStatistics> outputs);
+  /// Writes the queued lines, within a bounded time.
+  void finish();
 
  private:
-  Descriptor to_;
+  explicit StatsWriter(Descriptor to);
+
+  std::unique_ptr<WriterThread> thread_;
   Latency latency_;  // In the current second.
   double due_ = 1.0;
   double before_ = 0.0;
