@@ -42,7 +42,9 @@ class Clean(ToolTest):
         cases = {
             "depth and height": lambda m: noise.root_noise(m, 0.15, 0.06),
             "sway": lambda m: noise.sway(m, 0.2),
+            "height of 2 cm": lambda m: noise.root_noise(m, 0.0, 0.02),
             "floor drift": lambda m: noise.floor_drift(m, 0.3),
+            "slow floor drift": lambda m: noise.floor_drift(m, 0.1),
         }
         self.run_on(sample("walk"), output="clean.csv")
         clean = self.figures("walk", "clean.csv", "--dynamics")
@@ -114,6 +116,26 @@ class Clean(ToolTest):
         self.assertIn("cleaned  20 frozen frames bridged", said)
         said = self.run_on(self.noisy("walk", lambda m: noise.lost_joint(m, "LeftForeArm")))
         self.assertRegex(said, r"cleaned  LeftForeArm was lost in \d+ frames: bridged")
+
+    def test_joints_that_are_lost_in_single_frames(self):
+        def lose_joints(motion):
+            for seed, joint in enumerate(motion.joints[1:]):
+                noise.lost_joint(motion, joint["name"], seed=seed)
+
+        said = self.run_on(self.noisy("walk", lose_joints))
+        self.assertRegex(said, r"LeftLeg was lost in \d+ frames: bridged")
+        self.assertLess(self.figures("walk")["contact_slip_p95"], 0.01)
+
+    def test_a_missing_root_is_no_drift(self):
+        def lose_root(motion):
+            for row in motion.rows:
+                row[:3] = [0.0, 0.0, 0.0]
+
+        for name in ("walk", "squat"):
+            said = self.run_on(self.noisy(name, lose_root))
+            self.assertIn("the planted feet move and the root does not", said)
+            self.assertNotIn("cleaned", said)
+            self.assertIn("missed   source_slide_mean", said)
 
     def test_keypoints(self):
         motion = noise.Motion(sample("squat"))

@@ -85,6 +85,31 @@ TEST(LostFrames, AcceptsAJointThatPassesZero) {
   EXPECT_THAT(bridge_lost_joints(clip, kWhole), IsEmpty());
 }
 
+TEST(LostFrames, BridgesASmallJumpOfASlowJoint) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    clip.rotations(frame)[2] = exp_so3(Vector3d(0.15 + 0.05 * std::sin(0.15 * frame), 0.0, 0.0));
+  }
+  Clip lost = clip;
+  for (const int frame : {20, 21, 40, 42}) lost.rotations(frame)[2] = Quaterniond::Identity();
+  EXPECT_THAT(bridge_lost_joints(lost, kWhole), ElementsAre("joint2 was lost in 4 frames"));
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const auto& found = std::as_const(lost).rotations(frame)[2];
+    EXPECT_LT(found.angularDistance(clip.rotations(frame)[2]), 0.01) << frame;
+  }
+}
+
+// A knee is straight for a moment.
+TEST(LostFrames, AcceptsAJointThatStopsAtZero) {
+  Clip clip = bending_chain();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const double bend = std::max(0.0, 0.6 * std::sin(0.4 * frame));
+    clip.rotations(frame)[2] = exp_so3(Vector3d(bend, 0.0, 0.0));
+    clip.rotations(frame)[3] = exp_so3(Vector3d(0.05 * std::abs(frame - 30), 0.0, 0.0));
+  }
+  EXPECT_THAT(bridge_lost_joints(clip, kWhole), IsEmpty());
+}
+
 TEST(LostFrames, InterpolatesFrozenFrames) {
   const Clip clip = bending_chain();
   Clip frozen = clip;

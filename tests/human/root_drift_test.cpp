@@ -127,6 +127,60 @@ TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   EXPECT_TRUE(evidence.climbs());
 }
 
+TEST(RootDrift, MeasuresShakingOfTheHeight) {
+  // 2 cm to and fro would be too slow horizontally.
+  const auto shake = [](double seconds) {
+    return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
+  };
+  const RootEvidence evidence = measure_root(body_of(300, shake, foot_of_walker).feet);
+  EXPECT_LT(evidence.single_speed, 0.1);
+  EXPECT_TRUE(evidence.moves());
+  EXPECT_TRUE(evidence.climbs());
+}
+
+TEST(RootDrift, IgnoresFeetThatSinkWhileTheyRoll) {
+  const auto foot_at = [](int foot, double seconds) {
+    constexpr double kStep = 0.4;
+    const double part = std::fmod(seconds / (2.0 * kStep) + 0.5 * foot, 1.0);
+    Vector3d place = foot_of_walker(foot, seconds);
+    if (part < 0.5) place.z() += 0.07 * 2.0 * kStep * (0.5 - part);
+    return place;
+  };
+  const RootEvidence evidence = measure_root(body_of(300, nowhere, foot_at).feet);
+  EXPECT_GT(evidence.climb_speed, 0.03);
+  EXPECT_FALSE(evidence.moves());
+}
+
+TEST(RootDrift, FindsAVerySlowClimb) {
+  const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.005 * seconds); };
+  const Body body = body_of(600, climb, standing_foot);
+  EXPECT_TRUE(measure_root(body.feet).moves());
+  const RootDrift found = find_root_drift(body.feet, body.hips);
+  EXPECT_NEAR(found.climb_before, 0.1, 0.01);
+  EXPECT_NEAR(found.climb_after, 0.0, 0.01);
+  EXPECT_TRUE(found.helps());
+}
+
+TEST(RootDrift, DoesNotTakeAMissingRootForDrift) {
+  // A person walks in place.
+  Body missing = body_of(300, nowhere, foot_of_walker);
+  for (std::size_t i = 0; i < missing.hips.size(); ++i) {
+    const double along = missing.hips[i].x();
+    missing.hips[i].x() = 0.0;
+    for (std::size_t foot = 0; foot < 2; ++foot) {
+      missing.feet.feet[2 * i + foot].ankle.x() -= along;
+      missing.feet.feet[2 * i + foot].toe.x() -= along;
+    }
+  }
+  EXPECT_TRUE(root_is_missing(missing.feet, missing.hips));
+  for (const Path& off : {Path(nowhere), Path(sway)}) {
+    const Body walking = body_of(300, off, foot_of_walker);
+    EXPECT_FALSE(root_is_missing(walking.feet, walking.hips));
+    const Body standing = body_of(300, off, standing_foot);
+    EXPECT_FALSE(root_is_missing(standing.feet, standing.hips));
+  }
+}
+
 TEST(RootDrift, IgnoresBodiesWithoutToes) {
   Body body = body_of(90, sway, standing_foot);
   body.feet.has_toe = {false, false};

@@ -134,5 +134,42 @@ TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
   EXPECT_EQ(choose_up(body, poses_of_frames(clip), {z, {}, {}, SignedAxis{}}).axis, SignedAxis{});
 }
 
+// Files that were turned away from the axis of their kind. On the floor of the true axis the body
+// seems to stand in the air; in water it seems to climb, or to float on its side.
+TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
+  const PostureClips postures(sample("walk"));
+  for (const Posture posture : {Posture::kSupine, Posture::kProne, Posture::kSwimming}) {
+    for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
+      Clip clip = postures.make(posture, heading);
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        clip.translations(frame)[0] += Eigen::Vector3d(230.0, 0.0, 230.0);
+      }
+      const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+      for (const int axis : {0, 2}) {
+        const UpChoice choice = choose_up(body, poses_of_frames(clip), {SignedAxis{axis, false}});
+        SCOPED_TRACE(std::string(posture_name(posture)) + " " + std::to_string(heading) + " " +
+                     std::to_string(axis));
+        EXPECT_THAT(choice.doubt, testing::HasSubstr(OPTION("up")));
+      }
+      EXPECT_EQ(choose_up(body, poses_of_frames(clip), {SignedAxis{}}).axis, SignedAxis{});
+    }
+  }
+}
+
+// Where a body that lies along the zero pose's axis is on the floor along both axes, none is certain.
+TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
+  Clip clip = sample("wave");
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const SignedAxis z{2, false};
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const JointPoses& pose : poses_of_frames(clip)) {
+    for (const Pose& joint : pose) lowest = std::min(lowest, joint.translation.z());
+  }
+  for (int frame = 0; frame < clip.frame_count(); ++frame) clip.translations(frame)[0].z() -= lowest;
+  const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, z});
+  EXPECT_EQ(choice.axis, SignedAxis{});
+  EXPECT_THAT(choice.doubt, testing::HasSubstr("or lies on a floor perpendicular to +z"));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -156,14 +157,27 @@ class ClipCleaner {
     }
     const RootEvidence evidence = measure_root(feet);
     if (!jittery_ && !evidence.moves()) return;
+    // The drift is not the path of a body whose root translation is missing: it would cover a part of
+    // the way and hide the fault from the gates.
+    if (!jittery_ && root_is_missing(feet, hips)) return;
     const RootDrift found = find_root_drift(feet, hips, {jittery_, jittery_ || evidence.climbs()});
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;
     apply(found, *moved);
-    report_.notes.push_back(fmt::format(
-        "the root moved by up to {} m, because standing feet slid at {} m/s; now {} m/s",
-        number_text(found.farthest, 2), number_text(found.speed_before, 2),
-        number_text(found.speed_after, 2)));
+    report_.notes.push_back(root_note(found));
     if (jittery_) hold_feet(*moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
+  }
+
+  static std::string root_note(const RootDrift& found) {
+    const std::string moved =
+        fmt::format("the root moved by up to {} m, because ", number_text(found.farthest, 2));
+    if (!found.calms_feet() && found.helps()) {
+      return moved + fmt::format("standing feet {} by {} m over the clip",
+                                 found.climb_before > 0.0 ? "rose" : "sank",
+                                 number_text(std::abs(found.climb_before), 2));
+    }
+    return moved + fmt::format("standing feet slid at {} m/s; now {} m/s",
+                               number_text(found.speed_before, 2),
+                               number_text(found.speed_after, 2));
   }
 
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg

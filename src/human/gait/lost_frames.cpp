@@ -81,10 +81,51 @@ bool equal_frames(const Clip& clip, int a, int b) {
          std::ranges::equal(clip.translations(a), clip.translations(b));
 }
 
+// Movement of a joint in the frames around a gap, without other frames in which it is lost.
+struct MovementAround {
+  double step = 0.0;  // Largest angle between neighbouring frames.
+  double bend = 0.0;  // Largest distance of a frame from the middle of its neighbours.
+};
+
+MovementAround movement_around(const Clip& clip, int joint, FrameRange part, FrameRange gap) {
+  constexpr int kAround = 3;
+  const auto at = static_cast<std::size_t>(joint);
+  MovementAround found;
+  const int first = std::max(gap.begin - kAround, part.begin);
+  const int last = std::min(gap.end + kAround, part.end) - 1;
+  for (int frame = first; frame < last; ++frame) {
+    const Quaterniond &from = clip.rotations(frame)[at], &to = clip.rotations(frame + 1)[at];
+    if (is_zero(from) || is_zero(to)) continue;
+    found.step = std::max(found.step, angle_between_rotations(from, to));
+    if (frame == first) continue;
+    const Quaterniond& before = clip.rotations(frame - 1)[at];
+    if (is_zero(before)) continue;
+    const Eigen::Vector3d off =
+        log_so3(from.conjugate() * before) + log_so3(from.conjugate() * to);
+    found.bend = std::max(found.bend, 0.5 * off.norm());
+  }
+  return found;
+}
+
+// Whether a joint whose rotation is zero in a gap was lost there.
+bool is_lost_in(const Clip& clip, int joint, FrameRange part, FrameRange gap) {
+  constexpr double kCertain = 20.0 * std::numbers::pi / 180.0, kLeast = 0.1 * kCertain;
+  // A joint that stops at zero, such as a straight knee, hardly accelerates before.
+  constexpr double kSteps = 2.0, kBends = 3.0;
+  const auto at = static_cast<std::size_t>(joint);
+  const Quaterniond before = clip.rotations(gap.begin - 1)[at], after = clip.rotations(gap.end)[at];
+  const double jump = std::min(log_so3(before).norm(), log_so3(after).norm());
+  // The true movement across the gap must be much smaller than the jump.
+  if (!(jump > kLeast) || angle_between_rotations(before, after) > 0.5 * jump) return false;
+  if (jump > kCertain) return true;
+  const MovementAround around = movement_around(clip, joint, part, gap);
+  const double frames = 0.5 * (gap.end - gap.begin + 1);
+  return jump > kSteps * around.step && jump > kBends * frames * frames * around.bend;
+}
+
 }  // namespace
 
 std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
-  constexpr double kJump = 20.0 * std::numbers::pi / 180.0;
   constexpr double kLongest = 1.0;  // Seconds.
   std::vector<std::string> found;
   const std::vector<char> zero = zero_poses(clip, part);
@@ -99,10 +140,7 @@ std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
     for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
       if (!is_lost(begin) || begin == part.begin || end == part.end) return;
       if ((end - begin) * clip.rate().frame_time() > kLongest) return;
-      const Quaterniond before = clip.rotations(begin - 1)[at], after = clip.rotations(end)[at];
-      const double jump = std::min(log_so3(before).norm(), log_so3(after).norm());
-      // The true movement across the gap must be much smaller than the jump.
-      if (!(jump > kJump) || angle_between_rotations(before, after) > 0.5 * jump) return;
+      if (!is_lost_in(clip, joint, part, {begin, end})) return;
       runs.push_back({begin, end});
       lost += end - begin;
     });

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "base/math/pentadiagonal.h"
 #include "base/math/statistics.h"
@@ -120,12 +121,19 @@ bool is_steady(const EndTracks& tracks, const std::vector<double>& climbing, dou
   return seen > 0.4 && seen < 1.0;
 }
 
+constexpr double kClimbSpeed = 0.03;  // m/s
+constexpr double kClimb = 0.05;       // Metres.
+constexpr double kMuchLess = 0.6;
+
 }  // namespace
 
 bool RootEvidence::moves() const {
-  constexpr double kSpeed = 0.1, kTime = 0.4, kClimb = 0.15;
+  constexpr double kSpeed = 0.1, kTime = 0.4;
   constexpr double kSingleSpeed = 0.3, kLongSingleSpeed = 0.2, kLongTime = 1.5;
+  constexpr double kClimbTime = 1.0;
   if (climbs_steadily && std::abs(climb) > kClimb) return true;
+  // Standing feet hardly move vertically, so a lower speed is certain.
+  if (climb_seconds > kClimbTime && shake_speed > kClimbSpeed) return true;
   // Evidence from both feet is more reliable.
   if (seconds > kTime && speed > kSpeed) return true;
   if (single_seconds > kLongTime) return single_speed > kLongSingleSpeed;
@@ -133,8 +141,7 @@ bool RootEvidence::moves() const {
 }
 
 bool RootEvidence::climbs() const {
-  constexpr double kSpeed = 0.03;
-  return climbs_steadily || climb_speed > kSpeed;
+  return climbs_steadily || climb_speed > kClimbSpeed;
 }
 
 RootEvidence measure_root(const SourceFeet& feet) {
@@ -144,7 +151,7 @@ RootEvidence measure_root(const SourceFeet& feet) {
   RootEvidence evidence;
   if (!has_whole_feet(feet)) return evidence;
   const EndTracks tracks(feet);
-  std::vector<double> speeds, single_speeds, climbing(tracks.count, NAN), climbs, climb_speeds;
+  std::vector<double> speeds, single_speeds, climbing(tracks.count, NAN), climbs;
   for (std::size_t i = 0; i < tracks.count; ++i) {
     const bool upright = is_upright(feet, tracks, i);
     const std::array<bool, 2> steady = {tracks.turning(0, i) < kSame, tracks.turning(1, i) < kSame};
@@ -171,15 +178,39 @@ RootEvidence measure_root(const SourceFeet& feet) {
   constexpr double kUsual = 35.0;  // Percent.
   if (!speeds.empty()) evidence.speed = percentile(speeds, kUsual);
   if (!single_speeds.empty()) evidence.single_speed = percentile(single_speeds, kUsual);
-  for (const double speed : climbing) {
-    if (std::isfinite(speed)) climb_speeds.push_back(std::abs(speed));
-  }
-  if (!climb_speeds.empty()) evidence.climb_speed = percentile(climb_speeds, kUsual);
   if (!climbs.empty()) {
     evidence.climb = median(climbs) * static_cast<double>(tracks.count) * tracks.frame_time;
     evidence.climbs_steadily = evidence.climb != 0.0 && is_steady(tracks, climbing, evidence.climb);
   }
+  std::erase_if(climbing, [](double speed) { return !std::isfinite(speed); });
+  evidence.climb_seconds = seconds(climbing);
+  if (!climbing.empty()) {
+    const auto exceeded = [&](double middle) {
+      std::vector<double> off;
+      for (const double speed : climbing) off.push_back(std::abs(speed - middle));
+      return percentile(off, kUsual);
+    };
+    evidence.climb_speed = exceeded(0.0);
+    evidence.shake_speed = exceeded(median(climbing));
+  }
   return evidence;
+}
+
+bool root_is_missing(const SourceFeet& feet, const std::vector<Vector3d>& hips) {
+  constexpr double kSpeed = 0.25 * kUsualSourceLeg;  // m/s
+  if (!has_whole_feet(feet)) return false;
+  const EndTracks tracks(feet);
+  double slowest = 0.0, root = 0.0;
+  for (std::size_t i = 0; i + 1 < tracks.count; ++i) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& places : tracks.places) {
+      least = std::min(least, (places[i + 1] - places[i]).norm());
+    }
+    slowest += least;
+    root += (hips[i + 1] - hips[i]).norm() / tracks.scale;
+  }
+  const double seconds = static_cast<double>(tracks.count - 1) * tracks.frame_time;
+  return root < kSpeed * seconds && slowest > kSpeed * seconds && slowest > root;
 }
 
 namespace {
@@ -205,12 +236,14 @@ class DriftSolver {
     constexpr std::array kGates = {0.0, 0.0, 0.3, 0.2, 0.12, 0.08, 0.08};
     RootDrift result;
     result.speed_before = speed_of_stances() * tracks_.scale;
+    result.climb_before = climb_of_stances() * tracks_.scale;
     for (const double gate : kGates) {
       weigh_steps();
       for (int axis = 0; axis < (vertical_ ? 3 : 2); ++axis) solve_axis(axis, gate);
       is_first_ = false;
     }
     result.speed_after = speed_of_stances() * tracks_.scale;
+    result.climb_after = climb_of_stances() * tracks_.scale;
     Vector3d middle;
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<double> values;
@@ -368,6 +401,17 @@ class DriftSolver {
     return speeds.empty() ? 0.0 : median(speeds);
   }
 
+  [[nodiscard]] double climb_of_stances() const {
+    std::vector<double> rises;
+    for (int end = 0; end < kEndCount; ++end) {
+      for (std::size_t i = 0; i + 1 < tracks_.count; ++i) {
+        if (stands(end, i) < 0.5) continue;
+        rises.push_back((step(end, i) - drift_[i + 1] + drift_[i]).z());
+      }
+    }
+    return rises.empty() ? 0.0 : median(rises) * static_cast<double>(tracks_.count);
+  }
+
   // Approximately exp(-x^2), bit-identical on every machine.
   static double bell(double x) {
     const double y = x * x;
@@ -388,9 +432,13 @@ class DriftSolver {
 
 }  // namespace
 
+bool RootDrift::calms_feet() const {
+  return speed_after < kMuchLess * speed_before;
+}
+
 bool RootDrift::helps() const {
-  constexpr double kShare = 0.6;
-  return speed_after < kShare * speed_before;
+  const bool climbed = std::abs(climb_before) > kClimb;
+  return calms_feet() || (climbed && std::abs(climb_after) < kMuchLess * std::abs(climb_before));
 }
 
 RootDrift find_root_drift(const SourceFeet& feet, const std::vector<Vector3d>& hips,

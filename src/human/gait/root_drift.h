@@ -19,8 +19,12 @@ struct RootEvidence {
   /// lowest foot climbs as well. On stairs, feet do not climb while they stand.
   double climb = 0.0;
   bool climbs_steadily = false;
-  /// Vertical speed that all these feet exceed in 65 % of the time, m/s.
+  double climb_seconds = 0.0;  ///< Time in which any foot stands.
+  /// Vertical speed that all these feet exceed in 65 % of this time, m/s.
   double climb_speed = 0.0;
+  /// The same for its distance from its median: a foot that rolls sinks, but always in the same way.
+  /// Motion capture stays below 0.02.
+  double shake_speed = 0.0;
 
   /// Whether the root certainly moves relative to standing feet.
   [[nodiscard]] bool moves() const;
@@ -30,14 +34,24 @@ struct RootEvidence {
 
 [[nodiscard]] RootEvidence measure_root(const SourceFeet& feet);
 
+/// Whether the root translation is missing or centred, rather than noisy: the hips hardly move, and
+/// even the slowest end of a foot moves faster.
+[[nodiscard]] bool root_is_missing(const SourceFeet& feet,
+                                   const std::vector<Eigen::Vector3d>& hips);
+
 /// Error of the root, by frame.
 struct RootDrift {
   std::vector<Eigen::Vector3d> drift;  ///< World, metres.
   double speed_before = 0.0;           ///< Median speed of foot ends that probably stand, m/s.
   double speed_after = 0.0;            ///< The same after the drift is removed.
+  double climb_before = 0.0;           ///< Climb of these foot ends over the clip, metres.
+  double climb_after = 0.0;            ///< The same after the drift is removed.
   double farthest = 0.0;               ///< Largest distance of the drift from its median, metres.
 
-  /// Whether feet that probably stand do so after the drift is removed.
+  /// Whether feet that probably stand are much slower after the drift is removed.
+  [[nodiscard]] bool calms_feet() const;
+  /// Whether feet that probably stand are much slower, or no longer climb: a slow climb is hidden in
+  /// the usual speed of standing feet.
   [[nodiscard]] bool helps() const;
 };
 

@@ -31,6 +31,10 @@ bool FloorEvidence::on_floor() const {
   return std::abs(level) <= kNearFloor && wander < kSteady;
 }
 
+bool FloorEvidence::resting() const {
+  return on_floor() && level >= 0.0;
+}
+
 bool FloorEvidence::standing() const {
   constexpr double kMostly = 0.5;
   return hips > kStandingHips && flat.value_or(1.0) >= kMostly;

@@ -21,6 +21,8 @@ struct FloorEvidence {
 
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
   [[nodiscard]] bool on_floor() const;
+  /// Whether the body rests on a floor at height 0: all joints, which are inside limbs, are above it.
+  [[nodiscard]] bool resting() const;
   /// Whether the hips are at standing height above flat feet.
   [[nodiscard]] bool standing() const;
 };

@@ -179,6 +179,29 @@ class UpChooser {
     return floor(axis).on_floor() && !floor(other).on_floor();
   }
 
+  // Whether the body travels along an axis, and much less along the other two. On stairs and slopes
+  // it also travels horizontally.
+  [[nodiscard]] bool rises_most_along(const SignedAxis& up) const {
+    const FloorEvidence along = floor(up);
+    return climbs_along(along, floor({(up.axis + 1) % 3, false})) &&
+           climbs_along(along, floor({(up.axis + 2) % 3, false}));
+  }
+
+  // Whether the line of the hips is vertical, and the body neither stands nor is on a floor.
+  [[nodiscard]] bool floats_on_side(const SignedAxis& up) const {
+    constexpr double kVertical = 0.8;
+    const int left = body_.joint(Bone::kLeftUpLeg), right = body_.joint(Bone::kRightUpLeg);
+    if (left < 0 || right < 0) return false;
+    Eigen::Vector3d across = Eigen::Vector3d::Zero();
+    for (const JointPoses& pose : poses_) {
+      across += (pose[left].translation - pose[right].translation).normalized();
+    }
+    const double vertical = std::abs(across.dot(up.direction()));
+    if (!(vertical > kVertical * static_cast<double>(poses_.size()))) return false;
+    const FloorEvidence along = floor(up);
+    return !along.on_floor() && !along.standing();
+  }
+
   // A common axis with floor evidence that the other axis lacks.
   [[nodiscard]] std::optional<SignedAxis> axis_of_floor(const SignedAxis& other) const {
     for (const SignedAxis axis : {SignedAxis{1, false}, SignedAxis{2, false}}) {
@@ -204,21 +227,35 @@ class UpChooser {
                           taken_text(declared.axis))};
     }
     const bool agrees = guess_.axis == declared.axis;
-    if (agrees && floor(declared.axis).standing()) return {declared.axis, {}};
-    if (const auto other = axis_of_floor(declared.axis)) {
+    const auto other = axis_of_floor(declared.axis);
+    if (rises_most_along(declared.axis)) {
+      return {declared.axis,
+              fmt::format("the body climbs along {}, or swims or crawls: {}",
+                          to_text(declared.axis), taken_text(declared.axis))};
+    }
+    // A body that stands far above or below height 0 may lie at height 0 along another axis.
+    if (agrees && floor(declared.axis).standing() && !(other && floor(*other).resting())) {
+      return {declared.axis, {}};
+    }
+    if (other) {
       return {declared.axis,
               fmt::format("{} has {} up, but the body moves on a floor perpendicular to {}: {}",
                           declared.source, to_text(declared.axis), to_text(*other),
                           taken_text(declared.axis))};
     }
-    if (agrees || !is_plain() || has_floor_rather_than(declared.axis, guess_.axis)) {
-      return {declared.axis, {}};
+    if (!agrees && is_plain() && !has_floor_rather_than(declared.axis, guess_.axis)) {
+      return {declared.axis,
+              fmt::format(
+                  "trunk and legs point along {}, but {} has {} up, so the body lies or hangs: {}",
+                  to_text(guess_.axis), declared.source, to_text(declared.axis),
+                  taken_text(declared.axis))};
     }
-    return {declared.axis,
-            fmt::format(
-                "trunk and legs point along {}, but {} has {} up, so the body lies or hangs: {}",
-                to_text(guess_.axis), declared.source, to_text(declared.axis),
-                taken_text(declared.axis))};
+    if (floats_on_side(declared.axis)) {
+      return {declared.axis,
+              fmt::format("{} has {} up, but then the body lies on its side and on no floor: {}",
+                          declared.source, to_text(declared.axis), taken_text(declared.axis))};
+    }
+    return {declared.axis, {}};
   }
 
   [[nodiscard]] UpChoice by_file(const Declared& file) const {
@@ -244,7 +281,12 @@ class UpChooser {
     }
     if (guess_.axis == zero.axis) return keep(zero);
     const bool is_upright = guess_.certainty >= plainly;
-    if (is_upright && stands_rather_than(zero.axis)) return {guess_.axis, {}};
+    if (is_upright && stands_rather_than(zero.axis)) {
+      if (!floor(zero.axis).resting()) return {guess_.axis, {}};
+      return {guess_.axis,
+              fmt::format("the body stands along {} or lies on a floor perpendicular to {}: {}",
+                          to_text(guess_.axis), to_text(zero.axis), taken_text(guess_.axis))};
+    }
     const bool has_floor = is_upright ? has_floor_rather_than(guess_.axis, zero.axis)
                                       : floor_speaks_for(body_, poses_, guess_.axis, zero.axis);
     return has_floor ? standing_against(zero) : keep(zero);
