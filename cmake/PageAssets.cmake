@@ -4,7 +4,7 @@
 set(retarget_page_source ${PROJECT_BINARY_DIR}/generated/page_files.cpp)
 
 function(retarget_write_page_files output)
-  set(text "// made by cmake/PageAssets.cmake\n#include \"view/page_assets.h\"\n\nnamespace retarget {\nusing namespace std::string_view_literals;\n")
+  set(text "// made by cmake/PageAssets.cmake\n#include \"view/page.h\"\n\nnamespace retarget {\nusing namespace std::string_view_literals;\n")
   foreach(each IN ITEMS kPageShell:page.html kPageStyle:page.css kPageScript:dist/viewer.js
       kGalleryShell:gallery.html kGalleryStyle:gallery.css kGalleryScript:dist/gallery.js)
     string(REPLACE ":" ";" each ${each})

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "app/provenance/hash.h"
-#include "app/run/folder_hash.h"
+#include "app/run/fingerprint.h"
 #include "batch/file_facts.h"
 #include "retarget/file.h"
 #include "retarget/try.h"

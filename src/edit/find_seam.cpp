@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/option_name.h"
-#include "edit/blend_offset.h"
 #include "edit/pose_distance.h"
+#include "edit/seam_blend.h"
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"

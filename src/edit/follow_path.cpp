@@ -6,7 +6,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "edit/fit_path.h"
-#include "edit/foot_stands.h"
+#include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit/seam.h"

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "human/skeleton/facing.h"
 #include "human/skeleton/human_clip.h"
-#include "human/skeleton/legs.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"

@@ -6,9 +6,9 @@
 
 #include "base/math/trigonometry.h"
 #include "base/try.h"
-#include "edit/blend_offset.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
+#include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/text.h"
 

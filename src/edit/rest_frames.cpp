@@ -6,7 +6,7 @@
 #include "base/math/so3.h"
 #include "human/skeleton/bone_map.h"
 #include "human/skeleton/canonical_pose.h"
-#include "motion/skeleton_points.h"
+#include "motion/skeleton.h"
 
 namespace retarget {
 namespace {

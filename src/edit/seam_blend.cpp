@@ -1,11 +1,10 @@
-#include "edit/seam.h"
-
 #include <algorithm>
 
 #include "base/math/so3.h"
 #include "base/math/spline.h"
-#include "edit/blend_offset.h"
 #include "edit/ground_pose.h"
+#include "edit/seam.h"
+#include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/math/so3.h"
-#include "edit/blend_offset.h"
 #include "edit/plant_feet.h"
+#include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"

@@ -1,10 +1,9 @@
-#include "retarget/clip.h"
-
 #include <algorithm>
 #include <cassert>
 #include <utility>
 
 #include "base/math/so3.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

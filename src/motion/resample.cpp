@@ -1,6 +1,3 @@
-#include "retarget/resample.h"
-#include "base/try.h"
-
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -8,9 +5,10 @@
 #include <vector>
 
 #include "base/math/filter.h"
-#include "motion/clip_size.h"
-#include "motion/clip_tracks.h"
-#include "motion/track_sampler.h"
+#include "base/try.h"
+#include "motion/clip.h"
+#include "motion/resample.h"
+#include "retarget/resample.h"
 
 namespace retarget {
 namespace {

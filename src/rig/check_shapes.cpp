@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/branches.h"
 #include "robot/anatomy/limbs.h"
-#include "robot/anatomy/neighbours.h"
 #include "robot/anatomy/overlaps.h"
 
 namespace retarget {

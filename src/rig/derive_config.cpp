@@ -5,7 +5,7 @@
 #include <string>
 
 #include "retarget/human.h"
-#include "rig/number_text.h"
+#include "rig/format_model.h"
 #include "robot/model/kinematic_tree.h"
 
 namespace retarget {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "rig/number_text.h"
+#include "rig/format_model.h"
 
 namespace retarget {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "retarget/text.h"
 #include "robot/model/kinematic_tree.h"
 

@@ -16,7 +16,6 @@
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
 #include "rig/import_robot.h"
-#include "rig/number_text.h"
 #include "rig/self_test.h"
 #include "rig/t_pose.h"
 #include "rig/urdf_speeds.h"

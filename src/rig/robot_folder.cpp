@@ -9,8 +9,8 @@
 #include <system_error>
 
 #include "base/option_name.h"
+#include "base/text.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "retarget/file.h"
 
 namespace retarget {

@@ -8,7 +8,7 @@
 #include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/robot.h"
-#include "robot/model/visible_shapes.h"
+#include "robot/model/collision.h"
 #include "view/svg.h"
 
 namespace retarget {

@@ -8,7 +8,7 @@
 
 #include "retarget/report.h"
 #include "retarget/text.h"
-#include "view/page_assets.h"
+#include "view/page.h"
 #include "view/page_data.h"
 #include "view/svg.h"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/try.h"
-#include "motion/skeleton_points.h"
+#include "motion/skeleton.h"
 #include "retarget/clip.h"
 #include "retarget/version.h"
 #include "retarget/view.h"

@@ -1,17 +1,153 @@
-#include "retarget/view.h"
-
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "retarget/robot.h"
 #include "retarget/text.h"
+#include "retarget/view.h"
 #include "view/figure.h"
-#include "view/strip_frames.h"
+#include "view/image.h"
+#include "view/render.h"
+#include "view/strip.h"
 #include "view/svg.h"
+#include "view/written_motion.h"
 
 namespace retarget {
+
+std::vector<int> spread_frames(int frame_count, int poses) {
+  const int count = std::clamp(poses, 1, frame_count);
+  std::vector<int> frames;
+  for (int i = 0; i < count; ++i) {
+    frames.push_back(count == 1 ? 0
+                                : static_cast<int>(static_cast<std::int64_t>(frame_count - 1) * i /
+                                                   (count - 1)));
+  }
+  return frames;
+}
+
+Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int frame : frames) {
+    const auto q = motion.qpos(frame);
+    sum += Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
+  }
+  return sum;
+}
+
+RowHeights row_heights(const Eigen::AlignedBox2d& figures, double body) {
+  const double low = figures.min().y(), high = figures.max().y();
+  if (low > body || high < -body) return {low, high, false};
+  return {std::min(0.0, low), std::max(0.0, high), true};
+}
+
+namespace {
+
+constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
+constexpr double kBetween = 0.12;  // Gap between figures, relative to the tallest one.
+constexpr double kMargin = 0.05;   // Margin above and below them, likewise.
+constexpr double kMinSize = 0.05;  // Metres; minimum size of figures without extent.
+
+// Figures next to each other on one floor, each with its body's ground position at the origin.
+struct SolidRow {
+  std::vector<SolidFigure> figures;
+  Eigen::AlignedBox2d box;
+
+  void add(SolidFigure figure, const Eigen::Vector3d& body, const Camera& camera) {
+    shift(figure, {-body.x(), -body.y(), 0.0});
+    if (!figure.empty()) box.extend(extent(figure, camera));
+    figures.push_back(std::move(figure));
+  }
+  [[nodiscard]] double width() const { return box.isEmpty() ? 0.0 : box.sizes().x(); }
+  [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
+};
+
+// Position of a row in the picture, pixels.
+struct RowPlace {
+  int top = 0, height = 0;
+  double floor = 0.0;
+};
+
+// @param body  height of the tallest row's figures, metres.
+RowPlace place_row(const SolidRow& row, int top, double scale, double margin, double body) {
+  const RowHeights heights = row_heights(row.box, body);
+  const double above = heights.high * scale + margin;
+  const double below = -heights.low * scale + margin;
+  // Bounds the height, also far from the origin, where numbers are coarse: the figures plus an
+  // equal distance to the floor.
+  const double most = 2.0 * (body * scale + margin);
+  return {top, static_cast<int>(std::ceil(std::min(above + below, most))), top + above};
+}
+
+void draw_row(const SolidRow& row, const RowPlace& place, double cell, double scale,
+              const Camera& camera, Image& image) {
+  const double shift = row.box.center().x() * scale;
+  for (std::size_t i = 0; i < row.figures.size(); ++i) {
+    if (row.figures[i].empty()) continue;
+    Frame frame;
+    frame.left = static_cast<int>(std::floor(cell * static_cast<double>(i)));
+    const int right =
+        std::min(image.width(), static_cast<int>(std::floor(cell * static_cast<double>(i + 1))));
+    frame.width = right - frame.left;
+    frame.top = place.top;
+    frame.height = std::min(place.height, image.height() - place.top);
+    frame.origin = {cell * (static_cast<double>(i) + 0.5) - shift, place.floor};
+    frame.scale = scale;
+    render(row.figures[i], camera, frame, image);
+  }
+}
+
+}  // namespace
+
+std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
+                               const StripPictureOptions& options) {
+  const std::vector<int> frames = spread_frames(motion.frame_count(), options.poses);
+  const Camera camera = Camera::beside(facing(motion, frames));
+  const std::vector<CollisionShape> shapes = visible_shapes(motion.robot());
+  SolidRow robots, humans;
+  for (const int frame : frames) {
+    const auto q = motion.qpos(frame);
+    robots.add(robot_solids(motion.robot(), shapes, q), {q[0], q[1], q[2]}, camera);
+    if (human == nullptr) continue;
+    const bool there = frame < human->frame_count;
+    humans.add(there ? human_solids(*human, frame) : SolidFigure(),
+               there ? human->frame(frame)[Bone::kHips].translation : Eigen::Vector3d::Zero(),
+               camera);
+  }
+
+  const double highest = std::max({robots.height(), humans.height(), kMinSize});
+  const double widest = std::max({robots.width(), humans.width(), kMinSize});
+  const auto count = static_cast<double>(frames.size());
+  const double scale = std::min(options.width / (count * (widest + kBetween * highest)),
+                                options.max_row_height / highest);
+  const double margin = kMargin * highest * scale;
+  const double cell = (widest + kBetween * highest) * scale;
+  const double letters = options.times ? std::clamp(0.055 * highest * scale, 6.0, 14.0) : 0.0;
+  int bottom = 0;
+  RowPlace of_humans, of_robots;
+  if (!humans.box.isEmpty()) {
+    of_humans = place_row(humans, bottom, scale, margin, highest);
+    bottom += of_humans.height;
+  }
+  of_robots = place_row(robots, bottom, scale, margin, highest);
+  bottom += of_robots.height;
+  Image image(std::max(1, static_cast<int>(std::ceil(cell * count))),
+              bottom + static_cast<int>(std::ceil(1.6 * letters)), kPaper);
+  if (!humans.box.isEmpty()) draw_row(humans, of_humans, cell, scale, camera, image);
+  draw_row(robots, of_robots, cell, scale, camera, image);
+  for (std::size_t i = 0; options.times && i < frames.size(); ++i) {
+    draw_time(image, number_text(motion.rate().time_of(frames[i]), 2) + " s",
+              {cell * (static_cast<double>(i) + 0.5), bottom + letters}, letters, kInk);
+  }
+  return format_png(image);
+}
+
+std::string draw_strip_picture(const Motion& motion, const StripPictureOptions& options) {
+  const WrittenMotion written(motion);
+  return draw_strip_picture(written.clip, &written.human, options);
+}
+
 namespace {
 
 constexpr double kRowHeight = 220.0;  // Height of the tallest figure, pixels.

@@ -1,6 +1,6 @@
 // Robot size from the leg length, and the figures that scale with it.
 
-#include "solve/dynamics/body_size.h"
+#include "solve/dynamics/support_points.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "robot/shipped_robots.h"
-#include "solve/dynamics/support_polygon.h"
+#include "solve/dynamics/support_points.h"
 
 namespace retarget {
 namespace {

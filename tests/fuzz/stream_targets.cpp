@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "fuzz/fuzz_target.h"
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_record.h"
 
 namespace retarget::fuzz {

@@ -11,7 +11,7 @@
 #include "base/math/so3.h"
 #include "live/live_sample.h"
 #include "live/session/sender_clock.h"
-#include "motion/track_sampler.h"
+#include "motion/resample.h"
 
 namespace retarget {
 namespace {

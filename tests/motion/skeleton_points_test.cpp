@@ -1,4 +1,4 @@
-#include "motion/skeleton_points.h"
+#include "motion/skeleton.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,6 @@
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
-#include "judge/quality/hover_metric.h"
 #include "support/test_robots.h"
 
 namespace retarget {

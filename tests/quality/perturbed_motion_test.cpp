@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "judge/quality/joint_offset_metric.h"
-#include "judge/quality/lag_metric.h"
-#include "judge/quality/root_slide_metric.h"
+#include "judge/quality/similarity_metrics.h"
 #include "robot/model/kinematic_tree.h"
 #include "support/test_robots.h"
 

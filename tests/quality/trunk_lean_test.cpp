@@ -1,6 +1,6 @@
 // The lean of trunks in poses with a known lean.
 
-#include "judge/quality/trunk_lean.h"
+#include "judge/quality/similarity_metrics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

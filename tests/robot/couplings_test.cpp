@@ -6,7 +6,7 @@
 #include <string>
 
 #include "robot/model/load_model.h"
-#include "robot/model/urdf_couplings.h"
+#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 

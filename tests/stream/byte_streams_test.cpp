@@ -12,7 +12,7 @@
 
 #include "live/stream/frame_bytes_queue.h"
 #include "live/stream/line_cutter.h"
-#include "live/stream/sender_lock.h"
+#include "live/stream/senders.h"
 #include "live/stream/writer_thread.h"
 
 namespace retarget {

@@ -1,6 +1,6 @@
 // Decoders: frames, skeletons and rejections from bytes, and round trips of the player's packets.
 
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

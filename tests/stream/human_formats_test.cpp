@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/live_pipeline.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "stream/stream_support.h"

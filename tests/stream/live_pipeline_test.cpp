@@ -1,7 +1,7 @@
 // Packets in, robot frames out, without sockets: deterministic.
 
 #include "live/stream/live_pipeline.h"
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,7 @@
 #include <vector>
 
 #include "human/skeleton/canonical_pose.h"
-#include "live/stream/formats.h"
-#include "live/stream/latency.h"
+#include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
 #include "retarget/load.h"
 #include "support/lafan1_map.h"

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/mvn_segments.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/data_folder.h"
 #include "stream/stream_support.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "live/stream/clip_axes.h"
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/data_folder.h"
 #include "stream/stream_support.h"
 

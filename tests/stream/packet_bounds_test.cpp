@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "live/stream/formats.h"
 #include "live/stream/lz4_frame.h"
 #include "live/stream/packet_json.h"
+#include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
 
 namespace retarget {

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/formats.h"
 #include "live/stream/json_cutter.h"
 #include "live/stream/live_pipeline.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/load.h"
 #include "retarget/pose.h"
 #include "stream/stream_support.h"

@@ -12,7 +12,7 @@
 
 #include "formats/smpl/read_smpl.h"
 #include "formats/smpl/smpl_body.h"
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
 #include "support/npz_builder.h"
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "motion/clip_tracks.h"
-#include "motion/track_sampler.h"
+#include "motion/clip.h"
+#include "motion/resample.h"
 
 namespace retarget {
 

@@ -8,7 +8,7 @@
 #include "app/provenance/hash.h"
 #include "retarget/view.h"
 #include "support/test_robots.h"
-#include "view/page_assets.h"
+#include "view/page.h"
 #include "view/page_data.h"
 
 namespace retarget {

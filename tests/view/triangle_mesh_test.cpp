@@ -1,4 +1,4 @@
-#include "view/triangle_mesh.h"
+#include "view/robot_meshes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

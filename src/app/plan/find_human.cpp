@@ -15,7 +15,6 @@
 #include "human/skeleton/limb_twists.h"
 #include "human/skeleton/recognise.h"
 #include "human/skeleton/robot_human.h"
-#include "human/skeleton/robot_up.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/data_folder.h"

@@ -9,7 +9,7 @@
 #include "base/try.h"
 #include "formats/registry/format.h"
 #include "human/skeleton/joint_clip.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/file.h"

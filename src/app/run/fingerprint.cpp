@@ -1,7 +1,4 @@
-#include "app/run/fingerprint.h"
-
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -13,8 +10,9 @@
 #include "app/options/options_json.h"
 #include "app/plan/robot_source.h"
 #include "app/provenance/hash.h"
-#include "app/run/folder_hash.h"
+#include "app/run/fingerprint.h"
 #include "base/try.h"
+#include "retarget/file.h"
 #include "retarget/option_table.h"
 #include "retarget/robot.h"
 #include "retarget/version.h"
@@ -233,6 +231,19 @@ ReadingOptions restored_dialect(const Json& description) {
     reading.quaternion = is == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
   }
   return reading;
+}
+
+namespace fs = std::filesystem;
+
+Result<std::string> folder_hash(const fs::path& folder, std::string_view ending) {
+  TRY_ASSIGN(auto hasher, ContentHasher::create());
+  for (const fs::path& file : files_in_folder(folder)) {
+    const bool counts = ending.empty() || file.extension() == ending;
+    if (!counts || !is_file(file)) continue;
+    TRY_ASSIGN(const std::string hash, hash_file(file.string(), ErrorKind::kConfig));
+    hasher.update(file.filename().string() + " " + hash + "\n");
+  }
+  return hasher.finish();
 }
 
 }  // namespace retarget

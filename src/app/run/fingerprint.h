@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 #include "retarget/error.h"
 #include "retarget/option_table.h"
@@ -43,5 +45,10 @@ using FindRecorded = std::function<std::string(const std::string& path, const st
 
 /// Gates by metric, in the form used in RunFingerprint::description.
 [[nodiscard]] nlohmann::ordered_json gates_json(const Gates& gates);
+
+/// Hashes the names and contents of a folder's files.
+/// @param ending  extension of the files to include, such as `.json`; empty: all.
+[[nodiscard]] Result<std::string> folder_hash(const std::filesystem::path& folder,
+                                              std::string_view ending);
 
 }  // namespace retarget

@@ -11,7 +11,7 @@
 #include "app/run/sidecar.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/file.h"
 #include "retarget/options.h"
 #include "retarget/text.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/provenance/hash.h"
-#include "app/run/folder_hash.h"
+#include "app/run/fingerprint.h"
 #include "app/run/sidecar.h"
 #include "base/try.h"
 #include "retarget/check_options.h"

@@ -17,7 +17,7 @@
 #include "formats/bvh/motion_rows.h"
 #include "formats/bvh/row_decoder.h"
 #include "formats/bvh/source_text.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 

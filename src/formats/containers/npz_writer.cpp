@@ -4,8 +4,8 @@
 #include <bit>
 #include <utility>
 
+#include "base/text.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "formats/containers/byte_order.h"
 
 namespace retarget {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "base/text.h"
 #include "base/try.h"
-#include "base/utf8.h"
 #include "formats/containers/npy_stream.h"
 #include "formats/containers/pickle_opcodes.h"
 

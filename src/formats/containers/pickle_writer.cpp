@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/utf8.h"
+#include "base/text.h"
 #include "formats/containers/byte_order.h"
 #include "formats/containers/npz_writer.h"
 #include "formats/containers/pickle_opcodes.h"

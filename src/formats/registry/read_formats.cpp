@@ -14,7 +14,7 @@
 #include "formats/scene/read_scene.h"
 #include "formats/smpl/read_smpl.h"
 #include "formats/smpl/smpl_body.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/variant.h"

@@ -21,7 +21,7 @@
 #include "formats/containers/npz.h"
 #include "formats/containers/pickle.h"
 #include "formats/robot_motion/csv_table.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/error.h"
 #include "retarget/file.h"
 #include "retarget/robot.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "formats/scene/transforms.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

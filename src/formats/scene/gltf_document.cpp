@@ -12,11 +12,10 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/json_members.h"
 #include "base/try.h"
 #include "formats/containers/base64.h"
 #include "formats/scene/gltf_motion.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

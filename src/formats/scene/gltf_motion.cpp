@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/json_members.h"
+#include "base/json.h"
 #include "base/math/so3.h"
 #include "base/try.h"
 #include "retarget/text.h"

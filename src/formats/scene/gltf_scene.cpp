@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json_members.h"
+#include "base/json.h"
 #include "base/try.h"
 #include "formats/scene/gltf_document.h"
 #include "formats/scene/gltf_motion.h"

@@ -17,7 +17,7 @@
 #include "base/parse_xml.h"
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

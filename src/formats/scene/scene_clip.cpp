@@ -19,7 +19,7 @@
 #include "formats/scene/mvnx.h"
 #include "formats/scene/scene_skeleton.h"
 #include "formats/scene/transforms.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

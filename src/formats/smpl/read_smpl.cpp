@@ -12,7 +12,7 @@
 #include "formats/smpl/motion_arrays.h"
 #include "formats/smpl/motion_file.h"
 #include "formats/smpl/translation_unit.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -13,7 +13,7 @@
 #include "base/math/statistics.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "motion/clip_size.h"
+#include "motion/clip.h"
 
 namespace retarget {
 namespace {

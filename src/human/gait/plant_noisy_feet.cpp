@@ -15,8 +15,8 @@
 #include "human/gait/frame_runs.h"
 #include "human/gait/noisy_stances.h"
 #include "human/gait/source_feet.h"
+#include "human/skeleton/facing.h"
 #include "human/skeleton/human_clip.h"
-#include "human/skeleton/legs.h"
 #include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 

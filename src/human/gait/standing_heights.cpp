@@ -1,11 +1,10 @@
 // Finds the heights at which a human's feet stand on the floor.
 
-#include "human/gait/standing_heights.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/math/statistics.h"
+#include "human/gait/standing_heights.h"
 
 namespace retarget {
 namespace {

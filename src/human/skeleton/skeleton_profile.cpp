@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "base/faults.h"
-#include "base/json_members.h"
+#include "base/json.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/options.h"

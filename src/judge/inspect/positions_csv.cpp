@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/skeleton_points.h"
+#include "motion/skeleton.h"
 #include "retarget/clip.h"
 #include "retarget/inspect.h"
 #include "retarget/pose.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "judge/quality/draft.h"
 #include "judge/quality/posture.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/robot.h"
 
 namespace retarget {

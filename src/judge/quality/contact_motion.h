@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "judge/quality/fault_list.h"
+#include "judge/quality/report_parts.h"
 
 namespace retarget {
 

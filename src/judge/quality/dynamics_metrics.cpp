@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "base/math/statistics.h"
-#include "judge/quality/draft.h"
-#include "judge/quality/fault_list.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/measure.h"
 #include "retarget/robot.h"
 #include "robot/model/kinematic_tree.h"

@@ -9,7 +9,7 @@
 
 #include "base/math/statistics.h"
 #include "judge/quality/contact_motion.h"
-#include "judge/quality/fault_list.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/human.h"
 
 namespace retarget {

@@ -2,8 +2,8 @@
 
 #include "human/gait/contact_plan.h"
 #include "judge/quality/body_tracks.h"
-#include "judge/quality/draft.h"
 #include "judge/quality/posture.h"
+#include "judge/quality/report_parts.h"
 
 namespace retarget {
 

@@ -1,11 +1,14 @@
 #pragma once
 
-#include "judge/quality/draft.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/robot.h"
 
 namespace retarget {
 
 /// Measures limits, speeds, jumps and accelerations of the output joints, and the root's jerk.
 void measure_joints(const ReportBuilder& draft, const LimitSet& limits);
+
+/// Measures the accelerations of the root and, for a robot with mass, of the centre of mass.
+void measure_body_accelerations(const ReportBuilder& draft);
 
 }  // namespace retarget

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "judge/quality/draft.h"
 #include "judge/quality/limb_directions.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/robot.h"
 
 namespace retarget {

@@ -1,5 +1,3 @@
-// Compares limbs, hands and trunk of a robot with the human's.
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,11 +9,17 @@
 #include "base/math/so3.h"
 #include "base/math/statistics.h"
 #include "judge/quality/joint_offset_metric.h"
-#include "judge/quality/lag_metric.h"
+#include "judge/quality/report_parts.h"
+#include "judge/quality/similarity_metrics.h"
 #include "judge/quality/tracking_measure.h"
 #include "judge/quality/yaw_fit.h"
+#include "retarget/measure.h"
+#include "solve/hands/hand_errors.h"
 
 namespace retarget {
+
+// Compares limbs, hands and trunk of a robot with the human's.
+
 namespace {
 
 using Eigen::Vector3d;
@@ -181,6 +185,22 @@ std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
         limbs ? limbs->body_from_joint[row->bone] : Vector3d(Vector3d::Zero());
   }
   return trunk;
+}
+
+void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
+               QualityReport& report) {
+  HandErrors errors = measure_hands(source, map, clip);
+  const QualityOptions options;
+  const ReportBuilder draft{clip, options, report};
+  for (double& angle : errors.angles) angle *= kDegreesPerRadian;
+  for (double& gap : errors.touching_gaps) gap *= kInCm;
+  if (!errors.angles.empty()) {
+    draft.set("finger_angle_deg", mean(errors.angles), percentile(errors.angles, 95.0));
+  }
+  if (!errors.touching_gaps.empty()) {
+    draft.set("touch_gap_cm", mean(errors.touching_gaps), percentile(errors.touching_gaps, 95.0));
+  }
+  std::ranges::sort(report.values, {}, &MetricValue::metric);
 }
 
 }  // namespace retarget

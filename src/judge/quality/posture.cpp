@@ -5,8 +5,8 @@
 
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
-#include "judge/quality/draft.h"
-#include "judge/quality/trunk_lean.h"
+#include "judge/quality/report_parts.h"
+#include "judge/quality/similarity_metrics.h"
 #include "solve/targets/trunk_lines.h"
 
 namespace retarget {

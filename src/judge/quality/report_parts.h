@@ -1,12 +1,53 @@
 #pragma once
 
+#include <map>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "retarget/measure.h"
+#include "retarget/motion.h"
 #include "retarget/report.h"
 
 namespace retarget {
+
+inline constexpr double kInCm = 100.0;  ///< Centimetres per metre.
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// A report under construction. Each group of metrics adds its values under their keys.
+struct ReportBuilder {
+  const RobotClip& clip;
+  const QualityOptions& options;
+  QualityReport& report;
+
+  void set(std::string_view key, double value, std::optional<double> p95 = std::nullopt) const {
+    report.values.push_back({find_metric(key), value, p95});
+  }
+};
+
+/// A fraction in percent; 0 if the whole is 0.
+[[nodiscard]] inline double percent(double part, double whole) {
+  return whole > 0.0 ? 100.0 * part / whole : 0.0;
+}
+
+/// Groups faults into runs of consecutive frames, separately for each joint or body.
+class FaultList {
+ public:
+  FaultList(std::string_view metric, std::string_view unit) : metric_(metric), unit_(unit) {}
+
+  /// @pre frames of the same `where` are added in increasing order
+  void add(const std::string& where, int frame, double amount);
+  /// Appends the `max` worst runs, worst first, earliest first among equals, and the total number
+  /// of runs.
+  void move_to(QualityReport& report, std::size_t max);
+
+ private:
+  std::string metric_, unit_;
+  std::vector<Fault> runs_;
+  std::map<std::string, std::size_t> last_run_;  // By `where`.
+};
 
 /// Parts of human-readable reports.
 

@@ -6,7 +6,7 @@
 
 #include "base/math/statistics.h"
 #include "judge/quality/contact_motion.h"
-#include "judge/quality/fault_list.h"
+#include "judge/quality/report_parts.h"
 #include "robot/model/kinematic_tree.h"
 #include "solve/targets/support_bodies.h"
 

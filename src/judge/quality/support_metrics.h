@@ -1,7 +1,7 @@
 #pragma once
 
 #include "human/gait/contact_plan.h"
-#include "judge/quality/draft.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/retargeting_config.h"
 
 namespace retarget {

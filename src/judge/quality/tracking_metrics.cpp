@@ -7,7 +7,7 @@
 
 #include "base/math/statistics.h"
 #include "base/math/trigonometry.h"
-#include "judge/quality/root_slide_metric.h"
+#include "judge/quality/similarity_metrics.h"
 #include "judge/quality/tracking_measure.h"
 #include "judge/quality/yaw_fit.h"
 #include "solve/targets/targets.h"

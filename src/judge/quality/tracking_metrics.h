@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "judge/quality/body_tracks.h"
-#include "judge/quality/draft.h"
 #include "judge/quality/posture.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/measure.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"

@@ -5,7 +5,7 @@
 
 #include "base/math/so3.h"
 #include "base/math/spline.h"
-#include "motion/track_sampler.h"
+#include "motion/resample.h"
 
 namespace retarget {
 namespace {

@@ -13,7 +13,7 @@
 #include "formats/bvh/number_parser.h"
 #include "formats/bvh/read_bvh.h"
 #include "formats/bvh/row_decoder.h"
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
 

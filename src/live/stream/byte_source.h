@@ -10,8 +10,7 @@
 
 #include "live/stream/decoder.h"
 #include "live/stream/line_cutter.h"
-#include "live/stream/sender_connections.h"
-#include "live/stream/sender_lock.h"
+#include "live/stream/senders.h"
 #include "live/stream/socket.h"
 #include "live/stream/stream_address.h"
 #include "retarget/error.h"

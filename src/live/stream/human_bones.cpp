@@ -1,11 +1,10 @@
-#include "live/stream/human_bones.h"
-
 #include <cmath>
 #include <utility>
 
 #include "base/try.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
+#include "live/stream/human_bones.h"
 #include "retarget/clip.h"
 #include "retarget/plan.h"
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,14 @@
 #include "retarget/pose.h"
 
 namespace retarget {
+
+/// A joint's pose relative to its parent, from world poses.
+/// @param parent  index into world_from_joint; -1: no parent.
+[[nodiscard]] inline Pose parent_from_joint(std::span<const Pose> world_from_joint, int parent,
+                                            const Pose& world_from_this) {
+  if (parent < 0) return world_from_this;
+  return world_from_joint[static_cast<std::size_t>(parent)].inverse() * world_from_this;
+}
 
 /// Converts the canonical human in a clip to a separate clip, so that formats with fixed bones can
 /// play any clip.

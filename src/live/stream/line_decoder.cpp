@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/try.h"
-#include "live/stream/formats.h"
-#include "live/stream/local_pose.h"
+#include "live/stream/human_bones.h"
 #include "live/stream/packet_json.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"

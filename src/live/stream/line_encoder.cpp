@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/formats.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 #include "retarget/pose.h"
 

@@ -15,12 +15,11 @@
 
 #include "base/try.h"
 #include "formats/containers/byte_order.h"
-#include "live/stream/formats.h"
-#include "live/stream/local_pose.h"
+#include "live/stream/human_bones.h"
 #include "live/stream/message_cutter.h"
-#include "live/stream/mvn_body.h"
 #include "live/stream/mvn_protocol.h"
 #include "live/stream/mvn_segments.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "live/stream/clip_axes.h"
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/mvn_protocol.h"
 #include "live/stream/mvn_segments.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 
 namespace retarget {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "retarget/human.h"
@@ -47,5 +49,12 @@ inline constexpr std::size_t kMvnSegmentCount = kMvnSegments.size();
 /// Index of the segment with a name, ignoring case, blanks and underscores (`Right Forearm`);
 /// nothing for a prop, a finger or an unknown name.
 [[nodiscard]] std::optional<std::size_t> mvn_segment(std::string_view name);
+
+/// Offset of each segment from its parent, metres.
+using MvnOffsets = std::array<Eigen::Vector3d, kMvnSegmentCount>;
+
+/// Describes why the offsets are implausible for a person, for example because of damaged data;
+/// empty if plausible.
+[[nodiscard]] std::string mvn_body_fault(const MvnOffsets& offsets);
 
 }  // namespace retarget

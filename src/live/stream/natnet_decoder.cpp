@@ -17,9 +17,9 @@
 
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
-#include "live/stream/formats.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/natnet_protocol.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
 

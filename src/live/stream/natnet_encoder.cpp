@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "live/stream/clip_axes.h"
-#include "live/stream/formats.h"
 #include "live/stream/natnet_protocol.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 
 namespace retarget {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/try.h"
-#include "live/stream/byte_sink.h"
+#include "live/stream/byte_output.h"
 #include "live/stream/clip_axes.h"
 #include "live/stream/decoder.h"
 #include "live/stream/human_bones.h"

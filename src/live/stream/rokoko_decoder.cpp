@@ -15,12 +15,11 @@
 #include <vector>
 
 #include "base/try.h"
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/json_cutter.h"
-#include "live/stream/local_pose.h"
 #include "live/stream/packet_json.h"
 #include "live/stream/rokoko_bones.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
 

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/rokoko_bones.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -18,7 +18,6 @@
 #include "app/plan/follow_arms.h"
 #include "base/try.h"
 #include "live/stream/byte_source.h"
-#include "live/stream/latency.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/outputs.h"
 #include "live/stream/stats_writer.h"

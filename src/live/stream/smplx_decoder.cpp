@@ -16,8 +16,8 @@
 
 #include "base/try.h"
 #include "formats/smpl/smpl_body.h"
-#include "live/stream/formats.h"
 #include "live/stream/packet_json.h"
+#include "live/stream/stream_formats.h"
 
 namespace retarget {
 namespace {

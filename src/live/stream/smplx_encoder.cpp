@@ -10,8 +10,8 @@
 
 #include "base/math/so3.h"
 #include "formats/smpl/smpl_body.h"
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
+#include "live/stream/stream_formats.h"
 
 namespace retarget {
 namespace {

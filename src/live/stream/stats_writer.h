@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -7,13 +9,28 @@
 
 #include "live/stream/byte_source.h"
 #include "live/stream/frame_output.h"
-#include "live/stream/latency.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/socket.h"
 #include "live/stream/writer_thread.h"
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// Histogram of the times from a packet to the robot frame that it made possible. Its memory does
+/// not grow with the duration.
+class Latency {
+ public:
+  void add(double seconds);
+  [[nodiscard]] std::int64_t count() const { return count_; }
+  [[nodiscard]] double max() const { return max_; }
+  /// Percentile in seconds, accurate to 5 %; 0 without samples.
+  [[nodiscard]] double percentile(double percent) const;
+
+ private:
+  std::array<std::int64_t, 400> counts_{};  // Bins; each bound is 5 % larger than the previous one.
+  std::int64_t count_ = 0;
+  double max_ = 0.0;
+};
 
 /// Writes statistics of a live run: one JSON line per second.
 class StatsWriter {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "live/stream/local_pose.h"
+#include "live/stream/human_bones.h"
 
 namespace retarget {
 namespace {

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "base/try.h"
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/osc.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/unity_bones.h"
 #include "retarget/pose.h"
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/osc.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/unity_bones.h"
 #include "retarget/pose.h"
 

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "base/try.h"
-#include "live/stream/formats.h"
-#include "live/stream/local_pose.h"
+#include "live/stream/human_bones.h"
 #include "live/stream/packet_json.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "live/stream/xrobot_joints.h"
 #include "retarget/text.h"

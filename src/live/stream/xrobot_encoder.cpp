@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "live/stream/formats.h"
 #include "live/stream/human_bones.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/xrobot_joints.h"
 #include "retarget/pose.h"
 

@@ -1,12 +1,17 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "retarget/robot.h"
 #include "robot/model/kinematic_tree.h"
 
 namespace retarget {
+
+/// Returns the pairs of moving bodies at most two joints apart in the tree. They overlap by design,
+/// so their contact is allowed. The body nearer to the root comes first.
+[[nodiscard]] std::vector<std::pair<int, int>> neighbours(const Robot& robot);
 
 /// Returns the joints of a branch from its first link outwards. At a fork the chain follows the
 /// side with more joints. A chain of four joints or more ends at a fork (a hand with fingers)

@@ -9,7 +9,7 @@
 
 #include "base/math/trigonometry.h"
 #include "retarget/pose.h"
-#include "robot/anatomy/limb_plausibility.h"
+#include "robot/anatomy/limb_notes.h"
 #include "robot/model/core_points.h"
 #include "robot/model/limb_joints.h"
 #include "robot/model/model_values.h"

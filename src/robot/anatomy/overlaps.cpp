@@ -9,7 +9,7 @@
 #include <memory>
 #include <numbers>
 
-#include "robot/anatomy/neighbours.h"
+#include "robot/anatomy/branches.h"
 #include "robot/model/collision.h"
 #include "robot/model/shape_distance.h"
 

@@ -5,7 +5,6 @@
 
 #include "base/faults.h"
 #include "base/json.h"
-#include "base/json_members.h"
 #include "base/try.h"
 #include "retarget/data_folder.h"
 #include "retarget/file.h"

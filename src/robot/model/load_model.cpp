@@ -17,10 +17,10 @@
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/check_model.h"
+#include "robot/model/load_robot.h"
 #include "robot/model/mend_spec.h"
 #include "robot/model/mesh_geoms.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/urdf_couplings.h"
 #include "robot/model/urdf_materials.h"
 #include "version_numbers.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/faults.h"
-#include "base/json_members.h"
+#include "base/json.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "robot/model/json_ranges.h"

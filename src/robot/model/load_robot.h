@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -54,5 +55,9 @@ namespace retarget {
 [[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot_files(
     const std::string& model_path, const std::string& profile_path = {},
     RobotBase base = RobotBase::kAuto);
+
+/// Returns the coupled joints of a URDF (`<mimic joint= multiplier= offset=>`), by joint name.
+/// Empty for files that are not URDF.
+[[nodiscard]] std::map<std::string, JointCoupling> urdf_couplings(const std::string& path);
 
 }  // namespace retarget

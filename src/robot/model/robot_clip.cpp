@@ -1,11 +1,14 @@
-#include "retarget/clip.h"
-#include "retarget/motion.h"
-#include "retarget/robot.h"
-
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include "base/try.h"
+#include "retarget/clip.h"
+#include "retarget/motion.h"
+#include "retarget/resample.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 
@@ -26,6 +29,53 @@ std::span<double> RobotClip::qpos(int frame) {
 std::span<const double> RobotClip::qpos(int frame) const {
   const std::size_t size = robot_->configuration_size();
   return {qpos_.data() + frame * size, size};
+}
+
+namespace {
+
+constexpr int kRootValues = 7;
+
+// Returns a chain that carries joint positions as translations, three per joint after the root,
+// because resample() works on tracks of points.
+std::shared_ptr<const Skeleton> carrier(int joint_values) {
+  const std::vector<Channel> moved = {Channel::kXPosition, Channel::kYPosition,
+                                      Channel::kZPosition};
+  std::vector<Joint> joints;
+  for (int i = 0; i <= (joint_values + 2) / 3; ++i) {
+    Joint joint;
+    joint.name = std::to_string(i);
+    joint.parent = i - 1;
+    joint.channels = moved;
+    joints.push_back(std::move(joint));
+  }
+  return std::make_shared<const Skeleton>(std::move(joints));
+}
+
+}  // namespace
+
+Result<RobotClip> resample_robot(const RobotClip& source, const FrameRate& output_rate,
+                                 const ResampleOptions& options) {
+  const int values = source.robot().configuration_size() - kRootValues;
+  Clip carried(carrier(values), source.rate(), source.frame_count());
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    const auto qpos = source.qpos(frame);
+    const auto points = carried.translations(frame);
+    points[0] = {qpos[0], qpos[1], qpos[2]};
+    carried.rotations(frame)[0] = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]);
+    for (int i = 0; i < values; ++i) points[1 + i / 3][i % 3] = qpos[kRootValues + i];
+  }
+  TRY_ASSIGN(const auto resampled, resample(std::move(carried), output_rate, options));
+  RobotClip clip(source.shared_robot(), resampled.rate(), resampled.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    const auto points = resampled.translations(frame);
+    const Eigen::Quaterniond& rotation = resampled.rotations(frame)[0];
+    for (int i = 0; i < 3; ++i) qpos[i] = points[0][i];
+    qpos[3] = rotation.w();
+    for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+    for (int i = 0; i < values; ++i) qpos[kRootValues + i] = points[1 + i / 3][i % 3];
+  }
+  return clip;
 }
 
 }  // namespace retarget

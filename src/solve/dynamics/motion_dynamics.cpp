@@ -5,11 +5,9 @@
 #include <limits>
 
 #include "base/math/statistics.h"
-#include "solve/dynamics/body_size.h"
 #include "solve/dynamics/contact_forces.h"
 #include "solve/dynamics/motion_spline.h"
 #include "solve/dynamics/support_points.h"
-#include "solve/dynamics/support_polygon.h"
 
 namespace retarget {
 namespace {

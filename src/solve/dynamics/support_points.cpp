@@ -1,12 +1,18 @@
-#include "solve/dynamics/support_points.h"
-
+#include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "base/math/trigonometry.h"
 #include "robot/model/core_points.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/dynamics/support_points.h"
 
 namespace retarget {
+
 using Eigen::Vector3d;
 
 std::vector<SupportPoint> make_support_points(const Robot& robot) {
@@ -53,6 +59,105 @@ void keep_outermost(std::span<const Vector3d> points, std::size_t most, std::vec
   }
   chosen.resize(kept);
   std::ranges::sort(chosen);
+}
+
+namespace {
+
+using Eigen::Vector2d;
+
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+// Andrew's monotone chain: replaces the points by the corners of their hull, counterclockwise.
+void reduce_to_hull(std::vector<Vector2d>& points) {
+  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return;
+  std::vector<Vector2d> hull;
+  const auto add_chain = [&hull](auto begin, auto end) {
+    const std::size_t base = hull.size();
+    for (auto at = begin; at != end; ++at) {
+      while (hull.size() >= base + 2 &&
+             cross(hull.back() - hull[hull.size() - 2], *at - hull.back()) <= 0.0) {
+        hull.pop_back();
+      }
+      hull.push_back(*at);
+    }
+    hull.pop_back();  // The next chain starts with this point.
+  };
+  add_chain(points.begin(), points.end());
+  add_chain(points.rbegin(), points.rend());
+  points = std::move(hull);
+}
+
+}  // namespace
+
+double margin_in_hull(const Vector2d& point, std::vector<Vector2d>& points) {
+  // Non-finite values have no order and cannot be sorted.
+  std::erase_if(points, [](const Vector2d& each) { return !each.allFinite(); });
+  reduce_to_hull(points);
+  double nearest = std::numeric_limits<double>::infinity();
+  bool inside = points.size() > 2;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector2d& from = points[i];
+    const Vector2d edge = points[(i + 1) % points.size()] - from;
+    const double length = edge.squaredNorm();
+    const double along =
+        length > 0.0 ? std::clamp((point - from).dot(edge) / length, 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (from + along * edge - point).norm());
+    inside = inside && cross(edge, point - from) >= 0.0;
+  }
+  return inside ? nearest : -nearest;
+}
+
+namespace {
+
+constexpr double kLegOfG1 = 0.632;  // Metres.
+
+// Joints from the base to a link.
+std::vector<int> joints_to(const KinematicTree& tree, int link) {
+  std::vector<int> joints;
+  for (; link > 0; link = tree.links()[static_cast<std::size_t>(link)].parent) {
+    joints.insert(joints.begin(), tree.links()[static_cast<std::size_t>(link)].joint);
+  }
+  return joints;
+}
+
+// Leg length (hip to knee to ankle), metres; 0 if the joints are not a leg. The shank is the last
+// long segment between consecutive joints; the knee is the joint at its upper end.
+double leg_length(const TreeState& state, const std::vector<int>& joints) {
+  constexpr double kLong = 0.6;  // Share of the longest segment.
+  const auto way = [&](std::size_t i) {
+    return (state.anchor(joints[i + 1]) - state.anchor(joints[i])).norm();
+  };
+  double longest = 0.0;
+  for (std::size_t i = 0; i + 1 < joints.size(); ++i) longest = std::max(longest, way(i));
+  std::size_t knee = 0;
+  for (std::size_t i = 1; i + 1 < joints.size(); ++i) {
+    if (way(i) >= kLong * longest) knee = i;
+  }
+  if (knee == 0) return 0.0;
+  const std::span all(joints);
+  const Eigen::Vector3d hip = common_point(state, all.first(knee));
+  const Eigen::Vector3d ankle = common_point(state, all.subspan(knee + 1));
+  const Eigen::Vector3d& middle = state.anchor(joints[knee]);
+  return (middle - hip).norm() + (ankle - middle).norm();
+}
+
+}  // namespace
+
+double body_size(const Robot& robot) {
+  const KinematicTree& tree = robot.tree();
+  const TreeState state(tree, robot.zero_configuration());
+  double longest = 0.0;
+  for (const Sole& sole : robot.profile().soles) {
+    const int link = tree.attachment(sole.body).link;
+    longest = std::max(longest, leg_length(state, joints_to(tree, link)));
+  }
+  return longest > 0.0 ? std::round(100.0 * longest / kLegOfG1) / 100.0 : 1.0;
 }
 
 }  // namespace retarget

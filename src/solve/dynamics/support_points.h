@@ -30,4 +30,15 @@ struct SupportPoint {
 void keep_outermost(std::span<const Eigen::Vector3d> points, std::size_t most,
                     std::vector<int>& chosen);
 
+/// Signed distance of a point inside the convex hull of some points to the hull's edge, metres;
+/// negative outside. For one or two points, which enclose nothing, minus the distance to them.
+/// @param points  at least one; modified.
+[[nodiscard]] double margin_in_hull(const Eigen::Vector2d& point,
+                                    std::vector<Eigen::Vector2d>& points);
+
+/// Size of a robot: its leg length (hip to knee to ankle) relative to a G1's. Rounded to a
+/// hundredth, so that the last digits of a model have no influence. Derived from the joints that
+/// carry its soles; 1 if it has none.
+[[nodiscard]] double body_size(const Robot& robot);
+
 }  // namespace retarget

@@ -1,10 +1,9 @@
-#include "live/stream/mvn_body.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <string_view>
+
+#include "live/stream/mvn_segments.h"
 
 namespace retarget {
 namespace {

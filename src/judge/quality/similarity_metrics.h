@@ -4,15 +4,36 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/body_tracks.h"
-#include "judge/quality/draft.h"
+#include "judge/quality/report_parts.h"
+#include "judge/quality/limb_directions.h"
 #include "judge/quality/posture.h"
 #include "retarget/human.h"
 #include "solve/targets/trunk_lines.h"
 
 namespace retarget {
+
+/// Delay of the robot's limbs relative to the human's, seconds: the shift of the human's limbs,
+/// within half a second either way, that maximises the correlation of the rates at which both turn.
+/// Nothing if limbs hardly move, for clips of less than a second, and if the robot's motion does
+/// not resemble the human's.
+[[nodiscard]] std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double fps);
+
+/// Mean horizontal speed at which a root drifts from its target path, m/s, measured over two
+/// seconds or over the whole of shorter clips. Sway of the body averages out over that time.
+/// Nothing for a single frame.
+/// @param found, wanted  positions by frame, world, metres.
+[[nodiscard]] std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,
+                                               const std::vector<Eigen::Vector3d>& wanted,
+                                               double fps);
+
+/// Measures how much faster the slowest of the source's ankles and toes is than its hips. The gate
+/// on it detects a source whose planted feet move because its root does not. Adds nothing for
+/// bodies without feet or hips.
+void measure_source_slide(const ReportBuilder& draft, const HumanClip& human, int frames);
 
 /// The bones that start at the hips and shoulders.
 inline constexpr std::array kTrunkBones = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftArm,
