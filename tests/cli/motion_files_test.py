@@ -258,7 +258,7 @@ class Losses(ToolTest):
         largest = max(max(abs(value) for value in row[26:29] + row[33:36])
                       for row in read_rows(GOLDEN.read_text()))
         result = self.run_tool("convert", GOLDEN, "out.pkl", *G1, "--format", "pkl-pbhc")
-        self.assertIn(f"by up to {round(largest, 3):g} rad", result.stderr)
+        self.assertIn(f"losing up to {round(largest, 3):g} rad", result.stderr)
         self.assert_done(self.run_tool("convert", GOLDEN, "few.csv", *G1, "--dof", "23-pbhc"))
         result = self.run_tool("convert", "few.csv", "out.pkl", *G1, "--source-dof", "23-pbhc",
                                "--format", "pkl-pbhc")

@@ -404,14 +404,14 @@ class BadFiles(FormatsTest):
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "-", "--format", "csv-sonic"), 2,
                           "standard output")
         self.assert_fails(self.convert(GOLDEN / "walk.csv", "x.csv", "--format", "csv-sonic"), 2,
-                          "writes a folder")
+                          "makes a folder")
 
     def test_invalid_motions(self):
         self.write("weights.pt", torch_bytes({"layer.weight": np.zeros((3, 3), np.float32)}))
         self.assert_fails(self.convert("weights.pt", "x.csv"), 3, "dof_pos", "layer.weight")
         row = [0.0, 0.0, 0.8, 0.0, 0.0, 0.0] + [0.0] * 29
         for frames, words in (([], "no frames"), ([row, row[:-1]], "different lengths"),
-                              ([row[:5]], "no joints"), ([["a"] * 35], "numbers"), (7, "list"),
+                              ([row[:5]], "no joints"), ([["a"] * 35], "non-numeric"), (7, "list"),
                               ([row[:3] + [1e9] + row[4:]], "longer than any rotation"),
                               ([[float("nan")] + row[1:]], "not finite")):
             with self.subTest(words=words):

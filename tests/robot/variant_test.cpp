@@ -81,7 +81,7 @@ TEST(RobotVariantTest, UnknownNamesSuggestAndList) {
   EXPECT_THAT(variant.error().hint, HasSubstr("5, one_arm"));
   const auto without = robot_variant(two_arms(R"({"name": "two_arms"})"), "4");
   ASSERT_FALSE(without);
-  EXPECT_THAT(without.error().hint, HasSubstr("its 5 joints"));
+  EXPECT_THAT(without.error().hint, HasSubstr("all 5 joints"));
 }
 
 TEST(RobotVariantTest, HeldJointsAreNotAtALimit) {

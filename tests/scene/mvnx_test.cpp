@@ -117,7 +117,7 @@ TEST(MvnxTest, RejectsImpossibleValues) {
   EXPECT_THAT(message(without_rate), HasSubstr("no frame rate"));
   Document ring = good;
   ring.joints += "<joint><connector1>Leg/a</connector1><connector2>Pelvis/a</connector2></joint>";
-  EXPECT_THAT(message(ring), HasSubstr("ring"));
+  EXPECT_THAT(message(ring), HasSubstr("cycle"));
   Document stranger = good;
   stranger.joints += "<joint><connector1>Arm/a</connector1><connector2>Leg/a</connector2></joint>";
   EXPECT_THAT(message(stranger), HasSubstr("unknown segments"));

@@ -57,7 +57,7 @@ TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
   const int hips = add_chain(scene, "hips", second, 15, true, true);
   const auto both = choose_skeleton(scene, 0, "", "a.fbx");
   ASSERT_FALSE(both);
-  EXPECT_THAT(both.error().message, HasSubstr("2 skeletons"));
+  EXPECT_THAT(both.error().message, HasSubstr("2 possible skeletons"));
   // By a node above the root if the roots have equal names.
   EXPECT_EQ(choose_skeleton(scene, 0, "Armature.001", "a.fbx")->joints.front(), hips);
 }

@@ -10,6 +10,7 @@
 
 #include "human_glb.h"
 #include "retarget/data_folder.h"
+#include "retarget/load.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
 
@@ -72,7 +73,8 @@ std::string robot_among(const CLI::App& command, const std::vector<std::string>&
   const bool has_folder = is_given(command, "--data-dir");
   const auto folder = find_data_folder(
       has_folder ? std::optional(command.get_option("--data-dir")->results().front())
-                 : std::nullopt);
+                 : std::nullopt,
+      installed_data_folder());
   if (!folder) return {};
   const auto is_robot = [&](const std::string& word) {
     return !is_there(word) && names_robot(word, robot_folders(*folder));

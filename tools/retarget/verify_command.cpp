@@ -5,11 +5,12 @@
 #include "console.h"
 #include "retarget/load.h"
 #include "retarget/run.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 
 Result<void> verify(const VerifyArguments& arguments, Console& console) {
-  return verify_run(arguments.file, DataFolder{arguments.common.data_dir, {}}, console);
+  return verify_run(arguments.file, chosen_data_folder(arguments.common), console);
 }
 
 }  // namespace retarget::cli

@@ -56,7 +56,6 @@ Result<void> check_use(const ViewArguments& arguments) {
 
 Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
-  const RunRequest& request = arguments.run.request;
   RETARGET_TRY(check_robot_choice(run.robot));
   RETARGET_TRY(check_use(arguments));
   RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
@@ -70,13 +69,12 @@ Result<void> check_usage(const ViewArguments& arguments) {
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "give one --label per motion, in the same order");
   }
-  return check_written({run.output, arguments.run.png, request.write_map}, read);
+  return check_written({run.output, arguments.run.png, arguments.run.request.write_map}, read);
 }
 
 // Draws a strip in the format that the file name implies.
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
-  const RunRequest& request = arguments.run.request;
   if (file == arguments.run.png || lower_case(fs::path(file).extension().string()) == ".png") {
     StripPictureOptions options;
     options.poses = arguments.run.strip;
@@ -101,7 +99,6 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
 
 Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
-  const RunRequest& request = arguments.run.request;
   const std::string& file = arguments.motions.front();
   RETARGET_TRY_ASSIGN(const LoadedRobot robot,
                       load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
@@ -160,9 +157,9 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   const std::string& output = arguments.run.run.output;
   std::optional<FrameRate> source_rate;
   {
-    RETARGET_TRY_ASSIGN(const LoadedRobot robot,
-                        retarget::load_robot(arguments.run.run.robot,
-                                             DataFolder{arguments.run.common.data_dir, {}}));
+    RETARGET_TRY_ASSIGN(
+        const LoadedRobot robot,
+        retarget::load_robot(arguments.run.run.robot, chosen_data_folder(arguments.run.common)));
     RETARGET_TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
   }
   RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
@@ -217,7 +214,7 @@ Result<void> view_batch(const ViewArguments& arguments, Console& console) {
   GalleryRequest request;
   request.batch = arguments.motions.front();
   request.output = arguments.run.run.output;
-  request.data_folder = DataFolder{arguments.run.common.data_dir, {}};
+  request.data_folder = chosen_data_folder(arguments.run.common);
   request.robot = arguments.run.run.robot;
   request.gates = arguments.gates;
   request.meshes = arguments.meshes;
@@ -235,7 +232,6 @@ Result<void> view(const ViewArguments& given, Console& console) {
   if (std::ranges::any_of(arguments.motions, is_folder)) return view_batch(arguments, console);
   RETARGET_TRY(take_smpl_file(arguments.run));
   RETARGET_TRY(check_usage(arguments));
-  RunRequest& request = arguments.run.request;
   if (arguments.run.strip == 0) arguments.run.strip = StripPictureOptions().poses;
   const bool page = is_page(arguments.run.run.output);
   if (!page || !arguments.run.png.empty()) RETARGET_TRY(draw_picture(arguments, console));
