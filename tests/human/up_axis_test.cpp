@@ -165,7 +165,8 @@ TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
   for (const JointPoses& pose : poses_of_frames(clip)) {
     for (const Pose& joint : pose) lowest = std::min(lowest, joint.translation.z());
   }
-  for (int frame = 0; frame < clip.frame_count(); ++frame) clip.translations(frame)[0].z() -= lowest;
+  for (int frame = 0; frame < clip.frame_count(); ++frame)
+    clip.translations(frame)[0].z() -= lowest;
   const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, z});
   EXPECT_EQ(choice.axis, SignedAxis{});
   EXPECT_THAT(choice.doubt, testing::HasSubstr("or lies on a floor perpendicular to +z"));

@@ -108,7 +108,8 @@ class ClockRun {
       speeds.push_back(std::abs(shown[i].x - shown[i - 1].x) / seconds);
       if (shown[i].due < from || i < kEarlier) continue;
       const double before = *std::max_element(speeds.end() - 1 - kEarlier, speeds.end() - 1);
-      ASSERT_LE(speeds.back(), std::max(kResumes, before) + kMore) << what << " at " << shown[i].due;
+      ASSERT_LE(speeds.back(), std::max(kResumes, before) + kMore)
+          << what << " at " << shown[i].due;
     }
   }
 

@@ -100,8 +100,7 @@ MovementAround movement_around(const Clip& clip, int joint, FrameRange part, Fra
     if (frame == first) continue;
     const Quaterniond& before = clip.rotations(frame - 1)[at];
     if (is_zero(before)) continue;
-    const Eigen::Vector3d off =
-        log_so3(from.conjugate() * before) + log_so3(from.conjugate() * to);
+    const Eigen::Vector3d off = log_so3(from.conjugate() * before) + log_so3(from.conjugate() * to);
     found.bend = std::max(found.bend, 0.5 * off.norm());
   }
   return found;

@@ -229,9 +229,8 @@ class UpChooser {
     const bool agrees = guess_.axis == declared.axis;
     const auto other = axis_of_floor(declared.axis);
     if (rises_most_along(declared.axis)) {
-      return {declared.axis,
-              fmt::format("the body climbs along {}, or swims or crawls: {}",
-                          to_text(declared.axis), taken_text(declared.axis))};
+      return {declared.axis, fmt::format("the body climbs along {}, or swims or crawls: {}",
+                                         to_text(declared.axis), taken_text(declared.axis))};
     }
     // A body that stands far above or below height 0 may lie at height 0 along another axis.
     if (agrees && floor(declared.axis).standing() && !(other && floor(*other).resting())) {

@@ -8,9 +8,9 @@
 
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/body_tracks.h"
-#include "judge/quality/report_parts.h"
 #include "judge/quality/limb_directions.h"
 #include "judge/quality/posture.h"
+#include "judge/quality/report_parts.h"
 #include "retarget/human.h"
 #include "solve/targets/trunk_lines.h"
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kPatience =
     0.1;                         // Seconds that a frame may be overdue before it counts as missing.
-constexpr double kTooFar = 1e5;   // Metres from the origin.
+constexpr double kTooFar = 1e5;  // Metres from the origin.
 constexpr double kSetBack = 0.04;  // Seconds; a smaller set-back of a clock is jitter.
 
 Result<void> check_options(const Plan& plan, const LiveOptions& options) {
