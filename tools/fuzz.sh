@@ -4,7 +4,7 @@
 #
 #   tools/fuzz.sh MINUTES [TARGET...]        MINUTES for all targets together; bvh, npz, csv, ...
 #   FUZZ_SECONDS=10 tools/fuzz.sh            ten seconds per target, from the committed inputs
-#   tools/fuzz.sh threads                    no fuzzing: run batch, fit and pipeline under the thread sanitizer
+#   tools/fuzz.sh threads                    no fuzzing: run batch, fit, live, pipeline and stream under the thread sanitizer
 #
 # Builds with clang into build/fuzz. Interesting inputs are kept in build/fuzz/corpus, where the next run
 # continues. Inputs that break a reader are written to build/fuzz/findings, and the exit code is 1.
@@ -24,7 +24,7 @@ fail() {
 
 # Batches fork, a run of a clip has up to three threads, and the fit distributes its windows over threads.
 check_threads() {
-  local rooms=(batch pipeline fit)
+  local rooms=(batch fit live pipeline stream)
   cmake --preset tsan
   cmake --build --preset tsan --parallel "$jobs" --target retarget_cli "${rooms[@]/%/_test}"
   ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch(_|$)"
