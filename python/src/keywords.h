@@ -6,7 +6,7 @@
 
 #include "retarget/option_table.h"
 
-// Python keyword arguments are option names with underscores; the tables are in src/options.
+// Python keyword arguments are option names with underscores; the tables are in src/app/options.
 
 namespace retarget::python {
 
