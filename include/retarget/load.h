@@ -28,9 +28,11 @@ struct SummaryLine {
 /// Location of the data folder with robots/ and configs/.
 struct DataFolder {
   std::string chosen;  ///< The user's choice; empty: $RETARGET_DATA_DIR, else searched for.
-  /// Searched after the program's own tree.
-  std::string installed = installed_data_folder();
 };
+
+/// Finds the data folder. The search (find_data_folder of data_folder.h) includes
+/// installed_data_folder(). Errors are of kind kConfig.
+[[nodiscard]] Result<std::string> find_data_folder(const DataFolder& folder);
 
 /// Reads a motion file; the format is detected by content: BVH; SMPL or SMPL-X as NPZ, PyTorch
 /// file, pickle or single array (docs/smpl.md); joint positions in such files (docs/positions.md);

@@ -183,7 +183,7 @@ ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_o
     if (skeleton_only) return load_skeleton(path, source);
     if (source.from_robot.empty()) return load_clip(path, source);
     RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
-    return load_clip(path, source, DataFolder{folder, {}});
+    return load_clip(path, source, DataFolder{folder});
   }));
   warn(clip->origin().warnings, clip->name());
   return clip;

@@ -6,12 +6,14 @@
 
 #include "handles.h"
 #include "retarget/data_folder.h"
+#include "retarget/load.h"
 #include "retarget/try.h"
 
 namespace retarget::python {
 
 Result<std::string> data_folder_of(const std::string& chosen) {
   DataFolderSearch search;
+  search.installed = installed_data_folder();
   if (!chosen.empty()) search.flag = chosen;
   if (const char* value = std::getenv("RETARGET_DATA_DIR")) search.environment = value;
   // The package has the layout of an install, with this module in the folder that contains bin/. In

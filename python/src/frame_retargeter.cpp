@@ -87,7 +87,7 @@ struct Loaded {
 Result<Loaded> load(const RobotChoice& choice, const std::string& config,
                     const std::string& config_file) {
   RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of({}));
-  RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(choice, {folder, {}}, Soles::kAsTheyAre));
+  RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(choice, {folder}, Soles::kAsTheyAre));
   RETARGET_TRY_ASSIGN(const RetargetingConfig tables,
                       parse_retargeting_config(config, config_file));
   RETARGET_TRY_ASSIGN(HumanConfig human, resolve_human_config(tables, *robot.robot));

@@ -37,7 +37,7 @@ RobotHandle load(const nb::object& name, const nb::dict& options, const std::str
   RobotHandle robot{without_gil([&]() -> Result<LoadedRobot> {
     auto folder = data_folder_of(data_dir);
     if (!folder) return failure(folder.error());
-    return load_robot(choice, {*folder, {}});
+    return load_robot(choice, {*folder});
   })};
   warn(robot.loaded.warnings, robot.loaded.model);
   return robot;

@@ -1,20 +1,6 @@
 #pragma once
 
-#include <string>
-#include <string_view>
+#include "retarget/option_name.h"
 
-/// Marks an option name in the text of an error, warning or note: `"give the rate with "
-/// OPTION("source-fps")`. `name` is the name in the option schema. The front end replaces the mark
-/// with its own spelling (spell_options): `--source-fps` or `source_fps`.
-// A macro, because the text is concatenated from literals at compile time.
-#define OPTION(name) "\x0e" name "\x0f"
-
-namespace retarget {
-
-/// Marks an option whose name is known only at run time.
-inline std::string marked_option(std::string_view name) {
-  constexpr std::string_view kMarks = OPTION("");
-  return std::string(1, kMarks.front()).append(name) + kMarks.back();
-}
-
-}  // namespace retarget
+// The short name inside the core.
+#define OPTION(name) RETARGET_OPTION(name)

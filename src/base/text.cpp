@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/text.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -16,13 +16,13 @@
 
 #include "app/run/outputs.h"
 #include "base/machine.h"
-#include "base/option_name.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/signature_pass.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -243,10 +243,10 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
   if (end.timed_out) {
     error.message = "the clip took longer than " + number_text(request_.clip_timeout_s, 3) +
                     " s and was terminated";
-    error.hint = OPTION("clip-timeout") " allows more time";
+    error.hint = RETARGET_OPTION("clip-timeout") " allows more time";
   } else if (end.signal == SIGKILL) {
     error.message = "the clip's process was killed externally; memory may have run out";
-    error.hint = "fewer " OPTION("jobs") " leave more memory for each clip";
+    error.hint = "fewer " RETARGET_OPTION("jobs") " leave more memory for each clip";
   } else {
     error.message = "the clip's process crashed" +
                     (end.signal == 0 ? std::string()
@@ -288,7 +288,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
     done = solve(task, memory_gb, entry);
   } catch (const std::bad_alloc&) {
     done = run_failure(task.input->path, "not enough memory for this clip",
-                       "fewer " OPTION("jobs") " leave more memory for each clip");
+                       "fewer " RETARGET_OPTION("jobs") " leave more memory for each clip");
   } catch (const std::exception& error) {
     done = run_failure(task.input->path, error.what());
   }

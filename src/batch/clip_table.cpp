@@ -11,9 +11,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/option_name.h"
 #include "formats/robot_motion/csv_table.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -10,15 +10,15 @@
 #include <system_error>
 #include <utility>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "batch/duplicates.h"
 #include "batch/split_groups.h"
 #include "batch/summary.h"
 #include "retarget/file.h"
 #include "retarget/measure.h"
+#include "retarget/option_name.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -129,10 +129,10 @@ constexpr std::array kSplitLists = {
 void warn_of_old_list(const std::string& path, Observer& observer) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return;
-  observer.warn(
-      {{0, 0,
-        "this list is from an earlier call and was not updated; " OPTION("split") " updates it"}},
-      path);
+  observer.warn({{0, 0,
+                  "this list is from an earlier call and was not updated; " RETARGET_OPTION(
+                      "split") " updates it"}},
+                path);
 }
 
 std::string rule_text(const SplitGroups& groups) {
@@ -156,14 +156,14 @@ void note_unsigned(const std::vector<const ManifestEntry*>& passed, Observer& ob
   });
   if (count == 0) return;
   observer.line("", "mirror images of " + count_text(count, "clip") +
-                        " are identified only by their names; " OPTION("resume") " with " OPTION(
-                            "split") " compares the motions");
+                        " are identified only by their names; " RETARGET_OPTION(
+                            "resume") " with " RETARGET_OPTION("split") " compares the motions");
 }
 
 Result<void> write_split(const std::string& folder, const std::vector<const ManifestEntry*>& passed,
                          const Split& split, Observer& observer) {
   const SplitGroups groups = split_groups(passed);
-  TRY_ASSIGN(const std::vector<SplitSide> sides, split_clips(groups.keys, split));
+  RETARGET_TRY_ASSIGN(const std::vector<SplitSide> sides, split_clips(groups.keys, split));
   std::string text;
   for (const SplitList& list : kSplitLists) {
     const std::string path = folder + "/" + list.file;
@@ -180,7 +180,7 @@ Result<void> write_split(const std::string& folder, const std::vector<const Mani
       keys.insert(groups.keys[i]);
       ++clips;
     }
-    TRY(write_file(path, files.text()));
+    RETARGET_TRY(write_file(path, files.text()));
     text += fmt::format("{}{} of {} for {}", text.empty() ? "" : ", ", count_text(clips, "clip"),
                         count_text(keys.size(), "group"), list.purpose);
   }
@@ -201,19 +201,21 @@ void warn_of_old_lists(const std::string& folder, Observer& observer) {
 Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   DataSetRules rules;
   if (!request.gates.empty() && !request.quality) {
-    return usage_failure(OPTION("gate") " and " OPTION("no-quality") " cannot be combined",
-                         "gates need measured metrics");
+    return usage_failure(
+        RETARGET_OPTION("gate") " and " RETARGET_OPTION("no-quality") " cannot be combined",
+        "gates need measured metrics");
   }
   if (request.of_clip.dynamics && !request.quality) {
-    return usage_failure(OPTION("dynamics") " and " OPTION("no-quality") " cannot be combined",
-                         "without " OPTION("no-quality") " the metrics are measured");
+    return usage_failure(
+        RETARGET_OPTION("dynamics") " and " RETARGET_OPTION("no-quality") " cannot be combined",
+        "without " RETARGET_OPTION("no-quality") " the metrics are measured");
   }
   if (!merging || !request.gates.empty()) {
-    TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
+    RETARGET_TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
   }
   if (!merging || request.dedupe) rules.dedupe = request.dedupe;
   if (!request.split.empty()) {
-    TRY_ASSIGN(rules.split, parse_split(request.split));
+    RETARGET_TRY_ASSIGN(rules.split, parse_split(request.split));
   }
   return rules;
 }
@@ -267,12 +269,12 @@ Result<void> write_lists(const std::string& folder, const std::vector<ManifestEn
                             cell_of(entry.robot));
     }
   }
-  TRY(write_file(folder + "/passed.txt", passed_files.text()));
-  TRY(write_file(folder + "/failed.tsv", failed));
+  RETARGET_TRY(write_file(folder + "/passed.txt", passed_files.text()));
+  RETARGET_TRY(write_file(folder + "/failed.tsv", failed));
   std::error_code ignored;
   const bool earlier = fs::exists(folder + "/duplicates.tsv", ignored);
   if (rules.dedupe == true || repeating > 0 || earlier) {
-    TRY(write_file(folder + "/duplicates.tsv", repeated));
+    RETARGET_TRY(write_file(folder + "/duplicates.tsv", repeated));
   }
   if (passed_files.left_out() > 0) {
     observer.warn({{0, 0,

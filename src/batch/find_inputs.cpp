@@ -14,12 +14,12 @@
 #include <tuple>
 #include <utility>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "batch/file_facts.h"
 #include "formats/registry/format.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -32,7 +32,7 @@ constexpr std::string_view kPatternLetters = "*?[";
 constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 
 constexpr const char* kMaybeOfRobots =
-    OPTION("from-robot") " NAME accepts robot motions: .csv, .pkl, ...";
+    RETARGET_OPTION("from-robot") " NAME accepts robot motions: .csv, .pkl, ...";
 
 // Name of a folder, also with a trailing slash.
 std::string name_of_folder(const fs::path& folder) {
@@ -161,7 +161,7 @@ Result<std::string> InputFinder::below(const std::string& path, const std::strin
                                 .lexically_relative(fs::absolute(base, ignored).lexically_normal());
   if (relative.empty() || *relative.begin() == "..") {
     return usage_failure("\"" + path + "\" is not inside the folder \"" + base + "\"",
-                         "give another " OPTION("relative-to") ", or omit it");
+                         "give another " RETARGET_OPTION("relative-to") ", or omit it");
   }
   return relative.string();
 }
@@ -180,7 +180,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     }
     std::string relative;
     if (!base.empty()) {
-      TRY_ASSIGN(const auto found, below(path, base));
+      RETARGET_TRY_ASSIGN(const auto found, below(path, base));
       if (found != ".") relative = found;
       while (relative.ends_with('/')) relative.pop_back();
     }
@@ -189,9 +189,9 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
   }
   if (there && !S_ISREG(info.st_mode)) {
     return input_failure(path, "a batch reads regular files; this is a pipe or a device",
-                         "retarget " OPTION("bvh") " reads one");
+                         "retarget " RETARGET_OPTION("bvh") " reads one");
   }
-  TRY_ASSIGN(const auto relative, below(path, base));
+  RETARGET_TRY_ASSIGN(const auto relative, below(path, base));
   add_input(path, relative, facts_of(path));
   return {};
 }
@@ -215,7 +215,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxListBytes));
+  RETARGET_TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxListBytes));
   std::string_view text = content.view();
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {
@@ -224,7 +224,7 @@ Result<void> InputFinder::add_list(const std::string& file) {
     text.remove_prefix(std::min(length + 1, text.size()));
     if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty() || (end == '\n' && line.starts_with('#'))) continue;
-    TRY(add_existing(std::string(line), search_.base, false));
+    RETARGET_TRY(add_existing(std::string(line), search_.base, false));
   }
   return {};
 }
@@ -240,10 +240,10 @@ Result<void> InputFinder::add_name(const std::string& name) {
 
 Result<FoundInputs> InputFinder::run() {
   for (const std::string& name : search_.names) {
-    TRY(add_name(name));
+    RETARGET_TRY(add_name(name));
   }
   for (const std::string& list : search_.lists) {
-    TRY(add_list(list));
+    RETARGET_TRY(add_list(list));
   }
   if (hidden_ > 0) {
     found_.notes.push_back("skipped " + std::to_string(hidden_) +
@@ -251,7 +251,7 @@ Result<FoundInputs> InputFinder::run() {
   }
   if (excluded_ > 0) {
     found_.notes.push_back("skipped " + std::to_string(excluded_) +
-                           " files because of " OPTION("exclude"));
+                           " files because of " RETARGET_OPTION("exclude"));
   }
   if (found_.inputs.empty()) {
     return input_failure(
@@ -310,13 +310,14 @@ Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
   if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more conflicts";
   if (by_image) {
     return usage_failure(
-        first, "rename the file that conflicts with " OPTION("mirror") ", exclude it with " OPTION(
-                   "exclude") ", or omit " OPTION("mirror"));
+        first,
+        "rename the file that conflicts with " RETARGET_OPTION(
+            "mirror") ", exclude it with " RETARGET_OPTION("exclude") ", or omit " RETARGET_OPTION("mirror"));
   }
   return usage_failure(first,
-                       "give the folder that contains both, or " OPTION("relative-to") " FOLDER "
+                       "give the folder that contains both, or " RETARGET_OPTION("relative-to") " FOLDER "
                        "to keep the tree below "
-                       "it; otherwise rename one or exclude it with " OPTION("exclude"));
+                       "it; otherwise rename one or exclude it with " RETARGET_OPTION("exclude"));
 }
 
 }  // namespace retarget

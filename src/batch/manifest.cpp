@@ -10,8 +10,8 @@
 #include <system_error>
 #include <tuple>
 
-#include "base/option_name.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -21,7 +21,7 @@ Failure manifest_failure(const std::string& path, int error_number) {
   return run_failure(path,
                      "cannot write the manifest: " + std::generic_category().message(error_number),
                      error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
-                         ? "free some space and continue with " OPTION("resume")
+                         ? "free some space and continue with " RETARGET_OPTION("resume")
                          : "");
 }
 

@@ -12,7 +12,6 @@
 
 #include "app/options/options_json.h"
 #include "base/json.h"
-#include "base/text.h"
 #include "batch/manifest.h"
 #include "formats/containers/base64.h"
 #include "retarget/text.h"

@@ -7,12 +7,12 @@
 #include <system_error>
 #include <utility>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "batch/leftovers.h"
 #include "batch/summary.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -24,7 +24,7 @@ constexpr const char* kFileEnding = ".jsonl";
 constexpr std::size_t kNamedWorst = 3;
 
 Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observer& observer) {
-  TRY_ASSIGN(auto content, read_manifest(path));
+  RETARGET_TRY_ASSIGN(auto content, read_manifest(path));
   if (content.unreadable > 0) {
     observer.line("manifest",
                   path + ": " + count_text(content.unreadable, "line") + " ignored: unreadable");
@@ -95,7 +95,7 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
 Result<void> write_summary(const std::string& folder, const std::vector<ManifestEntry>& entries,
                            Observer& observer) {
   const std::string path = folder + "/summary.csv";
-  TRY(write_file(path, summary_csv(entries)));
+  RETARGET_TRY(write_file(path, summary_csv(entries)));
   print_worst(entries, observer);
   observer.line("wrote", path + ", the worst clips first");
   return {};
@@ -111,8 +111,8 @@ void warn_of_unsigned(const std::vector<ManifestEntry>& entries, const std::stri
   observer.warn(
       {{0, 0,
         count_text(static_cast<std::size_t>(count), "clip") + (count == 1 ? " has" : " have") +
-            " no signature for finding duplicates: run the batch with " OPTION(
-                "dedupe") " and " OPTION("resume")}},
+            " no signature for finding duplicates: run the batch with " RETARGET_OPTION(
+                "dedupe") " and " RETARGET_OPTION("resume")}},
       path);
 }
 
@@ -139,14 +139,15 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     if (shard.count == 1) there = manifests_beside(folder, {});
     for (const std::string& path : there) {
       if (!fs::exists(path, ignored)) continue;
-      return usage_failure(path + " exists: the folder already holds a batch",
-                           OPTION("resume") " continues it, " OPTION("redo") " starts over");
+      return usage_failure(
+          path + " exists: the folder already holds a batch",
+          RETARGET_OPTION("resume") " continues it, " RETARGET_OPTION("redo") " starts over");
     }
     return manifests;
   }
-  TRY_ASSIGN(manifests.own, read_entries(manifests.path, observer));
+  RETARGET_TRY_ASSIGN(manifests.own, read_entries(manifests.path, observer));
   for (const std::string& other : manifests_beside(folder, manifests.path)) {
-    TRY_ASSIGN(auto entries, read_entries(other, observer));
+    RETARGET_TRY_ASSIGN(auto entries, read_entries(other, observer));
     append_to(manifests.others, std::move(entries));
   }
   return manifests;
@@ -162,18 +163,18 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                               const std::set<std::string>& known, const DataSetRules& rules,
                               Observer& observer) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kFileEnding);
-  TRY_ASSIGN(auto own, read_entries(path, observer));
+  RETARGET_TRY_ASSIGN(auto own, read_entries(path, observer));
   std::vector<ManifestEntry> entries = std::move(own);
   std::vector<std::string> parts;
   if (shard.count == 1) parts = manifests_beside(folder, path);
   for (const std::string& part : parts) {
-    TRY_ASSIGN(auto more, read_entries(part, observer));
+    RETARGET_TRY_ASSIGN(auto more, read_entries(part, observer));
     append_to(entries, std::move(more));
   }
   entries = latest_entries(std::move(entries));
   std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
   judge_entries(entries, rules, &known);
-  TRY(write_file(path, lines_of(entries)));
+  RETARGET_TRY(write_file(path, lines_of(entries)));
   // The merged manifest is on disk, so the parts are no longer needed.
   std::error_code ignored;
   for (const std::string& part : parts) fs::remove(part, ignored);
@@ -184,7 +185,7 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
     }
     return {};
   }
-  TRY(write_summary(folder, entries, observer));
+  RETARGET_TRY(write_summary(folder, entries, observer));
   // Clips of other calls do not belong to this call's data set.
   const std::size_t unasked = std::erase_if(
       entries, [&](const ManifestEntry& entry) { return !known.contains(entry.relative); });
@@ -211,14 +212,14 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   }
   std::vector<ManifestEntry> entries;
   for (const std::string& name : all) {
-    TRY_ASSIGN(auto read, read_entries(name, observer));
+    RETARGET_TRY_ASSIGN(auto read, read_entries(name, observer));
     append_to(entries, std::move(read));
   }
   if (entries.empty()) return input_failure(folder, "no batch manifest to merge");
   entries = latest_entries(std::move(entries));
   judge_entries(entries, rules);
   if (rules.dedupe == true) warn_of_unsigned(entries, path, observer);
-  TRY(write_file(path, lines_of(entries)));
+  RETARGET_TRY(write_file(path, lines_of(entries)));
   // The merged manifest is on disk, so the parts are no longer needed.
   for (const std::string& part : parts) fs::remove(part, ignored);
   remove_unfinished(folder, output_folders(folder, entries));
@@ -227,8 +228,8 @@ Result<std::size_t> merge_manifests(const std::string& folder,
                               count_text(entries.size(), "clip") + ", " + std::to_string(failed) +
                               " failed");
   observer.line("wrote", path);
-  TRY(write_summary(folder, entries, observer));
-  TRY(write_lists(folder, entries, rules, observer));
+  RETARGET_TRY(write_summary(folder, entries, observer));
+  RETARGET_TRY(write_lists(folder, entries, rules, observer));
   return failed;
 }
 

@@ -11,10 +11,10 @@
 #include <system_error>
 #include <vector>
 
-#include "base/option_name.h"
 #include "batch/manifest.h"
 #include "retarget/file.h"
 #include "retarget/motion_io.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -56,9 +56,9 @@ Result<void> check_motion_list(const SaveOptions& options) {
   const auto pickles = std::ranges::count_if(
       options.formats, [](MotionFormat format) { return format_ending(format) == ".pkl"; });
   if (listed == 1 && pickles <= 1) return {};
-  return usage_failure(OPTION("motion-list") " requires exactly one of the formats pkl-gmr, "
+  return usage_failure(RETARGET_OPTION("motion-list") " requires exactly one of the formats pkl-gmr, "
   "pkl-mimickit and protomotions",
-                       "choose it with " OPTION("format"));
+                       "choose it with " RETARGET_OPTION("format"));
 }
 
 Result<void> write_motion_lists(const std::string& folder, Observer& observer) {

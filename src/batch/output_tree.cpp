@@ -5,9 +5,9 @@
 #include <map>
 #include <string>
 
-#include "base/option_name.h"
-#include "base/try.h"
+#include "retarget/option_name.h"
 #include "retarget/run.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -23,7 +23,8 @@ constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv", "options.json
 Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
                                             const std::string& folder) {
   const SaveOptions& save = request.run.options.save;
-  TRY_ASSIGN(const auto items, plan_outputs(folder + batch_output(save, input.relative), save));
+  RETARGET_TRY_ASSIGN(const auto items,
+                      plan_outputs(folder + batch_output(save, input.relative), save));
   std::vector<std::string> files;
   for (const OutputItem& item : items) {
     files.push_back(item.path);
@@ -44,8 +45,8 @@ class OutputTree {
   }
 
   Result<void> add(const BatchInput& input) {
-    TRY_ASSIGN(const auto files, outputs_of(input, request_, {}));
-    for (const std::string& file : files) TRY(add_file(file, input));
+    RETARGET_TRY_ASSIGN(const auto files, outputs_of(input, request_, {}));
+    for (const std::string& file : files) RETARGET_TRY(add_file(file, input));
     return {};
   }
 
@@ -56,7 +57,7 @@ class OutputTree {
       if (file == files_.end()) continue;
       return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
                                "\", which is " + what_is(file->second),
-                           "rename one of them or exclude it with " OPTION("exclude"));
+                           "rename one of them or exclude it with " RETARGET_OPTION("exclude"));
     }
     return {};
   }
@@ -72,7 +73,7 @@ class OutputTree {
     if (!is_new) {
       return usage_failure("the output of \"" + input.path + "\" would be called \"" + path +
                                "\", which is " + what_is(owner->second),
-                           "rename one of them, exclude it with " OPTION(
+                           "rename one of them, exclude it with " RETARGET_OPTION(
                                "exclude") ", or write one format at a time");
     }
     for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
@@ -92,7 +93,7 @@ class OutputTree {
 Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const BatchRequest& request) {
   OutputTree tree(request);
   for (const BatchInput& input : inputs) {
-    TRY(tree.add(input));
+    RETARGET_TRY(tree.add(input));
   }
   return tree.check_folders();
 }
@@ -111,13 +112,14 @@ Result<void> check_outputs_spared(const std::vector<BatchInput>& inputs,
   const WrittenFiles written(read);
   const std::string folder = output + "/";
   for (const char* own : kOwnFiles) {
-    TRY(written.check_spared(folder + own));
+    RETARGET_TRY(written.check_spared(folder + own));
   }
   for (const BatchRobot& robot : robots) {
-    if (!request.pack.empty()) TRY(written.check_spared(folder + robot.folder + request.pack));
+    if (!request.pack.empty())
+      RETARGET_TRY(written.check_spared(folder + robot.folder + request.pack));
     for (const BatchInput& input : inputs) {
-      TRY_ASSIGN(const auto files, outputs_of(input, request, folder + robot.folder));
-      for (const std::string& file : files) TRY(written.check_spared(file));
+      RETARGET_TRY_ASSIGN(const auto files, outputs_of(input, request, folder + robot.folder));
+      for (const std::string& file : files) RETARGET_TRY(written.check_spared(file));
     }
   }
   return {};

@@ -13,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "batch/data_set.h"
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
@@ -23,7 +21,9 @@
 #include "formats/containers/npz_writer.h"
 #include "retarget/file.h"
 #include "retarget/motion_io.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -64,28 +64,28 @@ class MotionPack {
   // Checks all clips first, so that no file is begun that cannot be completed.
   Result<void> measure() {
     for (PackedClip& clip : clips_) {
-      TRY(go_on("reading", clip));
-      TRY(check_record(clip));
-      TRY_ASSIGN(const FileContent content, read_file(clip.path));
-      TRY_ASSIGN(const NpzFile npz, NpzFile::open(content.view(), clip.path));
-      if (arrays_.empty()) TRY(begin_arrays(npz));
-      TRY(add(npz, clip));
+      RETARGET_TRY(go_on("reading", clip));
+      RETARGET_TRY(check_record(clip));
+      RETARGET_TRY_ASSIGN(const FileContent content, read_file(clip.path));
+      RETARGET_TRY_ASSIGN(const NpzFile npz, NpzFile::open(content.view(), clip.path));
+      if (arrays_.empty()) RETARGET_TRY(begin_arrays(npz));
+      RETARGET_TRY(add(npz, clip));
     }
     return {};
   }
 
   Result<void> write(const std::string& path) {
-    TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+    RETARGET_TRY_ASSIGN(OutputFile file, OutputFile::create(path));
     NpzStream npz([&file](std::string_view bytes) { return file.write(bytes); });
     for (const PackedArray& packed : arrays_) {
       if (packed.along_time) {
-        TRY(in_file(write_clips(packed, npz), path));
+        RETARGET_TRY(in_file(write_clips(packed, npz), path));
       } else {
-        TRY(npz.add(packed.name, packed.array));
+        RETARGET_TRY(npz.add(packed.name, packed.array));
       }
     }
-    TRY(write_clip_table(npz));
-    TRY(npz.finish());
+    RETARGET_TRY(write_clip_table(npz));
+    RETARGET_TRY(npz.finish());
     return file.commit();
   }
 
@@ -99,8 +99,8 @@ class MotionPack {
     if (observer_.is_stopped()) {
       Error stopped = interrupted_failure().value();
       stopped.message = "interrupted; the clips are done, but not packed";
-      stopped.hint =
-          "the same command with " OPTION("resume") ", or with " OPTION("merge") ", packs them";
+      stopped.hint = "the same command with " RETARGET_OPTION(
+          "resume") ", or with " RETARGET_OPTION("merge") ", packs them";
       return failure(std::move(stopped));
     }
     observer_.status(fmt::format("packing: {} {}", what, clip.name));
@@ -116,13 +116,13 @@ class MotionPack {
     return input_failure(clip.path,
                          there ? "the file has changed since the batch wrote it"
                                : "the file that the batch wrote no longer exists",
-                         "repeat the batch with " OPTION("resume") " to restore it");
+                         "repeat the batch with " RETARGET_OPTION("resume") " to restore it");
   }
 
   // Takes the arrays of the first clip as the reference.
   Result<void> begin_arrays(const NpzFile& npz) {
     for (const std::string& name : npz.names()) {
-      TRY_ASSIGN(NpyArray array, npz.read(name));
+      RETARGET_TRY_ASSIGN(NpyArray array, npz.read(name));
       PackedArray packed;
       packed.name = name;
       packed.along_time = array.is_number() && array.shape.size() > 1;
@@ -146,7 +146,7 @@ class MotionPack {
     }
     std::optional<std::size_t> frames;
     for (PackedArray& packed : arrays_) {
-      TRY_ASSIGN(const NpyArray array, npz.read(packed.name));
+      RETARGET_TRY_ASSIGN(const NpyArray array, npz.read(packed.name));
       if (!is_like(array, packed)) {
         return npz.array_failure(
             packed.name,
@@ -186,13 +186,13 @@ class MotionPack {
   }
 
   Result<void> write_clips(const PackedArray& packed, NpzStream& npz) {
-    TRY(npz.begin(packed.name, packed.array, packed.elements));
+    RETARGET_TRY(npz.begin(packed.name, packed.array, packed.elements));
     for (const PackedClip& clip : clips_) {
-      TRY(go_on(packed.name + " of", clip));
-      TRY_ASSIGN(const FileContent content, read_file(clip.path));
-      TRY_ASSIGN(const NpzFile one, NpzFile::open(content.view(), clip.path));
-      TRY_ASSIGN(const NpyArray array, one.read(packed.name));
-      TRY(npz.write(array.data));
+      RETARGET_TRY(go_on(packed.name + " of", clip));
+      RETARGET_TRY_ASSIGN(const FileContent content, read_file(clip.path));
+      RETARGET_TRY_ASSIGN(const NpzFile one, NpzFile::open(content.view(), clip.path));
+      RETARGET_TRY_ASSIGN(const NpyArray array, one.read(packed.name));
+      RETARGET_TRY(npz.write(array.data));
     }
     return npz.end();
   }
@@ -207,8 +207,8 @@ class MotionPack {
       lengths.push_back(clip.frames);
       start += clip.frames;
     }
-    TRY(npz.add("clip_names", text_array(names)));
-    TRY(npz.add("clip_starts", int64_array(starts, {starts.size()})));
+    RETARGET_TRY(npz.add("clip_names", text_array(names)));
+    RETARGET_TRY(npz.add("clip_starts", int64_array(starts, {starts.size()})));
     return npz.add("clip_lengths", int64_array(lengths, {lengths.size()}));
   }
 
@@ -238,7 +238,7 @@ Result<const FileRecord*> packed_output(const ManifestEntry& entry, const SaveOp
   }
   if (found.size() > 1) {
     return usage_failure("\"" + entry.relative + "\" has NPZ files of several formats",
-                         "choose the format to pack with " OPTION("format"));
+                         "choose the format to pack with " RETARGET_OPTION("format"));
   }
   return found.empty() ? nullptr : found.front();
 }
@@ -257,7 +257,7 @@ Result<void> check_no_motion_there(const std::string& folder, const std::string&
     for (const FileRecord& output : entry.outputs) {
       if (folder + "/" + output.file != path) continue;
       return usage_failure("\"" + path + "\" is the motion of \"" + entry.relative + "\"",
-                           "give " OPTION("pack") " another name");
+                           "give " RETARGET_OPTION("pack") " another name");
     }
   }
   return {};
@@ -288,29 +288,29 @@ Result<void> check_pack_name(const std::string& name) {
   const bool named = name.size() > kPackedEnding.size() && name.ends_with(kPackedEnding);
   if (named && is_plain_name(name)) return {};
   return usage_failure(
-      OPTION("pack") " requires the name of a .npz file in the output folder, found \"" + name +
-          "\"",
-      OPTION("pack") " motions.npz");
+      RETARGET_OPTION("pack") " requires the name of a .npz file in the output folder, found \"" +
+          name + "\"",
+      RETARGET_OPTION("pack") " motions.npz");
 }
 
 Result<void> check_pack_format(const SaveOptions& options) {
   if (std::ranges::count_if(options.formats, is_packed_format) == 1) return {};
   return usage_failure(
-      OPTION(
+      RETARGET_OPTION(
           "pack") " requires exactly one of the formats npz-mjlab, npz-beyondmimic and "
                   "npz-holosoma",
-      "choose it with " OPTION("format"));
+      "choose it with " RETARGET_OPTION("format"));
 }
 
 Result<void> pack_motions(const std::string& folder, const BatchRequest& request,
                           Observer& observer) {
   const auto interrupts = observer.hold_interrupts();
-  TRY_ASSIGN(auto manifest, read_manifest(folder + "/manifest.jsonl"));
+  RETARGET_TRY_ASSIGN(auto manifest, read_manifest(folder + "/manifest.jsonl"));
   const std::vector<ManifestEntry> entries = latest_entries(std::move(manifest.entries));
   std::map<std::string, std::vector<PackedClip>> packs;  // By folder.
   for (const ManifestEntry& entry : entries) {
     if (!entry.done) continue;
-    TRY_ASSIGN(const FileRecord* output, packed_output(entry, request.run.options.save));
+    RETARGET_TRY_ASSIGN(const FileRecord* output, packed_output(entry, request.run.options.save));
     if (output == nullptr) continue;
     auto& clips = packs[place_of(folder, entry, *output)];
     if (!has_passed(entry)) continue;
@@ -319,8 +319,8 @@ Result<void> pack_motions(const std::string& folder, const BatchRequest& request
   if (packs.empty()) packs[folder];
   for (auto& [place, clips] : packs) {
     const std::string path = place + "/" + request.pack;
-    TRY(check_no_motion_there(folder, path, entries));
-    TRY(write_pack(path, std::move(clips), observer));
+    RETARGET_TRY(check_no_motion_there(folder, path, entries));
+    RETARGET_TRY(write_pack(path, std::move(clips), observer));
   }
   return {};
 }

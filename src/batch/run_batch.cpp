@@ -14,8 +14,6 @@
 
 #include "app/run/fingerprint.h"
 #include "base/json.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "batch/batch_runner.h"
 #include "batch/clip_table.h"
 #include "batch/data_set.h"
@@ -35,8 +33,10 @@
 #include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/measure.h"
+#include "retarget/option_name.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -50,41 +50,44 @@ Result<void> check_request(const BatchRequest& request) {
   const SolveOptions& solve = request.run.options.solve;
   if (request.inputs.empty() && request.lists.empty() && request.clips.empty()) {
     return usage_failure("no motion files are given",
-                         "retarget batch clips/ -o out/ " OPTION("robot") " unitree_g1; "
-                         "retarget batch " OPTION("help") " shows more");
+                         "retarget batch clips/ -o out/ " RETARGET_OPTION("robot") " unitree_g1; "
+                         "retarget batch " RETARGET_OPTION("help") " shows more");
   }
   if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_config_kind(solve.ik_config)) {
-    return usage_failure(OPTION("ik-config") " applies to one robot, but several are given",
-                         "run a batch for each robot");
+    return usage_failure(
+        RETARGET_OPTION("ik-config") " applies to one robot, but several are given",
+        "run a batch for each robot");
   }
   if (request.resume && request.redo) {
-    return usage_failure(OPTION("resume") " and " OPTION("redo") " cannot be combined",
-                         "give only one of them");
+    return usage_failure(
+        RETARGET_OPTION("resume") " and " RETARGET_OPTION("redo") " cannot be combined",
+        "give only one of them");
   }
   if (std::ranges::find(request.inputs, "-") != request.inputs.end()) {
     return usage_failure("a batch cannot read motions from standard input",
-                         OPTION("list") " - reads file names from it");
+                         RETARGET_OPTION("list") " - reads file names from it");
   }
   const PartOptions& part = request.run.options.part;
   if (!request.clips.empty() &&
       (part.start_s >= 0.0 || part.end_s >= 0.0 || !part.frames.empty())) {
-    return usage_failure(OPTION("clips") " and " OPTION("start") ", " OPTION("end") " or " OPTION(
-                             "frames") " both choose parts of the clips",
-                         "give only one of them");
+    return usage_failure(
+        RETARGET_OPTION("clips") " and " RETARGET_OPTION("start") ", " RETARGET_OPTION(
+            "end") " or " RETARGET_OPTION("frames") " both choose parts of the clips",
+        "give only one of them");
   }
   const SaveOptions& save = request.run.options.save;
-  TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
+  RETARGET_TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
   Options options = request.run.options;
   if (request.contacts) options.save.contacts = contacts_output("*");
-  TRY(check_options(options));
-  if (request.motion_list) TRY(check_motion_list(save));
+  RETARGET_TRY(check_options(options));
+  if (request.motion_list) RETARGET_TRY(check_motion_list(save));
   if (!request.pack.empty()) {
-    TRY(check_pack_name(request.pack));
-    TRY(check_pack_format(save));
+    RETARGET_TRY(check_pack_name(request.pack));
+    RETARGET_TRY(check_pack_format(save));
   }
   RobotChoice robot = request.run.robot;
   if (!request.robots.empty()) robot.name = request.robots.front();
-  TRY(check_robot_choice(robot));
+  RETARGET_TRY(check_robot_choice(robot));
   return check_config_choice(robot, solve);
 }
 
@@ -94,20 +97,21 @@ Result<BatchRequest> without_former_options(BatchRequest request, Observer& obse
   std::error_code ignored;
   if (!fs::is_directory(request.former_base, ignored)) {
     return usage_failure(
-        OPTION("base") " must be auto or fixed, found \"" + request.former_base + "\"",
-        OPTION("relative-to") " sets the folder whose tree is kept");
+        RETARGET_OPTION("base") " must be auto or fixed, found \"" + request.former_base + "\"",
+        RETARGET_OPTION("relative-to") " sets the folder whose tree is kept");
   }
   if (!request.relative_to.empty()) {
-    return usage_failure(
-        OPTION("base") " DIR and " OPTION("relative-to") " DIR have the same meaning",
-        "give only one of them");
+    return usage_failure(RETARGET_OPTION("base") " DIR and " RETARGET_OPTION(
+                             "relative-to") " DIR have the same meaning",
+                         "give only one of them");
   }
-  observer.warn({{0, 0,
-                  OPTION("base") " DIR is now " OPTION(
-                      "relative-to") " DIR; the former option will be "
-                                     "removed, because " OPTION("base") " now refers to the "
-                                                                        "robot's base"}},
-                {});
+  observer.warn(
+      {{0, 0,
+        RETARGET_OPTION("base") " DIR is now " RETARGET_OPTION(
+            "relative-to") " DIR; the former option will be "
+                           "removed, because " RETARGET_OPTION("base") " now refers to the "
+                                                                       "robot's base"}},
+      {});
   request.relative_to = std::exchange(request.former_base, {});
   return request;
 }
@@ -149,15 +153,15 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     robot.request = request.of_clip;
     robot.request.measure = request.quality;
     if (!request.gates.empty()) {
-      TRY_ASSIGN(robot.request.gates, changed_gates(request.gates, request.data_folder));
+      RETARGET_TRY_ASSIGN(robot.request.gates, changed_gates(request.gates, request.data_folder));
     }
-    TRY_ASSIGN(LoadedRobot loaded,
-               load_robot(robot.run.robot, {request.data_folder, {}}, observer));
+    RETARGET_TRY_ASSIGN(LoadedRobot loaded,
+                        load_robot(robot.run.robot, {request.data_folder}, observer));
     if (!name.empty()) robot.run.robot.name = loaded.name;
-    TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
+    RETARGET_TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
     robot.name = fs::path(robot.setup.loaded.robot->name()).filename().string();
     if (names.size() > 1) robot.folder = robot.name + "/";
-    TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.request, robot.setup));
+    RETARGET_TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.request, robot.setup));
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
       return usage_failure("the robot \"" + robot.name + "\" is given twice");
     }
@@ -186,7 +190,7 @@ struct BatchPlan {
 Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
                                            const std::vector<ClipRow>& rows,
                                            const BatchRequest& request, Observer& observer) {
-  TRY_ASSIGN(std::vector<BatchInput> parts, parts_of(inputs, rows, request.clips));
+  RETARGET_TRY_ASSIGN(std::vector<BatchInput> parts, parts_of(inputs, rows, request.clips));
   std::set<std::string> used;
   for (const BatchInput& part : parts) used.insert(part.variant.source);
   std::string text = count_text(parts.size(), "part") + " of " + count_text(used.size(), "file");
@@ -203,29 +207,30 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
                      request.output,      !request.run.options.source.from_robot.empty()};
   std::vector<ClipRow> rows;
   if (!request.clips.empty()) {
-    TRY_ASSIGN(rows, read_clip_table(request.clips));
+    RETARGET_TRY_ASSIGN(rows, read_clip_table(request.clips));
     if (search.names.empty() && search.lists.empty()) {
       search.names = files_of_rows(rows, request.clips);
       if (search.base.empty()) search.base = folder_of(request.clips);
     }
   }
-  TRY_ASSIGN(auto found, find_inputs(search));
+  RETARGET_TRY_ASSIGN(auto found, find_inputs(search));
   for (const std::string& note : found.notes) observer.line("inputs", note);
-  TRY(check_distinct_outputs(found.inputs));
+  RETARGET_TRY(check_distinct_outputs(found.inputs));
   std::vector<BatchInput> inputs = std::move(found.inputs);
   if (!rows.empty()) {
-    TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
+    RETARGET_TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
   }
   if (request.mirror) inputs = with_mirror_images(std::move(inputs));
-  TRY(check_distinct_outputs(inputs));
+  RETARGET_TRY(check_distinct_outputs(inputs));
   return inputs;
 }
 
 Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchPlan& plan,
                          Observer& observer) {
-  TRY_ASSIGN(std::vector<BatchInput> inputs, find_clips(request, observer));
-  TRY(check_outputs_of(inputs, request));
-  TRY(check_outputs_spared(inputs, request, without_last_slash(request.output), plan.robots));
+  RETARGET_TRY_ASSIGN(std::vector<BatchInput> inputs, find_clips(request, observer));
+  RETARGET_TRY(check_outputs_of(inputs, request));
+  RETARGET_TRY(
+      check_outputs_spared(inputs, request, without_last_slash(request.output), plan.robots));
   const std::size_t all = inputs.size();
   for (const BatchInput& input : inputs) plan.known.insert(input.relative);
   plan.inputs = take_shard(std::move(inputs), shard);
@@ -326,25 +331,26 @@ struct BatchLocks {
 
 Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Observer& observer) {
   const bool is_part = shard.count > 1;
-  TRY_ASSIGN(auto lock,
-             FolderLock::take(folder, kLockName,
-                              is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone));
+  RETARGET_TRY_ASSIGN(
+      auto lock, FolderLock::take(folder, kLockName,
+                                  is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone));
   if (!lock.is_held()) {
     observer.line("lock", "none: the file system of " + folder +
                               " does not support locks; do not start a second batch there");
   }
   BatchLocks locks{std::move(lock), std::nullopt};
   if (!is_part) return locks;
-  TRY_ASSIGN(locks.part, FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
-                                          FolderLock::Kind::kAlone));
+  RETARGET_TRY_ASSIGN(locks.part,
+                      FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
+                                       FolderLock::Kind::kAlone));
   return locks;
 }
 
 // Loads robots and finds inputs.
 Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Observer& observer) {
   BatchPlan plan;
-  TRY_ASSIGN(plan.robots, load_batch_robots(request, observer));
-  TRY(plan_inputs(request, shard, plan, observer));
+  RETARGET_TRY_ASSIGN(plan.robots, load_batch_robots(request, observer));
+  RETARGET_TRY(plan_inputs(request, shard, plan, observer));
   return plan;
 }
 
@@ -356,10 +362,10 @@ Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& man
   std::map<std::string, RepeatedClip> repeated;
   // A split keeps mirror images together, which only signatures reveal.
   if (request.dedupe || !request.split.empty()) {
-    TRY(find_signatures(plan.inputs, plan.robots.front(), request, finished, observer));
+    RETARGET_TRY(find_signatures(plan.inputs, plan.robots.front(), request, finished, observer));
   }
   if (request.dedupe) {
-    TRY_ASSIGN(repeated, repeated_inputs(plan.inputs, observer));
+    RETARGET_TRY_ASSIGN(repeated, repeated_inputs(plan.inputs, observer));
     observer.line("dedupe", std::to_string(repeated.size()) + " of " +
                                 count_text(plan.inputs.size(), "clip") +
                                 (repeated.size() == 1 ? " repeats another" : " repeat others"));
@@ -389,22 +395,23 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
   if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());
   Error stopped = ran.error();
   stopped.message = "interrupted; unfinished clips have no output";
-  stopped.hint = "the same command with " OPTION("resume") " continues from here";
+  stopped.hint = "the same command with " RETARGET_OPTION("resume") " continues from here";
   return failure(std::move(stopped));
 }
 
 // Refuses options that have no meaning when manifests are merged.
 Result<void> check_merge(const BatchRequest& request) {
   const auto refused = [](const char* option) {
-    return usage_failure(std::string(option) + " and " OPTION("merge") " cannot be combined",
-                         OPTION("merge") " only joins manifests");
+    return usage_failure(
+        std::string(option) + " and " RETARGET_OPTION("merge") " cannot be combined",
+        RETARGET_OPTION("merge") " only joins manifests");
   };
-  if (!request.clips.empty()) return refused(OPTION("clips"));
-  if (request.mirror) return refused(OPTION("mirror"));
-  if (!request.exclude.empty()) return refused(OPTION("exclude"));
-  if (!request.shard.empty()) return refused(OPTION("shard"));
-  if (request.resume) return refused(OPTION("resume"));
-  if (request.redo) return refused(OPTION("redo"));
+  if (!request.clips.empty()) return refused(RETARGET_OPTION("clips"));
+  if (request.mirror) return refused(RETARGET_OPTION("mirror"));
+  if (!request.exclude.empty()) return refused(RETARGET_OPTION("exclude"));
+  if (!request.shard.empty()) return refused(RETARGET_OPTION("shard"));
+  if (request.resume) return refused(RETARGET_OPTION("resume"));
+  if (request.redo) return refused(RETARGET_OPTION("redo"));
   return {};
 }
 
@@ -423,53 +430,56 @@ Result<void> record_gates(const std::string& folder, const Gates& gates) {
 }  // namespace
 
 Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
-  TRY_ASSIGN(const BatchRequest request, without_former_options(given, observer));
-  TRY(check_request(request));
+  RETARGET_TRY_ASSIGN(const BatchRequest request, without_former_options(given, observer));
+  RETARGET_TRY(check_request(request));
   Shard shard;
   if (!request.shard.empty()) {
-    TRY_ASSIGN(shard, parse_shard(request.shard));
+    RETARGET_TRY_ASSIGN(shard, parse_shard(request.shard));
   }
-  TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, false));
-  TRY_ASSIGN(BatchPlan plan, plan_batch(request, shard, observer));
-  TRY_ASSIGN(const std::string folder, make_output_folder(request.output));
-  TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
-  TRY_ASSIGN(const BatchManifests manifests, open_manifests(folder, shard, request, observer));
+  RETARGET_TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, false));
+  RETARGET_TRY_ASSIGN(BatchPlan plan, plan_batch(request, shard, observer));
+  RETARGET_TRY_ASSIGN(const std::string folder, make_output_folder(request.output));
+  RETARGET_TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
+  RETARGET_TRY_ASSIGN(const BatchManifests manifests,
+                      open_manifests(folder, shard, request, observer));
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
   const FinishedClips finished(std::move(known), folder);
-  TRY_ASSIGN(const auto manifest, begin_manifest(manifests, finished, request, plan, observer));
+  RETARGET_TRY_ASSIGN(const auto manifest,
+                      begin_manifest(manifests, finished, request, plan, observer));
   const bool alone = shard.count == 1 && locks.folder.is_held();
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
   warn_of_earlier_files(folder, plan, finished, observer);
-  TRY(write_options_file(folder, plan.robots));
+  RETARGET_TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   // A clip whose process was killed could not remove its unfinished outputs.
   if (alone) remove_unfinished(folder, folders);
-  if (failed) TRY(finish_manifests(folder, shard, plan.known, rules, observer));
+  if (failed) RETARGET_TRY(finish_manifests(folder, shard, plan.known, rules, observer));
   if (failed && request.motion_list && shard.count == 1) {
-    TRY(write_motion_lists(folder, observer));
+    RETARGET_TRY(write_motion_lists(folder, observer));
   }
   if (failed && !request.pack.empty() && shard.count == 1) {
-    TRY(pack_motions(folder, request, observer));
+    RETARGET_TRY(pack_motions(folder, request, observer));
   }
   return failed;
 }
 
 Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer) {
-  TRY(check_merge(request));
+  RETARGET_TRY(check_merge(request));
   const std::string folder = without_last_slash(request.output);
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return usage_failure("\"" + folder + "\" is not the output folder of a batch");
   }
-  if (!request.pack.empty()) TRY(check_pack_name(request.pack));
-  TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
-  TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
+  if (!request.pack.empty()) RETARGET_TRY(check_pack_name(request.pack));
+  RETARGET_TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
+  RETARGET_TRY_ASSIGN(const auto lock,
+                      FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
   auto failed = merge_manifests(folder, request.inputs, rules, observer);
-  if (failed && rules.gates) TRY(record_gates(folder, *rules.gates));
-  if (failed && request.motion_list) TRY(write_motion_lists(folder, observer));
-  if (failed && !request.pack.empty()) TRY(pack_motions(folder, request, observer));
+  if (failed && rules.gates) RETARGET_TRY(record_gates(folder, *rules.gates));
+  if (failed && request.motion_list) RETARGET_TRY(write_motion_lists(folder, observer));
+  if (failed && !request.pack.empty()) RETARGET_TRY(pack_motions(folder, request, observer));
   return failed;
 }
 

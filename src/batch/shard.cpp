@@ -1,5 +1,5 @@
 #include "batch/shard.h"
-#include "base/option_name.h"
+#include "retarget/option_name.h"
 
 #include <algorithm>
 #include <charconv>
@@ -17,8 +17,9 @@ Result<Shard> parse_shard(const std::string& text) {
     const bool in_range = shard.index >= 1 && shard.index <= shard.count;
     if (bad_count == std::errc() && rest == end && in_range) return shard;
   }
-  return usage_failure(OPTION("shard") " must be I/N with I from 1 to N, found \"" + text + "\"",
-                       OPTION("shard") " 1/4 selects the first of four parts");
+  return usage_failure(
+      RETARGET_OPTION("shard") " must be I/N with I from 1 to N, found \"" + text + "\"",
+      RETARGET_OPTION("shard") " 1/4 selects the first of four parts");
 }
 
 void sort_longest_first(std::vector<BatchInput>& inputs) {

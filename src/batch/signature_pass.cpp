@@ -22,7 +22,7 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
   try {
     const Run run = run_of_clip(robot, clip, memory_gb);
     auto loaded = load_clip(run.motion, recorded_source(run.motion, run.options.source),
-                            DataFolder{robot.setup.loaded.data_folder, {}});
+                            DataFolder{robot.setup.loaded.data_folder});
     if (!loaded) return {};
     const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
     if (!plan) return {};

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "app/provenance/hash.h"
-#include "base/option_name.h"
 #include "batch/find_inputs.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -80,8 +80,8 @@ std::string humanml_number(const std::string& stem) {
 // Adds the format and an example of each kind to an error.
 Failure split_failure(const std::string& problem) {
   return usage_failure(
-      OPTION("split") " " + problem,
-      OPTION("split") " 0.9:1 uses 90 % for training, " OPTION(
+      RETARGET_OPTION("split") " " + problem,
+      RETARGET_OPTION("split") " 0.9:1 uses 90 % for training, " RETARGET_OPTION(
           "split") " 0.8,0.1,0.1:1 also splits the rest into validation and test; another seed "
           "gives another split");
 }

@@ -1,5 +1,5 @@
 #include "batch/worker_process.h"
-#include "base/option_name.h"
+#include "retarget/option_name.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -81,7 +81,7 @@ bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& a
 
 Failure start_failure(int error_number) {
   return run_failure("", "cannot start a process: " + std::generic_category().message(error_number),
-                     "fewer " OPTION("jobs") " need fewer processes");
+                     "fewer " RETARGET_OPTION("jobs") " need fewer processes");
 }
 
 }  // namespace

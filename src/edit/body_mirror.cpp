@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/math/so3.h"
-#include "base/try.h"
 #include "edit/rest_frames.h"
 #include "human/skeleton/bone_map.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -64,7 +64,7 @@ class MirrorFinder {
 
   Result<BodyMirror> run() {
     for (const Bone bone : kMappedBones) {
-      TRY(pair_bones(bone));
+      RETARGET_TRY(pair_bones(bone));
     }
     const std::optional<Eigen::Matrix3d> all = of_zero_pose();
     for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
@@ -76,7 +76,7 @@ class MirrorFinder {
         axes_[joint] = axes_[mates_[joint]].transpose();
         continue;
       }
-      TRY(decide(joint, all));
+      RETARGET_TRY(decide(joint, all));
     }
     return BodyMirror{std::move(mates_), std::move(axes_)};
   }
@@ -152,7 +152,7 @@ class MirrorFinder {
     ChildPairs best;
     best.cost = std::numeric_limits<double>::infinity();
     for (const Eigen::Matrix3d& axes : candidates) {
-      TRY_ASSIGN(auto pairs, pair_children(joint, axes));
+      RETARGET_TRY_ASSIGN(auto pairs, pair_children(joint, axes));
       if (pairs.cost >= best.cost) continue;
       best = std::move(pairs);
       axes_[joint] = axes;

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"

@@ -4,12 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "edit/rest_frames.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -118,7 +118,7 @@ double RestChanger::distance(const Clip& changed, int frame) const {
 
 Result<RestChange> change_rest(const Clip& clip, const std::shared_ptr<const Skeleton>& target,
                                const std::string& file, const std::string& target_file) {
-  TRY_ASSIGN(auto twins, match_joints(clip.skeleton(), *target, file, target_file));
+  RETARGET_TRY_ASSIGN(auto twins, match_joints(clip.skeleton(), *target, file, target_file));
   return RestChanger(clip, target, std::move(twins)).run();
 }
 

@@ -3,15 +3,15 @@
 #include <string>
 #include <utility>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/option_name.h"
 #include "retarget/options.h"
 #include "retarget/resample.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -31,7 +31,7 @@ Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
 }
 
 Result<Clip> trim(Clip clip, const PartOptions& part) {
-  TRY_ASSIGN(const auto range, chosen_range(part, clip.rate(), clip.frame_count()));
+  RETARGET_TRY_ASSIGN(const auto range, chosen_range(part, clip.rate(), clip.frame_count()));
   if (range.begin == 0 && range.end == clip.frame_count()) return clip;
   return cut(clip, range.begin, range.end);
 }
@@ -40,7 +40,7 @@ Edited cut_lead_in(Clip clip, bool can_start) {
   const int count = count_lead_in_frames(clip);
   if (count == 0) return {std::move(clip)};
   const std::string take =
-      std::string("; " OPTION("start") " 0 keeps ") + (count == 1 ? "it" : "them");
+      std::string("; " RETARGET_OPTION("start") " 0 keeps ") + (count == 1 ? "it" : "them");
   return {cut(clip, count, clip.frame_count()),
           {{"lead-in", count_text(count, "frame") +
                            " at the start skipped, because the motion jumps there" +

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "edit/ground_pose.h"
 #include "edit/seam.h"
 #include "human/gait/contact_plan.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -44,7 +44,7 @@ class Joiner {
   // Widens the search band until a good seam is found; without one keeps the narrowest band.
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
-    TRY_ASSIGN(auto first, join(seam));
+    RETARGET_TRY_ASSIGN(auto first, join(seam));
     if (continues_motion(motion_a_.human, human_b_)) {
       auto whole = put_together(first.map);
       if (whole.check.faults.empty()) return whole;
@@ -82,9 +82,10 @@ class Joiner {
 
   Result<Concatenation> join(const SeamOptions& options) {
     const Clip* on_floor = &b_;
-    TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options));
+    RETARGET_TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options));
     if (raised_) {
-      TRY_ASSIGN(auto other, find_seam(motion_a_.human, to_human(*raised_, calibration_), options));
+      RETARGET_TRY_ASSIGN(auto other,
+                          find_seam(motion_a_.human, to_human(*raised_, calibration_), options));
       if (other.seams[0].distance < search.seams[0].distance) {
         search = std::move(other);
         on_floor = &*raised_;
@@ -93,7 +94,7 @@ class Joiner {
     // Take the first seam without faults, otherwise the best one.
     std::optional<Concatenation> best;
     for (const Seam& seam : search.seams) {
-      TRY_ASSIGN(auto joined, join_at(seam, *on_floor));
+      RETARGET_TRY_ASSIGN(auto joined, join_at(seam, *on_floor));
       const bool good = joined.check.faults.empty();
       if (!best || good) best = std::move(joined);
       if (good) break;
@@ -106,8 +107,8 @@ class Joiner {
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
     mover_.move_all(moved, seam.a_from_b.in_space());
-    TRY_ASSIGN(auto joined, join_clips(motion_a_, HumanMotion(moved, calibration_), seam,
-                                       calibration_, mover_, options_));
+    RETARGET_TRY_ASSIGN(auto joined, join_clips(motion_a_, HumanMotion(moved, calibration_), seam,
+                                                calibration_, mover_, options_));
     return Concatenation{{std::move(joined.clip)}, seam, {}, 0.0, 0.0, std::move(joined.check)};
   }
 
@@ -171,8 +172,8 @@ void judge_seam(Concatenation& joined, bool searched_all, double longest, const 
                   "does not fit " + a_name + " " +
                       (everywhere ? "anywhere" : "within " + number_text(joined.band, 1) + " s") +
                       ": " + list_names(faults),
-                  std::string(OPTION("force") " joins them anyway") +
-                      (everywhere ? "" : "; " OPTION("search") " all searches everywhere"))
+                  std::string(RETARGET_OPTION("force") " joins them anyway") +
+                      (everywhere ? "" : "; " RETARGET_OPTION("search") " all searches everywhere"))
           .value();
 }
 
@@ -208,7 +209,7 @@ Result<Edited> like_first(const Subject& next, const Subject& first) {
   const FrameRate from = next.clip.rate(), to = first.clip.rate();
   if (same_rate(from, to)) return result;
   result.notes.push_back({"", "from " + to_text(from) + " to " + to_text(to) + " fps"});
-  TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.rate = to}));
+  RETARGET_TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.rate = to}));
   return result;
 }
 
@@ -222,8 +223,9 @@ Result<void> ConcatenateOptions::search(std::string_view text) {
   constexpr double kMaxSeconds = 1e5;
   const auto seconds = number_from_text(text);
   if (!seconds || !(*seconds >= 0.0 && *seconds <= kMaxSeconds)) {
-    return usage_failure(OPTION("search") " must be seconds from 0 to 100000 or `all`, found \"" +
-                         std::string(text) + "\"");
+    return usage_failure(
+        RETARGET_OPTION("search") " must be seconds from 0 to 100000 or `all`, found \"" +
+        std::string(text) + "\"");
   }
   seam.band = widest_band = *seconds;
   return {};
@@ -249,7 +251,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const Calibratio
     if (clip->frame_count() > 0) continue;
     return input_failure(*name, "the clip has no frames to join");
   }
-  TRY_ASSIGN(auto joined, Joiner(a, b, calibration, *mover, options).run());
+  RETARGET_TRY_ASSIGN(auto joined, Joiner(a, b, calibration, *mover, options).run());
   tell_seam(joined, a.rate());
   judge_seam(joined, options.seam.search_all, std::max(a.duration(), b.duration()), a_name, b_name);
   return joined;
@@ -280,7 +282,7 @@ Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b, const
   Clip joined = blend_clips(a.clip, b.clip, region, calibration, mover);
   const ClipFeet blended = feet_of(joined, calibration, to_human(joined, calibration));
   const auto plants = joined_plants(a.feet, b.feet, blended, region, rate);
-  TRY(plant_feet(joined, calibration, plants, options.plant));
+  RETARGET_TRY(plant_feet(joined, calibration, plants, options.plant));
 
   const HumanMotion result(joined, calibration);
   SeamCheck check = check_motion(a.human, b.human, result.human, region, options.limits);

@@ -3,9 +3,9 @@
 #include <array>
 #include <limits>
 
-#include "base/option_name.h"
-#include "base/try.h"
+#include "retarget/option_name.h"
 #include "retarget/option_table.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -47,7 +47,7 @@ Result<TimingOptions> EditSettings::timing_options() const {
   options.antialias = !no_antialias;
   if (fps.empty()) return options;
   const auto given = rate_from_text(fps);
-  if (!given) return usage_failure(OPTION("fps") ": " + given.error().message);
+  if (!given) return usage_failure(RETARGET_OPTION("fps") ": " + given.error().message);
   if (*given) options.rate = frame_rate_from_fps(**given);
   return options;
 }
@@ -61,7 +61,7 @@ LoopOptions EditSettings::loop_options() const {
 Result<ConcatenateOptions> EditSettings::concatenate_options() const {
   ConcatenateOptions options = concat;
   options.threshold = 0.01 * threshold_cm;
-  TRY(options.search(search));
+  RETARGET_TRY(options.search(search));
   return options;
 }
 
@@ -104,21 +104,22 @@ OptionTable concatenate_table(EditSettings& settings) {
 }
 
 OptionTable path_table(EditSettings& settings) {
-  return {option("to", settings.path.to, kTimeGroup, "FILE|line|circle|figure8",
-                 "Path to follow: JSON, or a built-in shape with the length and start of the "
-                 "motion's own path (default: its own path)"),
-          number_row("radius", settings.path.radius, "M", -1e6, 1e6,
-                     "Radius of " OPTION("to") " circle, metres; negative values turn right"),
-          number_row("scale", settings.path.scale, "N", 0.001, 1000.0,
-                     "Scale the path about its beginning"),
-          number_row("rotate", settings.path.degrees, "DEG", -1e6, 1e6,
-                     "Rotate the path about its beginning, degrees to the left"),
-          choice_row("keep", settings.follow_path.keep,
-                     "Quantity to keep on a longer or shorter path: the duration (longer strides), "
-                     "the speed over the ground (slower motion), or the strides (the motion ends "
-                     "after its own distance)"),
-          number_row("tolerance", settings.follow_path.fit.tolerance, "M", 0.001, 100.0,
-                     "Maximum distance of the fitted path from the track, metres")};
+  return {
+      option("to", settings.path.to, kTimeGroup, "FILE|line|circle|figure8",
+             "Path to follow: JSON, or a built-in shape with the length and start of the "
+             "motion's own path (default: its own path)"),
+      number_row("radius", settings.path.radius, "M", -1e6, 1e6,
+                 "Radius of " RETARGET_OPTION("to") " circle, metres; negative values turn right"),
+      number_row("scale", settings.path.scale, "N", 0.001, 1000.0,
+                 "Scale the path about its beginning"),
+      number_row("rotate", settings.path.degrees, "DEG", -1e6, 1e6,
+                 "Rotate the path about its beginning, degrees to the left"),
+      choice_row("keep", settings.follow_path.keep,
+                 "Quantity to keep on a longer or shorter path: the duration (longer strides), "
+                 "the speed over the ground (slower motion), or the strides (the motion ends "
+                 "after its own distance)"),
+      number_row("tolerance", settings.follow_path.fit.tolerance, "M", 0.001, 100.0,
+                 "Maximum distance of the fitted path from the track, metres")};
 }
 
 }  // namespace retarget

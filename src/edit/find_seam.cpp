@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "base/option_name.h"
 #include "edit/pose_distance.h"
 #include "edit/seam_blend.h"
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/option_name.h"
 #include "retarget/pose.h"
 
 namespace retarget {
@@ -185,9 +185,10 @@ Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamO
   const SeamFinder finder(a, b, options);
   constexpr std::int64_t kMaxPairs = 16'000'000;
   if (finder.pair_count() > kMaxPairs) {
-    return usage_failure("the seam search covers " + std::to_string(finder.pair_count()) +
-                             " pairs of frames, which is too many",
-                         OPTION("search") " S searches only the last and the first S seconds");
+    return usage_failure(
+        "the seam search covers " + std::to_string(finder.pair_count()) +
+            " pairs of frames, which is too many",
+        RETARGET_OPTION("search") " S searches only the last and the first S seconds");
   }
   return finder.run();
 }

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"

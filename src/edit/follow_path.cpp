@@ -3,8 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "edit/fit_path.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
@@ -14,8 +12,10 @@
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/option_name.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -71,7 +71,7 @@ std::vector<Warning> doubts_about(const PlantSummary& feet) {
                       "a standing foot was moved by " +
                           number_text(100.0 * feet.largest_correction, 0) +
                           " cm: the new path turns or accelerates where the steps do not; use a "
-                          "gentler path or " OPTION("keep") " stride"});
+                          "gentler path or " RETARGET_OPTION("keep") " stride"});
   }
   return doubts;
 }
@@ -80,10 +80,11 @@ std::vector<Warning> doubts_about(const PlantSummary& feet) {
 
 Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibration,
                                  const GroundPath& path, const FollowPathOptions& options) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   const HumanClip human = to_human(clip, calibration);
-  TRY_ASSIGN(auto own, fit_path(human, options.fit));
-  TRY_ASSIGN(const double speed, playing_speed(options.keep, own.path.length(), path.length()));
+  RETARGET_TRY_ASSIGN(auto own, fit_path(human, options.fit));
+  RETARGET_TRY_ASSIGN(const double speed,
+                      playing_speed(options.keep, own.path.length(), path.length()));
 
   // Headings while standing: the original path turns as the body does, the new one as the original
   // path does.
@@ -114,12 +115,12 @@ Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibratio
   if (speed == 1.0) {
     plants = moved_plants(clip, calibration, human, moves, 1.0, options.same_stand);
   } else {
-    TRY_ASSIGN(const auto played, change_timing(clip, {.speed = speed}));
-    TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.speed = speed}));
+    RETARGET_TRY_ASSIGN(const auto played, change_timing(clip, {.speed = speed}));
+    RETARGET_TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.speed = speed}));
     plants = moved_plants(played, calibration, to_human(played, calibration), moves, speed,
                           options.same_stand);
   }
-  TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants, options.plant));
+  RETARGET_TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants, options.plant));
   result.check = check_motion(human, human, to_human(result.clip, calibration),
                               {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
   result.notes = {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "edit/plant_feet.h"
-#include "human/skeleton/human_clip.h"
 #include "motion/two_bone_leg.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"

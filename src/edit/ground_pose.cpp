@@ -10,8 +10,6 @@
 
 #include "base/math/statistics.h"
 #include "base/math/trigonometry.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "edit/ground_pose.h"
 #include "human/gait/contact_plan.h"
 #include "human/skeleton/canonical_pose.h"
@@ -20,8 +18,10 @@
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/option_name.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -185,19 +185,19 @@ Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
   }
   if (heights.empty()) {
     return input_failure({}, "no foot is ever in contact: cannot infer the floor",
-                         OPTION("floor") " H sets the floor height in metres");
+                         RETARGET_OPTION("floor") " H sets the floor height in metres");
   }
   return median(std::move(heights));
 }
 
 Result<Clip> put_on_floor(Clip clip, const Calibration& calibration, double floor) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   mover.move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
   return clip;
 }
 
 Result<Clip> turn_clip(Clip clip, const Calibration& calibration, double angle) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   if (clip.frame_count() == 0) return clip;
   const HumanClip first = to_human(cut(clip, 0, 1), calibration);
   mover.move_all(clip, turn_about(hips_over_ground(first).front().position, angle).in_space());
@@ -214,7 +214,7 @@ Result<Eigen::Vector2d> way_from_text(std::string_view text) {
 }
 
 Result<Clip> move_clip(Clip clip, const Calibration& calibration, const Eigen::Vector2d& way) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   mover.move_all(clip, GroundPose{way, 0.0}.in_space());
   return clip;
 }

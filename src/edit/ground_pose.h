@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "human/skeleton/facing.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"

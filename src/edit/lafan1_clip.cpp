@@ -5,14 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "human/skeleton/canonical_pose.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -90,7 +89,7 @@ Result<void> check_limbs(const HumanClip& human) {
 
 Result<Clip> lafan1_clip(const Clip& source, const Calibration& calibration) {
   const HumanClip human = to_human(source, calibration);
-  TRY(check_limbs(human));
+  RETARGET_TRY(check_limbs(human));
   const double scale = kCentimetresPerMetre * kPublishedHeight / human.size;
   BoneArray<Eigen::Vector3d> offsets{Eigen::Vector3d(Eigen::Vector3d::Zero())};
   for (int frame = 0; frame < human.frame_count; ++frame) {

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "base/math/so3.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "edit/ground_pose.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
@@ -18,8 +16,10 @@
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/option_name.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -214,8 +214,8 @@ void tell(Loop& loop, const FrameRate& rate, bool in_place) {
   if (loop.check.faults.empty()) return;
   loop.misfit = run_failure(
                     {}, "the end does not match the beginning: " + list_names(loop.check.faults),
-                    OPTION("start") " and " OPTION("end")
-                    " select a part that returns to its first pose; " OPTION("force")
+                    RETARGET_OPTION("start") " and " RETARGET_OPTION("end")
+                    " select a part that returns to its first pose; " RETARGET_OPTION("force")
                     " closes it anyway")
                     .value();
 }
@@ -224,7 +224,7 @@ void tell(Loop& loop, const FrameRate& rate, bool in_place) {
 
 Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
                        const LoopOptions& options) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
   const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
   if (wanted >= clip.frame_count() || clip.frame_count() <= kMinFrames) {
@@ -254,8 +254,8 @@ Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
   seam.distance = end.aligned.distance;
   Clip next = clip;
   mover.move_all(next, advance.in_space());
-  TRY_ASSIGN(auto joined,
-             join_clips(motion, HumanMotion(next, calibration), seam, calibration, mover, how));
+  RETARGET_TRY_ASSIGN(auto joined, join_clips(motion, HumanMotion(next, calibration), seam,
+                                              calibration, mover, how));
 
   const int settle = std::max(1, std::min(frames_in(how.fade, clip.rate()), end.frame / 3));
   const int quiet = quiet_frame(to_human(joined.clip, calibration), end.frame, advance);

@@ -1,7 +1,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/try.h"
 #include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
 #include "retarget/clip.h"
@@ -9,6 +8,7 @@
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -76,8 +76,8 @@ class Mirroring {
 }  // namespace
 
 Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
-  TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   Clip result = Mirroring(clip, calibration, body).run();
   if (clip.frame_count() == 0) return result;
   // Move the clip back to its original start position and heading.

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/json.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/ground_path.h"
+#include "retarget/option_name.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kHint =
     "a path must be {\"control_points\": [[x, y], ...]} with 3n + 1 points in metres, or "
-    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " OPTION(
+    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " RETARGET_OPTION(
         "fit") " FILE writes a path file";
 
 // Metres: larger than any stage.
@@ -40,7 +40,7 @@ std::optional<Eigen::Vector2d> point_from(const Json& json) {
 }  // namespace
 
 Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
-  TRY_ASSIGN(const auto json, parse_json(text, file));
+  RETARGET_TRY_ASSIGN(const auto json, parse_json(text, file));
   const bool controls = json.is_object() && json.contains("control_points");
   const bool waypoints = json.is_object() && json.contains("waypoints");
   if (controls == waypoints) {
@@ -76,7 +76,7 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
 }
 
 Result<GroundPath> load_path(const std::string& path) {
-  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
+  RETARGET_TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
   return parse_path(content.view(), path);
 }
 

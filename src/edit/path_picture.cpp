@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "base/math/trigonometry.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
+#include "retarget/option_name.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -90,11 +90,11 @@ GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
 Result<void> PathChange::check() const {
   constexpr double kMinRadius = 0.01;
   if (std::abs(radius) >= kMinRadius) return {};
-  return usage_failure(OPTION("radius") " must be at least 0.01 m");
+  return usage_failure(RETARGET_OPTION("radius") " must be at least 0.01 m");
 }
 
 Result<GroundPath> change_path(const GroundPath& own, const PathChange& change) {
-  TRY(change.check());
+  RETARGET_TRY(change.check());
   const GroundPose start = own.at(0.0);
   const auto shaped = [&]() -> Result<GroundPath> {
     if (change.to.empty()) return own;
@@ -103,7 +103,7 @@ Result<GroundPath> change_path(const GroundPath& own, const PathChange& change) 
     if (change.to == "figure8") return figure8_path(start, own.length());
     return load_path(change.to);
   };
-  TRY_ASSIGN(const GroundPath path, shaped());
+  RETARGET_TRY_ASSIGN(const GroundPath path, shaped());
   const double angle = change.degrees / 180.0 * std::numbers::pi;
   return path.scaled(change.scale).moved(turn_about(path.control_points().front(), angle));
 }

@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "base/math/trigonometry.h"
-#include "base/try.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -173,7 +173,7 @@ std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,
 
 Result<PlantSummary> plant_feet(Clip& clip, const Calibration& calibration,
                                 std::span<const PlantedFoot> plants, const PlantOptions& options) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  RETARGET_TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   return FootPlanter(clip, calibration, mover, options).run(plants);
 }
 

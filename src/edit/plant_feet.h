@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "human/gait/contact_plan.h"
 #include "human/skeleton/facing.h"
-#include "human/skeleton/human_clip.h"
 #include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "edit/ground_pose.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 

@@ -7,7 +7,6 @@
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "human/skeleton/bone_map.h"
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"

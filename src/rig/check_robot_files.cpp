@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
+#include "retarget/try.h"
 #include "rig/check_robot.h"
 #include "rig/check_shapes.h"
 #include "rig/derive_config.h"
@@ -62,7 +62,7 @@ std::optional<RetargetingConfig> derived_config(const Robot& robot, const std::s
 Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
                                                    OptionSpelling spelling) {
   const std::string name = std::filesystem::path(sources.model).stem().string();
-  TRY_ASSIGN(auto imported, import_robot(sources.model, name, sources.base));
+  RETARGET_TRY_ASSIGN(auto imported, import_robot(sources.model, name, sources.base));
   std::vector<RobotFinding> findings;
   const auto limbs = find_limbs(*imported.robot, sources.model);
   if (limbs) {
@@ -96,7 +96,7 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
   auto robot = load_robot_files(sources.model, sources.profile, sources.base);
   if (!robot) {
     // Check the model even if its profile is invalid.
-    TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
+    RETARGET_TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
     findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
     robot = std::move(bare);
   }

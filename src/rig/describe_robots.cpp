@@ -7,12 +7,12 @@
 #include <string>
 
 #include "base/json.h"
-#include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 #include "robot/model/core_points.h"
 #include "robot/model/kinematic_tree.h"
 #include "robot/model/load_robot.h"
@@ -190,7 +190,7 @@ std::string left_out_text(const RobotSources& robot) {
 }  // namespace
 
 Result<std::string> describe_robot(const RobotSources& robot, TextForm form) {
-  TRY_ASSIGN(const auto loaded, load_robot_files(robot.model, robot.profile));
+  RETARGET_TRY_ASSIGN(const auto loaded, load_robot_files(robot.model, robot.profile));
   const Json json = robot_json(*loaded, robot);
   return form == TextForm::kJson ? printable_dump(json) : printable(plain_text(json));
 }
@@ -204,7 +204,7 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
       text += left_out_text(each);
       continue;
     }
-    TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
+    RETARGET_TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
     const auto heights = heights_of(*robot);
     const std::size_t joints = robot->output_joints().size();
     all.push_back({{"name", each.name},

@@ -6,9 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "base/text.h"
-#include "base/try.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 #include "robot/model/kinematic_tree.h"
 
 namespace retarget {
@@ -40,9 +39,9 @@ Result<ImportedRobot> import_robot(const std::string& path, const std::string& n
   ModelChanges changes;
   changes.float_base = true;
   changes.name_all = true;
-  TRY_ASSIGN(auto loaded, load_model(path, changes));
-  TRY(check_robot_joints(*loaded.model, path));
-  TRY(check_names(*loaded.model, path));
+  RETARGET_TRY_ASSIGN(auto loaded, load_model(path, changes));
+  RETARGET_TRY(check_robot_joints(*loaded.model, path));
+  RETARGET_TRY(check_names(*loaded.model, path));
   ImportedRobot imported;
   const bool fixed = base == RobotBase::kFixed;
   if (!loaded.sliding.empty()) {

@@ -7,12 +7,12 @@
 #include <system_error>
 #include <utility>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "formats/containers/zip.h"
 #include "retarget/data_folder.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 #include "rig/robot_folder.h"
 #include "robot/model/load_robot.h"
 
@@ -38,7 +38,7 @@ using RobotsInSource = std::map<std::string, RobotInSource>;
 
 Failure source_failure(const fs::path& source, const std::string& message) {
   return usage_failure("\"" + source.string() + "\": " + message,
-                       OPTION("source") " must be the source tree of retarget or "
+                       RETARGET_OPTION("source") " must be the source tree of retarget or "
                        "retarget-robots-unverified.zip from tools/package.sh");
 }
 
@@ -47,7 +47,8 @@ Result<RobotInSource> read_folder(const fs::path& folder) {
   robot.unverified = folder.parent_path().filename() == kUnverified;
   for (const fs::path& file : files_in_folder(folder)) {
     if (!is_file(file)) continue;
-    TRY_ASSIGN(const FileContent content, read_file(file.string(), ErrorKind::kConfig, kMaxFile));
+    RETARGET_TRY_ASSIGN(const FileContent content,
+                        read_file(file.string(), ErrorKind::kConfig, kMaxFile));
     robot.files[file.filename().string()] = content.view();
   }
   return robot;
@@ -60,7 +61,7 @@ Result<RobotsInSource> robots_in_folder(const fs::path& source) {
     for (const fs::path& folder : files_in_folder(robots)) {
       const std::string name = folder.filename().string();
       if (!is_file(folder / kModelFile) || found.contains(name)) continue;
-      TRY_ASSIGN(found[name], read_folder(folder));
+      RETARGET_TRY_ASSIGN(found[name], read_folder(folder));
     }
   }
   return found;
@@ -75,14 +76,15 @@ bool is_robots_file(const fs::path& path) {
 Result<std::string> unpacked(const ZipArchive& archive, std::size_t index) {
   const ZipEntry& entry = archive.entries()[index];
   if (entry.size > kMaxFile) return config_failure("", "\"" + entry.name + "\" is too large");
-  TRY_ASSIGN(ZipEntryReader reader, archive.entry_reader(index));
-  TRY_ASSIGN(std::string bytes, reader.read(static_cast<std::size_t>(entry.size)));
-  TRY(reader.finish());
+  RETARGET_TRY_ASSIGN(ZipEntryReader reader, archive.entry_reader(index));
+  RETARGET_TRY_ASSIGN(std::string bytes, reader.read(static_cast<std::size_t>(entry.size)));
+  RETARGET_TRY(reader.finish());
   return bytes;
 }
 
 Result<RobotsInSource> robots_in_archive(const fs::path& source) {
-  TRY_ASSIGN(const FileContent content, read_file(source.string(), ErrorKind::kUsage, kMaxArchive));
+  RETARGET_TRY_ASSIGN(const FileContent content,
+                      read_file(source.string(), ErrorKind::kUsage, kMaxArchive));
   const auto archive = ZipArchive::open(content.view());
   if (!archive) return source_failure(source, "neither a folder nor a ZIP archive");
   RobotsInSource found;
@@ -125,7 +127,7 @@ Result<fs::path> folder_for(const RobotsToInstall& request, bool unverified) {
   const auto own = user_data_folder();
   if (!own) {
     return usage_failure("the folder of your own robots is unknown: HOME is not set",
-                         OPTION("output") " DIR selects a folder");
+                         RETARGET_OPTION("output") " DIR selects a folder");
   }
   const fs::path folder = unverified ? *own / "robots" / kUnverified : *own / "robots";
   std::error_code error;
@@ -136,9 +138,9 @@ Result<fs::path> folder_for(const RobotsToInstall& request, bool unverified) {
 
 Result<void> check_loads(const fs::path& folder, const std::string& name) {
   const fs::path profile = folder / kProfileFile;
-  TRY_ASSIGN(const auto robot,
-             load_robot_files((folder / kModelFile).string(),
-                              is_file(profile) ? profile.string() : std::string()));
+  RETARGET_TRY_ASSIGN(const auto robot,
+                      load_robot_files((folder / kModelFile).string(),
+                                       is_file(profile) ? profile.string() : std::string()));
   if (!is_file(profile) || robot->name() == name) return {};
   return config_failure(name, "its robot.json names the robot \"" + robot->name() + "\"");
 }
@@ -148,20 +150,20 @@ Result<void> check_loads(const fs::path& folder, const std::string& name) {
 Result<std::vector<fs::path>> install_robots(const RobotsToInstall& request) {
   std::error_code ignored;
   const bool is_folder = fs::is_directory(request.source, ignored);
-  TRY_ASSIGN(const RobotsInSource found,
-             is_folder ? robots_in_folder(request.source) : robots_in_archive(request.source));
-  TRY_ASSIGN(const std::vector<std::string> names, chosen_names(request, found));
+  RETARGET_TRY_ASSIGN(const RobotsInSource found, is_folder ? robots_in_folder(request.source)
+                                                            : robots_in_archive(request.source));
+  RETARGET_TRY_ASSIGN(const std::vector<std::string> names, chosen_names(request, found));
   std::vector<fs::path> installed;
   for (const std::string& name : names) {
-    TRY(check_robot_name(name));
+    RETARGET_TRY(check_robot_name(name));
     const RobotInSource& robot = found.at(name);
-    TRY_ASSIGN(const fs::path into, folder_for(request, robot.unverified));
+    RETARGET_TRY_ASSIGN(const fs::path into, folder_for(request, robot.unverified));
     PutOptions options;
     options.replace = request.replace;
     options.may_replace = [](const fs::path& there) { return is_file(there / kModelFile); };
     options.otherwise = "it is not a robot folder";
     options.check = [&](const fs::path& folder) { return check_loads(folder, name); };
-    TRY(put_robot_folder(into / name, robot.files, options));
+    RETARGET_TRY(put_robot_folder(into / name, robot.files, options));
     installed.push_back(into / name);
   }
   return installed;

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "retarget/try.h"
 #include "rig/check_robot.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
@@ -121,15 +121,15 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
                              RobotBase base) {
   MadeRobot made;
   made.name = name;
-  TRY_ASSIGN(auto imported, import_robot(model_path, name, base));
+  RETARGET_TRY_ASSIGN(auto imported, import_robot(model_path, name, base));
   Robot& robot = *imported.robot;
   made.notes = std::move(imported.notes);
   for (RobotFinding& finding : model_findings(robot)) {
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
     made.notes.push_back(std::move(finding.text));
   }
-  TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
-  TRY(check_closed_chains(imported, limbs, model_path, made.notes));
+  RETARGET_TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
+  RETARGET_TRY(check_closed_chains(imported, limbs, model_path, made.notes));
   RobotProfile profile = robot.profile();
   keep_couplings_of_hands(find_hands(robot, limbs), robot, profile, made.notes);
   robot.set_profile(std::move(profile));
@@ -149,12 +149,12 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);
-  TRY_ASSIGN(const ResolvedConfig resolved, resolve_config(config, robot));
+  RETARGET_TRY_ASSIGN(const ResolvedConfig resolved, resolve_config(config, robot));
   // Fail now on anything that `robots check` would report as an error.
   for (RobotFinding& finding : check_robot(robot, &config)) {
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
   }
-  TRY_ASSIGN(const SelfTest test, run_self_test(robot, limbs, resolved));
+  RETARGET_TRY_ASSIGN(const SelfTest test, run_self_test(robot, limbs, resolved));
   const std::map<std::string, double> speeds = urdf_speeds(model_path);
 
   const std::string source = fs::path(model_path).filename().string();

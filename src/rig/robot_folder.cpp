@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <system_error>
 
-#include "base/option_name.h"
-#include "base/text.h"
-#include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -70,7 +70,7 @@ int exchange(const fs::path& made, const fs::path& there) {
 Result<void> fill(const fs::path& folder, const FileTexts& files,
                   const std::function<Result<void>(const fs::path&)>& check) {
   for (const auto& [file, text] : files) {
-    TRY(write_file((folder / file).string(), text));
+    RETARGET_TRY(write_file((folder / file).string(), text));
   }
   return check ? check(folder) : Result<void>();
 }
@@ -95,7 +95,7 @@ Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
   const bool is_there = fs::exists(fs::symlink_status(folder, error));
   if (is_there && !options.replace) {
     return usage_failure("\"" + folder.string() + "\" already exists",
-                         OPTION("force") " replaces it");
+                         RETARGET_OPTION("force") " replaces it");
   }
   if (is_there && !options.may_replace(folder)) {
     return usage_failure("\"" + folder.string() + "\" is not replaced: " + options.otherwise,

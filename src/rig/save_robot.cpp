@@ -3,10 +3,10 @@
 #include <system_error>
 
 #include "base/json.h"
-#include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/option_name.h"
 #include "retarget/rig.h"
+#include "retarget/try.h"
 #include "rig/robot_folder.h"
 
 namespace retarget {
@@ -39,14 +39,14 @@ bool is_made_robot(const fs::path& folder, const std::string& name) {
 
 Result<void> check_new_robot(const std::string& model_path, const std::string& name,
                              const fs::path& into) {
-  TRY(check_robot_name(name));
+  RETARGET_TRY(check_robot_name(name));
   if (!is_below(model_path, into / name)) return {};
   return usage_failure("\"" + model_path + "\" is in the folder to be replaced, \"" + name + "\"",
                        "move the model out of it first");
 }
 
 Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
-  TRY(check_robot_name(robot.name));
+  RETARGET_TRY(check_robot_name(robot.name));
   const fs::path folder = into / robot.name;
   const FileTexts files = {{"model.xml", robot.model},
                            {"robot.json", robot.profile},
@@ -56,7 +56,7 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
   options.replace = force;
   options.may_replace = [&](const fs::path& there) { return is_made_robot(there, robot.name); };
   options.otherwise = "robots add did not create it for a robot of this name";
-  TRY(put_robot_folder(folder, files, options));
+  RETARGET_TRY(put_robot_folder(folder, files, options));
   return folder;
 }
 

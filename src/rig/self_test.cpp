@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "base/math/so3.h"
-#include "base/try.h"
 #include "human/skeleton/limb_segments.h"
 #include "retarget/motion.h"
+#include "retarget/try.h"
 #include "rig/describe_robot.h"
 #include "rig/posed_human.h"
 #include "solve/targets/solve_frames.h"
@@ -73,8 +73,8 @@ Result<SelfTest> run_self_test(const Robot& robot, const RobotAnatomy& limbs,
   options.scale = ScaleRule::kLimbs;
   options.trunk = TrunkRule::kLines;
   options.settle = true;
-  TRY_ASSIGN(const SolvedFrames solved,
-             solve_frames(human, shared, config, robot.model_limits(), options));
+  RETARGET_TRY_ASSIGN(const SolvedFrames solved,
+                      solve_frames(human, shared, config, robot.model_limits(), options));
   SelfTest test;
   std::vector<Pose> world_from_body(robot.bodies().size());
   std::array<double, kLimbSegments.size()> sums{};

@@ -1,11 +1,10 @@
 #include <array>
 #include <utility>
 
-#include "base/text.h"
-#include "base/try.h"
 #include "formats/containers/base64.h"
 #include "human/skeleton/side_colours.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 #include "retarget/view.h"
 #include "robot/model/kinematic_tree.h"
 #include "view/figure.h"
@@ -270,7 +269,7 @@ std::string assemble_page(const std::string& title, PageData data) {
 Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
   PageOptions with_title = options;
   if (with_title.title.empty()) with_title.title = title_of(motions);
-  TRY_ASSIGN(PageData data, page_data(motions, with_title));
+  RETARGET_TRY_ASSIGN(PageData data, page_data(motions, with_title));
   return assemble_page(with_title.title, std::move(data));
 }
 
@@ -278,7 +277,7 @@ Result<std::string> view_page(const Motion& motion, const std::string& label,
                               const QualityReport* report, const RobotMeshes* meshes) {
   QualityReport measured;
   if (report == nullptr) {
-    TRY_ASSIGN(measured, evaluate(motion));
+    RETARGET_TRY_ASSIGN(measured, evaluate(motion));
     report = &measured;
   }
   const WrittenMotion written(motion);

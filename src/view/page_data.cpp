@@ -6,9 +6,9 @@
 
 #include "base/located.h"
 #include "base/math/trigonometry.h"
-#include "base/try.h"
 #include "human/gait/contact_plan.h"
 #include "judge/quality/body_tracks.h"
+#include "retarget/try.h"
 #include "retarget/version.h"
 #include "view/figure.h"
 
@@ -106,8 +106,8 @@ Result<Json> PageWriter::meshes_of(const RobotMeshes& meshes) {
     for (const auto& triangle : mesh.triangles) {
       corners.insert(corners.end(), triangle.begin(), triangle.end());
     }
-    TRY_ASSIGN(const int vertex_track, packer_.add(3, kMeshStep, vertices));
-    TRY_ASSIGN(const int triangle_track, packer_.add(3, 1.0, corners));
+    RETARGET_TRY_ASSIGN(const int vertex_track, packer_.add(3, kMeshStep, vertices));
+    RETARGET_TRY_ASSIGN(const int triangle_track, packer_.add(3, 1.0, corners));
     json.push_back({{"body", body}, {"vertices", vertex_track}, {"triangles", triangle_track}});
   }
   return json;
@@ -121,7 +121,7 @@ Result<int> PageWriter::robot_of(const PageMotion& motion) {
   known_robots_.push_back(robot);
   Json json = page_robot(*robot);
   if (motion.meshes != nullptr && !motion.meshes->bodies.empty()) {
-    TRY_ASSIGN(json["meshes"], meshes_of(*motion.meshes));
+    RETARGET_TRY_ASSIGN(json["meshes"], meshes_of(*motion.meshes));
   }
   robots_.push_back(std::move(json));
   return index;
@@ -154,8 +154,8 @@ Result<int> PageWriter::human_of(const PageMotion& motion) {
       positions.insert(positions.end(), place.begin(), place.end());
     }
   }
-  TRY_ASSIGN(const int track,
-             packer_.add(static_cast<int>(3 * bones.size()), kBoneStep, positions));
+  RETARGET_TRY_ASSIGN(const int track,
+                      packer_.add(static_cast<int>(3 * bones.size()), kBoneStep, positions));
   humans_.push_back({{"bones", names},
                      {"parents", parents},
                      {"frames", human.frame_count},
@@ -175,10 +175,10 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
     for (const RobotJoint& joint : clip.robot().joints())
       joints.push_back(qpos[joint.qpos_address]);
   }
-  TRY_ASSIGN(const int position, packer_.add(3, kRootStep, positions));
-  TRY_ASSIGN(const int rotation, packer_.add(4, kQuaternionStep, rotations));
+  RETARGET_TRY_ASSIGN(const int position, packer_.add(3, kRootStep, positions));
+  RETARGET_TRY_ASSIGN(const int rotation, packer_.add(4, kQuaternionStep, rotations));
   const auto count = static_cast<int>(clip.robot().joints().size());
-  TRY_ASSIGN(const int joint, packer_.add(count, kAngleStep, joints));
+  RETARGET_TRY_ASSIGN(const int joint, packer_.add(count, kAngleStep, joints));
   return Json{{"position", position}, {"rotation", rotation}, {"joints", joint}};
 }
 
@@ -196,11 +196,11 @@ Result<Json> PageWriter::error_tracks_of(const QualityReport& report, int stride
       for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(stride)) {
         numbers.push_back(values[i]);
       }
-      TRY_ASSIGN(errors[key], packer_.add(1, step, numbers));
+      RETARGET_TRY_ASSIGN(errors[key], packer_.add(1, step, numbers));
       return {};
     };
-    TRY(add("position", kErrorStepCm, row.position_errors_cm));
-    TRY(add("rotation", kErrorStepDeg, row.rotation_errors_deg));
+    RETARGET_TRY(add("position", kErrorStepCm, row.position_errors_cm));
+    RETARGET_TRY(add("rotation", kErrorStepDeg, row.rotation_errors_deg));
     if (errors.empty()) continue;
     errors["body"] = row.body;
     errors["bone"] = row.bone;
@@ -212,18 +212,18 @@ Result<Json> PageWriter::error_tracks_of(const QualityReport& report, int stride
 Result<void> PageWriter::add(const PageMotion& motion) {
   const RobotClip& clip = *motion.clip;
   const Robot& robot = clip.robot();
-  TRY_ASSIGN(const int robot_index, robot_of(motion));
+  RETARGET_TRY_ASSIGN(const int robot_index, robot_of(motion));
   Json json = {{"label", motion.label.empty() ? robot.name() : motion.label},
                {"robot", robot_index},
                {"frames", clip.frame_count()},
                {"rate", {clip.rate().frames, clip.rate().seconds}}};
   if (motion.file_rate) json["file_rate"] = {motion.file_rate->frames, motion.file_rate->seconds};
-  TRY_ASSIGN(json["tracks"], tracks_of(clip));
+  RETARGET_TRY_ASSIGN(json["tracks"], tracks_of(clip));
   json["limits"] =
       limits_json(robot, motion.limits != nullptr ? *motion.limits : robot.model_limits());
   json["contacts"] = robot_contacts(clip);
   if (motion.human != nullptr) {
-    TRY_ASSIGN(json["human"], human_of(motion));
+    RETARGET_TRY_ASSIGN(json["human"], human_of(motion));
     const HumanPlacement placement = place_human(clip, *motion.human);
     json["placement"] = {placement.scale, placement.shift.x(), placement.shift.y(), placement.yaw};
     Json feet = Json::array();
@@ -236,7 +236,7 @@ Result<void> PageWriter::add(const PageMotion& motion) {
     json["report"] = page_report(*motion.report, robot);
     const int stride = std::max(1, static_cast<int>(std::ceil(clip.rate().fps() / kErrorRate)));
     json["error_stride"] = stride;
-    TRY_ASSIGN(json["errors"], error_tracks_of(*motion.report, stride));
+    RETARGET_TRY_ASSIGN(json["errors"], error_tracks_of(*motion.report, stride));
   }
   motions_.push_back(std::move(json));
   return {};
@@ -267,8 +267,8 @@ Result<PageData> PageWriter::finish() const {
                  {"motions", motions_},
                  {"tracks", std::move(tracks)}};
   if (!options_.links.index.empty()) header["links"] = links_json(options_.links);
-  TRY_ASSIGN(std::string packed_header, packed_json(header));
-  TRY_ASSIGN(std::string packed_tracks, packer_.finish());
+  RETARGET_TRY_ASSIGN(std::string packed_header, packed_json(header));
+  RETARGET_TRY_ASSIGN(std::string packed_tracks, packer_.finish());
   return PageData{std::move(packed_header), std::move(packed_tracks)};
 }
 
@@ -352,7 +352,7 @@ Result<std::string> packed_json(const Json& json) {
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {
   PageWriter writer(options);
   // Errors name the motion, because a page may contain several files.
-  for (const PageMotion& motion : motions) TRY(located(writer.add(motion), motion.label));
+  for (const PageMotion& motion : motions) RETARGET_TRY(located(writer.add(motion), motion.label));
   return writer.finish();
 }
 

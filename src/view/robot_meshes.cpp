@@ -9,9 +9,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 #include "retarget/view.h"
 #include "robot/model/body_surfaces.h"
 #include "robot/model/mesh_files.h"
@@ -186,9 +186,9 @@ Result<void> RobotMeshLoader::add_folder() {
     const std::string& name = robot_.bodies()[i].name;
     const auto path = name.empty() || covered_[i] ? std::nullopt : file_of_body(files, name);
     if (!path) continue;
-    TRY_ASSIGN(const FileContent content, read_mesh_file(path->string()));
-    TRY_ASSIGN(const TriangleMesh mesh, read_mesh(content.view(), path->string()));
-    TRY_ASSIGN(TriangleMesh simple, simple_mesh(mesh, path->string()));
+    RETARGET_TRY_ASSIGN(const FileContent content, read_mesh_file(path->string()));
+    RETARGET_TRY_ASSIGN(const TriangleMesh mesh, read_mesh(content.view(), path->string()));
+    RETARGET_TRY_ASSIGN(TriangleMesh simple, simple_mesh(mesh, path->string()));
     result_.bodies.push_back({static_cast<int>(i), std::move(simple)});
   }
   return {};
@@ -217,8 +217,8 @@ Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& mod
   }
   RobotMeshLoader loader(robot, folder, !named.empty());
   const std::string& used = other_model ? named : model;
-  if (!used.empty()) TRY(loader.add_model(used));
-  if (!folder.empty()) TRY(loader.add_folder());
+  if (!used.empty()) RETARGET_TRY(loader.add_model(used));
+  if (!folder.empty()) RETARGET_TRY(loader.add_folder());
   RobotMeshes meshes = loader.finish();
   if (named.empty() || !meshes.bodies.empty()) return meshes;
   const std::string hint = "its body names are " + robot.bodies()[1].name + " and so on";

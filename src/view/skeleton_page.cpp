@@ -2,9 +2,9 @@
 #include <array>
 #include <vector>
 
-#include "base/try.h"
 #include "motion/skeleton.h"
 #include "retarget/clip.h"
+#include "retarget/try.h"
 #include "retarget/version.h"
 #include "retarget/view.h"
 #include "view/page_data.h"
@@ -121,7 +121,7 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
   const std::vector<double> rest = placer.at_rest();
   TrackPacker packer;
   const auto channels = static_cast<int>(3 * placer.points().size());
-  TRY_ASSIGN(const int rest_track, packer.add(channels, kStep, rest));
+  RETARGET_TRY_ASSIGN(const int rest_track, packer.add(channels, kStep, rest));
   Json skeleton = {{"points", points_json(page, placer.points())},
                    {"frames", clip.frame_count()},
                    {"rate", {clip.rate().frames, clip.rate().seconds}},
@@ -131,7 +131,7 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
                    {"facts", page.facts},
                    {"doubts", page.doubts}};
   if (clip.frame_count() > 0) {
-    TRY_ASSIGN(const int track, packer.add(channels, kStep, places));
+    RETARGET_TRY_ASSIGN(const int track, packer.add(channels, kStep, places));
     skeleton["track"] = track;
   }
   if (page.calibration != nullptr) {
@@ -151,8 +151,8 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
                        {"figure", page_figure()},
                        {"skeleton", std::move(skeleton)},
                        {"tracks", std::move(tracks)}};
-  TRY_ASSIGN(std::string packed_header, packed_json(header));
-  TRY_ASSIGN(std::string packed_tracks, packer.finish());
+  RETARGET_TRY_ASSIGN(std::string packed_header, packed_json(header));
+  RETARGET_TRY_ASSIGN(std::string packed_tracks, packer.finish());
   return assemble_page(page.title, {std::move(packed_header), std::move(packed_tracks)});
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/solve.h"

@@ -25,7 +25,7 @@ FOLDERS = {
 
 # The rooms of the rim include public headers and their own files; no room of the rim includes another.
 # The number counts today's includes of private headers outside the room. It may only shrink, to 0.
-RIM = {"batch": 43, "edit": 73, "live": 89, "rig": 57, "view": 26}
+RIM = {"batch": 23, "edit": 39, "live": 46, "rig": 44, "view": 18}
 
 # Public headers of the rim that the core does not include either. It works without them: callers
 # pass in what draws. (edit.h is not among them: a run mirrors its clip with it.)

@@ -1,4 +1,4 @@
-#include "base/text.h"
+#include "retarget/text.h"
 
 #include <gtest/gtest.h>
 

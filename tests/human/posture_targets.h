@@ -30,7 +30,7 @@ struct PostureTarget {
 
 /// A file of a standing human as a target; nothing without a human.
 inline std::optional<PostureTarget> posture_target(const std::filesystem::path& file) {
-  auto clip = load_clip(file.string(), SourceOptions{}, DataFolder{RETARGET_SOURCE_DIR, {}});
+  auto clip = load_clip(file.string(), SourceOptions{}, DataFolder{RETARGET_SOURCE_DIR});
   if (!clip) return std::nullopt;
   const auto human = find_human(*clip, HumanOptions{}, RETARGET_SOURCE_DIR);
   if (!human) return std::nullopt;

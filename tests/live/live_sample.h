@@ -17,7 +17,7 @@ namespace retarget {
 /// Stream plans for the samples and the G1.
 inline const LoadedRobot& sample_robot() {
   static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   return robot;
 }
 
@@ -27,7 +27,7 @@ inline const LoadedRobot& sample_robot_arms() {
     RobotChoice choice;
     choice.name = "unitree_g1";
     choice.follow = Follow::kArms;
-    return load_robot(choice, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+    return load_robot(choice, DataFolder{RETARGET_SOURCE_DIR}).value();
   }();
   return robot;
 }

@@ -25,7 +25,7 @@ RobotSetup arms_of(const std::string& name, const std::string& variant = {}) {
   choice.name = name;
   choice.variant = variant;
   choice.follow = Follow::kArms;
-  auto robot = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR, {}});
+  auto robot = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR});
   EXPECT_TRUE(robot) << describe(robot.error());
   auto setup = set_up_robot(std::move(*robot), Options{});
   EXPECT_TRUE(setup) << describe(setup.error());

@@ -29,7 +29,7 @@ RobotChoice named(const std::string& name) {
 }
 
 Result<LoadedRobot> g1() {
-  return load_robot(named("g1"), {kSource, {}});
+  return load_robot(named("g1"), {kSource});
 }
 
 // One second of a sample.
@@ -135,7 +135,7 @@ TEST(FrontDoor, SolvingReportsProgressAndCanBeStopped) {
 }
 
 TEST(FrontDoor, ErrorsNameOptionFields) {
-  const auto robot = load_robot(named("unitree_g2"), {kSource, {}});
+  const auto robot = load_robot(named("unitree_g2"), {kSource});
   ASSERT_FALSE(robot);
   EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
   EXPECT_EQ(load_clip("nowhere.bvh").error().location.file, "nowhere.bvh");

@@ -26,7 +26,7 @@ std::shared_ptr<const Robot> robot_of(const std::string& name, const std::string
   RobotChoice choice;
   choice.name = name;
   choice.variant = dof;
-  auto loaded = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR, {}});
+  auto loaded = load_robot(choice, DataFolder{RETARGET_SOURCE_DIR});
   EXPECT_TRUE(loaded) << describe(loaded.error());
   return loaded->robot;
 }

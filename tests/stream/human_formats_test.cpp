@@ -103,7 +103,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
 // it unchanged.
 std::map<long, std::vector<double>> followed(const Clip& given, const char* format) {
   static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   const StreamFormat& row = **find_stream_format(format);
   const Clip clip = row.plays_human != nullptr && row.plays_human(given) ? bones_of(given) : given;
   LivePipelineOptions options;

@@ -23,7 +23,7 @@ namespace {
 
 const LoadedRobot& g1() {
   static const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   return robot;
 }
 

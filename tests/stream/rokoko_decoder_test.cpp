@@ -112,7 +112,7 @@ std::string refusal(const std::string& bytes, const std::string& address = "udp:
 
 TEST(Rokoko, LeftArmDrivesTheLeftArm) {
   const LoadedRobot loaded =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   const Robot& robot = *loaded.robot;
   LivePipelineOptions options;
   std::vector<double> qpos;

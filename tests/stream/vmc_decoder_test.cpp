@@ -93,7 +93,7 @@ std::vector<std::string> messages_of(const std::vector<UnityPose>& bones, float 
 // The robot's last frame after two seconds of a pose, with one bundle per frame or single messages.
 std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, int* frames) {
   const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   LivePipelineOptions options;
   std::vector<double> last;
   *frames = 0;
@@ -130,7 +130,7 @@ TEST(Vmc, LeftArmDrivesTheLeftArm) {
     const std::vector<double> qpos = followed(bones, bundles, &frames);
     EXPECT_NEAR(frames, 97, 4) << bundles;
     const LoadedRobot loaded =
-        load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+        load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
     // The avatar faces its z, which is -y here, so its left is x.
     expect_left_arm_down(*loaded.robot, qpos);
   }

@@ -169,7 +169,7 @@ TEST(Xrobot, ReadsTheClientsObjects) {
 
 TEST(Xrobot, LeftArmDrivesTheLeftArm) {
   const LoadedRobot robot =
-      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR, {}}).value();
+      load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   LivePipelineOptions options;
   std::vector<double> last;
   std::string told;

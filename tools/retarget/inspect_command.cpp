@@ -59,7 +59,7 @@ Result<void> inspect(const InspectArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
   RETARGET_TRY(check_written({arguments.positions, arguments.html, arguments.run.request.write_map},
                              files_read(run, arguments.run.common)));
-  const DataFolder data_folder = chosen_data_folder(arguments.run.common);
+  const DataFolder data_folder{arguments.run.common.data_dir};
   RETARGET_TRY_ASSIGN(const Clip clip,
                       arguments.skeleton_only
                           ? load_skeleton(run.motion, run.options.source)

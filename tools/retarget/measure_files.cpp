@@ -35,7 +35,7 @@ Result<MeasureRequest> measure_request(const MeasureArguments& arguments) {
                         arguments.motions,
                         arguments.gates,
                         arguments.dynamics,
-                        chosen_data_folder(with_file.common)};
+                        DataFolder{with_file.common.data_dir}};
 }
 
 }  // namespace retarget::cli

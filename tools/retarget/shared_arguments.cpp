@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "retarget/data_folder.h"
 #include "retarget/load.h"
 #include "retarget/option_table.h"
 #include "retarget/run.h"
@@ -11,19 +10,8 @@
 
 namespace retarget::cli {
 
-// Keeps the default of `installed`: the tool may be linked with an installed library.
-DataFolder chosen_data_folder(const CommonArguments& common) {
-  DataFolder folder;
-  folder.chosen = common.data_dir;
-  return folder;
-}
-
 Result<std::string> data_folder_of(const CommonArguments& common) {
-  const auto& chosen = common.data_dir;
-  RETARGET_TRY_ASSIGN(const auto folder,
-                      find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
-                                       installed_data_folder()));
-  return folder.string();
+  return find_data_folder(DataFolder{common.data_dir});
 }
 
 Result<void> take_smpl_file(RunArguments& arguments) {
@@ -48,7 +36,7 @@ Result<std::optional<double>> rate_of(const std::string& fps) {
 
 Result<LoadedRobot> load_robot(const RobotChoice& choice, const CommonArguments& common,
                                Console& console, Soles soles) {
-  return retarget::load_robot(choice, chosen_data_folder(common), console, soles);
+  return retarget::load_robot(choice, DataFolder{common.data_dir}, console, soles);
 }
 
 Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common, Console& console) {

@@ -15,9 +15,6 @@ namespace retarget::cli {
 
 /// Functions that several commands apply to their arguments.
 
-/// Returns the data folder as chosen by the user, for functions of the library that search for it.
-[[nodiscard]] DataFolder chosen_data_folder(const CommonArguments& common);
-
 /// Returns the folder that holds robots/ and configs/.
 [[nodiscard]] Result<std::string> data_folder_of(const CommonArguments& common);
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "human_glb.h"
-#include "retarget/data_folder.h"
 #include "retarget/load.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
@@ -70,11 +69,11 @@ constexpr std::array<std::string_view, 3> kOfARobot = {"batch", "convert", "eval
 std::string robot_among(const CLI::App& command, const std::vector<std::string>& words) {
   const CLI::Option* option = command.get_option_no_throw("--robot");
   if (option == nullptr || option->count() > 0 || is_given(command, "--robot-xml")) return {};
-  const bool has_folder = is_given(command, "--data-dir");
-  const auto folder = find_data_folder(
-      has_folder ? std::optional(command.get_option("--data-dir")->results().front())
-                 : std::nullopt,
-      installed_data_folder());
+  DataFolder chosen;
+  if (is_given(command, "--data-dir")) {
+    chosen.chosen = command.get_option("--data-dir")->results().front();
+  }
+  const auto folder = find_data_folder(chosen);
   if (!folder) return {};
   const auto is_robot = [&](const std::string& word) {
     return !is_there(word) && names_robot(word, robot_folders(*folder));

@@ -10,7 +10,7 @@
 namespace retarget::cli {
 
 Result<void> verify(const VerifyArguments& arguments, Console& console) {
-  return verify_run(arguments.file, chosen_data_folder(arguments.common), console);
+  return verify_run(arguments.file, DataFolder{arguments.common.data_dir}, console);
 }
 
 }  // namespace retarget::cli

@@ -159,7 +159,7 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   {
     RETARGET_TRY_ASSIGN(
         const LoadedRobot robot,
-        retarget::load_robot(arguments.run.run.robot, chosen_data_folder(arguments.run.common)));
+        retarget::load_robot(arguments.run.run.robot, DataFolder{arguments.run.common.data_dir}));
     RETARGET_TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
   }
   RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
@@ -214,7 +214,7 @@ Result<void> view_batch(const ViewArguments& arguments, Console& console) {
   GalleryRequest request;
   request.batch = arguments.motions.front();
   request.output = arguments.run.run.output;
-  request.data_folder = chosen_data_folder(arguments.run.common);
+  request.data_folder = DataFolder{arguments.run.common.data_dir};
   request.robot = arguments.run.run.robot;
   request.gates = arguments.gates;
   request.meshes = arguments.meshes;

@@ -12,8 +12,8 @@
 
 #include "base/faults.h"
 #include "base/json.h"
-#include "base/text.h"
 #include "base/try.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

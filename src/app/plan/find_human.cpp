@@ -17,7 +17,6 @@
 #include "human/skeleton/robot_human.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
-#include "retarget/data_folder.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/option_table.h"
@@ -51,7 +50,7 @@ Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
   if (!options.map.empty()) return read_bone_map(options.map, clip.skeleton());
   std::filesystem::path folder = data_folder;
   if (folder.empty()) {
-    TRY_ASSIGN(folder, find_data_folder(std::nullopt, installed_data_folder()));
+    TRY_ASSIGN(folder, find_data_folder(DataFolder{}));
   }
   TRY_ASSIGN(const auto known, load_skeleton_profiles(folder / "configs" / "skeletons"));
   RecogniseOptions recognise;

@@ -1,9 +1,14 @@
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/try.h"
+#include "retarget/data_folder.h"
 #include "retarget/load.h"
 
 #ifdef RETARGET_DATA_FROM_LIBRARY
 #include <dlfcn.h>
 
-#include <filesystem>
 #include <system_error>
 #endif
 
@@ -37,5 +42,12 @@ std::string installed_data_folder() {
 }
 
 #endif
+
+Result<std::string> find_data_folder(const DataFolder& folder) {
+  const std::optional<std::string> chosen =
+      folder.chosen.empty() ? std::nullopt : std::optional(folder.chosen);
+  TRY_ASSIGN(const std::filesystem::path found, find_data_folder(chosen, installed_data_folder()));
+  return found.string();
+}
 
 }  // namespace retarget

@@ -84,10 +84,7 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
 Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data_folder,
                                Soles soles) {
   TRY(check_robot_choice(choice));
-  const auto& chosen = data_folder.chosen;
-  TRY_ASSIGN(const fs::path folder,
-             find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
-                              data_folder.installed));
+  TRY_ASSIGN(const fs::path folder, find_data_folder(data_folder));
   TRY(check_model_file(choice.model));
   LoadedRobot loaded{nullptr,        choice,          choice.name, choice.model,
                      choice.profile, folder.string(), {},          {}};

@@ -11,8 +11,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/text.h"
 #include "base/try.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

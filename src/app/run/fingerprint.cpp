@@ -124,7 +124,7 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
 Result<void> add_source_robot(const Run& run, const RobotSetup& setup, Fingerprint& print) {
   const std::string& name = run.options.source.from_robot;
   if (name.empty()) return {};
-  TRY_ASSIGN(const SourceRobot source, load_source_robot(name, {setup.loaded.data_folder, {}}));
+  TRY_ASSIGN(const SourceRobot source, load_source_robot(name, {setup.loaded.data_folder}));
   print.hashed["source_robot"] = source.loaded.robot->name();
   TRY_ASSIGN(print.hashed["source_model"], model_hash(*source.loaded.robot));
   TRY_ASSIGN(print.hashed["source_soles"], soles_hash(*source.loaded.robot));

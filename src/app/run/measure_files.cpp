@@ -8,7 +8,6 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
-#include "retarget/data_folder.h"
 #include "retarget/plan.h"
 #include "retarget/resample.h"
 #include "retarget/text.h"
@@ -79,11 +78,8 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   }
   Measures measures;
   measures.dynamics = request.dynamics;
-  const std::string& chosen = request.data_folder.chosen;
-  TRY_ASSIGN(const fs::path data_folder,
-             find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
-                              request.data_folder.installed));
-  TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder.string()));
+  TRY_ASSIGN(const std::string data_folder, find_data_folder(request.data_folder));
+  TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder));
   const std::string variant = run.robot.variant.empty() ? variant_of(request.motions) : "";
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, request.data_folder, observer));
   const auto& variants = robot.robot->profile().variants;

@@ -102,7 +102,7 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
   std::vector<ReadFile> files;
   TRY(add_motion(files, run.motion, data_folder));
   if (const std::string& source = run.options.source.from_robot; !source.empty()) {
-    TRY_ASSIGN(const SourceRobot from, load_source_robot(source, {data_folder, {}}));
+    TRY_ASSIGN(const SourceRobot from, load_source_robot(source, {data_folder}));
     TRY(add_file(files, "source_model", from.loaded.model, data_folder));
     TRY(add_file(files, "source_profile", from.loaded.profile, data_folder));
     TRY(add_file(files, "source_mapping", from.config.file, data_folder));

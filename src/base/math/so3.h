@@ -41,7 +41,6 @@ namespace retarget {
 /// directions, the axis is one of the perpendicular axes. The error is below 1e-13, also near
 /// opposite directions. Wraps Eigen's FromTwoVectors in most cases: its singular value
 /// decomposition takes five seconds to compile in every file that calls it.
-/// every file that calls it.
 [[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,
                                                   const Eigen::Vector3d& b);
 

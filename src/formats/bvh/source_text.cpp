@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/text.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
-#include "base/text.h"
 #include "base/try.h"
 #include "formats/containers/byte_order.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

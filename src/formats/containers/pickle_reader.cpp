@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "base/text.h"
 #include "base/try.h"
 #include "formats/containers/npy_stream.h"
 #include "formats/containers/pickle_opcodes.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

@@ -4,10 +4,10 @@
 #include <limits>
 #include <utility>
 
-#include "base/text.h"
 #include "formats/containers/byte_order.h"
 #include "formats/containers/pickle_opcodes.h"
 #include "formats/containers/zip_writer.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {

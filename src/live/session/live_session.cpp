@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "live/session/frame_queue.h"
 #include "live/session/live_body.h"
 #include "live/session/live_targets.h"
@@ -17,6 +15,8 @@
 #include "live/session/sender_clock.h"
 #include "live/session/standing_pose.h"
 #include "retarget/live_table.h"
+#include "retarget/option_name.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -387,11 +387,11 @@ LiveSession::Body& LiveSession::Body::operator=(Body&&) noexcept = default;
 
 Result<LiveSession::Body> LiveSession::prepare(const Plan& plan, const LiveOptions& options,
                                                const Robot& robot) {
-  TRY(check_options(plan, options));
+  RETARGET_TRY(check_options(plan, options));
   if (plan.robot.robot->configuration_size() != robot.configuration_size()) {
     return usage_failure("a stream cannot change its robot");
   }
-  TRY_ASSIGN(auto targets, LiveTargets::make(plan));
+  RETARGET_TRY_ASSIGN(auto targets, LiveTargets::make(plan));
   const double frame_time = frame_rate_from_fps(options.fps).frame_time();
   return Body(std::make_unique<LiveBody>(std::move(targets), options, frame_time));
 }
@@ -401,8 +401,8 @@ void LiveSession::recalibrate(Body body) {
 }
 
 Result<LiveSession> LiveSession::make(const Plan& plan, const LiveOptions& options) {
-  TRY(check_options(plan, options));
-  TRY_ASSIGN(auto targets, LiveTargets::make(plan));
+  RETARGET_TRY(check_options(plan, options));
+  RETARGET_TRY_ASSIGN(auto targets, LiveTargets::make(plan));
   return LiveSession(std::make_unique<Impl>(plan, options, std::move(targets)));
 }
 
@@ -424,7 +424,7 @@ void LiveSession::reset() {
   impl_->reset();
 }
 Result<void> LiveSession::recalibrate(const Plan& plan) {
-  TRY_ASSIGN(Body body, prepare(plan, impl_->options(), robot()));
+  RETARGET_TRY_ASSIGN(Body body, prepare(plan, impl_->options(), robot()));
   recalibrate(std::move(body));
   return {};
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/try.h"
+#include "retarget/try.h"
 #include "solve/ik/ik_solver.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/solve_frames.h"
@@ -14,10 +14,10 @@ Result<std::unique_ptr<LiveTargets>> LiveTargets::make(const Plan& plan) {
   HumanPoser poser(*plan.clip, plan.human.calibration);
   const HumanClipInfo human = poser.info();
   const bool as_fit = plan.options.solve.method == Method::kFit;
-  TRY_ASSIGN(TargetBuilder targets,
-             make_targets(human, poses_of(poser), *plan.robot.robot, plan.config, plan.scale,
-                          as_fit ? TrunkRule::kLines : TrunkRule::kBones,
-                          as_fit ? &plan.limits : nullptr));
+  RETARGET_TRY_ASSIGN(TargetBuilder targets,
+                      make_targets(human, poses_of(poser), *plan.robot.robot, plan.config,
+                                   plan.scale, as_fit ? TrunkRule::kLines : TrunkRule::kBones,
+                                   as_fit ? &plan.limits : nullptr));
   return std::unique_ptr<LiveTargets>(new LiveTargets(plan, human, std::move(targets)));
 }
 

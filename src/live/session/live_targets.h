@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/plan.h"

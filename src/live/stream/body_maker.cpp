@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -16,9 +16,9 @@ Result<MadeBody> BodyMaker::make(const BodyTask& task, bool is_first) const {
   Clip clip = task.clip;
   if (clip.frame_count() == 0) clip.resize(1);
   MadeBody made;
-  TRY_ASSIGN(made.plan, make_plan(std::move(clip), robot_, run));
+  RETARGET_TRY_ASSIGN(made.plan, make_plan(std::move(clip), robot_, run));
   if (is_first) return made;
-  TRY_ASSIGN(made.body, LiveSession::prepare(made.plan, live_, *made.plan.robot.robot));
+  RETARGET_TRY_ASSIGN(made.body, LiveSession::prepare(made.plan, live_, *made.plan.robot.robot));
   return made;
 }
 

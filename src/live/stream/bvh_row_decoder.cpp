@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "base/try.h"
 #include "formats/bvh/number_parser.h"
 #include "formats/bvh/read_bvh.h"
 #include "formats/bvh/row_decoder.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -79,7 +79,7 @@ void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {
 Result<void> BvhRowDecoder::take(std::string_view bytes, StreamSink& sink) {
   while (!bytes.empty()) {
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
-    TRY(take_line(trimmed(bytes.substr(0, end)), sink));
+    RETARGET_TRY(take_line(trimmed(bytes.substr(0, end)), sink));
     bytes.remove_prefix(std::min(end + 1, bytes.size()));
   }
   return {};
@@ -109,7 +109,7 @@ Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
   BvhReadOptions options;
   options.motion_optional = true;
   const std::string text = std::exchange(header_, {});
-  TRY_ASSIGN(BvhFile file, read_bvh(text, "stream", options));
+  RETARGET_TRY_ASSIGN(BvhFile file, read_bvh(text, "stream", options));
   if (file.clip.skeleton().joint_count() > kMaxStreamJoints) {
     return bad_row(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
   }

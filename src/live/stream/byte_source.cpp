@@ -6,8 +6,8 @@
 #include <array>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/input_address.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -25,15 +25,15 @@ ByteSource::ByteSource(const StreamAddress& address, const StreamFormat& format,
 
 Result<ByteSource> ByteSource::open(const StreamAddress& address, const StreamFormat& format,
                                     Tell tell) {
-  TRY(check_input(address, format));
+  RETARGET_TRY(check_input(address, format));
   ByteSource source(address, format, std::move(tell));
   if (address.transport == Transport::kStdin) {
     source.pipe_ = Descriptor(::dup(STDIN_FILENO));
   } else if (address.transport == Transport::kUdp) {
-    TRY(source.open_datagrams(format.request_port));
+    RETARGET_TRY(source.open_datagrams(format.request_port));
   } else {
-    TRY_ASSIGN(const SenderFilter filter, SenderFilter::parse(address.extra("from")));
-    TRY_ASSIGN(Descriptor listener, bind_socket(address));
+    RETARGET_TRY_ASSIGN(const SenderFilter filter, SenderFilter::parse(address.extra("from")));
+    RETARGET_TRY_ASSIGN(Descriptor listener, bind_socket(address));
     source.connections_ = SenderConnections(std::move(listener), filter);
   }
   return source;
@@ -43,17 +43,17 @@ Result<ByteSource> ByteSource::open(const StreamAddress& address, const StreamFo
 Result<void> ByteSource::open_datagrams(int request_port) {
   StreamAddress own = address_;
   const std::string group = address_.extra("multicast"), server = address_.extra("server");
-  TRY_ASSIGN(SenderFilter filter, SenderFilter::parse(address_.extra("from")));
+  RETARGET_TRY_ASSIGN(SenderFilter filter, SenderFilter::parse(address_.extra("from")));
   if (!group.empty()) {
-    TRY_ASSIGN(group_, join_group(address_, group));
+    RETARGET_TRY_ASSIGN(group_, join_group(address_, group));
     own.port = 0;
   }
-  TRY_ASSIGN(socket_, bind_socket(own));
+  RETARGET_TRY_ASSIGN(socket_, bind_socket(own));
   if (!server.empty()) {
     const std::string command = address_.extra("command");
-    TRY_ASSIGN(const StreamAddress asked,
-               parse_address("udp:" + server + ":" +
-                             (command.empty() ? std::to_string(request_port) : command)));
+    RETARGET_TRY_ASSIGN(const StreamAddress asked,
+                        parse_address("udp:" + server + ":" +
+                                      (command.empty() ? std::to_string(request_port) : command)));
     if (is_this_machine(own) && !is_this_machine(asked)) {
       return usage_failure(
           "the input listens on this machine only, but the server is on another machine",

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "base/try.h"
 #include "retarget/plan.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -13,7 +13,7 @@ Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
   if (origin.metres_per_unit && origin.up) return clip;
   // find_human may replace rotations, but the clip is played unchanged.
   Clip looked_at = clip;
-  TRY_ASSIGN(const HumanInClip found, find_human(looked_at, options, data_folder));
+  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(looked_at, options, data_folder));
   if (!origin.metres_per_unit) origin.metres_per_unit = found.calibration.metres_per_unit;
   if (!origin.up) {
     origin.up = found.calibration.human_from_source.transpose() * Eigen::Vector3d::UnitZ();

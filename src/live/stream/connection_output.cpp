@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -31,7 +31,7 @@ ConnectionOutput::ConnectionOutput(const StreamAddress& to, const FrameOutputCon
       waiting_(bounds_of(context.fps)) {}
 
 Result<void> ConnectionOutput::open() {
-  TRY(connection_.open(kConnectWithin));
+  RETARGET_TRY(connection_.open(kConnectWithin));
   begin();
   send_waiting();
   return {};

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
@@ -18,7 +18,7 @@ DatagramOutput::DatagramOutput(const StreamAddress& to, const FrameOutputContext
 
 Result<void> DatagramOutput::open() {
   if (to_.port == 0) return usage_failure(to_.text() + " has no destination port");
-  TRY_ASSIGN(socket_, connect_socket(to_));
+  RETARGET_TRY_ASSIGN(socket_, connect_socket(to_));
   if (!header_.empty()) static_cast<void>(send(header_));
   return {};
 }

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "retarget/motion_io.h"
+#include "retarget/option_name.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -62,10 +62,10 @@ Result<G1Joints> find_g1_joints(const Robot& robot, std::string_view who) {
     const std::string name = fmt::format("{}_joint", kNames[i]);
     const auto joint = find_moving_joint(robot, name);
     if (!joint) {
-      return usage_failure(
-          fmt::format("{} reads the {} joints of Unitree's G1, but {} has no {}", who, kG1Joints,
-                      robot.name(), name),
-          "choose " OPTION("robot") " unitree_g1 or unitree_g1_with_hands, with all joints");
+      return usage_failure(fmt::format("{} reads the {} joints of Unitree's G1, but {} has no {}",
+                                       who, kG1Joints, robot.name(), name),
+                           "choose " RETARGET_OPTION(
+                               "robot") " unitree_g1 or unitree_g1_with_hands, with all joints");
     }
     found.mujoco[i] = address_of(robot, *joint);
   }

@@ -1,18 +1,18 @@
 #include <cmath>
 #include <utility>
 
-#include "base/try.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
 #include "live/stream/human_bones.h"
 #include "retarget/clip.h"
 #include "retarget/plan.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
 Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
                                  const std::string& data_folder) {
-  TRY_ASSIGN(const HumanInClip found, find_human(clip, options, data_folder));
+  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(clip, options, data_folder));
   HumanPoser poser(clip, found.calibration);
   const HumanClipInfo info = poser.info();
   // Reuse the conversion from a robot's motion to a human clip.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -42,7 +42,7 @@ Result<void> check_input(const StreamAddress& from, const StreamFormat& format) 
   }
   std::vector<std::string> known = transport_extras(from, format);
   for (const StreamExtra& extra : format.extras) known.emplace_back(extra.name);
-  TRY(check_extras(from, known));
+  RETARGET_TRY(check_extras(from, known));
   return check_values(from, format);
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/packet_json.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -112,7 +112,7 @@ Result<void> HeaderReader::read_joint(const PacketJson& json) {
   }
   Pose pose;
   if (json.contains("rest")) {
-    TRY_ASSIGN(pose, pose_from(json["rest"], joint.name));
+    RETARGET_TRY_ASSIGN(pose, pose_from(json["rest"], joint.name));
   } else {
     has_poses_ = false;
   }
@@ -129,16 +129,16 @@ Result<void> HeaderReader::read(const PacketJson& header) {
     return bad_line(
         fmt::format("a skeleton must have \"joints\", a list of 1 to {}", kMaxStreamJoints));
   }
-  for (const PacketJson& joint : header["joints"]) TRY(read_joint(joint));
+  for (const PacketJson& joint : header["joints"]) RETARGET_TRY(read_joint(joint));
   return {};
 }
 
 Result<void> HeaderReader::give(const PacketJson& header, bool waits_for_frame, StreamSink& sink) {
   ClipOrigin origin;
   origin.name = "stream";
-  TRY_ASSIGN(origin.up, up_from(header));
-  TRY_ASSIGN(origin.metres_per_unit, length_from(header, "unit"));
-  TRY_ASSIGN(origin.body_height, length_from(header, "height"));
+  RETARGET_TRY_ASSIGN(origin.up, up_from(header));
+  RETARGET_TRY_ASSIGN(origin.metres_per_unit, length_from(header, "unit"));
+  RETARGET_TRY_ASSIGN(origin.body_height, length_from(header, "height"));
   // Lengths are in metres and z is up unless the sender states otherwise or that it does not know.
   if (!header.contains("up")) origin.up = Eigen::Vector3d::UnitZ();
   if (!header.contains("unit")) origin.metres_per_unit = 1.0;
@@ -206,14 +206,14 @@ void LineDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton)
 }
 
 Result<void> LineDecoder::take(std::string_view bytes, StreamSink& sink) {
-  TRY_ASSIGN(const PacketJson json, parse_packet_json(bytes, kName));
+  RETARGET_TRY_ASSIGN(const PacketJson json, parse_packet_json(bytes, kName));
   if (!json.is_object()) return bad_line("expected a JSON object per line");
   if (json.contains("skeleton")) {
     HeaderReader header;
-    TRY(header.read(json["skeleton"]));
+    RETARGET_TRY(header.read(json["skeleton"]));
     // The user's file has more information about the same skeleton.
     if (known_ && same_tree(known_->joints(), header.joints())) return {};
-    TRY(header.give(json["skeleton"], index_.empty(), sink));
+    RETARGET_TRY(header.give(json["skeleton"], index_.empty(), sink));
     set_joints(header.joints());
     return {};
   }
@@ -241,7 +241,7 @@ Result<void> LineDecoder::take_frame(const PacketJson& json, StreamSink& sink) {
   for (const auto& [name, value] : json["joints"].items()) {
     const auto found = index_.find(name);
     if (found == index_.end()) continue;
-    TRY_ASSIGN(world_from_joint_[found->second], pose_from(value, name));
+    RETARGET_TRY_ASSIGN(world_from_joint_[found->second], pose_from(value, name));
     seen_[found->second] = 1;
   }
   for (const auto& [name, i] : index_) {

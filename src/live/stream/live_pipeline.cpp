@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "base/try.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -195,8 +195,8 @@ void LivePipeline::take_first_pose(const StreamFrame& frame) {
 }
 
 Result<void> LivePipeline::begin_session(const BodyTask& task) {
-  TRY_ASSIGN(MadeBody made, maker_.make(task, true));
-  TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
+  RETARGET_TRY_ASSIGN(MadeBody made, maker_.make(task, true));
+  RETARGET_TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
   for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
   poser_.emplace(made.plan);
   used_ = told_;

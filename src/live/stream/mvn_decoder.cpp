@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "formats/containers/byte_order.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/message_cutter.h"
@@ -22,6 +21,7 @@
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -192,7 +192,7 @@ Result<void> MvnDecoder::take_poses(const MvnHeader& header, std::string_view pa
     parts_.reset();
     last_part_.reset();
     ended_ = header.sample;
-    TRY(end_frame(header.milliseconds, sink));
+    RETARGET_TRY(end_frame(header.milliseconds, sink));
   }
   if (lost) return mvn_failure("a part of a frame is missing");
   return {};
@@ -228,7 +228,7 @@ Result<void> MvnDecoder::end_frame(std::uint32_t milliseconds, StreamSink& sink)
   }
   if (skeleton_.joints().empty()) {
     if (waits_for_scale(milliseconds)) return {};
-    TRY(learn_from_frame(sink));
+    RETARGET_TRY(learn_from_frame(sink));
   }
   skeleton_.give(1e-3 * milliseconds, world_from_segment_, sink);
   return {};

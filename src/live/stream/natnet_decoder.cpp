@@ -15,13 +15,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "formats/scene/clip_builder.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/natnet_protocol.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -175,7 +175,7 @@ Result<void> NatNetDecoder::take_message(std::string_view bytes, StreamSink& sin
   }
   switch (*type) {
     case NatNetMessage::kServerInfo: {
-      TRY_ASSIGN(version_, read_natnet_server(payload));
+      RETARGET_TRY_ASSIGN(version_, read_natnet_server(payload));
       server_answered_ = true;
       return {};
     }
@@ -196,7 +196,7 @@ Failure unknown_version() {
 
 Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& sink) {
   if (!version_) return unknown_version();
-  TRY_ASSIGN(const auto skeletons, read_natnet_skeletons(payload, *version_));
+  RETARGET_TRY_ASSIGN(const auto skeletons, read_natnet_skeletons(payload, *version_));
   const auto wanted = std::ranges::find_if(
       skeletons, [&](const NatNetSkeleton& skeleton) { return !actor_ || skeleton.id == *actor_; });
   if (wanted == skeletons.end()) {
@@ -204,7 +204,7 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
     return natnet_failure("Motive streams no skeleton" + which +
                           ": enable Skeletons in its streaming settings");
   }
-  TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
+  RETARGET_TRY_ASSIGN(const auto bones, ordered_bones(*wanted));
   wants_models_ = false;
   std::vector<std::string> names;
   names.reserve(bones.size());
@@ -230,13 +230,13 @@ Result<void> NatNetDecoder::take_frame(std::string_view payload, StreamSink& sin
   const bool described = !ids_.empty();
   if ((!version_ || !described) && waits_for_server()) return {};
   if (!version_) return unknown_version();
-  TRY(read_natnet_frame(payload, *version_, described ? streamed_ : actor_, frame_));
+  RETARGET_TRY(read_natnet_frame(payload, *version_, described ? streamed_ : actor_, frame_));
   if (frame_.models_changed || !frame_.skeleton) wants_models_ = true;
   if (!frame_.skeleton) return natnet_failure("the frame lacks the skeleton");
   const bool tracked = std::ranges::any_of(frame_.bones, &NatNetBonePose::is_tracked);
   if (!tracked) return {};
-  if (!described) TRY(learn_by_order(sink));
-  TRY(place_bones());
+  if (!described) RETARGET_TRY(learn_by_order(sink));
+  RETARGET_TRY(place_bones());
   decide_coordinates();
   for (std::size_t i = 0; *is_local_ && i < poses_.size(); ++i) {
     const int parent = skeleton_.joints()[i].parent;

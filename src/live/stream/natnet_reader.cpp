@@ -7,10 +7,10 @@
 #include <limits>
 #include <utility>
 
-#include "base/try.h"
 #include "formats/containers/byte_order.h"
 #include "live/stream/natnet_protocol.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {

@@ -3,8 +3,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "base/try.h"
 #include "formats/containers/byte_order.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -32,7 +32,7 @@ class OscReader {
   Result<std::string_view> text() {
     const std::string_view taken = reader_.text();
     if (!reader_.ok()) return bad_osc("a string is not terminated");
-    TRY(bytes(3 - taken.size() % 4));
+    RETARGET_TRY(bytes(3 - taken.size() % 4));
     return taken;
   }
   template <typename Number>
@@ -49,38 +49,38 @@ class OscReader {
 Result<void> read_argument(char type, OscReader& reader, OscMessage& message) {
   switch (type) {
     case 'i': {
-      TRY_ASSIGN(const auto value, reader.number<std::int32_t>());
+      RETARGET_TRY_ASSIGN(const auto value, reader.number<std::int32_t>());
       message.numbers.push_back(value);
       return {};
     }
     case 'f': {
-      TRY_ASSIGN(const auto value, reader.number<float>());
+      RETARGET_TRY_ASSIGN(const auto value, reader.number<float>());
       message.numbers.push_back(static_cast<double>(value));
       return {};
     }
     case 'd': {
-      TRY_ASSIGN(const auto value, reader.number<double>());
+      RETARGET_TRY_ASSIGN(const auto value, reader.number<double>());
       message.numbers.push_back(value);
       return {};
     }
     case 's':
     case 'S': {
-      TRY_ASSIGN(const std::string_view text, reader.text());
+      RETARGET_TRY_ASSIGN(const std::string_view text, reader.text());
       message.texts.push_back(text);
       return {};
     }
     case 'h':
     case 't':
-      TRY(reader.bytes(8));
+      RETARGET_TRY(reader.bytes(8));
       return {};
     case 'c':
     case 'r':
     case 'm':
-      TRY(reader.bytes(4));
+      RETARGET_TRY(reader.bytes(4));
       return {};
     case 'b': {
-      TRY_ASSIGN(const std::size_t size, reader.number<std::uint32_t>());
-      TRY(reader.bytes((size + 3) / 4 * 4));
+      RETARGET_TRY_ASSIGN(const std::size_t size, reader.number<std::uint32_t>());
+      RETARGET_TRY(reader.bytes((size + 3) / 4 * 4));
       return {};
     }
     case 'T':
@@ -97,23 +97,23 @@ Result<void> read_packet(std::string_view packet, int depth, std::vector<OscMess
   OscReader reader(packet);
   if (packet.starts_with(kBundle)) {
     if (depth == kMaxDepth) return bad_osc("bundles are nested too deeply");
-    TRY(reader.bytes(kBundle.size() + 8));  // Includes the time tag.
+    RETARGET_TRY(reader.bytes(kBundle.size() + 8));  // Includes the time tag.
     while (!reader.empty()) {
-      TRY_ASSIGN(const auto size, reader.number<std::uint32_t>());
-      TRY_ASSIGN(const std::string_view element, reader.bytes(size));
-      TRY(read_packet(element, depth + 1, messages));
+      RETARGET_TRY_ASSIGN(const auto size, reader.number<std::uint32_t>());
+      RETARGET_TRY_ASSIGN(const std::string_view element, reader.bytes(size));
+      RETARGET_TRY(read_packet(element, depth + 1, messages));
     }
     return {};
   }
   if (messages.size() == kMaxBundledMessages) return bad_osc("it has too many messages");
   OscMessage message;
-  TRY_ASSIGN(message.address, reader.text());
+  RETARGET_TRY_ASSIGN(message.address, reader.text());
   if (!message.address.starts_with('/')) return bad_osc("an address must begin with /");
   // Old senders omit the type tags if there are no arguments.
   if (!reader.empty()) {
-    TRY_ASSIGN(const std::string_view types, reader.text());
+    RETARGET_TRY_ASSIGN(const std::string_view types, reader.text());
     if (!types.starts_with(',')) return bad_osc("type tags must begin with a comma");
-    for (const char type : types.substr(1)) TRY(read_argument(type, reader, message));
+    for (const char type : types.substr(1)) RETARGET_TRY(read_argument(type, reader, message));
   }
   messages.push_back(std::move(message));
   return {};
@@ -156,7 +156,7 @@ void OscBundle::add(std::string_view address, std::string_view types, std::strin
 
 Result<std::vector<OscMessage>> read_osc(std::string_view packet) {
   std::vector<OscMessage> messages;
-  TRY(read_packet(packet, 0, messages));
+  RETARGET_TRY(read_packet(packet, 0, messages));
   return messages;
 }
 

@@ -6,10 +6,10 @@
 #include <array>
 #include <vector>
 
-#include "base/try.h"
 #include "live/stream/byte_output.h"
 #include "live/stream/controller_outputs.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -61,7 +61,7 @@ std::span<const OutputFormat> output_formats() {
 
 Result<std::unique_ptr<FrameOutput>> open_frame_output(const StreamAddress& to,
                                                        const FrameOutputContext& context) {
-  TRY(check_format(to));
+  RETARGET_TRY(check_format(to));
   if (to.transport == Transport::kZmq) return open_zmq_output(to, context);
   if (to.transport == Transport::kRedis) return open_redis_output(to, context);
   return open_byte_output(to, context);

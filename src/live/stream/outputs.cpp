@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/output_formats.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 
 Result<void> Outputs::add(const StreamAddress& to, const FrameOutputContext& context) {
-  TRY_ASSIGN(auto output, open_frame_output(to, context));
+  RETARGET_TRY_ASSIGN(auto output, open_frame_output(to, context));
   all_.push_back(std::move(output));
   return {};
 }

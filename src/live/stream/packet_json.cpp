@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -41,7 +41,7 @@ Result<void> check_bounds(std::string_view text, const std::string& what) {
 }  // namespace
 
 Result<PacketJson> parse_packet_json(std::string_view text, const std::string& what) {
-  TRY(check_bounds(text, what));
+  RETARGET_TRY(check_bounds(text, what));
   try {
     return PacketJson::parse(text);
   } catch (const nlohmann::json::parse_error& error) {

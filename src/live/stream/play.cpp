@@ -7,7 +7,6 @@
 #include <string>
 #include <thread>
 
-#include "base/try.h"
 #include "live/stream/byte_output.h"
 #include "live/stream/clip_axes.h"
 #include "live/stream/decoder.h"
@@ -15,6 +14,7 @@
 #include "live/stream/input_address.h"
 #include "live/stream/request_server.h"
 #include "retarget/serve.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -35,9 +35,9 @@ class Player {
   [[nodiscard]] static Result<Player> open(const StreamFormat& format, const StreamAddress& to) {
     Player player;
     player.encoder_ = format.encoder();
-    TRY_ASSIGN(player.sink_, ByteSink::open(to));
+    RETARGET_TRY_ASSIGN(player.sink_, ByteSink::open(to));
     if (format.request_port > 0 && to.transport == Transport::kUdp) {
-      TRY_ASSIGN(player.server_, RequestServer::open(to, format.request_port));
+      RETARGET_TRY_ASSIGN(player.server_, RequestServer::open(to, format.request_port));
     }
     return player;
   }
@@ -59,7 +59,7 @@ class Player {
     while (!bytes.empty()) {
       const std::size_t size =
           datagrams ? std::min(encoder_->packet_size(bytes), bytes.size()) : bytes.size();
-      TRY(sink_->write(bytes.substr(0, size), is_stopped));
+      RETARGET_TRY(sink_->write(bytes.substr(0, size), is_stopped));
       if (server_) server_->send(bytes.substr(0, size));
       bytes.remove_prefix(size);
     }
@@ -85,24 +85,24 @@ Result<Clip> played_clip(const Clip& clip, const StreamFormat& format, const Pla
 
 Result<int> play(const Clip& given, const PlayOptions& options,
                  const std::function<bool()>& is_stopped) {
-  TRY_ASSIGN(const StreamAddress to, parse_address(options.to));
-  TRY_ASSIGN(const StreamFormat* format, find_stream_format(to.format));
+  RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(options.to));
+  RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(to.format));
   if (format->encoder == nullptr) {
     return usage_failure("playing is not supported for the format " + std::string(format->name));
   }
-  TRY(check_player_target(to, *format));
-  TRY_ASSIGN(const Clip clip, played_clip(given, *format, options));
-  TRY_ASSIGN(Player player, Player::open(*format, to));
+  RETARGET_TRY(check_player_target(to, *format));
+  RETARGET_TRY_ASSIGN(const Clip clip, played_clip(given, *format, options));
+  RETARGET_TRY_ASSIGN(Player player, Player::open(*format, to));
   const std::string header = player.encoder().begin(clip);
-  if (options.header && !player.is_asked()) TRY(player.send(header, is_stopped));
+  if (options.header && !player.is_asked()) RETARGET_TRY(player.send(header, is_stopped));
   const auto begin = std::chrono::steady_clock::now();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const std::chrono::duration<double> time(
         options.speed > 0.0 ? clip.rate().time_of(frame) / options.speed : 0.0);
     player.wait(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(time), is_stopped);
     if (is_stopped && is_stopped()) return frame;
-    TRY_ASSIGN(const std::string bytes, player.encoder().frame(clip, frame));
-    TRY(player.send(bytes, is_stopped));
+    RETARGET_TRY_ASSIGN(const std::string bytes, player.encoder().frame(clip, frame));
+    RETARGET_TRY(player.send(bytes, is_stopped));
   }
   return clip.frame_count();
 }

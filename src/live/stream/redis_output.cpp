@@ -1,8 +1,8 @@
 // Sends robot frames as keys of a Redis server. CMake defines RETARGET_HAS_HIREDIS if hiredis is
 // available.
 
-#include "base/try.h"
 #include "live/stream/controller_outputs.h"
+#include "retarget/try.h"
 
 #ifdef RETARGET_HAS_HIREDIS
 
@@ -59,7 +59,7 @@ class RedisKeys {
   RedisKeys& operator=(const RedisKeys&) = delete;
 
   [[nodiscard]] Result<void> open() {
-    TRY(connection_.open(kOpenWithin));
+    RETARGET_TRY(connection_.open(kOpenWithin));
     begin();
     return {};
   }
@@ -234,11 +234,11 @@ class Twist2Output final : public FrameOutput {
 
 Result<std::unique_ptr<FrameOutput>> open_redis_output(const StreamAddress& to,
                                                        const FrameOutputContext& context) {
-  TRY(check_extras(to, {}));
+  RETARGET_TRY(check_extras(to, {}));
   if (to.port == 0) return usage_failure(to.text() + " has no destination port");
-  TRY_ASSIGN(Twist2Actions actions, Twist2Actions::make(*context.robot, context.fps));
+  RETARGET_TRY_ASSIGN(Twist2Actions actions, Twist2Actions::make(*context.robot, context.fps));
   auto output = std::make_unique<Twist2Output>(to, context.tell, std::move(actions));
-  TRY(output->open());
+  RETARGET_TRY(output->open());
   return output;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <thread>
 
-#include "base/try.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -34,10 +34,10 @@ Result<RequestServer> RequestServer::open(const StreamAddress& to, int request_p
   // A player that sends to the loopback interface accepts requests only from there.
   std::string host = is_this_machine(to) ? "127.0.0.1" : "0.0.0.0";
   if (!network.empty()) host = network;
-  TRY_ASSIGN(const StreamAddress own,
-             parse_address("udp:" + host + ":" +
-                           (command.empty() ? std::to_string(request_port) : command)));
-  TRY_ASSIGN(server.socket_, bind_socket(own));
+  RETARGET_TRY_ASSIGN(const StreamAddress own,
+                      parse_address("udp:" + host + ":" +
+                                    (command.empty() ? std::to_string(request_port) : command)));
+  RETARGET_TRY_ASSIGN(server.socket_, bind_socket(own));
   return server;
 }
 

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/json_cutter.h"
 #include "live/stream/packet_json.h"
@@ -22,6 +21,7 @@
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -150,13 +150,13 @@ Result<void> RokokoDecoder::take(std::string_view bytes, StreamSink& sink) {
 
 Result<void> RokokoDecoder::take_text(std::string_view text, StreamSink& sink) {
   constexpr double kMaxTime = 1e12;  // seconds
-  TRY_ASSIGN(const PacketJson json, parse_packet_json(text, kRokokoPacket));
+  RETARGET_TRY_ASSIGN(const PacketJson json, parse_packet_json(text, kRokokoPacket));
   const PacketJson& scene = member(json, "scene").is_object() ? json["scene"] : json;
-  TRY_ASSIGN(const RokokoActor actor, find_actor(member(scene, "actors")));
+  RETARGET_TRY_ASSIGN(const RokokoActor actor, find_actor(member(scene, "actors")));
   if (actor_ != actor.name) {
-    TRY(learn_skeleton(actor, sink));
+    RETARGET_TRY(learn_skeleton(actor, sink));
   } else {
-    TRY(read_bones(*actor.body));
+    RETARGET_TRY(read_bones(*actor.body));
   }
   skeleton_.give(number_of(member(scene, "timestamp"), kMaxTime)
                      .value_or(std::numeric_limits<double>::quiet_NaN()),
@@ -196,7 +196,7 @@ Result<void> RokokoDecoder::read_bones(const PacketJson& body) {
     const RokokoBone& bone = kRokokoBones[bones_[i]];
     const PacketJson& json = member(body, bone.name.data());
     if (json.is_null()) return bad_packet(fmt::format("\"{}\" is missing", bone.name));
-    TRY_ASSIGN(world_from_joint_[i], world_from_joint(bone, json));
+    RETARGET_TRY_ASSIGN(world_from_joint_[i], world_from_joint(bone, json));
   }
   return {};
 }
@@ -219,7 +219,7 @@ Result<void> RokokoDecoder::learn_skeleton(const RokokoActor& actor, StreamSink&
     joints.push_back({std::string(bone.name), parent, Eigen::Vector3d::Zero()});
   }
   world_from_joint_.assign(bones_.size(), Pose{});
-  TRY(read_bones(*actor.body));
+  RETARGET_TRY(read_bones(*actor.body));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     joints[i].offset =
         parent_from_joint(world_from_joint_, joints[i].parent, world_from_joint_[i]).translation;

@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "app/plan/follow_arms.h"
-#include "base/try.h"
 #include "live/stream/byte_source.h"
 #include "live/stream/live_pipeline.h"
 #include "live/stream/outputs.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -126,8 +126,8 @@ Result<void> Server::open_outputs() {
   std::vector<std::string> places = options_.outputs;
   if (places.empty()) places.emplace_back("stdout");
   for (const std::string& place : places) {
-    TRY_ASSIGN(const StreamAddress to, parse_address(place));
-    TRY(outputs_.add(to, output_context()));
+    RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    RETARGET_TRY(outputs_.add(to, output_context()));
   }
   return {};
 }
@@ -140,8 +140,8 @@ Result<void> Server::open_record() {
   if (fs::exists(folder / kRecordedInput, failed)) {
     return usage_failure(options_.record + " already contains a recording", "give another folder");
   }
-  TRY_ASSIGN(recorder_,
-             StreamRecorder::create((folder / kRecordedInput).string(), output_context()));
+  RETARGET_TRY_ASSIGN(recorder_,
+                      StreamRecorder::create((folder / kRecordedInput).string(), output_context()));
   StreamAddress to;
   to.transport = Transport::kFile;
   to.file = (folder / kRecordedOutput).string();
@@ -149,15 +149,15 @@ Result<void> Server::open_record() {
 }
 
 Result<void> Server::make_pipeline() {
-  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
   LivePipelineOptions options = options_.pipeline;
-  TRY_ASSIGN(pace_, chosen_pace(options_));
+  RETARGET_TRY_ASSIGN(pace_, chosen_pace(options_));
   options.pace = pace_;
   options.in_background = pace_ == LivePace::kClock;
   pipeline_ = std::make_unique<LivePipeline>(
       robot_, options, format->decoder(from_), [this](const RobotFrame& frame) { leave(frame); },
       control_.tell);
-  if (options_.skeleton) TRY(pipeline_->know_skeleton(*options_.skeleton));
+  if (options_.skeleton) RETARGET_TRY(pipeline_->know_skeleton(*options_.skeleton));
   return {};
 }
 
@@ -175,7 +175,7 @@ Result<void> Server::take(StreamEvent event, std::int64_t time, std::string_view
   switch (event) {
     case StreamEvent::kPacket:
       pipeline_->decode(bytes);
-      TRY(pipeline_->use_decoded(now));
+      RETARGET_TRY(pipeline_->use_decoded(now));
       break;
     case StreamEvent::kNewSender:
       pipeline_->restart_sender(now);
@@ -214,10 +214,10 @@ Result<void> Server::take_now(StreamEvent event, std::int64_t time, std::string_
 Result<void> Server::take_packet(std::string_view bytes, std::int64_t arrival) {
   pipeline_->decode(bytes);
   const std::lock_guard lock(mutex_);
-  TRY(advance());
+  RETARGET_TRY(advance());
   latest_ = std::max(latest_, arrival);
   if (recorder_) recorder_->add(StreamEvent::kPacket, latest_, bytes);
-  TRY(pipeline_->use_decoded(seconds_of(latest_)));
+  RETARGET_TRY(pipeline_->use_decoded(seconds_of(latest_)));
   earlier_.notify_one();
   return {};
 }
@@ -234,7 +234,7 @@ Result<void> Server::advance() {
   const double late = seconds_of(now) - *due;
   if (late < 0.0) return {};
   if (late > std::max(kLeastLate, kLate / options_.pipeline.live.fps)) {
-    TRY(take_now(StreamEvent::kSkip, now, std::to_string(due_us)));
+    RETARGET_TRY(take_now(StreamEvent::kSkip, now, std::to_string(due_us)));
   }
   pipeline_->tick(seconds_of(now));
   // A packet that arrives at the same time is ordered after these frames, in a replay as well.
@@ -263,8 +263,8 @@ bool Server::is_over(std::int64_t now, std::int64_t latest) const {
 }
 
 Result<void> Server::listen() {
-  TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
-  TRY_ASSIGN(
+  RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(from_.format));
+  RETARGET_TRY_ASSIGN(
       ByteSource source,
       ByteSource::open(from_, *format, [this](std::string_view label, std::string_view text) {
         const std::lock_guard lock(mutex_);
@@ -295,16 +295,17 @@ Result<void> Server::listen_to(ByteSource& source) {
     if (event == ByteSource::Event::kEnd) break;
     if (event == ByteSource::Event::kPacket) {
       heard = now;
-      TRY(take_packet(source.packet(), now));
+      RETARGET_TRY(take_packet(source.packet(), now));
     }
     const std::lock_guard lock(mutex_);
     if (failed_) return *std::exchange(failed_, std::nullopt);
     if (outputs_.are_closed()) break;
     if (control_.is_recalibrated && control_.is_recalibrated()) {
-      TRY(take_now(StreamEvent::kRecalibrate, now));
+      RETARGET_TRY(take_now(StreamEvent::kRecalibrate, now));
     }
-    if (event == ByteSource::Event::kNewSender) TRY(take_now(StreamEvent::kNewSender, now));
-    if (pipeline_->body_is_ready()) TRY(take_now(StreamEvent::kBody, watch_.now()));
+    if (event == ByteSource::Event::kNewSender)
+      RETARGET_TRY(take_now(StreamEvent::kNewSender, now));
+    if (pipeline_->body_is_ready()) RETARGET_TRY(take_now(StreamEvent::kBody, watch_.now()));
     if (stats_) {
       stats_->write_if_due(seconds_of(now), *pipeline_, source.statistics(), outputs_.statistics());
     }
@@ -314,24 +315,24 @@ Result<void> Server::listen_to(ByteSource& source) {
 }
 
 Result<void> Server::replay() {
-  TRY_ASSIGN(StreamReplay recorded,
-             StreamReplay::open((fs::path(options_.replay) / kRecordedInput).string()));
+  RETARGET_TRY_ASSIGN(StreamReplay recorded,
+                      StreamReplay::open((fs::path(options_.replay) / kRecordedInput).string()));
   StreamReplay::Entry entry;
   for (;;) {
-    TRY_ASSIGN(const bool is_there, recorded.next(entry));
+    RETARGET_TRY_ASSIGN(const bool is_there, recorded.next(entry));
     if (!is_there || outputs_.are_closed() || (control_.is_stopped && control_.is_stopped())) break;
-    TRY(take(entry.event, entry.microseconds, entry.bytes));
+    RETARGET_TRY(take(entry.event, entry.microseconds, entry.bytes));
   }
   return {};
 }
 
 Result<ServeSummary> Server::run() {
-  TRY_ASSIGN(from_, parse_address(options_.input));
-  TRY(make_pipeline());
-  TRY(open_outputs());
-  TRY(open_record());
+  RETARGET_TRY_ASSIGN(from_, parse_address(options_.input));
+  RETARGET_TRY(make_pipeline());
+  RETARGET_TRY(open_outputs());
+  RETARGET_TRY(open_record());
   if (!options_.stats.empty()) {
-    TRY_ASSIGN(stats_, StatsWriter::open(options_.stats));
+    RETARGET_TRY_ASSIGN(stats_, StatsWriter::open(options_.stats));
   }
   const Result<void> ran = options_.replay.empty() ? listen() : replay();
   summary_.written = outputs_.finish();
@@ -351,10 +352,10 @@ Result<ServeSummary> Server::run() {
 
 Result<LivePace> chosen_pace(const ServeOptions& options) {
   if (options.pipeline.pace != LivePace::kAuto) return options.pipeline.pace;
-  TRY_ASSIGN(const StreamAddress from, parse_address(options.input));
+  RETARGET_TRY_ASSIGN(const StreamAddress from, parse_address(options.input));
   if (from.transport != Transport::kStdin) return LivePace::kClock;
   for (const std::string& place : options.outputs) {
-    TRY_ASSIGN(const StreamAddress to, parse_address(place));
+    RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(place));
     if (to.transport != Transport::kFile && to.transport != Transport::kStdout) {
       return LivePace::kClock;
     }

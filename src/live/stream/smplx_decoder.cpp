@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "formats/smpl/smpl_body.h"
 #include "live/stream/packet_json.h"
 #include "live/stream/stream_formats.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -94,11 +94,11 @@ Result<void> read_body(const PacketJson& line, ToldBody& body) {
     body.height = height->get<double>();
   }
   if (const PacketJson* betas = find_member(line, {"betas"})) {
-    TRY_ASSIGN(body.betas, numbers_of(*betas, "\"betas\"", kMaxBeta, 0, kMaxBetas));
+    RETARGET_TRY_ASSIGN(body.betas, numbers_of(*betas, "\"betas\"", kMaxBeta, 0, kMaxBetas));
   }
   if (const PacketJson* offsets = find_member(line, {"rest_offsets"})) {
-    TRY_ASSIGN(const auto numbers, numbers_of(*offsets, "\"rest_offsets\"", kMaxPlace,
-                                              kOffsetNumbers, 3 * kMostJoints));
+    RETARGET_TRY_ASSIGN(const auto numbers, numbers_of(*offsets, "\"rest_offsets\"", kMaxPlace,
+                                                       kOffsetNumbers, 3 * kMostJoints));
     std::vector<Eigen::Vector3d> places;
     for (std::size_t i = 0; i < kOffsetNumbers; i += 3) places.push_back(vector_at(numbers, i));
     body.offsets = smpl_rest_body_of_offsets(places);
@@ -153,7 +153,7 @@ void SmplxDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleton
 }
 
 Result<void> SmplxDecoder::take(std::string_view bytes, StreamSink& sink) {
-  TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kSmplLine));
+  RETARGET_TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kSmplLine));
   if (!line.is_object()) return bad_smpl_line("expected a JSON object per line");
   const bool is_frame = find_member(line, {"global_orient", "root_orient", "body_pose", "pose_body",
                                            "poses", "transl", "trans"}) != nullptr;
@@ -161,20 +161,20 @@ Result<void> SmplxDecoder::take(std::string_view bytes, StreamSink& sink) {
   // frame.
   if (!is_told_ || !is_frame) {
     ToldBody told;
-    TRY(read_body(line, told));
-    if (is_frame) TRY(read_rotations(line));
+    RETARGET_TRY(read_body(line, told));
+    if (is_frame) RETARGET_TRY(read_rotations(line));
     if (is_known_) {
       y_is_up_ = told.y_is_up;
       is_told_ = true;
     } else {
-      TRY(tell_skeleton(told, sink));
+      RETARGET_TRY(tell_skeleton(told, sink));
     }
   }
   return is_frame ? take_frame(line, sink) : Result<void>{};
 }
 
 Result<void> SmplxDecoder::tell_skeleton(const ToldBody& told, StreamSink& sink) {
-  TRY_ASSIGN(const SmplRestBody body, told_rest_body(told));
+  RETARGET_TRY_ASSIGN(const SmplRestBody body, told_rest_body(told));
   Clip clip(smpl_skeleton(body), FrameRate{}, 1);
   order_ = smpl_skeleton_order();
   pelvis_ = body.joints[0];
@@ -201,21 +201,21 @@ Result<void> SmplxDecoder::read_rotations(const PacketJson& line) {
   constexpr std::size_t kSmplBodyNumbers = 69;  // SMPL's own body includes two hand joints.
   std::vector<double> numbers;
   if (const PacketJson* poses = find_member(line, {"poses"})) {
-    TRY_ASSIGN(numbers, numbers_of(*poses, "\"poses\"", kMaxAngle, kNumbers, kMaxNumbers));
+    RETARGET_TRY_ASSIGN(numbers, numbers_of(*poses, "\"poses\"", kMaxAngle, kNumbers, kMaxNumbers));
   } else {
     const PacketJson* root = find_member(line, {"root_orient", "global_orient"});
     const PacketJson* body = find_member(line, {"pose_body", "body_pose"});
     if (root == nullptr || body == nullptr) {
       return bad_smpl_line("a frame must have \"global_orient\" and \"body_pose\"");
     }
-    TRY_ASSIGN(numbers, numbers_of(*root, "\"global_orient\"", kMaxAngle, 3, 3));
-    TRY_ASSIGN(const auto joints,
-               numbers_of(*body, "\"body_pose\"", kMaxAngle, kBodyNumbers, kSmplBodyNumbers));
+    RETARGET_TRY_ASSIGN(numbers, numbers_of(*root, "\"global_orient\"", kMaxAngle, 3, 3));
+    RETARGET_TRY_ASSIGN(const auto joints, numbers_of(*body, "\"body_pose\"", kMaxAngle,
+                                                      kBodyNumbers, kSmplBodyNumbers));
     numbers.insert(numbers.end(), joints.begin(), joints.end());
   }
   for (const char* hand : {"left_hand_pose", "right_hand_pose"}) {
     if (const PacketJson* json = find_member(line, {hand})) {
-      TRY(numbers_of(*json, hand, kMaxAngle, 1, kHandNumbers));
+      RETARGET_TRY(numbers_of(*json, hand, kMaxAngle, 1, kHandNumbers));
     }
   }
   rotations_.clear();
@@ -224,10 +224,10 @@ Result<void> SmplxDecoder::read_rotations(const PacketJson& line) {
 }
 
 Result<void> SmplxDecoder::take_frame(const PacketJson& line, StreamSink& sink) {
-  TRY(read_rotations(line));
+  RETARGET_TRY(read_rotations(line));
   const PacketJson* transl = find_member(line, {"transl", "trans"});
   if (transl == nullptr) return bad_smpl_line("a frame must have \"transl\"");
-  TRY_ASSIGN(const auto place, numbers_of(*transl, "\"transl\"", kMaxPlace, 3, 3));
+  RETARGET_TRY_ASSIGN(const auto place, numbers_of(*transl, "\"transl\"", kMaxPlace, 3, 3));
   frame_.time = std::numeric_limits<double>::quiet_NaN();
   if (const PacketJson* time = find_member(line, {"time"})) {
     constexpr double kMaxTime = 1e12;

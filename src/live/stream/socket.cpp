@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -65,7 +65,7 @@ void Descriptor::close() {
 
 Result<Descriptor> bind_socket(const StreamAddress& address) {
   constexpr int kBacklog = 8;  // Pending connections.
-  TRY_ASSIGN(Descriptor made, open_socket(address));
+  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address));
   const bool tcp = address.transport == Transport::kTcp;
   const int yes = 1;
   if (tcp) ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -87,7 +87,7 @@ Result<Descriptor> join_group(const StreamAddress& address, const std::string& g
     return usage_failure(group + " is not a multicast group: expected 224.0.0.0 to 239.255.255.255",
                          "for example: ?multicast=239.255.42.99");
   }
-  TRY_ASSIGN(Descriptor made, open_socket(address));
+  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address));
   const int yes = 1;
   // Other programs on this machine may have joined the group as well.
   ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -111,7 +111,7 @@ int bound_port(const Descriptor& socket) {
 }
 
 Result<Descriptor> connect_socket(const StreamAddress& address) {
-  TRY_ASSIGN(Descriptor made, open_socket(address));
+  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address));
   const sockaddr_in place = socket_address(address);
   if (const std::string network = address.extra("interface"); !network.empty()) {
     // For a multicast group: this computer's address in the group's network.
@@ -140,7 +140,7 @@ int wait_for(std::span<const Descriptor* const> sources, double seconds) {
 }
 
 Result<Descriptor> begin_connection(const StreamAddress& address) {
-  TRY_ASSIGN(Descriptor made, open_socket(address, SOCK_NONBLOCK));
+  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address, SOCK_NONBLOCK));
   const sockaddr_in place = socket_address(address);
   const auto* const to = reinterpret_cast<const sockaddr*>(&place);
   if (::connect(made.number(), to, sizeof place) != 0 && errno != EINPROGRESS) {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "base/option_name.h"
-#include "base/try.h"
 #include "formats/containers/byte_order.h"
 #include "retarget/motion_io.h"
+#include "retarget/option_name.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -51,7 +51,7 @@ Result<SonicMessage> SonicMessage::make(const Robot& robot, double fps,
   if (fps != kFps) {
     return usage_failure(
         fmt::format("SONIC plays {} frames per second, found {}", kFps, number_text(fps, 3)),
-        "omit " OPTION("fps"));
+        "omit " RETARGET_OPTION("fps"));
   }
   if (options.frames < 1 || options.frames > kMaxFrames) {
     return usage_failure(
@@ -66,7 +66,7 @@ Result<SonicMessage> SonicMessage::make(const Robot& robot, double fps,
           static_cast<std::size_t>(robot.joints()[static_cast<std::size_t>(joint)].qpos_address));
     }
   } else {
-    TRY_ASSIGN(const G1Joints g1, find_g1_joints(robot, "SONIC"));
+    RETARGET_TRY_ASSIGN(const G1Joints g1, find_g1_joints(robot, "SONIC"));
     made.joints_.assign(g1.isaac.begin(), g1.isaac.end());
     made.left_hand_ = g1.left_hand;
     made.right_hand_ = g1.right_hand;

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/robot_frame_writer.h"
 #include "live/stream/stats_writer.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {

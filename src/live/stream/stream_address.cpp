@@ -6,8 +6,8 @@
 #include <array>
 #include <string_view>
 
-#include "base/try.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -107,12 +107,12 @@ Result<StreamAddress> parse_address(const std::string& text) {
   const std::size_t question = std::min(text.find('?'), text.size());
   const std::string place = text.substr(0, question);
   if (question < text.size()) {
-    TRY(parse_extras(std::string_view(text).substr(question + 1), text, address));
+    RETARGET_TRY(parse_extras(std::string_view(text).substr(question + 1), text, address));
   }
   for (const auto& [name, transport] : kSockets) {
     if (!place.starts_with(fmt::format("{}:", name))) continue;
     address.transport = transport;
-    TRY(parse_place(std::string_view(place).substr(name.size() + 1), text, address));
+    RETARGET_TRY(parse_place(std::string_view(place).substr(name.size() + 1), text, address));
     return address;
   }
   if (place == "stdin") {

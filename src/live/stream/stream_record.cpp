@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/writer_output.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -35,7 +35,7 @@ Result<StreamRecorder> StreamRecorder::create(const std::string& file,
   StreamAddress to;
   to.transport = Transport::kFile;
   to.file = file;
-  TRY_ASSIGN(Descriptor opened, open_for_writing(to));
+  RETARGET_TRY_ASSIGN(Descriptor opened, open_for_writing(to));
   return StreamRecorder(file, context, std::move(opened));
 }
 

@@ -6,7 +6,7 @@
 
 #include "base/math/so3.h"
 #include "base/math/trigonometry.h"
-#include "base/try.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -32,7 +32,7 @@ void copy_hand(const std::optional<std::array<std::size_t, kDex3Motors>>& joints
 
 Result<Twist2Actions> Twist2Actions::make(const Robot& robot, double fps) {
   Twist2Actions made;
-  TRY_ASSIGN(made.joints_, find_g1_joints(robot, "TWIST2"));
+  RETARGET_TRY_ASSIGN(made.joints_, find_g1_joints(robot, "TWIST2"));
   made.fps_ = fps;
   return made;
 }

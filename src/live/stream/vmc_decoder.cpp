@@ -13,12 +13,12 @@
 #include <string>
 #include <utility>
 
-#include "base/try.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/osc.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/unity_bones.h"
 #include "retarget/pose.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -60,10 +60,10 @@ class VmcDecoder final : public Decoder {
 };
 
 Result<void> VmcDecoder::take(std::string_view bytes, StreamSink& sink) {
-  TRY_ASSIGN(const auto messages, read_osc(bytes));
+  RETARGET_TRY_ASSIGN(const auto messages, read_osc(bytes));
   time_before_ = frame_.time;
   frames_ = 0;
-  for (const OscMessage& message : messages) TRY(take_message(message, sink));
+  for (const OscMessage& message : messages) RETARGET_TRY(take_message(message, sink));
   // A complete frame does not wait for the next packet.
   if (learned_ && is_whole()) give_frame(sink);
   return {};
@@ -75,13 +75,13 @@ Result<void> VmcDecoder::take_message(const OscMessage& message, StreamSink& sin
     return {};
   }
   if (message.address == "/VMC/Ext/Root/Pos") {
-    TRY_ASSIGN(root_, mirrored_pose(message));
+    RETARGET_TRY_ASSIGN(root_, mirrored_pose(message));
     return {};
   }
   if (message.address != "/VMC/Ext/Bone/Pos" || message.texts.empty()) return {};
   const std::size_t bone = unity_bone_index(message.texts[0]);
   if (bone == kUnityBoneCount) return {};
-  TRY_ASSIGN(const Pose pose, mirrored_pose(message));
+  RETARGET_TRY_ASSIGN(const Pose pose, mirrored_pose(message));
   if (seen_[bone]) {
     // A repeated bone starts the next frame.
     constexpr int kMostFrames = 8;

@@ -9,8 +9,8 @@
 #include <cstring>
 #include <utility>
 
-#include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -31,7 +31,7 @@ Result<Descriptor> open_for_writing(const StreamAddress& to) {
     if (!file.is_open()) return run_failure(to.text(), "it is closed");
     return file;
   }
-  TRY(check_output_folder(to.file));
+  RETARGET_TRY(check_output_folder(to.file));
   constexpr int kMode = 0644;
   // Non-blocking, so that a pipe without a reader is an error at once.
   Descriptor file(

@@ -15,13 +15,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/packet_json.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "live/stream/xrobot_joints.h"
 #include "retarget/text.h"
+#include "retarget/try.h"
 
 namespace retarget {
 namespace {
@@ -120,12 +120,13 @@ class XrobotDecoder final : public Decoder {
 };
 
 Result<void> XrobotDecoder::take(std::string_view bytes, StreamSink& sink) {
-  TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kXrobotLine));
+  RETARGET_TRY_ASSIGN(const PacketJson line, parse_packet_json(bytes, kXrobotLine));
   if (!line.is_object()) return bad_xrobot_line("expected a JSON object per line");
   // The service wraps the client's object in a string.
   const PacketJson* value = xrobot_member(line, "value");
   if (value == nullptr || !value->is_string()) return take_object(line, sink);
-  TRY_ASSIGN(const PacketJson inner, parse_packet_json(value->get<std::string>(), "\"value\""));
+  RETARGET_TRY_ASSIGN(const PacketJson inner,
+                      parse_packet_json(value->get<std::string>(), "\"value\""));
   if (!inner.is_object()) return bad_xrobot_line("\"value\" must be a JSON object");
   return take_object(inner, sink);
 }
@@ -141,9 +142,10 @@ Result<void> XrobotDecoder::take_object(const PacketJson& line, StreamSink& sink
                     kXrobotJointCount));
   }
   for (std::size_t i = 0; i < kXrobotJointCount; ++i) {
-    TRY_ASSIGN(world_from_joint_[i], world_from_xrobot_joint((*joints)[i], kXrobotJoints[i].name));
+    RETARGET_TRY_ASSIGN(world_from_joint_[i],
+                        world_from_xrobot_joint((*joints)[i], kXrobotJoints[i].name));
   }
-  if (!is_told_) TRY(learn_skeleton(sink));
+  if (!is_told_) RETARGET_TRY(learn_skeleton(sink));
   skeleton_.give(xrobot_time(line, body), world_from_joint_, sink);
   return {};
 }

@@ -1,7 +1,7 @@
 // Publishes robot frames over ZeroMQ. CMake defines RETARGET_HAS_ZEROMQ if libzmq is available.
 
-#include "base/try.h"
 #include "live/stream/controller_outputs.h"
+#include "retarget/try.h"
 
 #ifdef RETARGET_HAS_ZEROMQ
 
@@ -104,7 +104,7 @@ class SonicOutput final : public FrameOutput {
 };
 
 Result<SonicOptions> parse_options(const StreamAddress& to) {
-  TRY(check_extras(to, std::array<std::string, 2>{"frames", "joints"}));
+  RETARGET_TRY(check_extras(to, std::array<std::string, 2>{"frames", "joints"}));
   SonicOptions options;
   if (const std::string frames = to.extra("frames"); !frames.empty()) {
     const auto number = parse_number<int>(frames);
@@ -122,9 +122,10 @@ Result<SonicOptions> parse_options(const StreamAddress& to) {
 
 Result<std::unique_ptr<FrameOutput>> open_zmq_output(const StreamAddress& to,
                                                      const FrameOutputContext& context) {
-  TRY_ASSIGN(const SonicOptions options, parse_options(to));
-  TRY_ASSIGN(SonicMessage message, SonicMessage::make(*context.robot, context.fps, options));
-  TRY_ASSIGN(Publisher publisher, Publisher::bind(to));
+  RETARGET_TRY_ASSIGN(const SonicOptions options, parse_options(to));
+  RETARGET_TRY_ASSIGN(SonicMessage message,
+                      SonicMessage::make(*context.robot, context.fps, options));
+  RETARGET_TRY_ASSIGN(Publisher publisher, Publisher::bind(to));
   context.tell("output", "publishing at " + publisher.place());
   return std::make_unique<SonicOutput>(std::move(publisher), std::move(message));
 }
