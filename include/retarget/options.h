@@ -172,7 +172,7 @@ struct FitOptions {
                                  ///< velocity; times smoothing_time: per rad/s^2.
   double smoothness_arm = 2.15;
   double smoothness_wrist = 1.65;
-  double smoothness_root_position = 20.0;  ///< Per m/s.
+  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the low-passed target.
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Time constant of the velocity smoothing, about, in seconds.
 

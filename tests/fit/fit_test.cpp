@@ -117,12 +117,13 @@ TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
 }
 
 TEST_F(FitTest, FeetStandOnRaisedSupports) {
-  // Everything is lifted by 0.3 m within a third of a second, as by a platform.
+  // Everything is lifted by 0.3 m within a third of a second, as by a platform that starts and
+  // stops smoothly.
   Clip clip = cut(sample("wave.bvh"), 0, 70);
   constexpr int kFirst = 30, kLast = 40;
   for (int t = kFirst; t < clip.frame_count(); ++t) {
     const double way = std::min(1.0, static_cast<double>(t - kFirst) / (kLast - kFirst));
-    clip.translations(t)[0].y() += 30.0 * way;
+    clip.translations(t)[0].y() += 30.0 * way * way * (3.0 - 2.0 * way);
   }
   const FitResult result = fitted(clip);
   expect_guarantees(result.clip);

@@ -18,6 +18,7 @@
 #include "retarget/human.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/joint_speeds.h"
+#include "solve/fit/root_reference.h"
 #include "solve/targets/targets.h"
 #include "support/test_robots.h"
 
@@ -251,6 +252,9 @@ TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
   for (int frame = 0; frame < clip.frame_count; ++frame) {
     const auto qpos = random_configuration(0.2, 0.8);
     clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
+    for (std::size_t i = 0; i < model_.tasks.size(); ++i) {
+      clip.targets.push_back({Vector3d::Random(), Eigen::Quaterniond::Identity()});
+    }
   }
   // The smoothed steps count as constant: the gradient of the minimised cost is the same.
   const auto cost = [&] {
@@ -260,53 +264,62 @@ TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
   };
   const JointSpeeds speeds = cost();
   std::vector<StepTerm> terms(dofs_);
+  const RootReference reference(model_, clip.frame_time);
+  ASSERT_TRUE(reference.exists());
   constexpr int kFrame = 2;
-  const std::size_t joint = 20;
-  speeds.terms(kFrame - 1, terms);
-  double gradient = terms[joint].force;
-  speeds.terms(kFrame, terms);
-  gradient -= terms[joint].force;
-  // Independent computation: the joint's steps, smoothed by a dense solve of the same least
-  // squares.
-  const auto address = static_cast<std::size_t>(model_.tree.links()[joint - 5].qpos_address);
-  const auto total = [&](double change) {
-    Eigen::VectorXd v(clip.frame_count - 1);
-    for (int t = 0; t + 1 < clip.frame_count; ++t) {
-      const auto value = [&](int frame) {
-        return clip.frame(frame, model_.configuration_size)[address] +
-               (frame == kFrame ? change : 0.0);
-      };
-      v[t] = value(t + 1) - value(t);
-    }
-    const auto count = v.size();
-    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
-    for (Eigen::Index i = 0; i + 1 < count; ++i) {
-      d(i, i) = -1.0;
-      d(i, i + 1) = 1.0;
-    }
-    const double lambda =
-        options_.smoothing_time * options_.smoothing_time / (clip.frame_time * clip.frame_time);
-    const Eigen::MatrixXd system =
-        Eigen::MatrixXd::Identity(count, count) + lambda * d.transpose() * d;
-    const Eigen::VectorXd s = system.inverse() * v;
-    const double weight = model_.smoothness[joint] / clip.frame_time;
-    double sum = weight * weight * ((v - s).squaredNorm() + lambda * (d * s).squaredNorm());
-    for (const double step : v) {
-      const double soft = options_.soft_joint_speed * clip.frame_time;
-      const double excess = std::max(0.0, std::abs(step) - soft);
-      sum += options_.speed_weight * options_.speed_weight * excess * excess /
-             (clip.frame_time * clip.frame_time);
-    }
-    return sum;
-  };
-  constexpr double kStep = 1e-6;
-  EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
-              1e-4 * std::abs(gradient) + 1e-3);
+  // The height of the root, and a joint.
+  for (const std::size_t dof : {2U, 20U}) {
+    SCOPED_TRACE(dof);
+    speeds.terms(kFrame - 1, terms);
+    double gradient = terms[dof].force;
+    speeds.terms(kFrame, terms);
+    gradient -= terms[dof].force;
+    // Independent computation: the steps of the degree of freedom, for the root relative to the reference, smoothed by a dense solve of the same least
+    // squares.
+    const auto address =
+        dof < 6 ? dof : static_cast<std::size_t>(model_.tree.links()[dof - 5].qpos_address);
+    const auto total = [&](double change) {
+      Eigen::VectorXd v(clip.frame_count - 1);
+      for (int t = 0; t + 1 < clip.frame_count; ++t) {
+        const auto value = [&](int frame) {
+          return clip.frame(frame, model_.configuration_size)[address] +
+                 (frame == kFrame ? change : 0.0);
+        };
+        v[t] = value(t + 1) - value(t);
+        if (dof < 3) v[t] -= reference.step(clip, t)[static_cast<Eigen::Index>(dof)];
+      }
+      const auto count = v.size();
+      Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
+      for (Eigen::Index i = 0; i + 1 < count; ++i) {
+        d(i, i) = -1.0;
+        d(i, i + 1) = 1.0;
+      }
+      const double lambda =
+          options_.smoothing_time * options_.smoothing_time / (clip.frame_time * clip.frame_time);
+      const Eigen::MatrixXd system =
+          Eigen::MatrixXd::Identity(count, count) + lambda * d.transpose() * d;
+      const Eigen::VectorXd s = system.inverse() * v;
+      const double weight = model_.smoothness[dof] / clip.frame_time;
+      double sum = weight * weight * ((v - s).squaredNorm() + lambda * (d * s).squaredNorm());
+      if (dof < 6) return sum;
+      for (const double step : v) {
+        const double soft = options_.soft_joint_speed * clip.frame_time;
+        const double excess = std::max(0.0, std::abs(step) - soft);
+        sum += options_.speed_weight * options_.speed_weight * excess * excess /
+               (clip.frame_time * clip.frame_time);
+      }
+      return sum;
+    };
+    constexpr double kStep = 1e-6;
+    EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
+                1e-4 * std::abs(gradient) + 1e-3);
+  }
 }
 
 TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
   FitClip clip;
   clip.frame_count = 9;
+  clip.targets.resize(9 * model_.tasks.size());
   for (int frame = 0; frame < clip.frame_count; ++frame) {
     const auto qpos = random_configuration(0.2, 0.8);
     clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());

@@ -12,6 +12,9 @@ namespace {
 
 // The speed term sets in slightly below the limit, so that the limit is rarely reached.
 constexpr double kLimitShare = 0.9;
+// Share of the weight of the root's position if it has no target to follow: the term then
+// penalises the accelerations themselves.
+constexpr double kWithoutReference = 0.4;
 
 // The change from one configuration to the next, by degree of freedom: root translation in metres,
 // rotation vector in the root's axes, joint positions.
@@ -30,11 +33,14 @@ void configuration_step(const FitModel& model, std::span<const double> from,
 }  // namespace
 
 JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
-    : speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
+    : root_(model, frame_time),
+      speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
       smoothing_(square(options.smoothing_time / frame_time)),
       stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
-    smooth_weight_.push_back(options.smoothness ? square(model.smoothness[i] / frame_time) : 0.0);
+    const double share = i < 3 && !root_.exists() ? kWithoutReference : 1.0;
+    const double weight = share * model.smoothness[i] / frame_time;
+    smooth_weight_.push_back(options.smoothness ? square(weight) : 0.0);
     const bool hinge = i >= KinematicTree::kBaseDofs &&
                        !model.tree.links()[i - KinematicTree::kBaseDofs + 1].slides;
     const double own = kLimitShare * model.speed_limit[i];
@@ -57,6 +63,10 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
     configuration_step(model, clip.frame(first + i, model.configuration_size),
                        clip.frame(first + i + 1, model.configuration_size),
                        steps_.data() + static_cast<std::size_t>(i) * dofs);
+  }
+  for (int i = 0; root_.exists() && i < count; ++i) {
+    Eigen::Map<Eigen::Vector3d>(steps_.data() + static_cast<std::size_t>(i) * dofs) -=
+        root_.step(clip, first + i);
   }
   // The tridiagonal matrix is the same for every degree of freedom.
   for (int i = 0; i < count; ++i) {
