@@ -53,6 +53,9 @@ inline constexpr auto kEnumNames<Follow> =
     std::to_array<NamedValue<Follow>>({{Follow::kAll, "all"}, {Follow::kArms, "arms"}});
 
 template <>
+inline constexpr auto kEnumNames<Purpose> = std::to_array<NamedValue<Purpose>>({{Purpose::kTracking,
+                                                                                 "tracking"}});
+template <>
 inline constexpr auto kEnumNames<ScaleRule> = std::to_array<NamedValue<ScaleRule>>(
     {{ScaleRule::kTable, "table"}, {ScaleRule::kHeight, "height"}, {ScaleRule::kLimbs, "limbs"}});
 // kFrame is selected by a frame number and has no name.

@@ -88,6 +88,7 @@ struct MeasuredSource {
   ResolvedConfig config;
   std::string config_file;  ///< Recorded name of the file.
   ScaleRule scale = ScaleRule::kTable;
+  std::optional<TravelReport> travel;  ///< As in Plan.
 };
 
 /// Errors: those of prepare_clip.

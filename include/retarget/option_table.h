@@ -69,6 +69,8 @@ struct OptionInfo {
   bool required = false;         ///< On the command line.
   std::string none = {};         ///< For an optional enum: the word for no choice; empty: none.
   OptionUse uses = OptionUse::kNone;  ///< Other work that takes the option.
+  bool recorded_if_given = false;     ///< Records omit it while it is an empty text, so that they
+                                      ///< are those of versions without it.
 };
 
 /// An option bound to a struct member: one row of a table. Command line, JSON, run records and
@@ -211,8 +213,12 @@ void append(OptionTable& table, OptionTable rows);
 [[nodiscard]] OptionTable without_rows_of(const OptionTable& taken, OptionTable table);
 [[nodiscard]] OptionTable without(OptionTable table, std::initializer_list<std::string_view> names);
 
-/// Formats the options that affect a motion (OptionInfo::decides) as a JSON object, in table order,
-/// including those with default values.
+/// Whether records of motions contain the option: it affects a motion (OptionInfo::decides) and is
+/// given, or its default is recorded too.
+[[nodiscard]] bool is_recorded(const Option& row);
+
+/// Formats the recorded options as a JSON object, in table order, including those with default
+/// values.
 [[nodiscard]] std::string options_text(const OptionTable& table);
 
 /// Sets options from a file with a JSON object as options_text writes it; options that it lacks are
@@ -259,6 +265,9 @@ inline constexpr const char* kGeneralGroup = "General";
 
 /// Metres per unit from a unit name or a number; nothing for an empty text.
 [[nodiscard]] Result<std::optional<double>> unit_from_text(const std::string& text);
+
+/// Parses a travel factor; nothing for `auto`.
+[[nodiscard]] Result<std::optional<double>> travel_from_text(const std::string& text);
 
 /// The option rows of FitOptions. Rows are named like its members, terms with hyphens.
 [[nodiscard]] OptionTable fit_table(FitOptions& options);

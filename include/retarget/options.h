@@ -279,13 +279,25 @@ struct RobotChoice {
   Follow follow = Follow::kAll;
 };
 
+/// Purpose of a motion. The preset of a purpose sets several options; options that are given win.
+enum class Purpose : unsigned char {
+  kTracking,  ///< Training a policy that tracks the motion (docs/fit.md, "Motions for policies").
+};
+
 /// How a motion is solved.
 struct SolveOptions {
+  std::optional<Purpose> purpose;  ///< Empty: no preset.
+  /// Factor for the path over the ground of hips and planted feet, or `auto`: by speed. Empty: that
+  /// of the preset, else 1.
+  std::string travel;
   std::string limits;     ///< Limit set of the robot, or a JSON or MJCF file; empty: by method.
   std::string ik_config;  ///< `published`, `derived`, or a file; empty: chosen for the source.
   Method method = Method::kFit;
-  std::string fit_config;            ///< JSON file of FitOptions; overrides `fit`; empty: none.
-  FitOptions fit;                    ///< Options of Method::kFit.
+  std::string fit_config;  ///< JSON file of FitOptions; overrides `fit`; empty: none.
+  FitOptions fit;          ///< Options of Method::kFit.
+  /// Names of options of `fit` (fit_table) that a preset leaves as they are. It also leaves those
+  /// that differ from their defaults.
+  std::vector<std::string> fit_given;
   double fit_window_s = 0.0;         ///< Overrides FitOptions::window, seconds; 0: no override.
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.

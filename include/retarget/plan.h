@@ -13,6 +13,7 @@
 #include "retarget/load.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
+#include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
@@ -51,7 +52,9 @@ struct RobotSetup {
 /// All decisions for retargeting a clip to a robot. A plain value: every member may be read and
 /// replaced before solve().
 struct Plan {
-  std::shared_ptr<const Clip> clip;  ///< The clip as read; null after solve(Plan&&).
+  /// The clip as read, cleaned and with scaled travel (HumanOptions::clean, SolveOptions::travel);
+  /// null after solve(Plan&&).
+  std::shared_ptr<const Clip> clip;
   LoadedRobot robot;
   Options options;  ///< As given; the members below take precedence.
 
@@ -65,6 +68,7 @@ struct Plan {
   ResolvedConfig config;
   bool is_config_of_others = false;  ///< `config` was chosen because the clip is not LAFAN1.
   ScaleRule scale = ScaleRule::kLimbs;
+  std::optional<TravelReport> travel;  ///< Set if the travel of `clip` is scaled.
   FitOptions fit;
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.

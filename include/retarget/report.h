@@ -97,6 +97,12 @@ struct FitReport {
   std::vector<std::string> notes;
 };
 
+/// Factors by which the path of the source over the ground was scaled before the fit.
+struct TravelReport {
+  double factor = 1.0;                 ///< Mean over the path of the hips.
+  double least = 1.0, greatest = 1.0;  ///< Over the frames.
+};
+
 /// Value of a metric for one motion.
 struct MetricValue {
   const Metric* metric = nullptr;
@@ -203,6 +209,8 @@ struct QualityReport {
   std::string source;     ///< File name of the source clip, without folder; empty: none.
   std::string config;     ///< File of the tracked configuration; empty: no source.
   int source_frames = 0;  ///< Frames of the motion that the source covers.
+  /// Set if the motion is compared with a source whose travel was scaled (SolveOptions::travel).
+  std::optional<TravelReport> travel;
   std::optional<double>
       leg;  ///< Robot leg, hip to knee to ankle, metres; needs a source and a configuration.
   int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.

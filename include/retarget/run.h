@@ -159,6 +159,9 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 /// it is not used.
 [[nodiscard]] std::string recorded_variant(const std::string& path);
 
+/// The travel (SolveOptions::travel, also that of a preset) recorded likewise; empty for none.
+[[nodiscard]] std::string recorded_travel(const std::string& path);
+
 /// Lines of the summary of a run.
 
 /// Summary of the clip as read.

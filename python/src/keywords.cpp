@@ -156,8 +156,10 @@ std::string annotation(const Option& row) {
   if (!choices.empty()) return choices;
   const std::string& type = row.info.type;
   if (type.find("FILE") != std::string::npos || type == "DIR") return "StrPath";
-  // Text options that also accept numbers: a rate, a unit.
-  return type == "N|source" || type == "N" || type == "UNIT" ? "str | float" : "str";
+  // Text options that also accept numbers: a rate, a factor, a unit.
+  const bool takes_numbers =
+      type == "N|source" || type == "N" || type == "S|auto" || type == "UNIT";
+  return takes_numbers ? "str | float" : "str";
 }
 
 }  // namespace
@@ -181,7 +183,7 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
 std::string keyword_of(const Option& row) {
   std::string name = option_as_field(row.name);
   // These names are Python keywords.
-  if (name == "from" || name == "with") name += "_";
+  if (name == "for" || name == "from" || name == "with") name += "_";
   return name;
 }
 

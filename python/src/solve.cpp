@@ -53,6 +53,9 @@ MotionHandle to_robot(const ClipHandle& clip, const RobotHandle& robot, const nb
   Options options;
   apply_keywords(solving_table(options), keywords);
   apply_keywords(fit_table(options.solve.fit), fit);
+  for (const auto& [name, value] : fit) {
+    if (!value.is_none()) options.solve.fit_given.push_back(nb::cast<std::string>(name));
+  }
   if (threads < 0) raise(usage_failure("threads: expected 0 or more").value());
   Watcher watcher(progress);
   SolveControl control;

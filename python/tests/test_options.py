@@ -35,6 +35,10 @@ SOURCE = Path(__file__).resolve().parents[2]
     ({"format": {"csv": 1}}, "format: expected some of"),
     ({"without": "flor"}, "flor"),
     ({"with_": "dynamic"}, 'did you mean "dynamics"'),
+    ({"for_": "trackin"}, 'did you mean "tracking"'),
+    ({"for_": "tracking", "method": "gmr"}, "for and travel require method fit"),
+    ({"travel": "fast"}, "travel: expected a number from 0.5 to 1.2 or `auto`"),
+    ({"travel": 3}, "travel: expected a number from 0.5 to 1.2 or `auto`"),
     ({"up": "w"}, "up: expected x, y, z"),
     ({"map": "a\0b"}, "a path with a null byte"),
     ({"fit": {"contact_wight": 3.0}}, 'did you mean "contact_weight"?'),
@@ -61,6 +65,26 @@ def test_the_fit_s_own_options(walk: retarget.Clip, g1: retarget.Robot, tmp_path
     by_name = retarget.to_robot(walk, g1, fit={"contact_weight": 100, "floor": False})
     assert by_file.qpos.tobytes() == by_name.qpos.tobytes()
     assert by_file.qpos.tobytes() != retarget.to_robot(walk, g1).qpos.tobytes()
+
+
+def test_travel(walk: retarget.Clip, g1: retarget.Robot, walked: retarget.Motion) -> None:
+    shorter = retarget.to_robot(walk, g1, travel=0.9)
+    ways = [np.linalg.norm(motion.qpos[-1, :2] - motion.qpos[0, :2])
+            for motion in (walked, shorter)]
+    assert ways[1] / ways[0] == pytest.approx(0.9, abs=0.005)
+    assert retarget.to_robot(walk, g1, travel="0.9").qpos.tobytes() == shorter.qpos.tobytes()
+    assert retarget.evaluate(shorter).passed
+
+
+def test_the_preset_for_policies(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    preset = retarget.to_robot(walk, g1, for_="tracking", end=2)
+    calm = retarget.to_robot(walk, g1, for_="tracking", end=2, without="dynamics")
+    assert preset.qpos.tobytes() != calm.qpos.tobytes()
+    # Options of the fit that are given win, also with their default values.
+    given = {"smoothness_leg": 1.75, "smoothness_arm": 2.15, "smoothness_wrist": 1.65,
+             "smoothness_root_position": 20.0, "smoothness_root_rotation": 4.0, "dynamics": False}
+    usual = retarget.to_robot(walk, g1, for_="tracking", travel=1, end=2, fit=given)
+    assert usual.qpos.tobytes() == retarget.to_robot(walk, g1, end=2).qpos.tobytes()
 
 
 def test_source_options_need_a_path(walk: retarget.Clip, g1: retarget.Robot, data: Path) -> None:

@@ -113,6 +113,11 @@ void append(OptionTable& table, OptionTable rows) {
   std::ranges::move(rows, std::back_inserter(table));
 }
 
+bool is_recorded(const Option& row) {
+  if (!row.info.decides) return false;
+  return !row.info.recorded_if_given || !to_text(row.get()).empty();
+}
+
 OptionTable rows_for(OptionUse use, OptionTable table) {
   std::erase_if(table, [use](const Option& row) { return !is_for(use, row); });
   return table;

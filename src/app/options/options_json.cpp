@@ -74,7 +74,7 @@ std::string name_from(const Json& json, const std::string& key) {
 Json options_json(const OptionTable& table) {
   Json json = Json::object();
   for (const Option& row : table) {
-    if (!row.info.decides) continue;
+    if (!is_recorded(row)) continue;
     const OptionValue value = row.get();
     if (const auto* text = std::get_if<std::string>(&value)) {
       put_name(json, row.name, *text);

@@ -12,6 +12,8 @@ namespace {
 
 // Wide enough for any motion, narrow enough to catch typing errors.
 constexpr double kMinRate = 0.001, kMaxRate = 1e6, kMaxTime = 1e9;
+// Legs do not reach much farther than the human's.
+constexpr double kMinTravel = 0.5, kMaxTravel = 1.2;
 
 // Name and length in metres.
 constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
@@ -55,6 +57,11 @@ Result<std::string> checked_unit(const std::string& text) {
   return text;
 }
 
+Result<std::string> checked_travel(const std::string& text) {
+  if (!text.empty()) TRY(travel_from_text(text));
+  return text;
+}
+
 std::string rate_text(const std::optional<double>& fps) {
   return fps ? fmt::format("{}", *fps) : "source";
 }
@@ -76,6 +83,13 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
   if (const auto metres = number_in(text, 1e-6, 1e6)) return metres;
   return usage_failure(fmt::format(
       "expected m, dm, cm, mm, inch, cmu, or metres from 0.000001 to 1000000, found \"{}\"", text));
+}
+
+Result<std::optional<double>> travel_from_text(const std::string& text) {
+  if (text == "auto") return std::optional<double>();
+  if (const auto factor = number_in(text, kMinTravel, kMaxTravel)) return factor;
+  return usage_failure(fmt::format("expected a number from {} to {} or `auto`, found \"{}\"",
+                                   kMinTravel, kMaxTravel, text));
 }
 
 Option memory_row(double& memory_gb) {
@@ -227,8 +241,28 @@ OptionTable robot_table(RobotChoice& options) {
                  {.uses = OptionUse::kLive})};
 }
 
-OptionTable solve_table(SolveOptions& options) {
+namespace {
+
+// Options that choose several others, and the path over the ground.
+OptionTable purpose_table(SolveOptions& options) {
   return {
+      option("for", options.purpose, kRobotGroup, "",
+             "Preset: tracking is for training a policy that tracks the motion: " OPTION(
+                 "with") " dynamics, " OPTION("travel") " auto, smoother joints and root "
+                                                        "(docs/fit.md); options that are given "
+                                                        "win",
+             {.uses = OptionUse::kShowBatch, .recorded_if_given = true}),
+      text_option("travel", options.travel, kRobotGroup, "S|auto",
+                  "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
+                  "heights, turns and times stay. auto: 1 for a slow walk, 0.85 for a run, by the "
+                  "Froude number of the robot's legs (default: 1)",
+                  plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true})};
+}
+
+}  // namespace
+
+OptionTable solve_table(SolveOptions& options) {
+  OptionTable table = {
       option("limits", options.limits, kRobotGroup, "SET|FILE",
              "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file (default: "
              "gmr with " OPTION("method") " gmr)",
@@ -270,6 +304,8 @@ OptionTable solve_table(SolveOptions& options) {
                                                         "every body to one size "
                                                         "(default with " OPTION("height") ")",
              {.none = "auto", .uses = kJudged | OptionUse::kLive})};
+  append(table, purpose_table(options));
+  return table;
 }
 
 OptionTable time_table(TimeOptions& options) {

@@ -63,6 +63,15 @@ Result<void> check_solving_options(const Options& options) {
             "window") " require " OPTION("method") " fit",
         "omit " OPTION("method"));
   }
+  if (solve.method != Method::kFit && (solve.purpose || !solve.travel.empty())) {
+    return usage_failure(OPTION("for") " and " OPTION("travel") " require " OPTION("method") " fit",
+                         "omit " OPTION("method"));
+  }
+  if (!solve.travel.empty()) {
+    if (const auto travel = travel_from_text(solve.travel); !travel) {
+      return usage_failure(OPTION("travel") ": " + travel.error().message);
+    }
+  }
   if (solve.method != Method::kFit && !options.save.contacts.empty()) {
     return usage_failure(OPTION("contacts") " requires " OPTION(
                              "method") " fit: the published method does not use contacts",

@@ -32,6 +32,7 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   add_solver_failures(motion.solver_failures, report);
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);
+  report.travel = plan.travel;
   report.fit = motion.fit;
   gates.judge(report);
   return report;

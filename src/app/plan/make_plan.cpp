@@ -9,6 +9,7 @@
 
 #include "app/plan/clean_source.h"
 #include "app/plan/follow_arms.h"
+#include "app/plan/source_travel.h"
 #include "app/plan/unknown_rotations.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -168,6 +169,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
     plan.config_notes.push_back(std::move(line));
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
+  TRY(scale_source_travel(clip, plan));
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));
   TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},

@@ -42,6 +42,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.config = plan.config;
   source.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
   source.scale = plan.scale;
+  source.travel = plan.travel;
   source.map = plan.human.map;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers));
   if (plan.lead_in_frames == 0) return source;
@@ -69,6 +70,7 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
   if (fingers) add_hands(motion, *fingers, source->map, measure.report);
   measure.source_frames = human->frame_count;
   measure.report.source = source->name;
+  measure.report.travel = source->travel;
   measure.report.config = source->config_file;
   return measure;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/plan/follow_arms.h"
+#include "app/plan/preset.h"
 #include "app/plan/robot_source.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -24,6 +25,7 @@ Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   // The limits hold for the written values; lower precision than this is not useful.
   constexpr int kMinDecimals = 3;
   fit.decimals = std::max(kMinDecimals, options.save.precision);
+  apply_preset(solve, fit);
   if (!solve.fit_config.empty()) {
     TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMaxTextBytes));
     TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));

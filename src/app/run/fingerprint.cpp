@@ -104,7 +104,7 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
   if (copy.options.save.formats.empty()) copy.options.save.formats = {MotionFormat::kCsv};
   std::error_code ignored;
   for (const Option& row : run_table(copy)) {
-    if (!row.info.decides || std::ranges::count(kTakenByMeaning, row.name) > 0) continue;
+    if (!is_recorded(row) || std::ranges::count(kTakenByMeaning, row.name) > 0) continue;
     const std::string value = to_text(row.get());
     if (row.info.file != OptionFile::kNone && fs::is_regular_file(value, ignored)) {
       TRY(print.add_file(row.name, value));

@@ -64,6 +64,25 @@ std::string variant_of(const std::vector<std::string>& motions) {
   return common;
 }
 
+// Scales the travel of the source as the sidecars of the motions record it, unless options say how.
+void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
+                   Observer& observer) {
+  if (motions.empty() || solve.purpose || !solve.travel.empty()) return;
+  const std::string travel = recorded_travel(motions.front());
+  const bool agree = std::ranges::all_of(
+      motions, [&](const std::string& motion) { return recorded_travel(motion) == travel; });
+  if (!agree) {
+    observer.warn({{0, 0,
+                    "the sidecars of the motions record different travel; the source is used as it "
+                    "is, unless " OPTION("travel") " is given"}},
+                  motions.front());
+    return;
+  }
+  if (travel.empty()) return;
+  solve.travel = travel;
+  observer.line("travel", travel + ", as the sidecar records it");
+}
+
 }  // namespace
 
 Result<Measures> load_measures(const MeasureRequest& request, Observer& observer,
@@ -96,6 +115,7 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   measures.reading =
       read_motion_options(request.reading, memory_share(run.options.source.memory_gb));
   if (!run.motion.empty()) {
+    choose_travel(request.motions, run.options.solve, observer);
     TRY(add_source(request, run, std::move(robot), measures, observer));
   } else if (run.options.source.source_fps > 0.0) {
     measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);

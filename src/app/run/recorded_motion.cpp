@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/plan/preset.h"
 #include "app/provenance/hash.h"
 #include "app/run/sidecar.h"
 #include "base/option_name.h"
@@ -85,6 +86,11 @@ SourceOptions recorded_source(const std::string& path, SourceOptions options) {
 std::string recorded_variant(const std::string& path) {
   const auto sidecar = own_sidecar(path);
   return sidecar ? sidecar->run.robot.variant : std::string();
+}
+
+std::string recorded_travel(const std::string& path) {
+  const auto sidecar = own_sidecar(path);
+  return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();
 }
 
 Result<RobotMotion> load_recorded_motion(const std::string& path,

@@ -67,6 +67,10 @@ Json found_json(const Plan& plan) {
   found["rest_pose"] = calibration.rest_pose;
   found["height"] = calibration.height;
   found["scale"] = enum_name(plan.scale);
+  if (const auto& travel = plan.travel) {
+    found["travel"] = {
+        {"factor", travel->factor}, {"least", travel->least}, {"greatest", travel->greatest}};
+  }
   found["limits"] = plan.limits.name;
   found["fps"] = plan.rate.fps();
   found["lead_in_frames"] = plan.lead_in_frames;

@@ -13,11 +13,11 @@
 #include "base/math/so3.h"
 #include "base/math/statistics.h"
 #include "human/gait/frame_runs.h"
+#include "human/gait/leg_mover.h"
 #include "human/gait/noisy_stances.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/facing.h"
 #include "human/skeleton/human_clip.h"
-#include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 
 namespace retarget {
@@ -221,13 +221,7 @@ class NoisyFootPlanter {
       offsets[static_cast<std::size_t>(end)] =
           interpolated(targets_[index], weights_[index], kCutoff, feet_.frame_time);
     }
-    // Knees bend about -z of the canonical shin.
-    Vector3d axis = -Vector3d::UnitZ();
-    const auto& bone_axes =
-        calibration_.bones[side_bone(kSides[static_cast<std::size_t>(foot)], LimbBone::kLeg)]
-            .joint_from_bone;
-    if (bone_axes) axis = *bone_axes * axis;
-    const TwoBoneLeg leg(joints, learned_hinge(clip_, joints, axis));
+    const LegMover leg(clip_, calibration_, joints, kSides[static_cast<std::size_t>(foot)]);
     for (int i = 0; i < feet_.frame_count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       place_foot(foot, i, offsets[0][at], offsets[1][at], leg);
@@ -247,7 +241,7 @@ class NoisyFootPlanter {
   }
 
   void place_foot(int foot, int i, const Vector3d& heel_offset, const Vector3d& toe_offset,
-                  const TwoBoneLeg& leg) {
+                  const LegMover& leg) {
     const auto at = static_cast<std::size_t>(i);
     const SourceFoot& source = feet_.at(i, foot);
     const Vector3d heel = source.end(kHeelEnd), toe = source.end(kToeEnd);
@@ -261,28 +255,7 @@ class NoisyFootPlanter {
     const Vector3d ankle = on_toe ? Vector3d(new_toe - turn * (toe - source.ankle))
                                   : Vector3d(new_heel + turn * (source.ankle - heel));
     result_.farthest = std::max(result_.farthest, (ankle - source.ankle).norm());
-    reach(part_.begin + i, turn, ankle - source.ankle, leg);
-  }
-
-  // Turns an ankle and shifts it by a distance in metres, in the world.
-  void reach(int frame, const Quaterniond& turn, const Vector3d& shift, const TwoBoneLeg& leg) {
-    // Legs of noisy clips are never as straight as they can be: shares of their length.
-    constexpr double kFree = 0.98, kFarthest = 0.999;
-    const Quaterniond human_from_source(calibration_.human_from_source);
-    std::vector<Pose> poses(static_cast<std::size_t>(clip_.skeleton().joint_count()));
-    forward_kinematics(clip_, frame, poses);
-    const auto place = [&](int joint) -> const Vector3d& {
-      return poses[static_cast<std::size_t>(joint)].translation;
-    };
-    const LegJoints& joints = leg.joints();
-    const Quaterniond in_source = human_from_source.conjugate() * turn * human_from_source;
-    const Pose& ankle = poses[static_cast<std::size_t>(joints.ankle)];
-    const Vector3d off = human_from_source.conjugate() * shift / calibration_.metres_per_unit;
-    const double length = (place(joints.knee) - place(joints.hip)).norm() +
-                          (place(joints.ankle) - place(joints.knee)).norm();
-    const double own = (place(joints.ankle) - place(joints.hip)).norm();
-    leg.reach(clip_, frame, {(in_source * ankle.rotation).normalized(), ankle.translation + off},
-              LegReach::of(length, own, off.norm(), kFree, kFarthest));
+    leg.move_ankle(clip_, part_.begin + i, turn, ankle - source.ankle);
   }
 
   Clip& clip_;

@@ -136,6 +136,10 @@ Json json_of(const FitReport& fit) {
   return json;
 }
 
+Json json_of(const TravelReport& travel) {
+  return {{"factor", travel.factor}, {"least", travel.least}, {"greatest", travel.greatest}};
+}
+
 void add_verdict(Json& json, const QualityReport& report) {
   json["passed"] = report.passed();
   json["gates"] = Json::array();
@@ -169,6 +173,7 @@ Json json_of(const QualityReport& report) {
   json["source"] = report.source.empty() ? Json() : Json(report.source);
   json["source_frames"] = report.source_frames;
   json["mapping"] = report.config.empty() ? Json() : Json(report.config);
+  if (report.travel) json["travel"] = json_of(*report.travel);
   json["leg_m"] = json_of(report.leg);
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},
