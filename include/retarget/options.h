@@ -168,11 +168,15 @@ struct FitOptions {
   double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Metres; shapes closer than this count as overlapping.
 
+  /// Joints within 5 % of their range of a limit, relative to that margin.
+  double limit_margin_weight = 2.5;
+
   double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
                                  ///< velocity; times smoothing_time: per rad/s^2.
   double smoothness_arm = 2.15;
   double smoothness_wrist = 1.65;
-  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the low-passed target.
+  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the root's reference:
+  double smoothness_root_reference = 1.0;  ///< this share of its low-passed target's velocity.
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Time constant of the velocity smoothing, about, in seconds.
 

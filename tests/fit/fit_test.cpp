@@ -172,6 +172,33 @@ TEST_F(FitTest, SamplesSatisfyTheGuarantees) {
   }
 }
 
+TEST_F(FitTest, JointsStayOffTheirStops) {
+  // Ankles that cannot roll as far as the walk asks for.
+  const auto address = [&](const char* name) {
+    const auto joint = std::ranges::find(robot_->joints(), name, &RobotJoint::name);
+    const auto index = static_cast<std::size_t>(joint - robot_->joints().begin());
+    limits_.lower[index] = -0.02;
+    limits_.upper[index] = 0.02;
+    return static_cast<std::size_t>(joint->qpos_address);
+  };
+  const std::size_t left = address("left_ankle_roll_joint");
+  const std::size_t right = address("right_ankle_roll_joint");
+  const Clip clip = cut(sample("walk.bvh"), 30, 120);
+  const auto frames_at_a_stop = [&](double weight) {
+    FitOptions options;
+    options.limit_margin_weight = weight;
+    const RobotClip fit = fitted(clip, options).clip;
+    int count = 0;
+    for (int t = 0; t < fit.frame_count(); ++t) {
+      const auto q = fit.qpos(t);
+      if (std::max(std::abs(q[left]), std::abs(q[right])) > 0.0196) ++count;
+    }
+    return count;
+  };
+  EXPECT_GT(frames_at_a_stop(0.0), 30);
+  EXPECT_LE(frames_at_a_stop(FitOptions{}.limit_margin_weight), 1);
+}
+
 TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
   // No joint may turn faster than a quarter turn per second.
   FitOptions options;

@@ -245,6 +245,40 @@ TEST_F(FrameTermsTest, PosesMatchTheRobot) {
   }
 }
 
+TEST_F(FrameTermsTest, LimitMarginGradientMatchesTheCost) {
+  const std::size_t joint = 12;
+  const auto address = static_cast<std::size_t>(model_.tree.links()[joint - 5].qpos_address);
+  const double lower = model_.lower[joint], range = model_.upper[joint] - lower;
+  std::vector<double> qpos = robot_->zero_configuration();
+  const auto terms_at = [&](double value, double& gradient, double& curvature) {
+    qpos[address] = value;
+    std::vector<double> g(dofs_), h(dofs_ * dofs_);
+    TermCosts costs{};
+    add_limit_margins(model_, options_, qpos, g.data(), h.data(), static_cast<int>(dofs_), costs);
+    gradient = g[joint];
+    curvature = h[joint * (dofs_ + 1)];
+    return costs[kTermLimits];
+  };
+  double gradient = 0.0, curvature = 0.0, unused = 0.0;
+  const double elsewhere = terms_at(lower + 0.5 * range, gradient, curvature);
+  EXPECT_EQ(gradient, 0.0);
+  EXPECT_EQ(terms_at(lower + 0.051 * range, gradient, curvature), elsewhere);
+  const double weight = options_.limit_margin_weight;
+  EXPECT_NEAR(terms_at(lower, gradient, curvature) - elsewhere, weight * weight / 3.0, 1e-9);
+  constexpr double kStep = 1e-6;
+  for (const double share : {0.001, 0.02, 0.045, 0.955, 0.98, 0.999}) {
+    SCOPED_TRACE(share);
+    const double value = lower + share * range;
+    const double more = terms_at(value + kStep, unused, unused);
+    const double less = terms_at(value - kStep, unused, unused);
+    const double here = terms_at(value, gradient, curvature);
+    EXPECT_NEAR(gradient, 0.25 * (more - less) / kStep, 1e-5 * std::abs(gradient) + 1e-6);
+    EXPECT_GT(share < 0.5 ? -gradient : gradient, 0.0);
+    // The curvature bounds that of the cost.
+    EXPECT_GE(curvature, 0.5 * (more - 2.0 * here + less) / (kStep * kStep) - 1.0);
+  }
+}
+
 TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
   FitClip clip;
   clip.frame_count = 6;

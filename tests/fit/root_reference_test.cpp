@@ -23,7 +23,9 @@ FitModel model_with_root() {
   FitModel model;
   FitTask hand, root;
   hand.link = 3;
+  hand.bone = Bone::kLeftHand;
   root.link = 0;
+  root.bone = Bone::kHips;
   root.horizontal_weight = root.height_weight = 29.0;
   model.tasks = {hand, root};
   return model;
@@ -79,6 +81,16 @@ TEST(RootReferenceTest, KeepsBounceAndRemovesTremorAtEveryFrameRate) {
     EXPECT_GT(gain(0, 1.5, fps), 0.9);
     EXPECT_LT(gain(1, 7.0, fps), 0.05);
   }
+}
+
+TEST(RootReferenceTest, UsesTheHipsIfTheRootIsTheTorso) {
+  FitModel model = model_with_root();
+  model.tasks[1].link = 2;
+  const Vector3d velocity(1.0, -2.0, 0.5);
+  const FitClip clip = clip_of(30.0, 9, [&](double time) { return Vector3d(time * velocity); });
+  const RootReference reference(model, clip.frame_time);
+  ASSERT_TRUE(reference.exists());
+  EXPECT_LT((reference.step(clip, 3) - velocity / 30.0).norm(), 1e-12);
 }
 
 TEST(RootReferenceTest, NeedsATargetWithAWeight) {

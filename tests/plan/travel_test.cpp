@@ -29,7 +29,7 @@ Clip sample(const std::string& name, double fps = 0.0) {
 LoadedRobot robot_named(const std::string& name) {
   RobotChoice choice;
   choice.name = name;
-  return load_robot(choice, {kSource, {}}).value();
+  return load_robot(choice, {kSource}).value();
 }
 
 const LoadedRobot& g1() {
@@ -163,7 +163,7 @@ TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
   RobotChoice choice;
   choice.name = "unitree_g1";
   choice.base = RobotBase::kFixed;
-  const LoadedRobot robot = load_robot(choice, {kSource, {}}).value();
+  const LoadedRobot robot = load_robot(choice, {kSource}).value();
   const auto plan = make_plan(sample("wave"), robot, with_travel("0.8"));
   ASSERT_TRUE(plan) << describe(plan.error());
   EXPECT_FALSE(plan->travel);
@@ -193,7 +193,7 @@ TEST(Preset, EqualsItsOptions) {
   const std::string file = (folder.path() / "fit.json").string();
   const FitOptions usual, chosen = fit_of(for_tracking());
   EXPECT_TRUE(chosen.dynamics);
-  EXPECT_DOUBLE_EQ(chosen.smoothness_root_position, 2.0 * usual.smoothness_root_position);
+  EXPECT_DOUBLE_EQ(chosen.smoothness_root_reference, 0.0);
   EXPECT_DOUBLE_EQ(chosen.smoothness_root_rotation, 2.0 * usual.smoothness_root_rotation);
   const double smoother = chosen.smoothness_leg / usual.smoothness_leg;
   EXPECT_GE(smoother, 2.0);

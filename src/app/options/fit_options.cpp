@@ -88,7 +88,9 @@ OptionTable foot_table(FitOptions& o) {
       number(kGroup, "self_collision_weight", o.self_collision_weight,
              "Overlap of two shapes, per metre"),
       number(kGroup, "self_collision_margin", o.self_collision_margin,
-             "Metres; shapes closer than this count as overlapping", -1.0, 1.0)};
+             "Metres; shapes closer than this count as overlapping", -1.0, 1.0),
+      number(kGroup, "limit_margin_weight", o.limit_margin_weight,
+             "Joints within 5 % of their range of a limit, relative to that margin")};
 }
 
 OptionTable motion_table(FitOptions& o) {
@@ -99,7 +101,10 @@ OptionTable motion_table(FitOptions& o) {
       number(kGroup, "smoothness_arm", o.smoothness_arm, "Arms, per rad/s"),
       number(kGroup, "smoothness_wrist", o.smoothness_wrist, "Wrists, per rad/s"),
       number(kGroup, "smoothness_root_position", o.smoothness_root_position,
-             "Root, per m/s of deviation from its low-passed target"),
+             "Root, per m/s of deviation from the smoothed velocity, relative to the reference"),
+      number(kGroup, "smoothness_root_reference", o.smoothness_root_reference,
+             "Share of the low-passed target's accelerations that the root may have without cost",
+             0.0, 1.0),
       number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
       number(kGroup, "smoothing_time", o.smoothing_time,
              "Seconds; velocities are smoothed over about this time", 0.0, 10.0),

@@ -17,7 +17,7 @@ constexpr std::array<WeightFactor, 5> kTrackingFactors = {
     {{"smoothness_leg", &FitOptions::smoothness_leg, 2.0},
      {"smoothness_arm", &FitOptions::smoothness_arm, 2.0},
      {"smoothness_wrist", &FitOptions::smoothness_wrist, 2.0},
-     {"smoothness_root_position", &FitOptions::smoothness_root_position, 2.0},
+     {"smoothness_root_reference", &FitOptions::smoothness_root_reference, 0.0},
      {"smoothness_root_rotation", &FitOptions::smoothness_root_rotation, 2.0}}};
 
 }  // namespace

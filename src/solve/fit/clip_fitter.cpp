@@ -315,6 +315,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   FrameGoals goals = clip_.goals(frame, model_.tasks.size());
   goals.anchor_hold = age < 0 ? anchor_hold_ : hold_after(age);
   terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
+  add_limit_margins(model_, options_, clip_.frame(frame, model_.configuration_size), g, h,
+                    chain_.stride(), costs);
   worst_overlap_ =
       std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
   if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());

@@ -318,9 +318,9 @@ void Fit::keep_bounds(FitReport& report) {
 
 void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                        FitReport& report) const {
-  constexpr std::array kNames = {"position",       "rotation",       "foot-height",
-                                 "contact",        "contact-height", "floor",
-                                 "self-collision", "smoothness",     "speed"};
+  constexpr std::array kNames = {"position",       "rotation", "foot-height",    "contact",
+                                 "contact-height", "floor",    "self-collision", "limits",
+                                 "smoothness",     "speed"};
   static_assert(kNames.size() == kTermCount);
   constexpr std::size_t kWorst = 5;
   const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));

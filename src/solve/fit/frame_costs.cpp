@@ -37,6 +37,8 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
     }
     terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
                    hessian.data(), dofs, cost);
+    add_limit_margins(model, options, clip.frame(frame, model.configuration_size), gradient.data(),
+                      hessian.data(), dofs, cost);
     if (frame + 1 < last) speeds.add_costs(frame, cost);
   }
 }

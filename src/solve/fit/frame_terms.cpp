@@ -338,4 +338,27 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
   }
 }
 
+void add_limit_margins(const FitModel& model, const FitOptions& options,
+                       std::span<const double> qpos, double* gradient, double* hessian, int stride,
+                       TermCosts& costs) {
+  constexpr double kShare = 0.05;  // Of the range, at either end.
+  if (options.limit_margin_weight == 0.0) return;
+  for (int i = KinematicTree::kBaseDofs; i < model.dof_count(); ++i) {
+    const double margin = kShare * (model.upper[at(i)] - model.lower[at(i)]);
+    if (!(margin > 0.0) || !std::isfinite(margin)) continue;
+    const auto& link = model.tree.links()[at(i - KinematicTree::kBaseDofs + 1)];
+    const double value = qpos[at(link.qpos_address)];
+    const double below = value - model.lower[at(i)], above = model.upper[at(i)] - value;
+    const double band = 0.5 * margin;
+    const OneSidedRow row = one_sided(std::min(below, above) - band, band);
+    if (row.weight == 0.0) continue;
+    const double weight = square(options.limit_margin_weight / margin);
+    // The largest curvature instead of that of the present value: the smaller one lets a step jump
+    // across the margin to the limit, and the next step back.
+    gradient[i] += (below < above ? 1.0 : -1.0) * weight * row.residual;
+    hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] += weight;
+    costs[kTermLimits] += weight * row.cost;
+  }
+}
+
 }  // namespace retarget

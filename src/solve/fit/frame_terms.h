@@ -23,6 +23,7 @@ enum FitTerm : unsigned char {
   kTermContactHeight,
   kTermFloor,
   kTermSelfCollision,
+  kTermLimits,
   kTermSmoothness,
   kTermSpeed,
   kTermCount
@@ -126,5 +127,12 @@ class FrameTerms {
   std::vector<int> row_dofs_;
   FootOverlap foot_overlap_;
 };
+
+/// Adds the cost of joints near their limits to an assembled frame: it grows from zero at 5 % of the
+/// range before a limit to limit_margin_weight^2 / 3 at the limit.
+/// @param qpos  configuration of the frame.
+void add_limit_margins(const FitModel& model, const FitOptions& options,
+                       std::span<const double> qpos, double* gradient, double* hessian, int stride,
+                       TermCosts& costs);
 
 }  // namespace retarget

@@ -34,6 +34,7 @@ void configuration_step(const FitModel& model, std::span<const double> from,
 
 JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
     : root_(model, frame_time),
+      root_share_(root_.exists() ? options.smoothness_root_reference : 0.0),
       speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
       smoothing_(square(options.smoothing_time / frame_time)),
       stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
@@ -64,9 +65,9 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
                        clip.frame(first + i + 1, model.configuration_size),
                        steps_.data() + static_cast<std::size_t>(i) * dofs);
   }
-  for (int i = 0; root_.exists() && i < count; ++i) {
+  for (int i = 0; root_share_ > 0.0 && i < count; ++i) {
     Eigen::Map<Eigen::Vector3d>(steps_.data() + static_cast<std::size_t>(i) * dofs) -=
-        root_.step(clip, first + i);
+        root_share_ * root_.step(clip, first + i);
   }
   // The tridiagonal matrix is the same for every degree of freedom.
   for (int i = 0; i < count; ++i) {

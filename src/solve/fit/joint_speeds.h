@@ -24,8 +24,8 @@ struct StepTerm {
 ///     (w / dt)^2 |v - s|^2    v the step, s the smoothed step: argmin |v - s|^2 + (T/dt)^2 |D s|^2
 ///     (u / dt)^2 max(0, |v| - limit dt)^2
 ///
-/// For the root position, v in the first term is the step minus RootReference's, so that only
-/// accelerations that the target does not have cost anything.
+/// For the root position, v in the first term is the step minus smoothness_root_reference times
+/// RootReference's, so that only accelerations that the target does not have cost anything.
 ///
 /// s is recomputed before every iteration. With L = D'D and l = (T/dt)^2, eliminating s turns the
 /// first term into (w / dt)^2 v' l L (1 + l L)^-1 v; for small T this penalises accelerations with
@@ -49,6 +49,7 @@ class JointSpeeds {
   }
 
   RootReference root_;
+  double root_share_;                  // Of the reference.
   std::vector<double> smooth_weight_;  // (w / dt)^2, by dof.
   std::vector<double> soft_step_;      // By dof: step at which the speed term sets in.
   double speed_weight_;                // (u / dt)^2.

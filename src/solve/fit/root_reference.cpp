@@ -34,10 +34,14 @@ RootReference::RootReference(const FitModel& model, double frame_time)
     : tasks_(static_cast<int>(model.tasks.size())),
       horizontal_(taps_of(kHorizontalCutoff, frame_time)),
       vertical_(taps_of(kVerticalCutoff, frame_time)) {
-  const auto root = std::ranges::find(model.tasks, 0, &FitTask::link);
-  if (root == model.tasks.end()) return;
-  if (root->horizontal_weight == 0.0 && root->height_weight == 0.0) return;
-  task_ = static_cast<int>(root - model.tasks.begin());
+  const auto find = [&](const auto& is_wanted) {
+    const auto found = std::ranges::find_if(model.tasks, [&](const FitTask& task) {
+      return is_wanted(task) && (task.horizontal_weight > 0.0 || task.height_weight > 0.0);
+    });
+    return found == model.tasks.end() ? -1 : static_cast<int>(found - model.tasks.begin());
+  };
+  task_ = find([](const FitTask& task) { return task.link == 0; });
+  if (task_ < 0) task_ = find([](const FitTask& task) { return task.bone == Bone::kHips; });
 }
 
 Vector3d RootReference::step(const FitClip& clip, int frame) const {

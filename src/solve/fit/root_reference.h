@@ -12,13 +12,16 @@ namespace retarget {
 /// smoothness term on accelerations alone flattens the bounce of the human's hips; one on the
 /// difference to these accelerations keeps it and still removes tremor.
 ///
+/// The target is that of the root link or, if the root has none, that of the hips: the root of some
+/// robots is the torso.
+///
 /// The horizontal target has a lower cutoff than the vertical one: hips bounce up to twice per
 /// step, and they sway once per two steps.
 class RootReference {
  public:
   RootReference(const FitModel& model, double frame_time);
 
-  /// False if the root follows no target.
+  /// False if neither the root nor the hips have a target.
   [[nodiscard]] bool exists() const { return task_ >= 0; }
 
   /// Step of the filtered target from `frame` to the next frame, metres, world. The target's steps
