@@ -264,7 +264,7 @@ TEST_F(FrameTermsTest, LimitMarginGradientMatchesTheCost) {
   EXPECT_EQ(gradient, 0.0);
   EXPECT_EQ(terms_at(lower + 0.051 * range, gradient, curvature), elsewhere);
   const double weight = options_.limit_margin_weight;
-  EXPECT_NEAR(terms_at(lower, gradient, curvature) - elsewhere, weight * weight / 3.0, 1e-9);
+  EXPECT_NEAR(terms_at(lower, gradient, curvature) - elsewhere, weight * weight / 2.0, 1e-9);
   constexpr double kStep = 1e-6;
   for (const double share : {0.001, 0.02, 0.045, 0.955, 0.98, 0.999}) {
     SCOPED_TRACE(share);

@@ -349,15 +349,14 @@ void add_limit_margins(const FitModel& model, const FitOptions& options,
     const auto& link = model.tree.links()[at(i - KinematicTree::kBaseDofs + 1)];
     const double value = qpos[at(link.qpos_address)];
     const double below = value - model.lower[at(i)], above = model.upper[at(i)] - value;
-    const double band = 0.5 * margin;
-    const OneSidedRow row = one_sided(std::min(below, above) - band, band);
-    if (row.weight == 0.0) continue;
+    const double depth = margin - std::min(below, above);
+    if (depth <= 0.0) continue;
     const double weight = square(options.limit_margin_weight / margin);
-    // The largest curvature instead of that of the present value: the smaller one lets a step jump
-    // across the margin to the limit, and the next step back.
-    gradient[i] += (below < above ? 1.0 : -1.0) * weight * row.residual;
+    gradient[i] += (below < above ? -0.5 : 0.5) * weight * depth;
+    // Twice the curvature: with the exact one, a step from outside the margin jumps across it to
+    // the limit, and the next step back.
     hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] += weight;
-    costs[kTermLimits] += weight * row.cost;
+    costs[kTermLimits] += 0.5 * weight * square(depth);
   }
 }
 
