@@ -174,6 +174,8 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
 // state and runs these steps without dynamics.
 void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& keep_going) {
   constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
+  // Supports that the fit does not know carry a body whose forces are distrusted most of the time.
+  constexpr double kMostlyDistrusted = 0.75;
   const Before before = state();
   const double unexplained = dynamics_->begin(clip_);
   bool failed = !std::isfinite(unexplained), go_on = !failed;
@@ -187,7 +189,9 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   if (!failed && !go_on) return;
   const double left = failed ? unexplained : dynamics_->measure(clip_);
   failed = failed || !std::isfinite(left);
-  if (!failed && left <= kWorse * unexplained + kNoise) return;
+  const bool is_trusted =
+      status_.distrusted_frames <= kMostlyDistrusted * (window_.end - window_.begin);
+  if (!failed && is_trusted && left <= kWorse * unexplained + kNoise) return;
   restore(before);
   if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
   status_.distrusted_frames = 0;
