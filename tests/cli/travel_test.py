@@ -6,7 +6,7 @@ import unittest
 
 from tool import ToolTest, read_rows, sample
 
-FAST = ("--source-fps", "75")  # the walk, two and a half times as fast
+FAST = ("--source-fps", "60")  # the walk, twice as fast
 
 
 class TravelTest(ToolTest):
