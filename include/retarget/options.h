@@ -175,8 +175,9 @@ struct FitOptions {
                                  ///< velocity; times smoothing_time: per rad/s^2.
   double smoothness_arm = 2.15;
   double smoothness_wrist = 1.65;
-  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the root's reference:
-  double smoothness_root_reference = 1.0;  ///< this share of its low-passed target's velocity.
+  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the reference.
+  /// Share of the low-passed target's accelerations that the root may have without cost.
+  double smoothness_root_reference = 1.0;
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Time constant of the velocity smoothing, about, in seconds.
 

@@ -15,8 +15,8 @@ namespace retarget {
 /// The target is that of the root link or, if the root has none, that of the hips: the root of some
 /// robots is the torso.
 ///
-/// The horizontal target has a lower cutoff than the vertical one: hips bounce up to twice per
-/// step, and they sway once per two steps.
+/// The horizontal target has a lower cutoff than the vertical one: hips bounce once per step
+/// and sway once per two steps.
 class RootReference {
  public:
   RootReference(const FitModel& model, double frame_time);
