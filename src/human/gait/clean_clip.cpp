@@ -140,11 +140,8 @@ class ClipCleaner {
   }
 
   void move_root() {
-    const std::vector<int> trunk = trunk_joints();
-    const auto moved = std::find_if(trunk.rbegin(), trunk.rend(), [&](int joint) {
-      return clip_.skeleton().translation_slot(joint) >= 0;
-    });
-    if (moved == trunk.rend()) return;
+    const int moved = body_joint(clip_.skeleton(), calibration_);
+    if (moved < 0) return;
     HumanPoser poser(clip_, calibration_);
     SourceFeet feet(poser.info());
     if (feet.foot_count == 0) return;
@@ -162,9 +159,9 @@ class ClipCleaner {
     if (!jittery_ && root_is_missing(feet, hips)) return;
     const RootDrift found = find_root_drift(feet, hips, {jittery_, jittery_ || evidence.climbs()});
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;
-    apply(found, *moved);
+    apply(found, moved);
     report_.notes.push_back(root_note(found));
-    if (jittery_) hold_feet(*moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
+    if (jittery_) hold_feet(moved, found.speed_after * kUsualSourceLeg / feet.leg_length());
   }
 
   static std::string root_note(const RootDrift& found) {

@@ -280,6 +280,15 @@ NoisyFeet plant_noisy_feet(Clip& clip, FrameRange part, const Calibration& calib
   return NoisyFootPlanter(clip, part, calibration, moved, noise_speed).run();
 }
 
+int body_joint(const Skeleton& skeleton, const Calibration& calibration) {
+  int moving = -1;
+  int joint = calibration.bones[Bone::kHips].position_joint;
+  for (; joint >= 0; joint = skeleton.joint(joint).parent) {
+    if (skeleton.translation_slot(joint) >= 0) moving = joint;
+  }
+  return moving;
+}
+
 void move_body(Clip& clip, int frame, const Calibration& calibration, int joint,
                const Vector3d& shift) {
   Vector3d off = calibration.human_from_source.transpose() * shift / calibration.metres_per_unit;

@@ -18,13 +18,17 @@ struct NoisyFeet {
 /// relative to each other. The root follows the common, slow part of the corrections; the legs
 /// take the remainder by two-bone inverse kinematics. Between stances the corrections change
 /// smoothly.
-/// @param moved        the joint that moves the whole body
+/// @param moved        body_joint()
 /// @param noise_speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
 NoisyFeet plant_noisy_feet(Clip& clip, FrameRange part, const Calibration& calibration, int moved,
                            double noise_speed);
 
+/// The joint that moves the whole body: the topmost one from the hips upwards that has a position;
+/// -1: none.
+[[nodiscard]] int body_joint(const Skeleton& skeleton, const Calibration& calibration);
+
 /// Translates the whole body.
-/// @param joint  the joint that moves it
+/// @param joint  body_joint()
 /// @param shift  world, metres
 void move_body(Clip& clip, int frame, const Calibration& calibration, int joint,
                const Eigen::Vector3d& shift);

@@ -44,16 +44,6 @@ double rise(double share) {
   return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
-// The topmost joint from the hips upwards that has a position; -1: none.
-int moving_joint(const Clip& clip, const Calibration& calibration) {
-  int moving = -1;
-  int joint = calibration.bones[Bone::kHips].position_joint;
-  for (; joint >= 0; joint = clip.skeleton().joint(joint).parent) {
-    if (clip.skeleton().translation_slot(joint) >= 0) moving = joint;
-  }
-  return moving;
-}
-
 // Speeds of a path over the ground, m/s: means with biweight weights.
 std::vector<double> speeds_of(const GroundTrack& path, double frame_time) {
   const int count = static_cast<int>(path.size());
@@ -162,7 +152,7 @@ class TravelScaler {
         options_(options) {}
 
   TravelReport run() {
-    const int moved = moving_joint(clip_, calibration_);
+    const int moved = body_joint(clip_.skeleton(), calibration_);
     if (moved < 0 || part_.end <= part_.begin) return {};
     read_human();
     find_factors();
