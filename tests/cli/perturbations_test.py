@@ -12,7 +12,8 @@ from tool import SOURCE, ToolTest, absent, read_rows, sample
 
 FPS = 30
 ROOT = 7  # columns of the root: place and quaternion (x, y, z, w)
-WAIST_YAW, WAIST_PITCH, LEFT_SHOULDER_PITCH = 12, 14, 15  # joints of a G1
+WAIST_YAW, WAIST_ROLL, WAIST_PITCH = 12, 13, 14  # joints of a G1
+LEFT_SHOULDER_PITCH = 15
 LEFT_HIP_PITCH, LEFT_ELBOW, RIGHT_WRIST_YAW = 0, 18, 28
 
 
@@ -53,6 +54,17 @@ def off_by(rows, joint, radians):
             for row in rows]
 
 
+def jolted(rows):
+    """An arm drags the chest along for a third of a second, as at the limits of a shoulder."""
+    middle = len(rows) // 2
+    bump = [math.sin(math.pi * i / 10) ** 2 for i in range(11)]
+    changed = [list(row) for row in rows]
+    for row, share in zip(changed[middle:], bump):
+        row[ROOT + WAIST_ROLL] += 0.5 * share
+        row[ROOT + LEFT_SHOULDER_PITCH] += 0.9 * share
+    return changed
+
+
 def noisy(rows, radians):
     draw = random.Random(1)
     return [row[:ROOT] + [value + draw.gauss(0, radians) for value in row[ROOT:]] for row in rows]
@@ -80,6 +92,7 @@ PERTURBATIONS = {
     "has the waist off": (lambda rows: off_by(rows, WAIST_PITCH, -0.25),
                           {"joint_offset_rad", "trunk_lean_error_deg", "stance_height_p50_cm",
                            "body_pen_1cm_pct", "support_height_p95_cm"}),
+    "has a chest that jolts": (jolted, {"arm_jolts"}),
     "is noisy": (lambda rows: noisy(rows, 0.03), {"com_acc_p99"}),
     "is shaken": (lambda rows: shaken(rows, 0.01), {"root_acc_p99"}),
 }

@@ -13,146 +13,21 @@
 #include <span>
 #include <vector>
 
-#include "formats/bvh/read_bvh.h"
 #include "motion/clip_range.h"
-#include "solve/fit/fit.h"
 #include "solve/fit/limb_solver.h"
-#include "support/lafan1_map.h"
-#include "support/test_robots.h"
+#include "support/arm_movement.h"
 
 namespace retarget {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-
-const std::filesystem::path kRoot = RETARGET_SOURCE_DIR;
-
-Clip sample_clip(const std::string& name) {
-  auto clip = load_bvh((kRoot / "data" / name).string());
-  EXPECT_TRUE(clip.has_value());
-  return std::move(clip->clip);
-}
-
-// Directions of the upper arms, degrees: elevation from the horizontal, outwards from the front;
-// and the elbow flexion, upwards.
-struct ArmPose {
-  double up, outwards, bend;
-};
-
-// Sets the arms of a standing person.
-class ArmPoser {
- public:
-  explicit ArmPoser(const Clip& clip) : skeleton_(clip.skeleton()) {
-    left_ = clip.rotations(0)[0] * Vector3d::UnitZ();
-    left_.y() = 0.0;
-    left_.normalize();
-    front_ = left_.cross(Vector3d::UnitY());
-  }
-
-  void pose(std::span<Quaterniond> rotations, const ArmPose& arms) const {
-    for (const std::string side : {"Left", "Right"}) {
-      const Vector3d outwards = side == "Left" ? left_ : Vector3d(-left_);
-      const double up = radians(arms.up), out = radians(arms.outwards), bend = radians(arms.bend);
-      const Vector3d level = std::cos(out) * front_ + std::sin(out) * outwards;
-      const Vector3d upper = std::sin(up) * Vector3d::UnitY() + std::cos(up) * level;
-      const Vector3d bent = std::cos(up) * Vector3d::UnitY() - std::sin(up) * level;
-      const Vector3d lower = std::cos(bend) * upper + std::sin(bend) * bent;
-      const Vector3d hinge = -upper.cross(lower).normalized();
-      turn(rotations, side + "Arm", along(upper, hinge));
-      turn(rotations, side + "ForeArm", along(lower, hinge));
-      rotations[joint(side + "Hand")] = Quaterniond::Identity();
-    }
-  }
-
- private:
-  static double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-  static Quaterniond along(const Vector3d& x, const Vector3d& z) {
-    Matrix3d axes;
-    axes << x, z.cross(x), z;
-    return Quaterniond(axes);
-  }
-  [[nodiscard]] std::size_t joint(const std::string& name) const {
-    return static_cast<std::size_t>(skeleton_.find(name).value());
-  }
-  void turn(std::span<Quaterniond> rotations, const std::string& name,
-            const Quaterniond& world_from_bone) const {
-    const std::size_t own = joint(name);
-    Quaterniond world_from_parent = Quaterniond::Identity();
-    for (int j = skeleton_.joint(static_cast<int>(own)).parent; j >= 0;
-         j = skeleton_.joint(j).parent) {
-      world_from_parent = rotations[static_cast<std::size_t>(j)] * world_from_parent;
-    }
-    rotations[own] = (world_from_parent.conjugate() * world_from_bone).normalized();
-  }
-
-  const Skeleton& skeleton_;
-  Vector3d left_, front_;
-};
-
-// A standing person moves both arms from pose to pose, one per second.
-Clip arm_movement(std::span<const ArmPose> poses) {
-  const Clip standing = cut(sample_clip("wave.bvh"), 0, 1);
-  const ArmPoser poser(standing);
-  constexpr int kFrames = 30;
-  Clip clip(standing.shared_skeleton(), standing.rate(),
-            kFrames * static_cast<int>(poses.size() - 1) + 1);
-  for (int t = 0; t < clip.frame_count(); ++t) {
-    std::ranges::copy(standing.rotations(0), clip.rotations(t).begin());
-    std::ranges::copy(standing.translations(0), clip.translations(t).begin());
-    const auto from = std::min(static_cast<std::size_t>(t / kFrames), poses.size() - 2);
-    const double share = static_cast<double>(t) / kFrames - static_cast<double>(from);
-    const double s = share * share * (3.0 - 2.0 * share);
-    const ArmPose &a = poses[from], &b = poses[from + 1];
-    poser.pose(clip.rotations(t),
-               {a.up + s * (b.up - a.up), a.outwards + s * (b.outwards - a.outwards),
-                a.bend + s * (b.bend - a.bend)});
-  }
-  return clip;
-}
 
 // Raised sideways over the head and lowered in front: the shoulder has two ways down.
 Clip up_sideways_down_in_front() {
   return arm_movement(std::array<ArmPose, 6>{
       {{-85, 90, 5}, {0, 90, 5}, {88, 90, 5}, {60, 0, 60}, {0, 0, 90}, {-85, 60, 10}}});
-}
-
-struct RobotCase {
-  std::shared_ptr<const Robot> robot;
-  ResolvedConfig config;
-};
-
-RobotCase robot_case(const std::string& name) {
-  const auto folder = kRoot / "robots" / name;
-  const auto robot =
-      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
-  EXPECT_TRUE(robot.has_value());
-  const auto config = load_config((folder / "ik.json").string(), **robot);
-  EXPECT_TRUE(config.has_value());
-  return {*robot, *config};
-}
-
-Result<FitResult> fitted(const Clip& clip, const RobotCase& robot, const FitOptions& options = {},
-                         const FitRun& given = {}) {
-  FitRun run = given;
-  run.retarget.scale = ScaleRule::kLimbs;
-  return fit(clip, lafan1_calibration(clip.skeleton()), robot.robot, robot.config,
-             robot.robot->model_limits(), options, run);
-}
-
-// The fit without recovery.
-Result<FitResult> plainly_fitted(const Clip& clip, const RobotCase& robot,
-                                 const FitOptions& options = {}, FitRun run = {}) {
-  run.recover_limbs = false;
-  return fitted(clip, robot, options, run);
-}
-
-bool same(const RobotClip& a, const RobotClip& b, int frame) {
-  return std::ranges::equal(a.qpos(frame), b.qpos(frame));
 }
 
 TEST(BranchRecovery, MovesArmsToTheBranchThatTracks) {

@@ -8,6 +8,7 @@
 
 #include "base/math/so3.h"
 #include "base/math/statistics.h"
+#include "judge/quality/arm_jolts.h"
 #include "judge/quality/joint_offset_metric.h"
 #include "judge/quality/report_parts.h"
 #include "judge/quality/similarity_metrics.h"
@@ -151,6 +152,7 @@ void TrackingMeasure::measure_limbs() const {
   const auto limbs = robot.fixed_base() ? robot_arms(robot, config_) : robot_limbs(robot, config_);
   std::vector<LimbDirections> directions;
   std::vector<double> all, upright;
+  std::vector<SegmentAngles> turned;
   for (const LimbSegment& segment : kLimbSegments) {
     auto found = directions_of(segment, limbs ? &*limbs : nullptr);
     if (!found) continue;
@@ -158,6 +160,7 @@ void TrackingMeasure::measure_limbs() const {
     draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
     all.insert(all.end(), angles.begin(), angles.end());
     upright.push_back(mean_while_upright(angles));
+    if (!found->of_legs && found->rank < 2) turned.push_back({found->rank == 1, angles});
     directions.push_back(std::move(*found));
   }
   if (all.empty()) return;
@@ -165,6 +168,7 @@ void TrackingMeasure::measure_limbs() const {
   if (posture_.ever_upright(frames_)) {
     draft_.set("worst_limb_angle_deg", *std::ranges::max_element(upright));
   }
+  measure_arm_jolts(draft_, turned);
   if (const auto lag = limb_lag(directions, draft_.clip.rate().fps())) draft_.set("lag_s", *lag);
   align_trunk_by_hips(directions);
   std::erase_if(directions, [](const LimbDirections& limb) { return limb.of_legs; });

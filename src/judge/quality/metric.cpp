@@ -178,6 +178,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"worst_limb_angle_deg", "deg",
      "The same for the limb with the largest mean, without frames in which the human lies.", kOwn},
+    {"arm_jolts", "count",
+     "Times at which an arm that cannot reach its direction pulls the trunk along: the trunk or "
+     "the "
+     "shoulder line turns by more than 12 degrees relative to the human's within 0.1 s while an "
+     "upper arm is more than 25 degrees off; at least half a second apart.",
+     kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
      "from hips to shoulders, each relative to its own standing pose. Mean and 95th percentile, "

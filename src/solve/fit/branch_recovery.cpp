@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
+#include <iterator>
 #include <optional>
-#include <span>
 
 #include "retarget/text.h"
 #include "robot/model/kinematic_tree.h"
-#include "solve/fit/clip_fitter.h"
-#include "solve/fit/frame_costs.h"
 #include "solve/fit/limb_branch.h"
+#include "solve/fit/limb_detours.h"
 #include "solve/fit/limb_solver.h"
 #include "solve/fit/shorthand.h"
+#include "solve/fit/window_trial.h"
 
 namespace retarget {
 namespace {
@@ -23,20 +21,10 @@ namespace {
 constexpr double kLookEvery = 0.1;              // Seconds between two looks at the limbs.
 constexpr int kLooks = 3;                       // Looks that an error must last.
 constexpr double kAstray = 0.3490658503988659;  // 20 degrees, for all tracked bones.
-constexpr double kMargin = 0.5;                 // Seconds solved again on either side.
-constexpr double kOverlap = 1.5;                // Seconds of overlap between parts.
-// Shares that may remain for a change to pay off: of the total cost, of the tracking cost of the
-// limb, and of its error, summed over the changed frames.
-constexpr double kLessInAll = 0.97;
+// Shares that may remain for a change to pay off: of the tracking cost of the limb and of its error,
+// summed over the changed frames.
 constexpr double kLessOnLimb = 0.7;
 constexpr double kLessError = 0.9;
-
-// Tracking cost of a limb whose bones are all kAstray off target.
-double astray_cost(const FitModel& model, const FitLimb& limb) {
-  double cost = 0.0;
-  for (const std::size_t k : limb.tasks) cost += square(kAstray * model.tasks[k].rotation_weight);
-  return cost;
-}
 
 // Tracking costs of the limbs, sampled at regular intervals ("looks").
 class LimbLooks {
@@ -113,13 +101,8 @@ class BranchChanger {
   void recover(const FitLimb& limb, const std::vector<double>& costs);
 
  private:
-  [[nodiscard]] int frames_in(double seconds) const {
-    return static_cast<int>(std::lround(seconds / clip_.frame_time));
-  }
   [[nodiscard]] int worst_look(const AstrayLooks& looks, BranchFinder& finder) const;
   bool take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder);
-  bool solve_again(const FitWindow& window);
-  [[nodiscard]] double total_cost(const FitWindow& window) const;
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -168,47 +151,10 @@ void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& cost
   }
 }
 
-double BranchChanger::total_cost(const FitWindow& window) const {
-  // The window also changes the smoothed steps of the frames before and after it.
-  const int beside = window.context + 1;
-  const FitWindow all{std::max(0, window.begin - beside),
-                      std::min(clip_.frame_count, window.end + beside), true, window.context};
-  std::vector<TermCosts> costs(at(all.end - all.begin));
-  frame_costs(model_, options_, clip_, all, costs);
-  double sum = 0.0;
-  for (const TermCosts& cost : costs) sum = std::accumulate(cost.begin(), cost.end(), sum);
-  return sum;
-}
-
-// Solves parts of at most one window length in sequence, so that memory stays bounded.
-bool BranchChanger::solve_again(const FitWindow& window) {
-  const int length = std::max(frames_in(options_.window), 2 * frames_in(kOverlap) + 1);
-  const int count = (window.end - window.begin + length - 1) / length;
-  const auto border = [&](int i) {
-    return window.begin +
-           static_cast<int>(static_cast<std::int64_t>(window.end - window.begin) * i / count);
-  };
-  for (int i = 0; i < count; ++i) {
-    const int begin = std::max(window.begin, border(i) - (i > 0 ? frames_in(kOverlap) : 0));
-    const FitWindow part{begin, border(i + 1), true, window.context};
-    const FitStatus status = fit_window(model_, options_, part, clip_, [this] {
-      result_.stopped = result_.stopped || (keep_going_ && !keep_going_());
-      return !result_.stopped;
-    });
-    if (status.failed) {
-      result_.failures.push_back({"fit", part.begin, part.end});
-      return false;
-    }
-  }
-  return !result_.stopped;
-}
-
 // @return true if the limb is now on that branch; otherwise the clip is unchanged.
 bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder) {
   constexpr int kRounds = 2;
-  const FitWindow window{std::max(0, branch.begin - frames_in(kMargin)),
-                         std::min(clip_.frame_count, branch.end + frames_in(kMargin)), true,
-                         smoothing_context(clip_.frame_time)};
+  WindowTrial trial(model_, options_, clip_, keep_going_, branch.begin, branch.end);
   struct OfLimb {
     double cost = 0.0, error = 0.0;
   };
@@ -221,13 +167,6 @@ bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFi
     }
     return sum;
   };
-  const std::span<double> solved =
-      std::span(clip_.qpos)
-          .subspan(at(window.begin) * at(model_.configuration_size),
-                   at(window.end - window.begin) * at(model_.configuration_size));
-  const std::vector<double> qpos_before(solved.begin(), solved.end());
-  const std::vector<Eigen::Vector2d> anchors_before = clip_.anchors;
-  const double total_before = total_cost(window);
   const OfLimb before = of_limb();
   for (int t = branch.begin; t < branch.end; ++t) {
     const auto frame = clip_.frame(t, model_.configuration_size);
@@ -235,22 +174,28 @@ bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFi
       joint_value(model_, limb.links[i], frame) = branch.joints[at(t - branch.begin)][i];
     }
   }
-  for (int round = 0; round < kRounds && solve_again(window); ++round) {
+  bool is_better = false;
+  for (int round = 0; round < kRounds && !is_better && trial.solve(); ++round) {
     const OfLimb after = of_limb();
-    if (!(after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
-          total_cost(window) < kLessInAll * total_before)) {
-      continue;
-    }
+    is_better = after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
+                trial.pays_off();
+    if (!is_better) continue;
     result_.limbs.push_back({limb.name, branch.begin, branch.end, before.cost, after.cost});
-    looks_.look(window.begin, window.end);
-    return true;
+    looks_.look(trial.window().begin, trial.window().end);
   }
-  std::ranges::copy(qpos_before, solved.begin());
-  clip_.anchors = anchors_before;
-  return false;
+  if (!is_better) trial.revert();
+  result_.stopped = result_.stopped || trial.stopped();
+  std::ranges::copy(trial.failures(), std::back_inserter(result_.failures));
+  return is_better;
 }
 
 }  // namespace
+
+double astray_cost(const FitModel& model, const FitLimb& limb) {
+  double cost = 0.0;
+  for (const std::size_t k : limb.tasks) cost += square(kAstray * model.tasks[k].rotation_weight);
+  return cost;
+}
 
 BranchRecovery recover_branches(const FitModel& model, const FitOptions& options, FitClip& clip,
                                 const std::function<bool()>& keep_going) {
@@ -259,7 +204,13 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
   LimbLooks looks(model, clip, limbs);
   BranchChanger changer(model, options, clip, keep_going, looks, result);
   for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {
+    const auto first = static_cast<std::ptrdiff_t>(result.limbs.size());
     changer.recover(limbs[i], looks.costs(i));
+    if (limbs[i].is_arm && !result.stopped) {
+      straighten_arm(model, options, clip, limbs[i], keep_going, result);
+    }
+    std::stable_sort(result.limbs.begin() + first, result.limbs.end(),
+                     [](const auto& a, const auto& b) { return a.begin < b.begin; });
   }
   return result;
 }

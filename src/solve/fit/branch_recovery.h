@@ -8,6 +8,7 @@
 #include "retarget/report.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
+#include "solve/fit/limb_solver.h"
 
 namespace retarget {
 
@@ -31,8 +32,11 @@ struct BranchRecovery {
   [[nodiscard]] std::vector<std::string> notes() const;
 };
 
+/// Tracking cost of a limb whose bones are all 20 degrees off. A limb with a higher cost is astray.
+[[nodiscard]] double astray_cost(const FitModel& model, const FitLimb& limb);
+
 /// Searches a fitted clip for arms and legs on the wrong branch and moves them to another branch if
-/// that clearly lowers the total cost of all terms (docs/fit.md). All other frames stay bitwise
+/// that clearly lowers the total cost of all terms; then straightens arms (docs/fit.md). All other frames stay bitwise
 /// unchanged.
 /// @param keep_going  called periodically; returning false stops the search.
 [[nodiscard]] BranchRecovery recover_branches(const FitModel& model, const FitOptions& options,

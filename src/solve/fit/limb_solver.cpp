@@ -27,6 +27,7 @@ bool is_of_arm(LimbBone part) {
 FitLimb find_limb(const FitModel& model, Side side, bool arm) {
   FitLimb limb;
   limb.name = std::string(side == Side::kLeft ? "left " : "right ") + (arm ? "arm" : "leg");
+  limb.is_arm = arm;
   const auto is_own = [&](const FitTask& task) {
     const auto part = limb_bone(task.bone);
     return part && side_of(task.bone) == side && is_of_arm(*part) == arm;

@@ -13,7 +13,8 @@ namespace retarget {
 
 /// An arm or a leg: a chain of joints and the tasks that only this chain serves.
 struct FitLimb {
-  std::string name;                ///< For example `left arm`.
+  std::string name;  ///< For example `left arm`.
+  bool is_arm = false;
   int link = 0;                    ///< First link of the chain; it carries the whole limb.
   std::vector<int> links;          ///< Links of the movable joints, from the first one outwards.
   std::vector<std::size_t> tasks;  ///< Indices into FitModel::tasks.

@@ -1,0 +1,186 @@
+#include "solve/fit/limb_detours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <numeric>
+#include <optional>
+
+#include "base/math/so3.h"
+#include "retarget/human.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/frame_terms.h"
+#include "solve/fit/limb_path.h"
+#include "solve/fit/shorthand.h"
+#include "solve/fit/window_trial.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kAround = 0.6;   // Seconds of a path before and after the frames that are off.
+constexpr double kLongest = 4.0;  // Seconds. Longer intervals are no detours.
+constexpr double kTwisted = 0.17453292519943295;  // 10 degrees.
+
+struct Interval {
+  int begin = 0, end = 0;
+};
+
+class ArmStraightener {
+ public:
+  ArmStraightener(const FitModel& model, const FitOptions& options, FitClip& clip,
+                  const FitLimb& arm, const std::function<bool()>& keep_going,
+                  BranchRecovery& result)
+      : model_(model),
+        options_(options),
+        clip_(clip),
+        arm_(without_hand(model, arm)),
+        keep_going_(keep_going),
+        result_(result),
+        solver_(model, arm_),
+        finder_(model, options, clip, arm_),
+        pose_(model.tree) {
+    for (const FitTask& task : model.tasks) {
+      const bool carries = arm.link > 0 && model.tree.carries(task.link, arm.link);
+      if (carries && task.rotation_weight > 0.0) trunk_ = &task;
+    }
+  }
+
+  void straighten() {
+    for (const Interval& interval : intervals()) {
+      if (interval.end - interval.begin <= frames_in(kLongest)) reroute(interval);
+      if (result_.stopped) return;
+    }
+  }
+
+ private:
+  [[nodiscard]] int frames_in(double seconds) const {
+    return static_cast<int>(std::lround(seconds / clip_.frame_time));
+  }
+  void set_frame(int t) { pose_.update(clip_.frame(t, model_.configuration_size)); }
+  double cost(int t) {
+    set_frame(t);
+    return solver_.cost(pose_, clip_.goals(t, model_.tasks.size()));
+  }
+  std::vector<Interval> intervals();
+  bool is_trunk_twisted(const Interval& interval);
+  bool release_trunk(WindowTrial& trial) const;
+  void reroute(const Interval& interval);
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  FitClip& clip_;
+  FitLimb arm_;
+  const std::function<bool()>& keep_going_;
+  BranchRecovery& result_;
+  LimbSolver solver_;
+  LimbPathFinder finder_;
+  TreeState pose_;
+  const FitTask* trunk_ = nullptr;  // The task of the body that carries the arm.
+};
+
+// The frames in which the arm is off, with those around them.
+std::vector<Interval> ArmStraightener::intervals() {
+  const double off = astray_cost(model_, arm_);
+  std::vector<Interval> found;
+  if (!(off > 0.0)) return found;
+  const int around = frames_in(kAround);
+  for (int t = 0; t < clip_.frame_count; ++t) {
+    if (!(cost(t) > off)) continue;
+    const Interval next{std::max(0, t - around), std::min(clip_.frame_count, t + around + 1)};
+    if (!found.empty() && next.begin <= found.back().end) {
+      found.back().end = next.end;
+    } else {
+      found.push_back(next);
+    }
+  }
+  return found;
+}
+
+bool ArmStraightener::is_trunk_twisted(const Interval& interval) {
+  if (trunk_ == nullptr) return false;
+  const auto task = static_cast<std::size_t>(trunk_ - model_.tasks.data());
+  for (int t = interval.begin; t < interval.end; ++t) {
+    set_frame(t);
+    const FrameGoals goals = clip_.goals(t, model_.tasks.size());
+    const Pose& world_from_link = pose_.world_from_link[at(trunk_->link)];
+    if (rotation_error(world_from_link, goals.targets[task]).norm() > kTwisted) return true;
+  }
+  return false;
+}
+
+// An arm off its target pulls the trunk along, and other branches may be out of reach from there. So
+// this solves the window without the arm, and then gives the arm its joints back.
+bool ArmStraightener::release_trunk(WindowTrial& trial) const {
+  FitModel without = model_;
+  for (const std::size_t k : arm_.tasks) {
+    FitTask& task = without.tasks[k];
+    task.horizontal_weight = task.height_weight = task.rotation_weight = 0.0;
+  }
+  FitOptions few = options_;
+  few.iterations = std::min(3, options_.iterations);
+  few.extra_iterations = 0;
+  few.dynamics = false;
+  if (!trial.solve(without, few)) return false;
+  for (int t = trial.window().begin; t < trial.window().end; ++t) {
+    const auto frame = clip_.frame(t, model_.configuration_size);
+    for (const int link : arm_.links) {
+      joint_value(model_, link, frame) =
+          trial.before(t)[at(model_.tree.links()[at(link)].qpos_address)];
+    }
+  }
+  return true;
+}
+
+void ArmStraightener::reroute(const Interval& interval) {
+  const auto arm_cost = [&] {
+    double sum = 0.0;
+    for (int t = interval.begin; t < interval.end; ++t) sum += cost(t);
+    return sum;
+  };
+  WindowTrial trial(model_, options_, clip_, keep_going_, interval.begin, interval.end);
+  const double before = arm_cost();
+  std::optional<LimbBranch> path;
+  if (!is_trunk_twisted(interval) || release_trunk(trial)) {
+    path = finder_.find(interval.begin, interval.end);
+  }
+  bool is_better = false;
+  if (path) {
+    for (int t = path->begin; t < path->end; ++t) {
+      const auto frame = clip_.frame(t, model_.configuration_size);
+      for (std::size_t i = 0; i < arm_.links.size(); ++i) {
+        joint_value(model_, arm_.links[i], frame) = path->joints[at(t - path->begin)][i];
+      }
+    }
+    is_better = trial.solve() && trial.pays_off();
+  }
+  if (is_better) {
+    result_.limbs.push_back({arm_.name, interval.begin, interval.end, before, arm_cost()});
+  } else {
+    trial.revert();
+  }
+  result_.stopped = result_.stopped || trial.stopped();
+  std::ranges::copy(trial.failures(), std::back_inserter(result_.failures));
+}
+
+}  // namespace
+
+FitLimb without_hand(const FitModel& model, const FitLimb& limb) {
+  FitLimb part = limb;
+  std::erase_if(part.tasks,
+                [&](std::size_t k) { return limb_bone(model.tasks[k].bone) == LimbBone::kHand; });
+  std::erase_if(part.links, [&](int link) {
+    return std::ranges::none_of(
+        part.tasks, [&](std::size_t k) { return model.tree.carries(link, model.tasks[k].link); });
+  });
+  return part;
+}
+
+void straighten_arm(const FitModel& model, const FitOptions& options, FitClip& clip,
+                    const FitLimb& arm, const std::function<bool()>& keep_going,
+                    BranchRecovery& result) {
+  if (without_hand(model, arm).links.empty()) return;
+  ArmStraightener(model, options, clip, arm, keep_going, result).straighten();
+}
+
+}  // namespace retarget

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "retarget/options.h"
+#include "solve/fit/branch_recovery.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+#include "solve/fit/limb_solver.h"
+
+namespace retarget {
+
+/// The part of a limb that decides on the branch: the joints that carry its upper and lower bones,
+/// and the tasks of these bones. A wrist follows any branch.
+[[nodiscard]] FitLimb without_hand(const FitModel& model, const FitLimb& limb);
+
+/// Searches a fitted clip for short intervals in which an arm is far off its targets, because its
+/// shoulder ran into its limits or cannot turn around in time near a singularity, and moves the arm
+/// to the best path over all branches (LimbPathFinder) if that clearly lowers the cost of all terms.
+/// All other frames stay bitwise unchanged.
+/// @param result  gets the changes and failures.
+void straighten_arm(const FitModel& model, const FitOptions& options, FitClip& clip,
+                    const FitLimb& arm, const std::function<bool()>& keep_going,
+                    BranchRecovery& result);
+
+}  // namespace retarget

@@ -1,0 +1,185 @@
+#include "solve/fit/limb_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kSpacing = 0.14;          // Of the grid of the first joint, rad.
+constexpr double kLayerTime = 1.0 / 30.0;  // Seconds between two layers.
+// Weight of the speed of a joint, per rad/s; it stands for the cost of smoothness.
+constexpr double kMoveWeight = 0.2;
+// Weight of the excess over the largest speed that the clip may contain, per rad/s.
+constexpr double kTooFastWeight = 30.0;
+constexpr double kClearlyBetter = 0.8;  // Share of the cost of the current path.
+
+}  // namespace
+
+LimbPathFinder::LimbPathFinder(const FitModel& model, const FitOptions& options,
+                               const FitClip& clip, const FitLimb& limb)
+    : model_(model),
+      options_(options),
+      clip_(clip),
+      limb_(limb),
+      solver_(model, limb),
+      pose_(model.tree),
+      qpos_(at(model.configuration_size)) {
+  for (const int link : limb.links) {
+    max_speed_.push_back(
+        std::min(options.max_joint_speed, model.speed_limit[at(KinematicTree::dof_of(link))]));
+  }
+  // A joint without limits covers a full turn.
+  lowest_ = std::max(solver_.limits().lower[0], -std::numbers::pi);
+  const double range = std::min(solver_.limits().upper[0], std::numbers::pi) - lowest_;
+  if (!(range > 0.0)) return;
+  positions_ = 1 + static_cast<int>(std::ceil(range / kSpacing));
+  spacing_ = range / (positions_ - 1);
+}
+
+void LimbPathFinder::set_frame(int frame) {
+  std::ranges::copy(clip_.frame(frame, model_.configuration_size), qpos_.begin());
+  pose_.update(qpos_);
+}
+
+LimbPathFinder::Node LimbPathFinder::node_here(double tracking) const {
+  Node node;
+  for (std::size_t i = 0; i < count(); ++i) {
+    node.joints[i] = qpos_[at(model_.tree.links()[at(limb_.links[i])].qpos_address)];
+  }
+  node.tracking = tracking;
+  return node;
+}
+
+LimbPathFinder::Node LimbPathFinder::own_node(int frame, int frames) {
+  set_frame(frame);
+  return node_here(frames * solver_.cost(pose_, clip_.goals(frame, model_.tasks.size())));
+}
+
+// Solves the limb with its first joint at a point of the grid and the others inside range_.
+LimbPathFinder::Node LimbPathFinder::solved(int frame, const LimbJoints& start, int index,
+                                            int frames) {
+  for (std::size_t i = 0; i < count(); ++i) {
+    joint_value(model_, limb_.links[i], qpos_) = i == 0 ? position(index) : start[i];
+  }
+  pose_.update_subtree(limb_.link, qpos_);
+  range_.lower[0] = range_.upper[0] = position(index);
+  return node_here(frames *
+                   solver_.solve(clip_.goals(frame, model_.tasks.size()), range_, pose_, qpos_));
+}
+
+// Joint ranges that can be reached without the speeds that the fit penalises.
+LimbRange LimbPathFinder::within_reach(const LimbJoints& from, int frames) const {
+  const double step = options_.soft_joint_speed * frames * clip_.frame_time;
+  LimbRange range = solver_.limits();
+  for (std::size_t i = 0; i < count(); ++i) {
+    range.lower[i] = std::max(range.lower[i], from[i] - step);
+    range.upper[i] = std::min(range.upper[i], from[i] + step);
+  }
+  return range;
+}
+
+// A layer consists of the own configuration; for each position of the first joint, the best
+// configuration; and for each position, the best one within reach of the layer before. Without the
+// last, no path could lag behind targets that are faster than the joints.
+LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before, int frames) {
+  const Node own = own_node(frame, frames);
+  Layer layer(1 + 2 * at(positions_), own);
+  const int nearest =
+      spacing_ > 0.0
+          ? std::clamp(static_cast<int>(std::lround((own.joints[0] - lowest_) / spacing_)), 0,
+                       positions_ - 1)
+          : 0;
+  const auto best_at = [&](int k) -> Node& { return layer[at(1 + k)]; };
+  // Starts from the neighbour nearer to the own configuration, so that the grid stays continuous.
+  const auto solve_at = [&](int k, const LimbJoints& start) {
+    range_ = solver_.limits();
+    best_at(k) = solved(frame, start, k, frames);
+  };
+  solve_at(nearest, own.joints);
+  for (int k = nearest + 1; k < positions_; ++k) solve_at(k, best_at(k - 1).joints);
+  for (int k = nearest - 1; k >= 0; --k) solve_at(k, best_at(k + 1).joints);
+  const bool is_full = before.size() == layer.size();
+  for (int k = 0; k < positions_; ++k) {
+    const Node& best = before[is_full ? at(1 + k) : 0];
+    const Node& slow = before[is_full ? at(1 + positions_ + k) : 0];
+    const LimbJoints& from = (best.total < slow.total ? best : slow).joints;
+    range_ = within_reach(from, frames);
+    layer[at(1 + positions_ + k)] = solved(frame, from, k, frames);
+  }
+  return layer;
+}
+
+double LimbPathFinder::move_cost(const LimbJoints& from, const LimbJoints& to, int frames) const {
+  double cost = 0.0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double speed = std::abs(to[i] - from[i]) / (frames * clip_.frame_time);
+    cost += square(kMoveWeight * speed) +
+            square(options_.speed_weight * std::max(0.0, speed - options_.soft_joint_speed)) +
+            square(kTooFastWeight * std::max(0.0, speed - max_speed_[i]));
+  }
+  return frames * cost;
+}
+
+void LimbPathFinder::connect(const Layer& before, Layer& layer, int frames) const {
+  for (Node& node : layer) {
+    node.total = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const double so_far = before[i].total + node.tracking;
+      if (!(so_far < node.total)) continue;
+      const double total = so_far + move_cost(before[i].joints, node.joints, frames);
+      if (!(total < node.total)) continue;
+      node.total = total;
+      node.before = static_cast<int>(i);
+    }
+  }
+}
+
+LimbBranch LimbPathFinder::best_path(const std::vector<Layer>& layers,
+                                     const std::vector<int>& frames) const {
+  const int begin = frames.front(), end = frames.back() + 1;
+  LimbBranch path{begin, end, std::vector<LimbJoints>(at(end - begin))};
+  const Node* node = &layers.back().front();
+  path.joints.back() = node->joints;
+  for (std::size_t i = layers.size() - 1; i > 0; --i) {
+    const Node* const before = &layers[i - 1][at(node->before)];
+    const int steps = frames[i] - frames[i - 1];
+    for (int k = 0; k < steps; ++k) {
+      LimbJoints& joints = path.joints[at(frames[i - 1] + k - begin)];
+      for (std::size_t j = 0; j < count(); ++j) {
+        joints[j] = before->joints[j] + (node->joints[j] - before->joints[j]) * k / steps;
+      }
+    }
+    node = before;
+  }
+  return path;
+}
+
+std::optional<LimbBranch> LimbPathFinder::find(int begin, int end) {
+  const int every = std::max(1, static_cast<int>(std::lround(kLayerTime / clip_.frame_time)));
+  if (end - begin < 3 * every) return std::nullopt;
+  std::vector<int> frames;
+  for (int frame = begin; frame < end - 1; frame += every) frames.push_back(frame);
+  frames.push_back(end - 1);
+  std::vector<Layer> layers;
+  layers.push_back({own_node(begin, 1)});
+  layers.front().front().total = layers.front().front().tracking;
+  Node own = layers.front().front();
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const int step = frames[i] - frames[i - 1];
+    Node next = own_node(frames[i], step);
+    next.total = own.total + next.tracking + move_cost(own.joints, next.joints, step);
+    own = next;
+    Layer layer = i + 1 < frames.size() ? solve_layer(frames[i], layers.back(), step) : Layer{own};
+    connect(layers.back(), layer, step);
+    layers.push_back(std::move(layer));
+  }
+  if (!(layers.back().front().total < kClearlyBetter * own.total)) return std::nullopt;
+  return best_path(layers, frames);
+}
+
+}  // namespace retarget

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "retarget/options.h"
+#include "robot/model/kinematic_tree.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_model.h"
+#include "solve/fit/limb_branch.h"
+#include "solve/fit/limb_solver.h"
+
+namespace retarget {
+
+/// Finds the best path of a limb through an interval, over all branches of its inverse kinematics:
+/// dynamic programming over the position of the limb's first joint (docs/fit.md).
+///
+/// Keeps references to its arguments and reads the current state of the clip.
+class LimbPathFinder {
+ public:
+  LimbPathFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
+                 const FitLimb& limb);
+
+  /// Searches for a path that starts and ends with the current configurations of frames `begin` and
+  /// `end` - 1. Returns nothing if no path is clearly better than the current one.
+  [[nodiscard]] std::optional<LimbBranch> find(int begin, int end);
+
+ private:
+  // A configuration of the limb in a frame, and the best way to it.
+  struct Node {
+    LimbJoints joints{};
+    double tracking = 0.0;  // Tracking cost of the frames that the node stands for.
+    double total = 0.0;     // Cost of the best path up to this node.
+    int before = 0;         // Index of the previous node on this path.
+  };
+  using Layer = std::vector<Node>;
+
+  void set_frame(int frame);
+  [[nodiscard]] Node node_here(double tracking) const;
+  [[nodiscard]] Node own_node(int frame, int frames);
+  [[nodiscard]] Node solved(int frame, const LimbJoints& start, int position, int frames);
+  [[nodiscard]] Layer solve_layer(int frame, const Layer& before, int frames);
+  [[nodiscard]] LimbRange within_reach(const LimbJoints& from, int frames) const;
+  [[nodiscard]] double move_cost(const LimbJoints& from, const LimbJoints& to, int frames) const;
+  void connect(const Layer& before, Layer& layer, int frames) const;
+  [[nodiscard]] LimbBranch best_path(const std::vector<Layer>& layers,
+                                     const std::vector<int>& frames) const;
+  [[nodiscard]] double position(int index) const { return lowest_ + index * spacing_; }
+  [[nodiscard]] std::size_t count() const { return limb_.links.size(); }
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  const FitClip& clip_;
+  const FitLimb& limb_;
+  LimbSolver solver_;
+  LimbRange range_;                      // For the next solve.
+  std::vector<double> max_speed_;        // By joint, rad/s or m/s.
+  TreeState pose_;                       // Pose of qpos_.
+  std::vector<double> qpos_;             // Configuration of the frame; only the limb is changed.
+  double lowest_ = 0.0, spacing_ = 0.0;  // Grid of the first joint, rad.
+  int positions_ = 1;                    // Number of its points.
+};
+
+}  // namespace retarget

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "retarget/options.h"
+#include "retarget/report.h"
+#include "solve/fit/fit_clip.h"
+#include "solve/fit/fit_dynamics.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// Solves a part of a fitted clip again after a change, and reverts both if they do not pay off.
+///
+/// Keeps references to its arguments.
+class WindowTrial {
+ public:
+  WindowTrial(const WindowTrial&) = delete;
+  WindowTrial& operator=(const WindowTrial&) = delete;
+
+  /// @param begin, end  the frames [begin, end) that are to change. Half a second on either side is
+  ///     solved with them.
+  WindowTrial(const FitModel& model, const FitOptions& options, FitClip& clip,
+              const std::function<bool()>& keep_going, int begin, int end);
+
+  [[nodiscard]] const FitWindow& window() const { return window_; }
+  /// Whether the cost of all terms is clearly lower than at construction and, with dynamics, the
+  /// contacts supply the forces about as well as before.
+  [[nodiscard]] bool pays_off();
+  /// Configuration of a frame of the window at construction.
+  [[nodiscard]] std::span<const double> before(int frame) const;
+
+  /// Solves the window between fixed frames, in parts of at most one window length, so that memory
+  /// stays bounded.
+  /// @return false if keep_going stopped it or a step was not finite.
+  bool solve();
+  /// The same with another model or other options.
+  bool solve(const FitModel& model, const FitOptions& options);
+
+  /// Restores the clip as it was at construction.
+  void revert();
+
+  [[nodiscard]] bool stopped() const { return stopped_; }
+  [[nodiscard]] const std::vector<SolverFailure>& failures() const { return failures_; }
+
+ private:
+  [[nodiscard]] int frames_in(double seconds) const;
+  [[nodiscard]] std::span<double> changed() const;
+  [[nodiscard]] double cost() const;
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  FitClip& clip_;
+  const std::function<bool()>& keep_going_;
+  FitWindow window_;
+  std::vector<double> qpos_before_;
+  std::vector<Eigen::Vector2d> anchors_before_;
+  double cost_before_ = 0.0;
+  std::optional<FitDynamics> dynamics_;
+  double unexplained_before_ = 0.0;  // FitDynamics::measure at construction.
+  bool stopped_ = false;
+  std::vector<SolverFailure> failures_;
+};
+
+}  // namespace retarget

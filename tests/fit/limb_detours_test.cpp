@@ -1,0 +1,104 @@
+// Arms that run into the limits of the shoulder for a moment, or pass near its singularity.
+
+#include "solve/fit/limb_detours.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "support/arm_movement.h"
+
+namespace retarget {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+// The arms swing up and back, past the line through both shoulders, and return at once. Near this
+// line the first and the third axis of a G1's shoulder are parallel.
+Clip swing_past_the_shoulder_line(int frames_per_pose = 14, const FrameRate& rate = {30, 1}) {
+  constexpr std::array<ArmPose, 7> kPoses = {{{-60, 60, 10},
+                                              {-60, 60, 10},
+                                              {-10, 90, 10},
+                                              {100, 120, 10},
+                                              {-10, 90, 10},
+                                              {-60, 60, 10},
+                                              {-60, 60, 10}}};
+  return arm_movement(kPoses, frames_per_pose, rate);
+}
+
+double largest_step(const RobotClip& clip) {
+  double most = 0.0;
+  for (int t = 1; t < clip.frame_count(); ++t) {
+    for (std::size_t i = 7; i < clip.qpos(t).size(); ++i) {
+      most = std::max(most, std::abs(clip.qpos(t)[i] - clip.qpos(t - 1)[i]));
+    }
+  }
+  return most;
+}
+
+TEST(LimbDetours, FindsTheWayAroundTheShoulderLimits) {
+  const Clip clip = swing_past_the_shoulder_line();
+  const RobotCase robot = robot_case("unitree_g1");
+  const auto plain = plainly_fitted(clip, robot);
+  const auto recovered = fitted(clip, robot);
+  ASSERT_TRUE(plain.has_value());
+  ASSERT_TRUE(recovered.has_value());
+  EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after);
+  EXPECT_LT(largest_step(recovered->clip), 0.48);
+  EXPECT_THAT(recovered->report.notes,
+              Contains(HasSubstr("arm was stuck on a wrong branch in frames ")));
+  for (int t = 0; t < 3; ++t) EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
+}
+
+// The shoulders of this robot follow the swing anyway.
+TEST(LimbDetours, NeverIncreasesTheCost) {
+  const Clip clip = swing_past_the_shoulder_line();
+  const RobotCase robot = robot_case("fourier_n1");
+  const auto plain = plainly_fitted(clip, robot);
+  const auto recovered = fitted(clip, robot);
+  EXPECT_LE(recovered->report.status.cost_after, plain->report.status.cost_after * (1.0 + 1e-9));
+}
+
+TEST(LimbDetours, DoesTheSameAtOtherFrameRates) {
+  const RobotCase robot = robot_case("unitree_g1");
+  for (const int factor : {1, 4}) {
+    const Clip clip = swing_past_the_shoulder_line(14 * factor, {30 * factor, 1});
+    const auto plain = plainly_fitted(clip, robot);
+    const auto recovered = fitted(clip, robot);
+    ASSERT_TRUE(recovered.has_value());
+    EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after) << factor;
+  }
+}
+
+TEST(LimbDetours, LeavesArmsWithinReachUnchanged) {
+  // The same swing at half the height reaches no limit.
+  constexpr std::array<ArmPose, 5> kPoses = {
+      {{-60, 60, 10}, {-60, 60, 10}, {-20, 60, 10}, {-60, 60, 10}, {-60, 60, 10}}};
+  const Clip clip = arm_movement(kPoses, 14);
+  const RobotCase robot = robot_case("unitree_g1");
+  const auto plain = plainly_fitted(clip, robot);
+  const auto recovered = fitted(clip, robot);
+  EXPECT_THAT(recovered->report.notes, Not(Contains(HasSubstr("branch"))));
+  for (int t = 0; t < clip.frame_count(); ++t) {
+    EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
+  }
+}
+
+TEST(LimbDetours, IsIndependentOfTheThreadCount) {
+  const Clip clip = swing_past_the_shoulder_line();
+  const RobotCase robot = robot_case("unitree_g1");
+  FitOptions options;
+  options.threads = 1;
+  const auto one = fitted(clip, robot, options);
+  options.threads = 3;
+  const auto three = fitted(clip, robot, options);
+  for (int t = 0; t < clip.frame_count(); ++t) EXPECT_TRUE(same(one->clip, three->clip, t)) << t;
+}
+
+}  // namespace
+}  // namespace retarget
