@@ -193,6 +193,11 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Mean horizontal speed, over two seconds, at which the root deviates from the source's scaled "
      "path, after removing a constant yaw.",
      kOwn},
+    {"root_bounce_pct", "%",
+     "Vertical movement of the root between 2.5 and 8 Hz (steps, landings, accents), root mean "
+     "square, relative to that of its target; 100 if the target moves by less than 1 mm. For clips of "
+     "at least one second at 20 frames per second or more.",
+     kOwn},
     {"lag_s", "s",
      "Delay of the robot's limbs behind the human's: the shift of up to half a second that "
      "maximises the correlation of their angular rates. For clips of at least one second with limb "

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/math/filter.h"
 #include "base/math/so3.h"
 #include "base/math/statistics.h"
 #include "judge/quality/report_parts.h"
@@ -116,6 +117,38 @@ std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,
     sum += left.head<2>().norm();
   }
   return sum / static_cast<double>(frames - step) * fps / static_cast<double>(step);
+}
+
+namespace {
+
+// Vertical movement between two frequencies, root mean square.
+double band_rms(std::span<const Eigen::Vector3d> points, double low, double high, double fps) {
+  constexpr double kPeriods = 2.0;  // Half width of the filters, in periods of the cutoff.
+  const auto filtered = [&](double hertz) {
+    const int half_width = static_cast<int>(std::ceil(kPeriods * fps / hertz));
+    return low_pass(points, design_low_pass(hertz / fps, half_width));
+  };
+  const auto below_high = filtered(high), below_low = filtered(low);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double band = below_high[i].z() - below_low[i].z();
+    sum += band * band;
+  }
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+}  // namespace
+
+std::optional<double> bounce_kept(std::span<const Eigen::Vector3d> found,
+                                  std::span<const Eigen::Vector3d> wanted, double fps) {
+  constexpr double kLow = 2.5, kHigh = 8.0;  // Hz
+  constexpr double kLeast = 0.001;           // Metres; less is noise of capturing.
+  constexpr double kSeconds = 1.0;
+  const std::size_t frames = std::min(found.size(), wanted.size());
+  if (static_cast<double>(frames) < kSeconds * fps || fps < 2.5 * kHigh) return std::nullopt;
+  const double of_target = band_rms(wanted.first(frames), kLow, kHigh, fps);
+  if (!(of_target > kLeast)) return 1.0;
+  return band_rms(found.first(frames), kLow, kHigh, fps) / of_target;
 }
 
 void measure_source_slide(const ReportBuilder& draft, const HumanClip& human, int frames) {

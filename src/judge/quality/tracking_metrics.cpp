@@ -157,6 +157,9 @@ void TrackingMeasure::measure_root_path() const {
   if (const auto slide = root_slide(found, wanted, draft_.clip.rate().fps())) {
     draft_.set("root_slide_mean", *slide);
   }
+  if (const auto kept = bounce_kept(found, wanted, draft_.clip.rate().fps())) {
+    draft_.set("root_bounce_pct", 100.0 * *kept);
+  }
 }
 
 void TrackingMeasure::measure() const {
