@@ -195,7 +195,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"root_bounce_pct", "%",
      "Vertical movement of the root between 2.5 and 8 Hz (steps, landings, accents), root mean "
-     "square, relative to that of its target; 100 if the target moves by less than 1 mm. For clips of "
+     "square, relative to that of its target; 100 if the target moves by less than 1 mm. For clips "
+     "of "
      "at least one second at 20 frames per second or more.",
      kOwn},
     {"lag_s", "s",
