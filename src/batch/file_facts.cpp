@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "formats/robot_motion/raw_motion.h"
 #include "retarget/file.h"
+#include "retarget/file_endings.h"
 
 namespace retarget {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "batch/file_facts.h"
-#include "formats/registry/format.h"
 #include "retarget/file.h"
+#include "retarget/file_endings.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

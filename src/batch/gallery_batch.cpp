@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <system_error>
 
-#include "app/provenance/hash.h"
-#include "app/run/fingerprint.h"
-#include "base/json.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
+#include "retarget/fingerprint.h"
+#include "retarget/hash.h"
+#include "retarget/json.h"
 #include "retarget/try.h"
 
 namespace retarget {

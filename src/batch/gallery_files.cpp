@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <system_error>
 
-#include "app/provenance/hash.h"
 #include "retarget/file.h"
+#include "retarget/hash.h"
 #include "retarget/try.h"
 
 namespace retarget {

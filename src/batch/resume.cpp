@@ -8,10 +8,10 @@
 #include <set>
 #include <system_error>
 
-#include "app/provenance/hash.h"
-#include "app/run/fingerprint.h"
 #include "batch/file_facts.h"
 #include "retarget/file.h"
+#include "retarget/fingerprint.h"
+#include "retarget/hash.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -12,8 +12,6 @@
 #include <system_error>
 #include <utility>
 
-#include "app/run/fingerprint.h"
-#include "base/json.h"
 #include "batch/batch_runner.h"
 #include "batch/clip_table.h"
 #include "batch/data_set.h"
@@ -31,6 +29,8 @@
 #include "batch/signature_pass.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/fingerprint.h"
+#include "retarget/json.h"
 #include "retarget/load.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"

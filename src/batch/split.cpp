@@ -10,8 +10,8 @@
 #include <regex>
 #include <utility>
 
-#include "app/provenance/hash.h"
 #include "batch/find_inputs.h"
+#include "retarget/hash.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "base/math/so3.h"
 #include "edit/rest_frames.h"
-#include "human/skeleton/bone_map.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 #include "retarget/try.h"
 
 namespace retarget {

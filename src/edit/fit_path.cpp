@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/math/filter.h"
-#include "base/math/spline.h"
 #include "edit/cubic_chain.h"
 #include "edit/ground_pose.h"
+#include "retarget/filter.h"
+#include "retarget/spline.h"
 #include "retarget/text.h"
 
 namespace retarget {

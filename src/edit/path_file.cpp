@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/json.h"
 #include "retarget/file.h"
 #include "retarget/ground_path.h"
+#include "retarget/json.h"
 #include "retarget/option_name.h"
 #include "retarget/try.h"
 

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/trigonometry.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/option_name.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -3,10 +3,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-#include "base/math/so3.h"
-#include "human/skeleton/bone_map.h"
-#include "human/skeleton/canonical_pose.h"
-#include "motion/skeleton.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/skeleton_points.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
 #include "edit/ground_pose.h"
 #include "edit/seam.h"
 #include "edit/seam_blend.h"
@@ -9,6 +7,8 @@
 #include "retarget/edit.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 namespace {

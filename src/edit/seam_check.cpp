@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "edit/plant_feet.h"
 #include "edit/pose_distance.h"
 #include "retarget/clip.h"
@@ -13,6 +12,7 @@
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {

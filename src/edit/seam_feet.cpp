@@ -4,13 +4,13 @@
 #include <cmath>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "edit/plant_feet.h"
 #include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -184,7 +184,7 @@ UncarriedJoints uncarried_joints(const Clip& clip, const Calibration& calibratio
   const auto bones = bones_of_joints(calibration, target);
   // Joints above the hips are part of the hips' world motion.
   const auto is_above_hips = [](const Skeleton& of, int joint, int hips) {
-    return is_at_or_below(of, hips, joint);
+    return is_above(of, joint, hips);
   };
   UncarriedJoints result;
   std::vector<bool> carried(static_cast<std::size_t>(source.joint_count()), false),

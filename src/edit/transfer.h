@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -6,16 +6,16 @@
 #include <span>
 #include <string>
 
-#include "base/json.h"
+#include "retarget/json.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 #include "retarget/robots.h"
+#include "retarget/shape_distance.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
-#include "robot/model/core_points.h"
-#include "robot/model/kinematic_tree.h"
-#include "robot/model/load_robot.h"
 
 namespace retarget {
 namespace {

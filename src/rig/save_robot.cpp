@@ -2,8 +2,8 @@
 #include <string>
 #include <system_error>
 
-#include "base/json.h"
 #include "retarget/file.h"
+#include "retarget/json.h"
 #include "retarget/option_name.h"
 #include "retarget/rig.h"
 #include "retarget/try.h"

@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "human/skeleton/side_colours.h"
+#include "retarget/appearance.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 
 namespace retarget {
 namespace {

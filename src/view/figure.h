@@ -7,7 +7,6 @@
 
 #include "retarget/human.h"
 #include "retarget/robot.h"
-#include "robot/model/collision.h"
 #include "view/svg.h"
 
 namespace retarget {

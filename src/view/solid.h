@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "robot/model/collision.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/appearance.h"
+#include "retarget/shape_distance.h"
 #include "view/figure.h"
 
 namespace retarget {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "solve/fit/limb_solver.h"
 #include "support/lafan1_map.h"

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "app/plan/follow_arms.h"
-#include "human/skeleton/canonical_pose.h"
 #include "live/live_sample.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

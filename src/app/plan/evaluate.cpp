@@ -8,10 +8,10 @@
 #include "retarget/measure.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"
-#include "robot/model/normalize_start.h"
 
 namespace retarget {
 

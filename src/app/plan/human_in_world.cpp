@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "human/skeleton/side_colours.h"
+#include "retarget/appearance.h"
+#include "retarget/normalize_start.h"
 #include "retarget/plan.h"
-#include "robot/model/normalize_start.h"
 
 namespace retarget {
 

@@ -12,11 +12,11 @@
 #include "retarget/data_folder.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/load_robot.h"
 #include "retarget/options.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
-#include "robot/model/load_robot.h"
 #include "robot/model/variant.h"
 
 namespace retarget {

@@ -12,9 +12,9 @@
 #include "retarget/file.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
-#include "robot/model/normalize_start.h"
 
 namespace retarget {
 namespace {

@@ -9,12 +9,12 @@
 #include <thread>
 #include <vector>
 
-#include "app/provenance/hash.h"
 #include "retarget/error.h"
 #include "retarget/file.h"
+#include "retarget/hash.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/robot.h"
-#include "robot/model/normalize_start.h"
 
 namespace retarget {
 

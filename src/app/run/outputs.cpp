@@ -5,8 +5,8 @@
 
 #include "app/plan/human_in_world.h"
 #include "app/plan/motion_contacts.h"
-#include "app/provenance/hash.h"
 #include "base/try.h"
+#include "retarget/hash.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "app/plan/preset.h"
-#include "app/provenance/hash.h"
 #include "app/run/sidecar.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip.h"
 #include "retarget/file.h"
+#include "retarget/hash.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
 

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "app/provenance/hash.h"
-#include "app/run/fingerprint.h"
 #include "app/run/sidecar.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
+#include "retarget/fingerprint.h"
+#include "retarget/hash.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"

@@ -4,9 +4,9 @@
 #include <limits>
 #include <utility>
 
-#include "formats/containers/byte_order.h"
 #include "formats/containers/npz_writer.h"
 #include "formats/containers/pickle_opcodes.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 
 namespace retarget {

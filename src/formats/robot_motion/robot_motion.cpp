@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/robot_motion/quaternion_order.h"
@@ -20,6 +19,7 @@
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/try.h"
 #include "formats/containers/npz_writer.h"
 #include "formats/containers/pickle_writer.h"
@@ -24,6 +23,7 @@
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

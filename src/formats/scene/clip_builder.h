@@ -47,7 +47,4 @@ class ClipBuilder {
   std::vector<Eigen::Vector3d> translations_;  // Frame-major.
 };
 
-/// Makes names valid for BVH: no control bytes, not empty, no spaces at the ends.
-[[nodiscard]] std::vector<std::string> plain_joint_names(std::vector<std::string> names);
-
 }  // namespace retarget

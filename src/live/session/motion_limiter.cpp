@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/so3.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,10 +1,8 @@
 #include <cmath>
-#include <utility>
 
-#include "human/skeleton/human_clip.h"
-#include "human/skeleton/robot_human.h"
 #include "live/stream/human_bones.h"
 #include "retarget/clip.h"
+#include "retarget/human_poser.h"
 #include "retarget/plan.h"
 #include "retarget/try.h"
 
@@ -13,21 +11,7 @@ namespace retarget {
 Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
                                  const std::string& data_folder) {
   RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(clip, options, data_folder));
-  HumanPoser poser(clip, found.calibration);
-  const HumanClipInfo info = poser.info();
-  // Reuse the conversion from a robot's motion to a human clip.
-  RobotHuman human;
-  human.rate = clip.rate();
-  human.frame_count = clip.frame_count();
-  human.poses = poses_of(poser);
-  for (const Bone bone : kMappedBones) human.has[bone] = info.has(bone);
-  if (clip.frame_count() == 0) return input_failure(clip.name(), "the clip has no frames");
-  poser.pose(0, human.standing);
-  Clip bones = clip_of_robot_human(human, clip.name());
-  ClipOrigin origin = bones.origin();
-  origin.body_height = found.calibration.height;
-  bones.set_origin(std::move(origin));
-  return bones;
+  return clip_of_human(clip, found.calibration);
 }
 
 BonePoses::BonePoses(const Clip& clip) {

@@ -21,15 +21,10 @@ namespace retarget {
   return world_from_joint[static_cast<std::size_t>(parent)].inverse() * world_from_this;
 }
 
-/// Converts the canonical human in a clip to a separate clip, so that formats with fixed bones can
-/// play any clip.
-///
-/// The clip has a joint for each bone found, with the bone's name (bone_name), in metres, Z up. The
-/// zero pose is the T-pose that faces x, in which all joints have the world's axes. Bones that are
-/// not rigidly attached, such as those of a spine with omitted joints, have translations. The
-/// origin contains the body height.
+/// Finds the human in a clip and converts it to a separate clip (clip_of_human), so that formats
+/// with fixed bones can play any clip.
 /// @param data_folder  contains configs/skeletons.
-/// Errors: those of find_human.
+/// Errors: those of find_human and clip_of_human.
 [[nodiscard]] Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
                                                const std::string& data_folder);
 

@@ -13,13 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "formats/containers/byte_order.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/mvn_protocol.h"
 #include "live/stream/mvn_segments.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -6,8 +6,8 @@
 #include <bit>
 #include <utility>
 
-#include "formats/containers/byte_order.h"
 #include "live/stream/mvn_segments.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "formats/containers/byte_order.h"
 #include "live/stream/natnet_protocol.h"
+#include "retarget/bytes.h"
 
 namespace retarget {
 namespace {

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "formats/smpl/smpl_body.h"
 #include "live/stream/packet_json.h"
 #include "live/stream/stream_formats.h"
+#include "retarget/smpl.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "formats/smpl/smpl_body.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/stream_formats.h"
+#include "retarget/smpl.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "formats/containers/byte_order.h"
+#include "retarget/bytes.h"
 #include "retarget/motion_io.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"

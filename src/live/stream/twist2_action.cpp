@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <span>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/frame_costs.h"
 #include "solve/fit/limb_branch.h"
