@@ -14,6 +14,7 @@
 #include "retarget/report.h"
 #include "retarget/run.h"
 
+// Link retarget::batch.
 namespace RETARGET_API retarget {
 
 /// Identifies everything besides the clip itself that determines the result for one robot.

@@ -7,6 +7,7 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 
+// Link retarget::batch.
 namespace RETARGET_API retarget {
 
 /// Computes the SHA-256 of bytes that arrive in pieces (FIPS 180-4, with OpenSSL's libcrypto).

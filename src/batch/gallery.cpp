@@ -11,7 +11,6 @@
 
 #include "batch/clip_memory.h"
 #include "batch/gallery_batch.h"
-#include "batch/gallery_files.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"

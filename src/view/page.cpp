@@ -10,7 +10,6 @@
 #include "view/figure.h"
 #include "view/page.h"
 #include "view/page_data.h"
-#include "view/svg.h"
 #include "view/written_motion.h"
 
 namespace retarget {

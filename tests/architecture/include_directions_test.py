@@ -41,7 +41,7 @@ FORBIDDEN = re.compile(
     r"#\s*include\s*<iostream>|\bstd::(cout|cerr|clog|exit|_Exit|quick_exit|abort|terminate)\b"
     r"|(?<![\w:.>])(?:std::|::)?(printf|puts|putchar|perror|abort|exit|_exit)\s*\(")
 
-# C libraries choose these by the processor, and the last digits differ: math/trigonometry.h
+# C libraries choose these by the processor, and the last digits differ: retarget/trigonometry.h
 # replaces them; std::sqrt, std::remainder and rounding are exact everywhere
 NOT_PORTABLE = re.compile(
     r"(?<![\w:.>])(?:std::|::)"

@@ -17,7 +17,7 @@
 #include "retarget/robot.h"
 #include "robot/model/check_model.h"
 #include "robot/model/load_profile.h"
-#include "solve/robot_setup/urdf_speeds.h"
+#include "solve/robot_setup/import_robot.h"
 
 namespace retarget::fuzz {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "support/test_robots.h"
 #include "view/figure.h"
-#include "view/svg.h"
 
 namespace retarget {
 namespace {

@@ -9,8 +9,6 @@
 
 #include "app/plan/clean_source.h"
 #include "app/plan/follow_arms.h"
-#include "app/plan/source_travel.h"
-#include "app/plan/unknown_rotations.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"

@@ -12,8 +12,8 @@
 
 #include "base/try.h"
 #include "formats/containers/npz_writer.h"
-#include "formats/containers/pickle_writer.h"
-#include "formats/containers/torch_writer.h"
+#include "formats/containers/pickle.h"
+#include "formats/containers/torch_file.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/clip.h"

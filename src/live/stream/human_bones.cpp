@@ -1,6 +1,8 @@
-#include <cmath>
-
 #include "live/stream/human_bones.h"
+
+#include <cmath>
+#include <utility>
+
 #include "retarget/clip.h"
 #include "retarget/human_poser.h"
 #include "retarget/plan.h"
@@ -43,6 +45,27 @@ Pose mirrored_across_x(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& at = pose.translation;
   return {{q.w(), q.x(), -q.y(), -q.z()}, {-at.x(), at.y(), at.z()}};
+}
+
+Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
+                             const std::string& data_folder) {
+  ClipOrigin origin = clip.origin();
+  if (origin.metres_per_unit && origin.up) return clip;
+  // find_human may replace rotations, but the clip is played unchanged.
+  Clip looked_at = clip;
+  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(looked_at, options, data_folder));
+  if (!origin.metres_per_unit) origin.metres_per_unit = found.calibration.metres_per_unit;
+  if (!origin.up) {
+    origin.up = found.calibration.human_from_source.transpose() * Eigen::Vector3d::UnitZ();
+  }
+  clip.set_origin(std::move(origin));
+  return clip;
+}
+
+ClipAxes::ClipAxes(const Clip& clip, const Eigen::Vector3d& up) {
+  const ClipOrigin& origin = clip.origin();
+  if (origin.up) turn_ = Eigen::Quaterniond::FromTwoVectors(*origin.up, up);
+  metres_per_unit_ = origin.metres_per_unit.value_or(1.0);
 }
 
 }  // namespace retarget

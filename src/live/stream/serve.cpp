@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "live/stream/byte_source.h"
+#include "live/stream/frame_output.h"
 #include "live/stream/live_pipeline.h"
-#include "live/stream/outputs.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
 #include "retarget/load_robot.h"

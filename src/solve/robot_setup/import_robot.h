@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,5 +38,9 @@ struct ImportedRobot {
 /// Returns the findings from a model's numbers alone: an implausible size (wrong unit), and ranges
 /// that are missing, empty, or in the wrong unit.
 [[nodiscard]] std::vector<RobotFinding> model_findings(const Robot& robot);
+
+/// Returns the joint speed limits stated in a URDF (`<limit velocity="...">`), above 0; rad/s or
+/// m/s. Empty for files that are not URDF.
+[[nodiscard]] std::map<std::string, double> urdf_speeds(const std::string& path);
 
 }  // namespace retarget

@@ -22,7 +22,6 @@
 #include "solve/robot_setup/import_robot.h"
 #include "solve/robot_setup/self_test.h"
 #include "solve/robot_setup/t_pose.h"
-#include "solve/robot_setup/urdf_speeds.h"
 
 namespace retarget {
 namespace {
