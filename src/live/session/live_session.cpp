@@ -11,7 +11,6 @@
 #include "live/session/motion_limiter.h"
 #include "live/session/playout.h"
 #include "live/session/sender_clock.h"
-#include "live/session/standing_pose.h"
 #include "retarget/live_table.h"
 #include "retarget/online_solver.h"
 #include "retarget/option_name.h"
