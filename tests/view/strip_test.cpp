@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "retarget/appearance.h"
 #include "support/test_robots.h"
 #include "view/figure.h"
 

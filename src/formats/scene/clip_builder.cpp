@@ -1,9 +1,10 @@
-#include "formats/scene/clip_builder.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
+
+#include "formats/scene/clip_builder.h"
+#include "retarget/bvh.h"
 
 namespace retarget {
 namespace {

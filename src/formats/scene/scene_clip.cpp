@@ -19,6 +19,7 @@
 #include "formats/scene/mvnx.h"
 #include "formats/scene/scene_skeleton.h"
 #include "motion/clip.h"
+#include "retarget/bvh.h"
 #include "retarget/text.h"
 
 namespace retarget {
