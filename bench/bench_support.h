@@ -10,8 +10,8 @@
 
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
-#include "robot/model/load_robot.h"
 #include "solve/targets/targets.h"
 #include "support/lafan1_map.h"
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/math/step_bounds.h"
 #include "bench_support.h"
+#include "retarget/so3.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/fit_windows.h"
 #include "solve/fit/frame_costs.h"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "base/math/trigonometry.h"
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
+#include "retarget/trigonometry.h"
 #include "solve/hands/hand_solver.h"
 #include "solve/hands/hand_target.h"
 #include "support/finger_clip.h"

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -36,5 +39,33 @@ struct BvhWriteOptions {
 /// Writes the clip to a file, completely or not at all; `-` is standard output.
 [[nodiscard]] Result<void> save_bvh(const std::string& path, const Clip& clip,
                                     const BvhWriteOptions& options = {});
+
+/// Makes names valid for BVH: no control bytes, not empty, no spaces at the ends.
+[[nodiscard]] std::vector<std::string> plain_joint_names(std::vector<std::string> names);
+
+/// Reads the skeleton of BVH text that ends before its MOTION section or has one.
+/// @param file  used in messages. Errors: those of load_clip for BVH files.
+[[nodiscard]] Result<std::shared_ptr<const Skeleton>> bvh_skeleton(std::string_view text,
+                                                                   const std::string& file);
+
+/// Reads single rows of a BVH file's MOTION section, as streams send them.
+class BvhRowReader {
+ public:
+  explicit BvhRowReader(const Skeleton& skeleton);
+  ~BvhRowReader();
+  BvhRowReader(BvhRowReader&&) noexcept;
+  BvhRowReader& operator=(BvhRowReader&&) noexcept;
+
+  /// Reads a row into a frame of a clip of this skeleton. Does not allocate.
+  /// @param line  all channels of a frame, separated by blanks; positions in the file's unit,
+  ///     rotations in degrees.
+  /// kInput errors: not exactly one number per channel, or numbers of ten million and more; the
+  ///     frame is then unchanged.
+  [[nodiscard]] Result<void> read(std::string_view line, Clip& clip, int frame);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace retarget

@@ -115,7 +115,7 @@ struct LiveStatistics {
   double jitter_s = 0.0;  ///< Mean delay of frames beyond the fastest delivery, seconds.
 };
 
-struct LiveBody;
+class OnlineSolver;
 
 /// Retargets one stream. Use an object from one thread at a time.
 class LiveSession {
@@ -164,8 +164,8 @@ class LiveSession {
 
    private:
     friend class LiveSession;
-    explicit Body(std::unique_ptr<LiveBody> made);
-    std::unique_ptr<LiveBody> made_;
+    explicit Body(std::unique_ptr<OnlineSolver> made);
+    std::unique_ptr<OnlineSolver> made_;
   };
   /// The slow part of recalibrate. It can run in another thread while the session continues.
   /// @param robot  robot of the session.

@@ -12,6 +12,8 @@
 namespace retarget {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 // Useful files are never nested this deep, and recursive code would overflow the stack.
 constexpr std::size_t kMaxDepth = 100;
 // The parser searches the members of an object linearly, so time grows with their number squared.
@@ -104,6 +106,11 @@ std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
   return found == std::string_view::npos ? 0 : found;
 }
 
+std::string text_at(const Json& json, const std::string& key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 }  // namespace
 
 Result<void> check_json_bounds(std::string_view text, const std::string& file) {
@@ -134,11 +141,22 @@ std::string printable_dump(const nlohmann::ordered_json& json) {
   return printable_json(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace)) + "\n";
 }
 
+void put_name(Json& json, const std::string& key, const std::string& bytes) {
+  std::string text = valid_utf8(bytes);
+  const bool as_it_is = text == bytes;
+  json[key] = std::move(text);
+  if (!as_it_is) json[key + std::string(kHexKeyEnd)] = hex_text(bytes);
+}
+
+std::string name_from(const Json& json, const std::string& key) {
+  const std::string hex = text_at(json, key + std::string(kHexKeyEnd));
+  if (auto bytes = bytes_from_hex(hex); bytes && !hex.empty()) return std::move(*bytes);
+  return text_at(json, key);
+}
+
 std::string short_text(const nlohmann::ordered_json& json) {
   return cut_short(json.dump(), kMaxFoundLength);
 }
-
-using Json = JsonMembers::Json;
 
 void JsonMembers::check_keys(const std::vector<std::string>& known) const {
   for (const auto& [key, value] : json_.items()) {

@@ -14,14 +14,13 @@
 #include <system_error>
 #include <utility>
 
-#include "app/run/outputs.h"
-#include "base/machine.h"
 #include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/signature_pass.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/machine.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

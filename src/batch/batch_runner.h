@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "app/run/fingerprint.h"
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/process_pool.h"
@@ -11,6 +10,7 @@
 #include "batch/resume.h"
 #include "retarget/batch.h"
 #include "retarget/error.h"
+#include "retarget/fingerprint.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"

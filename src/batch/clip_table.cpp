@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "formats/robot_motion/csv_table.h"
+#include "retarget/csv_table.h"
 #include "retarget/file.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "batch/duplicates.h"
-#include "batch/split_groups.h"
+#include "batch/split.h"
 #include "batch/summary.h"
 #include "retarget/file.h"
 #include "retarget/measure.h"

@@ -9,14 +9,13 @@
 #include <set>
 #include <system_error>
 
-#include "base/machine.h"
 #include "batch/clip_memory.h"
 #include "batch/gallery_batch.h"
-#include "batch/gallery_files.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/machine.h"
 #include "retarget/measure_files.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

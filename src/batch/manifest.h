@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "batch/clip_variants.h"
+#include "batch/find_inputs.h"
 #include "retarget/error.h"
 #include "retarget/report.h"
 

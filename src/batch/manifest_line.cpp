@@ -10,10 +10,9 @@
 #include <string_view>
 #include <utility>
 
-#include "app/options/options_json.h"
-#include "base/json.h"
 #include "batch/manifest.h"
-#include "formats/containers/base64.h"
+#include "retarget/bytes.h"
+#include "retarget/json.h"
 #include "retarget/text.h"
 
 namespace retarget {

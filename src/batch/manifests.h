@@ -5,13 +5,30 @@
 #include <vector>
 
 #include "batch/data_set.h"
+#include "batch/find_inputs.h"
 #include "batch/manifest.h"
-#include "batch/shard.h"
 #include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/run.h"
 
 namespace retarget {
+
+/// One of several parts of a batch.
+struct Shard {
+  int index = 1;  ///< From 1 to `count`.
+  int count = 1;  ///< Number of parts.
+};
+
+/// Parses text such as `2/8`. Errors: kUsage.
+[[nodiscard]] Result<Shard> parse_shard(const std::string& text);
+
+/// Sorts by file size, longest first; equal sizes by name.
+void sort_longest_first(std::vector<BatchInput>& inputs);
+
+/// The inputs of a shard. Inputs are sorted longest first and dealt to the shards in turn, so that
+/// all have similar work. If all shards see the same files, every input is in exactly one shard.
+[[nodiscard]] std::vector<BatchInput> take_shard(std::vector<BatchInput> inputs,
+                                                 const Shard& shard);
 
 /// The manifests in an output folder when a batch begins.
 struct BatchManifests {

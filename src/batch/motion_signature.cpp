@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "human/skeleton/human_clip.h"
+#include "retarget/human_poser.h"
 
 namespace retarget {
 namespace {

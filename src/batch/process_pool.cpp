@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/sanitizer.h"
+#include "batch/sanitizer.h"
 #include "batch/worker_process.h"
 #include "retarget/try.h"
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,16 @@
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// File attributes that are known without reading the content.
+struct FileFacts {
+  std::uint64_t bytes = 0;
+  std::int64_t modified_ns = 0;  ///< Last modification, nanoseconds since 1970.
+};
+
+/// Attributes of a file. For a folder that is a motion (SONIC), the total size and the latest
+/// modification of its files. Returns nothing for anything else.
+[[nodiscard]] std::optional<FileFacts> facts_of(const std::string& path);
 
 /// Records the current size, modification time and hash of a file.
 /// @param name  FileRecord::file.

@@ -3,9 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "motion/clip_range.h"
-#include "motion/lead_in.h"
 #include "retarget/clip.h"
+#include "retarget/clip_range.h"
 #include "retarget/edit.h"
 #include "retarget/option_name.h"
 #include "retarget/options.h"

@@ -10,8 +10,8 @@
 
 #include "edit/ground_pose.h"
 #include "edit/seam.h"
-#include "human/gait/contact_plan.h"
 #include "retarget/clip.h"
+#include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
 #include "retarget/option_name.h"

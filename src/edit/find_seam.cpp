@@ -9,7 +9,7 @@
 
 #include "edit/pose_distance.h"
 #include "edit/seam_blend.h"
-#include "human/gait/contact_plan.h"
+#include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <utility>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
-#include "base/math/trigonometry.h"
 #include "edit/foot_offsets.h"
 #include "edit/seam_blend.h"
-#include "human/gait/contact_plan.h"
+#include "retarget/contact_plan.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "edit/plant_feet.h"
-#include "motion/two_bone_leg.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/two_bone_leg.h"
 
 namespace retarget {
 

@@ -8,19 +8,19 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/statistics.h"
-#include "base/math/trigonometry.h"
 #include "edit/ground_pose.h"
-#include "human/gait/contact_plan.h"
-#include "human/skeleton/canonical_pose.h"
-#include "motion/skeleton.h"
 #include "retarget/clip.h"
+#include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/option_name.h"
 #include "retarget/pose.h"
+#include "retarget/skeleton_points.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -106,7 +106,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const Calibration& calibration
   bool moves_all = !chain.empty();
   for (const BoneSource& bone : calibration.bones) {
     if (!moves_all || bone.position_joint < 0) continue;
-    moves_all = is_at_or_below(skeleton, bone.position_joint, chain.back());
+    moves_all = is_above(skeleton, chain.back(), bone.position_joint);
   }
   if (!moves_all) {
     return input_failure(

@@ -3,11 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include "human/skeleton/facing.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/canonical_pose.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "edit/ground_pose.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
@@ -18,6 +17,7 @@
 #include "retarget/human.h"
 #include "retarget/option_name.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "human/gait/contact_plan.h"
+#include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/math/trigonometry.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/text.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/facing.h"
-#include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
+#include "retarget/two_bone_leg.h"
 
 namespace retarget {
 

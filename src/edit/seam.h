@@ -6,8 +6,8 @@
 
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
-#include "human/gait/contact_plan.h"
 #include "retarget/clip.h"
+#include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"

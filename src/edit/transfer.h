@@ -1,14 +1,16 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 
@@ -40,5 +42,30 @@ struct UncarriedJoints {
                                                           const Clip& clip,
                                                           const Calibration& calibration,
                                                           const PlantOptions& options);
+
+/// Joints of two skeletons matched by their own and their parent's name, with the difference of
+/// their rest poses.
+struct SharedJoints {
+  std::vector<int> twins;  ///< By target joint: index in the source; -1: none.
+  /// By target joint: rotation from source rest axes to target rest axes. Bones use both T-poses;
+  /// other matched joints use their parent's rotation, adjusted so that their child directions are
+  /// kept.
+  std::vector<Eigen::Quaterniond> turns;
+  Eigen::Quaterniond world_turn;  ///< The same rotation for the world axes.
+
+  /// Returns the rotation of a joint's parent, or of the world.
+  [[nodiscard]] const Eigen::Quaterniond& turn_above(const Skeleton& target, int joint) const {
+    const int parent = target.joint(joint).parent;
+    return parent < 0 ? world_turn : turns[parent];
+  }
+};
+
+/// Returns the canonical bone that each target joint turns, if the source has it.
+[[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
+                                                               const TransferTarget& target);
+
+[[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source,
+                                              const Calibration& calibration,
+                                              const TransferTarget& target);
 
 }  // namespace retarget

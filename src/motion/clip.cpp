@@ -2,8 +2,8 @@
 #include <cassert>
 #include <utility>
 
-#include "base/math/so3.h"
 #include "retarget/clip.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "motion/lead_in.h"
+#include "retarget/clip_range.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/filter.h"
 #include "base/try.h"
 #include "motion/clip.h"
 #include "motion/resample.h"
+#include "retarget/filter.h"
 #include "retarget/resample.h"
 
 namespace retarget {

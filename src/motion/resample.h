@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
 #include "retarget/options.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 
@@ -19,11 +19,6 @@ inline void make_sign_continuous(std::vector<Eigen::Quaterniond>& track) {
 }
 
 inline void make_sign_continuous(std::vector<Eigen::Vector3d>&) {}
-
-[[nodiscard]] inline Eigen::Vector3d interpolate_linear(const Eigen::Vector3d& p0,
-                                                        const Eigen::Vector3d& p1, double s) {
-  return p0 + s * (p1 - p0);
-}
 
 /// The rotations (Eigen::Quaterniond) or translations (Eigen::Vector3d) of one joint as a function
 /// of time. Quaternions are sign-continuous. For cubic interpolation, it stores a velocity per

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "motion/skeleton.h"
 #include "retarget/clip.h"
+#include "retarget/skeleton_points.h"
 
 namespace retarget {
 

@@ -1,13 +1,13 @@
-#include "motion/two_bone_leg.h"
+#include "retarget/two_bone_leg.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
-#include "base/math/trigonometry.h"
 #include "retarget/clip.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

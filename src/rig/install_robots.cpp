@@ -7,14 +7,14 @@
 #include <system_error>
 #include <utility>
 
-#include "formats/containers/zip.h"
 #include "retarget/data_folder.h"
 #include "retarget/file.h"
+#include "retarget/load_robot.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
+#include "retarget/zip.h"
 #include "rig/robot_folder.h"
-#include "robot/model/load_robot.h"
 
 namespace retarget {
 namespace {

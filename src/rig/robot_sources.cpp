@@ -1,16 +1,26 @@
 // The files of robots by name: for lists, descriptions and checks.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/json.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/load_robot.h"
 #include "retarget/options.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
+#include "retarget/robot.h"
 #include "retarget/robots.h"
+#include "retarget/shape_distance.h"
+#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -27,6 +37,175 @@ RobotSources with_configs(const fs::path& model, const fs::path& profile,
       find_configs({}, Method::kGmr, folder, data_folder, fs::absolute(folder).filename().string());
   const ConfigFiles configs = found.value_or(ConfigFiles{});
   return {{}, model.string(), profile.string(), configs.of_lafan1, configs.of_others};
+}
+
+// Describes robots in text and JSON.
+
+using Json = nlohmann::ordered_json;
+
+// Heights in the zero configuration, metres.
+struct Heights {
+  double sole = 0.0;   // From the soles to the root body's origin.
+  double whole = 0.0;  // From the soles to the highest known point.
+};
+
+std::optional<Heights> heights_of(const Robot& robot) {
+  const TreeState posed(robot.tree(), robot.zero_configuration());
+  const double root = posed.origin().z();
+  double lowest = INFINITY;
+  for (const Sole& sole : robot.profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      lowest = std::min(lowest, (posed.world_from_body(sole.body) * point).z());
+    }
+  }
+  if (!std::isfinite(lowest)) return std::nullopt;
+  double highest = root;
+  for (int body = 1; body < static_cast<int>(robot.bodies().size()); ++body) {
+    highest = std::max(highest, posed.world_from_body(body).translation.z());
+  }
+  for (const CollisionShape& shape : robot.collision_shapes()) {
+    for (const Eigen::Vector3d& point : core_points(shape)) {
+      highest = std::max(highest, (posed.world_from_body(shape.body) * point).z() + shape.radius);
+    }
+  }
+  return Heights{root - lowest, highest - lowest};
+}
+
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json joints_json(const Robot& robot) {
+  Json joints = Json::array();
+  for (const int index : robot.output_joints()) {
+    const RobotJoint& joint = robot.joints()[index];
+    Json limits = Json::object();
+    limits["model"] = {number_or_null(robot.model_limits().lower[index]),
+                       number_or_null(robot.model_limits().upper[index])};
+    for (const LimitSet& set : robot.profile().limit_sets) {
+      limits[set.name] = {number_or_null(set.lower[index]), number_or_null(set.upper[index])};
+    }
+    joints.push_back({{"name", joint.name},
+                      {"body", robot.bodies()[joint.body].name},
+                      {"type", joint.type == RobotJoint::Type::kHinge ? "hinge" : "slide"},
+                      {"limits", limits},
+                      {"speed_limit", number_or_null(robot.speed_limit(index))}});
+  }
+  return joints;
+}
+
+Json config_json(const RetargetingConfig& config) {
+  Json rows = Json::array();
+  for (const IkMatch& row : config.match_tables[0].rows) {
+    const auto second = std::ranges::find(config.match_tables[1].rows, row.body, &IkMatch::body);
+    const bool has_second = second != config.match_tables[1].rows.end();
+    const double* scale = config.find_scale(row.bone);
+    rows.push_back(
+        {{"body", row.body},
+         {"bone", row.bone},
+         {"scale", scale == nullptr ? Json() : Json(*scale)},
+         {"pass1", {row.position_weight, row.rotation_weight}},
+         {"pass2", has_second ? Json{second->position_weight, second->rotation_weight} : Json()}});
+  }
+  return rows;
+}
+
+Json robot_json(const Robot& robot, const RobotSources& files) {
+  Json json;
+  json["name"] = robot.name();
+  json["description"] = robot.profile().description;
+  json["source"] = robot.profile().source;
+  json["licence"] = robot.profile().licence;
+  const auto heights = heights_of(robot);
+  json["height_m"] = heights ? Json(heights->whole) : Json();
+  json["sole_height_m"] = heights ? Json(heights->sole) : Json();
+  json["root_body"] = robot.bodies()[robot.root_body()].name;
+  json["default_limits"] = robot.limits_for("");
+  json["joints"] = joints_json(robot);
+  json["mapping_file"] = files.config.empty() ? Json() : Json(files.config);
+  if (files.config.empty()) return json;
+  const auto config = load_retargeting_config(files.config);
+  json["mapping"] = config ? config_json(*config) : Json();
+  if (!files.config_of_others.empty()) json["mapping_file_of_others"] = files.config_of_others;
+  return json;
+}
+
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(text.size() + 1, width), ' ');
+  return text;
+}
+
+std::string range_text(const Json& range) {
+  const auto end = [](const Json& value) {
+    return value.is_null() ? std::string("none") : number_text(value.get<double>(), 4);
+  };
+  return end(range[0]) + " " + end(range[1]);
+}
+
+std::string plain_text(const Json& json) {
+  std::string text =
+      json["name"].get<std::string>() + ": " + json["description"].get<std::string>();
+  text += "\nsource   " + json["source"].get<std::string>() + "\nlicence  " +
+          json["licence"].get<std::string>() + "\n";
+  if (!json["height_m"].is_null()) {
+    text += "height   " + number_text(json["height_m"].get<double>(), 3) + " m; root body \"" +
+            json["root_body"].get<std::string>() + "\" " +
+            number_text(json["sole_height_m"].get<double>(), 3) + " m above the soles\n";
+  }
+  text +=
+      "\njoints in the order of the output columns, limits and speeds in rad or m, per second\n";
+  std::string head = padded("", 4) + padded("joint", 32);
+  const Json& joints = json["joints"];
+  if (!joints.empty()) {
+    for (const auto& [set, range] : joints[0]["limits"].items()) head += padded(set, 20);
+  }
+  text += head + "speed\n";
+  int number = 0;
+  for (const Json& joint : joints) {
+    text += padded(std::to_string(++number), 4) + padded(joint["name"].get<std::string>(), 32);
+    for (const auto& [set, range] : joint["limits"].items()) text += padded(range_text(range), 20);
+    const Json& speed = joint["speed_limit"];
+    text += (speed.is_null() ? "none" : number_text(speed.get<double>(), 2)) + "\n";
+  }
+  if (json["mapping_file"].is_null()) return text + "\nno retargeting configuration\n";
+  text += "\nretargeting configuration  " + json["mapping_file"].get<std::string>() + "\n";
+  if (json.contains("mapping_file_of_others")) {
+    text += "         for sources other than LAFAN1: " +
+            json["mapping_file_of_others"].get<std::string>() + "\n";
+  }
+  text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +
+          "position and rotation weights, both passes\n";
+  if (!json.contains("mapping") || json["mapping"].is_null()) return text;
+  for (const Json& row : json["mapping"]) {
+    text += padded(row["body"].get<std::string>(), 32) + padded(row["bone"].get<std::string>(), 16);
+    text += padded(row["scale"].is_null() ? "-" : number_text(row["scale"].get<double>(), 4), 8);
+    for (const char* pass : {"pass1", "pass2"}) {
+      const Json& weights = row[pass];
+      text += weights.is_null() ? padded("-", 10)
+                                : padded(number_text(weights[0].get<double>(), 2) + " " +
+                                             number_text(weights[1].get<double>(), 2),
+                                         10);
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+Json left_out_json(const RobotSources& robot) {
+  return {{"name", robot.name},
+          {"description", robot.description},
+          {"joints", nullptr},
+          {"height_m", nullptr},
+          {"mapping", false},
+          {"licence", robot.licence},
+          {"licence_stated", robot.licence_stated},
+          {"installed", false}};
+}
+
+std::string left_out_text(const RobotSources& robot) {
+  return padded(robot.name, 26) + padded("-", 12) + padded("-", 8) + robot.description +
+         (robot.licence_stated ? "" : " (no stated licence)") + " (not installed)\n";
 }
 
 }  // namespace
@@ -63,6 +242,41 @@ Result<std::vector<RobotSources>> list_robot_sources(const std::string& data_fol
   }
   std::ranges::sort(robots, {}, &RobotSources::name);
   return robots;
+}
+
+Result<std::string> describe_robot(const RobotSources& robot, TextForm form) {
+  RETARGET_TRY_ASSIGN(const auto loaded, load_robot_files(robot.model, robot.profile));
+  const Json json = robot_json(*loaded, robot);
+  return form == TextForm::kJson ? printable_dump(json) : printable(plain_text(json));
+}
+
+Result<std::string> describe_robots(std::span<const RobotSources> robots, TextForm form) {
+  Json all = Json::array();
+  std::string text;
+  for (const RobotSources& each : robots) {
+    if (each.model.empty()) {
+      all.push_back(left_out_json(each));
+      text += left_out_text(each);
+      continue;
+    }
+    RETARGET_TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
+    const auto heights = heights_of(*robot);
+    const std::size_t joints = robot->output_joints().size();
+    all.push_back({{"name", each.name},
+                   {"description", robot->profile().description},
+                   {"joints", joints},
+                   {"height_m", heights ? Json(heights->whole) : Json()},
+                   {"mapping", !each.config.empty()},
+                   {"licence", robot->profile().licence},
+                   {"licence_stated", !is_unverified(each.model)},
+                   {"installed", true}});
+    text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +
+            padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
+            robot->profile().description +
+            (each.config.empty() ? " (no retargeting configuration)" : "") +
+            (is_unverified(each.model) ? " (no stated licence)" : "") + "\n";
+  }
+  return form == TextForm::kJson ? printable_dump(all) : printable(text);
 }
 
 }  // namespace retarget

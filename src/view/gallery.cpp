@@ -8,9 +8,9 @@
 
 #include "retarget/report.h"
 #include "retarget/text.h"
+#include "view/figure.h"
 #include "view/page.h"
 #include "view/page_data.h"
-#include "view/svg.h"
 
 namespace retarget {
 namespace {

@@ -1,16 +1,15 @@
 #include <array>
 #include <utility>
 
-#include "formats/containers/base64.h"
-#include "human/skeleton/side_colours.h"
+#include "retarget/appearance.h"
+#include "retarget/bytes.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 #include "retarget/view.h"
-#include "robot/model/kinematic_tree.h"
 #include "view/figure.h"
 #include "view/page.h"
 #include "view/page_data.h"
-#include "view/svg.h"
 #include "view/written_motion.h"
 
 namespace retarget {

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "base/located.h"
-#include "base/math/trigonometry.h"
-#include "human/gait/contact_plan.h"
-#include "judge/quality/body_tracks.h"
+#include "retarget/contact_plan.h"
+#include "retarget/trigonometry.h"
 #include "retarget/try.h"
 #include "retarget/version.h"
 #include "view/figure.h"
@@ -35,15 +33,8 @@ Json phases_json(const std::vector<ContactPhase>& phases) {
 // Returns the contact phases of the robot's soles.
 Json robot_contacts(const RobotClip& clip) {
   Json json = Json::array();
-  for (const SoleTrack& track : track_soles(clip)) {
-    std::vector<ContactPhase> phases;
-    for (int frame = 0; frame < clip.frame_count(); ++frame) {
-      if (!track.stands(frame, clip.rate().fps())) continue;
-      if (phases.empty() || phases.back().end != frame) phases.push_back({frame, frame, 0.0});
-      ++phases.back().end;
-    }
-    json.push_back(
-        {{"side", track.sole->side}, {"body", track.sole->body}, {"phases", phases_json(phases)}});
+  for (const auto& [sole, phases] : sole_contacts(clip)) {
+    json.push_back({{"side", sole->side}, {"body", sole->body}, {"phases", phases_json(phases)}});
   }
   return json;
 }
@@ -352,7 +343,15 @@ Result<std::string> packed_json(const Json& json) {
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {
   PageWriter writer(options);
   // Errors name the motion, because a page may contain several files.
-  for (const PageMotion& motion : motions) RETARGET_TRY(located(writer.add(motion), motion.label));
+  for (const PageMotion& motion : motions) {
+    auto added = writer.add(motion);
+    if (added) continue;
+    Error& error = added.error();
+    if (error.kind == ErrorKind::kInput && error.location.file.empty()) {
+      error.location.file = motion.label;
+    }
+    return failure(std::move(error));
+  }
   return writer.finish();
 }
 

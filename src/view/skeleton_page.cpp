@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
-#include "motion/skeleton.h"
 #include "retarget/clip.h"
+#include "retarget/skeleton_points.h"
 #include "retarget/try.h"
 #include "retarget/version.h"
 #include "retarget/view.h"

@@ -11,7 +11,6 @@
 #include "view/image.h"
 #include "view/render.h"
 #include "view/strip.h"
-#include "view/svg.h"
 #include "view/written_motion.h"
 
 namespace retarget {

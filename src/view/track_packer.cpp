@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "formats/containers/base64.h"
+#include "retarget/bytes.h"
 
 namespace retarget {
 namespace {

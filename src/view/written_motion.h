@@ -2,8 +2,8 @@
 
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/normalize_start.h"
 #include "retarget/solve.h"
-#include "robot/model/normalize_start.h"
 
 namespace retarget {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
 #include "robot/model/variant.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 
 namespace retarget {
 namespace {

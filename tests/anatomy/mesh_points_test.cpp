@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "retarget/shape_distance.h"
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/shapes.h"
-#include "robot/model/core_points.h"
 #include "support/humanoids.h"
 
 namespace retarget {

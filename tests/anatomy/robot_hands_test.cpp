@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "robot/model/variant.h"
 #include "support/hand_robots.h"
 

@@ -1,4 +1,4 @@
-#include "formats/containers/base64.h"
+#include "retarget/bytes.h"
 
 #include <gtest/gtest.h>
 

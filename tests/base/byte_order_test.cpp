@@ -1,4 +1,4 @@
-#include "formats/containers/byte_order.h"
+#include "retarget/bytes.h"
 
 #include <gtest/gtest.h>
 

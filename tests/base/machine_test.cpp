@@ -1,4 +1,4 @@
-#include "base/machine.h"
+#include "retarget/machine.h"
 
 #include <gtest/gtest.h>
 

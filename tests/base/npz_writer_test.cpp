@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/containers/npz.h"
-#include "formats/containers/zip.h"
+#include "retarget/zip.h"
 
 namespace retarget {
 namespace {

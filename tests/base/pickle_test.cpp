@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "formats/containers/npz_writer.h"
-#include "formats/containers/pickle_writer.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/containers/torch_writer.h"
+#include "formats/containers/torch_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <string>
 
 #include "formats/containers/npz_writer.h"
-#include "formats/containers/torch_file.h"
 
 namespace retarget {
 namespace {

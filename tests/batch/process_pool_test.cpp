@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/sanitizer.h"
+#include "batch/sanitizer.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "batch/shard.h"
+#include "batch/manifests.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

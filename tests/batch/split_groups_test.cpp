@@ -1,4 +1,4 @@
-#include "batch/split_groups.h"
+#include "batch/split.h"
 
 #include <gtest/gtest.h>
 

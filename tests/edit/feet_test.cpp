@@ -7,7 +7,7 @@
 
 #include "edit/plant_feet.h"
 #include "edit_sample.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "retarget/edit.h"
 #include "support/shared_data.h"
 

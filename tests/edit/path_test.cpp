@@ -3,13 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/math/statistics.h"
 #include "edit/fit_path.h"
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit_sample.h"
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
+#include "retarget/statistics.h"
 #include "support/shared_data.h"
 
 namespace retarget {

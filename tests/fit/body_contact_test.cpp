@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
+#include "retarget/statistics.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "solve/targets/support_bodies.h"

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "solve/fit/limb_solver.h"
 #include "support/arm_movement.h"
 

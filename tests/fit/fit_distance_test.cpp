@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "base/math/so3.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
+#include "retarget/so3.h"
 #include "solve/fit/fit_model.h"
 
 namespace retarget {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "retarget/resample.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"

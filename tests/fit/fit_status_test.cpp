@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/fit.h"
 #include "solve/targets/targets.h"

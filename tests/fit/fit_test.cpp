@@ -11,7 +11,7 @@
 #include <random>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "retarget/resample.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"

@@ -1,9 +1,6 @@
 // Gradients and Hessians of the terms of one frame, and of the steps between frames, against
 // finite differences of their costs, on the G1 in random configurations.
 
-#include "solve/fit/frame_terms.h"
-#include "retarget/option_table.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -14,9 +11,11 @@
 #include <random>
 #include <set>
 
-#include "base/math/so3.h"
 #include "retarget/human.h"
+#include "retarget/option_table.h"
+#include "retarget/so3.h"
 #include "solve/fit/clip_fitter.h"
+#include "solve/fit/frame_terms.h"
 #include "solve/fit/joint_speeds.h"
 #include "solve/fit/root_reference.h"
 #include "solve/targets/targets.h"

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "solve/dynamics/motion_dynamics.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"

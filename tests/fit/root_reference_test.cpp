@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "formats/bvh/read_bvh.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "solve/fit/fit.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"

@@ -15,9 +15,9 @@
 #include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
-#include "rig/urdf_speeds.h"
 #include "robot/model/check_model.h"
 #include "robot/model/load_profile.h"
+#include "solve/robot_setup/import_robot.h"
 
 namespace retarget::fuzz {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fuzz/fuzz_target.h"
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget::fuzz {

@@ -6,7 +6,7 @@
 
 #include "fuzz/fuzz_target.h"
 #include "robot/model/read_mesh.h"
-#include "view/robot_meshes.h"
+#include "robot/model/robot_meshes.h"
 
 namespace retarget::fuzz {
 namespace {

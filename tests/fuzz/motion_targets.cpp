@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <string_view>
 
-#include "formats/robot_motion/csv_table.h"
 #include "fuzz/fuzz_target.h"
 #include "retarget/compare.h"
+#include "retarget/csv_table.h"
 #include "retarget/motion_io.h"
 
 namespace retarget::fuzz {

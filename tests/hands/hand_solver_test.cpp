@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 #include "solve/hands/hand_posture.h"
 #include "solve/hands/hand_target.h"
 #include "support/counted_allocations.h"

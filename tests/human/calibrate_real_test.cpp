@@ -9,8 +9,8 @@
 #include "human/limb_angles.h"
 #include "human/shipped_profiles.h"
 #include "human/skeleton/calibrate.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/recognise.h"
+#include "retarget/human_skeleton.h"
 #include "support/shared_data.h"
 
 namespace retarget {

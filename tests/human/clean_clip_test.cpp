@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "formats/bvh/read_bvh.h"
 #include "human/gait/clean_positions.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "human/skeleton/body_axes.h"
-#include "human/skeleton/canonical_pose.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "human/hand_made_maps.h"
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
 #include "human/twins.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

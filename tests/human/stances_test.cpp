@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

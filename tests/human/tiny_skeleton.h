@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/recognise.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

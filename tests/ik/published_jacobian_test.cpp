@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/math/so3.h"
 #include "math/lie_series.h"
+#include "retarget/so3.h"
 #include "support/exp_se3.h"
 
 namespace retarget {

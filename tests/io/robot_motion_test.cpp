@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "base/math/so3.h"
 #include "retarget/compare.h"
 #include "retarget/resample.h"
+#include "retarget/so3.h"
 #include "robot/model/variant.h"
 #include "support/test_robots.h"
 

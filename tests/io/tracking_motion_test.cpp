@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "base/math/so3.h"
 #include "formats/containers/npz.h"
+#include "retarget/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

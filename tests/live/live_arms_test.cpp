@@ -8,9 +8,9 @@
 #include <cmath>
 #include <string>
 
-#include "app/plan/follow_arms.h"
-#include "human/skeleton/canonical_pose.h"
 #include "live/live_sample.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/load_robot.h"
 
 namespace retarget {
 namespace {

@@ -12,7 +12,6 @@
 
 #include "live/live_sample.h"
 #include "live/session/sender_clock.h"
-#include "live/session/skew_line.h"
 
 namespace retarget {
 namespace {

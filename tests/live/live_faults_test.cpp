@@ -8,10 +8,10 @@
 #include <optional>
 #include <random>
 
-#include "base/math/so3.h"
 #include "live/live_sample.h"
 #include "live/session/sender_clock.h"
 #include "motion/resample.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

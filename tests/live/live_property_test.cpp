@@ -9,8 +9,8 @@
 #include <deque>
 #include <string>
 
-#include "base/math/so3.h"
 #include "live/random_stream.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/math/filter.h"
+#include "retarget/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/math/se3.h"
-#include "base/math/so3.h"
 #include "math/lie_series.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

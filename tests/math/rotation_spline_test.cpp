@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 #include "support/exp_se3.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "base/math/statistics.h"
+#include "retarget/statistics.h"
 
 #include <gtest/gtest.h>
 

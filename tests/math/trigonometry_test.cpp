@@ -1,4 +1,4 @@
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 #include <gtest/gtest.h>
 

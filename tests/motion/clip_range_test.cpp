@@ -1,4 +1,4 @@
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "motion/skeleton.h"
+#include "retarget/skeleton_points.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "retarget/clip.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 

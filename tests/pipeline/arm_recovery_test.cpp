@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "base/math/so3.h"
 #include "retarget/human.h"
+#include "retarget/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

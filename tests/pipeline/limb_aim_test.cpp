@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/math/so3.h"
-#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

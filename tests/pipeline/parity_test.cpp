@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/math/so3.h"
 #include "formats/bvh/read_bvh.h"
 #include "retarget/motion_io.h"
+#include "retarget/so3.h"
 #include "solve/ik/box_qp.h"
 #include "solve/targets/solve_frames.h"
 #include "solve/targets/targets.h"

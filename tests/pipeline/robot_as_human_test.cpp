@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/load_robot.h"
 #include "retarget/robots.h"
-#include "robot/model/load_robot.h"
 #include "solve/targets/targets.h"
 
 namespace retarget {

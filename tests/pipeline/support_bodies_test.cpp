@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "support/test_robots.h"
 
 namespace retarget {

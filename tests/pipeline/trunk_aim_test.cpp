@@ -11,11 +11,11 @@
 #include <numbers>
 #include <random>
 
-#include "base/math/so3.h"
-#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/load_robot.h"
 #include "retarget/robots.h"
-#include "robot/model/load_robot.h"
+#include "retarget/so3.h"
 #include "solve/targets/targets.h"
 #include "support/test_robots.h"
 

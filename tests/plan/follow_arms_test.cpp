@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "retarget/load.h"
+#include "retarget/load_robot.h"
 #include "retarget/plan.h"
 #include "retarget/retargeting_config.h"
 

@@ -1,4 +1,4 @@
-#include "app/provenance/hash.h"
+#include "retarget/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 
 #include <cmath>
 
-#include "human/skeleton/canonical_pose.h"
 #include "quality/walker.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/report.h"
 
 namespace retarget {

@@ -11,7 +11,7 @@
 
 #include "judge/quality/joint_offset_metric.h"
 #include "judge/quality/similarity_metrics.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -11,7 +11,7 @@
 #include <functional>
 #include <numbers>
 
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/measure.h"
 #include "support/limbed_config.h"
 #include "support/test_robots.h"

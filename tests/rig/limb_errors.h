@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "human/skeleton/limb_segments.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/so3.h"
 #include "robot/anatomy/limbs.h"
 
 namespace retarget {

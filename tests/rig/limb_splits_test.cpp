@@ -10,17 +10,17 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/limb_segments.h"
 #include "human/skeleton/recognise.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/resample.h"
-#include "rig/derive_config.h"
-#include "rig/t_pose.h"
+#include "retarget/so3.h"
 #include "robot/anatomy/limbs.h"
 #include "robot/anatomy/shapes.h"
-#include "robot/model/kinematic_tree.h"
+#include "solve/robot_setup/derive_config.h"
+#include "solve/robot_setup/t_pose.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/solve_frames.h"
 #include "support/built_humanoids.h"

@@ -5,9 +5,9 @@
 
 #include <fstream>
 
+#include "retarget/load_robot.h"
 #include "retarget/motion_io.h"
-#include "rig/check_robot.h"
-#include "robot/model/load_robot.h"
+#include "solve/robot_setup/check_robot.h"
 #include "support/humanoids.h"
 
 namespace retarget {

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/load_robot.h"
 #include "retarget/resample.h"
 #include "retarget/rig.h"
-#include "robot/model/kinematic_tree.h"
-#include "robot/model/load_robot.h"
+#include "retarget/so3.h"
 #include "solve/targets/solve_frames.h"
 #include "support/layout_humanoids.h"
 #include "support/temporary_folder.h"

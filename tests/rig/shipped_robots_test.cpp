@@ -13,11 +13,11 @@
 #include "human/skeleton/recognise.h"
 #include "limb_errors.h"
 #include "retarget/file.h"
+#include "retarget/load_robot.h"
 #include "retarget/resample.h"
 #include "retarget/robots.h"
-#include "rig/derive_config.h"
 #include "robot/anatomy/shapes.h"
-#include "robot/model/load_robot.h"
+#include "solve/robot_setup/derive_config.h"
 #include "solve/targets/solve_frames.h"
 #include "support/shared_data.h"
 

@@ -1,4 +1,4 @@
-#include "rig/t_pose.h"
+#include "solve/robot_setup/t_pose.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "rig/derive_config.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "solve/robot_setup/derive_config.h"
 #include "support/built_humanoids.h"
 #include "support/humanoids.h"
 

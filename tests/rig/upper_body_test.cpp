@@ -16,8 +16,8 @@
 #include "retarget/report.h"
 #include "retarget/rig.h"
 #include "retarget/solve.h"
-#include "rig/check_robot.h"
 #include "robot/anatomy/limbs.h"
+#include "solve/robot_setup/check_robot.h"
 #include "support/humanoids.h"
 
 namespace retarget {

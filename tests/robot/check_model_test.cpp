@@ -9,8 +9,8 @@
 #include <chrono>
 #include <filesystem>
 
+#include "retarget/load_robot.h"
 #include "robot/model/load_model.h"
-#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

@@ -10,7 +10,7 @@
 #include <random>
 #include <sstream>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -5,8 +5,8 @@
 
 #include <string>
 
+#include "retarget/load_robot.h"
 #include "robot/model/load_model.h"
-#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 

@@ -1,6 +1,6 @@
 // The kinematic tree and its composite assembly, against MuJoCo and finite differences.
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "base/math/se3.h"
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 #include "robot/model/composite.h"
 #include "robot_kinematics.h"
 #include "shipped_robots.h"

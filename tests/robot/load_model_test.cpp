@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
 #include "robot/model/mujoco_messages.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "retarget/normalize_start.h"
 #include "robot/model/limit_distance.h"
-#include "robot/model/normalize_start.h"
 #include "support/test_robots.h"
 
 namespace retarget {

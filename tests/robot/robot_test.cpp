@@ -10,8 +10,8 @@
 #include <limits>
 #include <random>
 
+#include "retarget/load_robot.h"
 #include "retarget/motion.h"
-#include "robot/model/load_robot.h"
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "retarget/load_robot.h"
 #include "retarget/robots.h"
-#include "robot/model/load_robot.h"
 
 namespace retarget {
 

@@ -12,8 +12,8 @@
 #include <regex>
 #include <sstream>
 
+#include "retarget/load_robot.h"
 #include "retarget/robot.h"
-#include "robot/model/load_robot.h"
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -7,9 +7,9 @@
 
 #include <sstream>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
-#include "robot/model/kinematic_tree.h"
 #include "robot/model/limit_distance.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"

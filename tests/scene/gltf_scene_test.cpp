@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "formats/containers/base64.h"
 #include "formats/scene/read_scene.h"
+#include "retarget/bytes.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

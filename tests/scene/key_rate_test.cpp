@@ -1,4 +1,4 @@
-#include "formats/scene/transforms.h"
+#include "formats/scene/clip_builder.h"
 
 #include <gtest/gtest.h>
 

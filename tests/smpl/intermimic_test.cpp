@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
 #include "retarget/clip.h"
+#include "retarget/so3.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
 

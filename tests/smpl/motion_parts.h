@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formats/containers/npz_writer.h"
-#include "formats/containers/pickle_writer.h"
+#include "formats/containers/pickle.h"
 #include "formats/smpl/read_smpl.h"
 #include "smpl_test_support.h"
 #include "support/torch_builder.h"

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "formats/smpl/read_smpl.h"
 #include "formats/smpl/smpl_body.h"
 #include "retarget/clip.h"
+#include "retarget/so3.h"
 #include "smpl/smpl_test_support.h"
 
 namespace retarget {

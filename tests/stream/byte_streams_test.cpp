@@ -10,9 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "live/stream/frame_bytes_queue.h"
-#include "live/stream/line_cutter.h"
-#include "live/stream/senders.h"
+#include "live/stream/byte_source.h"
+#include "live/stream/message_cutter.h"
 #include "live/stream/writer_thread.h"
 
 namespace retarget {

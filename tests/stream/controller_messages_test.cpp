@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "live/stream/output_formats.h"
-#include "live/stream/sonic_message.h"
-#include "live/stream/twist2_action.h"
+#include "live/stream/controller_messages.h"
+#include "live/stream/frame_output.h"
 #include "retarget/load.h"
 #include "support/counted_allocations.h"
 

@@ -1,8 +1,5 @@
 // Packets in, robot frames out, without sockets: deterministic.
 
-#include "live/stream/live_pipeline.h"
-#include "live/stream/stream_formats.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,9 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/canonical_pose.h"
+#include "live/stream/live_pipeline.h"
 #include "live/stream/stats_writer.h"
+#include "live/stream/stream_formats.h"
 #include "live/stream/stream_record.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/load.h"
 #include "support/lafan1_map.h"
 #include "support/temporary_folder.h"

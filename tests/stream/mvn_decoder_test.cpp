@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "live/stream/human_bones.h"
-#include "live/stream/mvn_segments.h"
+#include "live/stream/mvn_protocol.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/data_folder.h"
 #include "stream/stream_support.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "live/stream/clip_axes.h"
+#include "live/stream/human_bones.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/data_folder.h"
 #include "stream/stream_support.h"

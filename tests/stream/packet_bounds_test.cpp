@@ -13,7 +13,7 @@
 #include <string>
 
 #include "live/stream/lz4_frame.h"
-#include "live/stream/packet_json.h"
+#include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"
 

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/json_cutter.h"
 #include "live/stream/live_pipeline.h"
+#include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/load.h"
 #include "retarget/pose.h"

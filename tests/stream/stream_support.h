@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/decoder.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/robot.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/math/se3.h"
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "robot/model/load_robot.h"
+#include "retarget/load_robot.h"
 #include "support/humanoids.h"
 #include "support/test_robots.h"
 

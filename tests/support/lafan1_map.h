@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
-#include "robot/model/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

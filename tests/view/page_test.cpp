@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "app/provenance/hash.h"
+#include "retarget/hash.h"
 #include "retarget/view.h"
 #include "support/test_robots.h"
 #include "view/page.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <string>
 
+#include "retarget/appearance.h"
 #include "support/test_robots.h"
 #include "view/figure.h"
-#include "view/svg.h"
 
 namespace retarget {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/containers/base64.h"
+#include "retarget/bytes.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "view/robot_meshes.h"
+#include "robot/model/robot_meshes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

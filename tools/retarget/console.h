@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "interrupt.h"
 #include "retarget/error.h"
 #include "retarget/run.h"
 #include "retarget/serve.h"
@@ -15,6 +15,31 @@
 #include "retarget/text.h"
 
 namespace retarget::cli {
+
+/// While alive, makes Ctrl-C and SIGTERM set a flag instead of ending the process, so that a run
+/// can stop between two frames and clean up. A second signal ends the process at once. Nested
+/// guards, on any thread, have no effect: the outermost one handles the signals.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  [[nodiscard]] static bool interrupted();
+
+ private:
+  const bool outermost_;
+  struct sigaction old_interrupt_ {};
+  struct sigaction old_terminate_ {};
+};
+
+/// For a worker process: ignores Ctrl-C, which its parent handles; SIGTERM, however often it
+/// arrives, only sets the flag that interrupted() returns.
+void leave_interrupts_to_parent();
+
+/// Turns signals for writing past a file size limit or into a closed pipe into errors.
+void turn_write_signals_into_errors();
 
 /// Exit codes of the tool; README lists them for users.
 enum ExitCode : int {

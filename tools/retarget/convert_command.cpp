@@ -4,12 +4,9 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include "commands.h"
-#include "human_glb.h"
-#include "retarget/text.h"
-#include "retarget/try.h"
 
 #include "arguments.h"
+#include "commands.h"
 #include "console.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
@@ -21,6 +18,8 @@
 #include "retarget/resample.h"
 #include "retarget/robot.h"
 #include "retarget/run.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {

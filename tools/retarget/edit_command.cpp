@@ -10,7 +10,6 @@
 #include "commands.h"
 #include "console.h"
 #include "edit_arguments.h"
-#include "human_glb.h"
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"

@@ -12,7 +12,6 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "interrupt.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/load.h"

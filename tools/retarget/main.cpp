@@ -22,7 +22,6 @@
 #include "edit_arguments.h"
 #include "generate.h"
 #include "help_format.h"
-#include "interrupt.h"
 #include "retarget/error.h"
 #include "retarget/option_table.h"
 #include "retarget/version.h"

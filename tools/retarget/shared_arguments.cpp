@@ -1,11 +1,16 @@
 #include "shared_arguments.h"
 
+#include <filesystem>
 #include <optional>
 #include <utility>
 
+#include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/motion_io.h"
 #include "retarget/option_table.h"
+#include "retarget/plan.h"
 #include "retarget/run.h"
+#include "retarget/text.h"
 #include "retarget/try.h"
 
 namespace retarget::cli {
@@ -42,6 +47,22 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const CommonArguments&
 Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common, Console& console) {
   RETARGET_TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, common, console));
   return retarget::set_up_robot(std::move(robot), run.options);
+}
+
+bool is_glb_name(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string()) == ".glb";
+}
+
+Result<void> save_human_glb(const std::string& output, Clip clip, const HumanOptions& human,
+                            const CommonArguments& common, Console& console) {
+  RETARGET_TRY_ASSIGN(const std::string data_folder, data_folder_of(common));
+  RETARGET_TRY_ASSIGN(const auto found, find_human(clip, human, data_folder));
+  console.lines(found.lines());
+  console.warn(found.doubts(), clip.name());
+  RETARGET_TRY_ASSIGN(const auto bytes,
+                      format_human_glb(human_in_world(clip, found.calibration),
+                                       std::filesystem::path(output).stem().string()));
+  return write_file(output, bytes);
 }
 
 }  // namespace retarget::cli

@@ -6,6 +6,7 @@
 
 #include "arguments.h"
 #include "console.h"
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
@@ -35,5 +36,14 @@ namespace retarget::cli {
 /// The same, with limits, configurations and the fit's options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common,
                                               Console& console);
+
+/// Returns true if a file name ends in .glb, ignoring case.
+[[nodiscard]] bool is_glb_name(const std::string& path);
+
+/// Writes a human's motion as a GLB for viewing, in metres and upright, and prints how the human
+/// was recognised.
+[[nodiscard]] Result<void> save_human_glb(const std::string& output, Clip clip,
+                                          const HumanOptions& human, const CommonArguments& common,
+                                          Console& console);
 
 }  // namespace retarget::cli

@@ -8,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "human_glb.h"
 #include "retarget/load.h"
 #include "retarget/robots.h"
 #include "retarget/text.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {

@@ -8,7 +8,6 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "interrupt.h"
 #include "measure_files.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"

@@ -20,13 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kHexEnd = "_hex";
-
-std::string text_at(const Json& json, const std::string& key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 // Converts a JSON value to the type of an option; nothing for a value of another type.
 std::optional<OptionValue> value_of(const Json& json, const OptionValue& kind) {
   if (std::holds_alternative<bool>(kind)) {
@@ -58,19 +51,6 @@ std::optional<OptionValue> value_of(const Json& json, const OptionValue& kind) {
 
 }  // namespace
 
-void put_name(Json& json, const std::string& key, const std::string& bytes) {
-  std::string text = valid_utf8(bytes);
-  const bool as_it_is = text == bytes;
-  json[key] = std::move(text);
-  if (!as_it_is) json[key + std::string(kHexEnd)] = hex_text(bytes);
-}
-
-std::string name_from(const Json& json, const std::string& key) {
-  const std::string hex = text_at(json, key + std::string(kHexEnd));
-  if (auto bytes = bytes_from_hex(hex); bytes && !hex.empty()) return std::move(*bytes);
-  return text_at(json, key);
-}
-
 Json options_json(const OptionTable& table) {
   Json json = Json::object();
   for (const Option& row : table) {
@@ -93,8 +73,8 @@ Result<void> read_options(const Json& json, const OptionTable& table, const std:
   Faults faults;
   for (const auto& [name, given] : json.items()) {
     // The raw bytes of a text that is not valid UTF-8; name_from reads them.
-    const bool is_hex = name.ends_with(kHexEnd) && given.is_string() &&
-                        find_option(table, name.substr(0, name.size() - kHexEnd.size()));
+    const bool is_hex = name.ends_with(kHexKeyEnd) && given.is_string() &&
+                        find_option(table, name.substr(0, name.size() - kHexKeyEnd.size()));
     if (is_hex) continue;
     const Option* row = find_option(table, name);
     if (row == nullptr) {

@@ -4,16 +4,10 @@
 #include <string>
 
 #include "retarget/error.h"
+#include "retarget/json.h"
 #include "retarget/option_table.h"
 
 namespace retarget {
-
-/// Stores bytes that may not be valid UTF-8, such as a file name. Invalid bytes are replaced, and a
-/// further member KEY_hex holds all bytes.
-void put_name(nlohmann::ordered_json& json, const std::string& key, const std::string& bytes);
-
-/// Reads a value stored by put_name; empty if there is none.
-[[nodiscard]] std::string name_from(const nlohmann::ordered_json& json, const std::string& key);
 
 /// The options that affect a motion, in table order, including those with default values.
 [[nodiscard]] nlohmann::ordered_json options_json(const OptionTable& table);

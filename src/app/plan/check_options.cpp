@@ -4,7 +4,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "motion/clip_range.h"
+#include "retarget/clip_range.h"
 #include "retarget/file.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"

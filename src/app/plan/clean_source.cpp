@@ -1,13 +1,26 @@
 #include "app/plan/clean_source.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <vector>
 
+#include "app/plan/set_up_robot.h"
+#include "base/located.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "human/gait/clean_clip.h"
 #include "human/gait/clean_positions.h"
+#include "human/gait/travel.h"
+#include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
+#include "retarget/option_table.h"
 #include "retarget/options.h"
+#include "retarget/text.h"
+#include "solve/fit/fit_setup.h"
+#include "solve/fit/foot_plan.h"
+#include "solve/targets/limb_lengths.h"
+#include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {
@@ -32,6 +45,31 @@ void look_above_noise(double foot_speed, FitOptions& fit) {
   fit.contact_release_height += kReleaseHigher * share;
 }
 
+// The rule of `auto` for the G1, by the robot's speed.
+constexpr TravelRule kAutomatic{1.0, 0.85, 0.7, 1.5};
+
+// The same by the speed of the human whose path the robot follows.
+Result<TravelRule> automatic_rule(const Clip& clip, const Plan& plan) {
+  const Robot& robot = *plan.robot.robot;
+  HumanPoser poser(clip, plan.human.calibration);
+  TRY_ASSIGN(const TargetBuilder targets,
+             make_targets(poser.info(), poses_of(poser), robot, plan.config, plan.scale));
+  const double scale = path_scales(targets).foot;
+  const double leg = robot_leg_length(robot, plan.config).value_or(kUsualLeg);
+  TravelRule rule = kAutomatic;
+  if (!(scale > 0.0)) return rule;
+  const double faster = std::sqrt(leg / kUsualLeg) / scale;
+  rule.slow_speed *= faster;
+  rule.fast_speed *= faster;
+  return rule;
+}
+
+std::string travel_text(const TravelReport& travel) {
+  const std::string mean = "the path over the ground is scaled by " + number_text(travel.factor, 3);
+  if (travel.least == travel.greatest) return mean;
+  return mean + ", from " + number_text(travel.least, 3) + " to " + number_text(travel.greatest, 3);
+}
+
 }  // namespace
 
 std::string clean_source_positions(Clip& clip, const Options& options) {
@@ -48,6 +86,26 @@ void clean_source(Clip& clip, const std::string& positions, Plan& plan) {
   }
   plan.clip_notes.push_back({"", OPTION("clean") " off uses the clip unchanged"});
   look_above_noise(report.foot_speed, plan.fit);
+}
+
+Result<void> scale_source_travel(Clip& clip, Plan& plan) {
+  const std::string chosen = chosen_travel(plan.options.solve);
+  if (chosen.empty()) return {};
+  if (plan.robot.robot->fixed_base()) {
+    plan.clip_notes.push_back({"travel", "the base is fixed: no path to scale"});
+    return {};
+  }
+  TRY_ASSIGN(const auto factor, travel_from_text(chosen));
+  TravelRule rule;
+  if (factor) {
+    rule.slow = rule.fast = *factor;
+  } else {
+    TRY_ASSIGN(rule, located(automatic_rule(clip, plan), clip.name()));
+  }
+  plan.travel = scale_travel(clip, plan.lead_in_frames, plan.part, plan.human.calibration, rule,
+                             contact_options(plan.fit));
+  plan.clip_notes.push_back({"travel", travel_text(*plan.travel)});
+  return {};
 }
 
 }  // namespace retarget

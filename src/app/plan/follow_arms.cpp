@@ -10,11 +10,12 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/skeleton/canonical_pose.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/load_robot.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/text.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/targets/trunk_aim.h"
 
 namespace retarget {

@@ -20,8 +20,4 @@ namespace retarget {
 [[nodiscard]] std::vector<SummaryLine> follow_lines(const LoadedRobot& robot,
                                                     const LimitSet& limits);
 
-/// Returns the names of locked joints in output order; these are the joints that another controller
-/// owns if only arms follow.
-[[nodiscard]] std::vector<std::string> locked_joints(const Robot& robot, const LimitSet& limits);
-
 }  // namespace retarget

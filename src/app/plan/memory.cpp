@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "base/machine.h"
 #include "base/option_name.h"
+#include "retarget/machine.h"
 #include "retarget/motion_io.h"
 #include "retarget/resample.h"
 #include "retarget/text.h"

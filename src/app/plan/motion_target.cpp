@@ -1,9 +1,18 @@
 #include "app/plan/motion_target.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <utility>
 
+#include "base/option_name.h"
 #include "base/try.h"
+#include "retarget/appearance.h"
+#include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/normalize_start.h"
+#include "retarget/plan.h"
 
 namespace retarget {
 
@@ -27,6 +36,55 @@ Result<void> MotionTarget::write(const std::vector<FormattedFile>& files) {
 Result<void> MotionTarget::commit() {
   if (auto* file = std::get_if<OutputFile>(&place_)) return file->commit();
   return std::get<OutputFolder>(place_).commit();
+}
+
+std::optional<FootContacts> contacts_of(const Motion& motion) {
+  if (!motion.fit) return std::nullopt;
+  FootContacts contacts;
+  const int frames = motion.clip.frame_count();
+  contacts.planted.assign(kContactNames.size() * static_cast<std::size_t>(frames), 0);
+  for (std::size_t end = 0; end < kContactNames.size(); ++end) {
+    for (const ContactPhase& phase : motion.contacts[end]) {
+      for (int frame = phase.begin; frame < std::min(phase.end, frames); ++frame) {
+        contacts.planted[kContactNames.size() * static_cast<std::size_t>(frame) + end] = 1;
+      }
+    }
+  }
+  return contacts;
+}
+
+Result<OutputFile> write_contacts(const std::string& path,
+                                  const std::optional<FootContacts>& contacts,
+                                  const FrameRate& rate) {
+  if (!contacts) {
+    return usage_failure("the motion has no contacts for " OPTION("contacts"),
+                         "the fit determines contacts, " OPTION("method") " gmr does not; NPZ, "
+                         "pkl-pbhc, protomotions and csv-sonic files can contain them");
+  }
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(format_contacts_csv(*contacts, rate)));
+  return file;
+}
+
+HumanInWorld human_in_world(const Clip& clip, const Calibration& calibration) {
+  HumanInWorld human;
+  human.clip = &clip;
+  human.metres_per_unit = calibration.metres_per_unit;
+  human.world_from_clip.rotation = Eigen::Quaterniond(calibration.human_from_source).normalized();
+  human.colours = joint_colours(clip.skeleton(), calibration);
+  return human;
+}
+
+void normalize_start(RobotClip& clip, WriteMotionOptions& write) {
+  if (clip.frame_count() == 0) return;
+  if (!write.human) return normalize_start(clip);
+  Pose& pose = write.human->world_from_clip;
+  std::array<double, 7> place = {pose.translation.x(), pose.translation.y(), pose.translation.z(),
+                                 pose.rotation.w(),    pose.rotation.x(),    pose.rotation.y(),
+                                 pose.rotation.z()};
+  StartNormalizer(clip.qpos(0)).apply(place);
+  pose = {{place[3], place[4], place[5], place[6]}, {place[0], place[1], place[2]}};
+  normalize_start(clip);
 }
 
 }  // namespace retarget

@@ -1,13 +1,18 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "base/output_folder.h"
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/file.h"
+#include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/run.h"
+#include "retarget/solve.h"
 
 namespace retarget {
 
@@ -24,5 +29,18 @@ class MotionTarget {
   explicit MotionTarget(OutputFolder folder) : place_(std::move(folder)) {}
   std::variant<OutputFile, OutputFolder> place_;
 };
+
+/// Returns when the ends of the robot's feet are planted. Empty: the motion was not fitted, so
+/// nothing holds the feet.
+[[nodiscard]] std::optional<FootContacts> contacts_of(const Motion& motion);
+
+/// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
+/// unknown.
+[[nodiscard]] Result<OutputFile> write_contacts(const std::string& path,
+                                                const std::optional<FootContacts>& contacts,
+                                                const FrameRate& rate);
+
+/// Applies normalize_start to a motion before writing; the human shown with it moves along.
+void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
 }  // namespace retarget

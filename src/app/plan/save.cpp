@@ -1,20 +1,22 @@
-#include "retarget/solve.h"
-
+#include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "app/plan/human_in_world.h"
-#include "app/plan/motion_contacts.h"
 #include "app/plan/motion_target.h"
+#include "base/option_name.h"
 #include "base/try.h"
+#include "formats/registry/format.h"
 #include "retarget/file.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/normalize_start.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
-#include "robot/model/normalize_start.h"
+#include "retarget/solve.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -61,6 +63,139 @@ Result<void> save(const Motion& motion, const std::string& output,
   return save_with({motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
                     contacts_of(motion)},
                    output, options.value_or(motion.plan.options.save));
+}
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Extensions of files that are not robot motions, besides those of human motions.
+constexpr std::string_view kForeignEndings[] = {".json", ".jsonl", ".xml",  ".urdf", ".html",
+                                                ".zip",  ".gz",    ".xlsx", ".hdf5", ".h5"};
+
+bool is_foreign(std::string_view ending) {
+  return std::ranges::find(kForeignEndings, ending) != std::end(kForeignEndings) ||
+         (is_human_ending(ending) && output_ending(ending) != ending);
+}
+
+// Names of the formats with this ending.
+std::string formats_ending_in(std::string_view ending) {
+  std::vector<std::string> names;
+  for (const Format& format : all_formats()) {
+    if (format.is_robots() && format_ending(format.motion_format) == ending) {
+      names.emplace_back(format.name);
+    }
+  }
+  return list_names(names);
+}
+
+Result<MotionFormat> only_format(const std::string& output, const SaveOptions& options) {
+  if (!options.formats.empty()) return options.formats.front();
+  const std::string_view kind = output_ending(ending_of(output));
+  if (kind.empty() || kind == format_ending(MotionFormat::kCsv)) return MotionFormat::kCsv;
+  for (const MotionFormat format : {MotionFormat::kGlb, MotionFormat::kProtoMotions}) {
+    if (kind == format_ending(format)) return format;
+  }
+  return usage_failure("the output \"" + output +
+                           "\" matches several formats, and " OPTION("format") " is not given",
+                       "add " OPTION("format") " with one of: " + formats_ending_in(kind));
+}
+
+Result<void> check_ending(const OutputItem& item) {
+  const std::string ending = ending_of(item.path);
+  const std::string_view kind = output_ending(ending);
+  if (item.path == "-" && format_is_folder(item.format)) {
+    return usage_failure(OPTION("format") " " + std::string(format_name(item.format)) +
+                             " writes a folder and cannot use standard output",
+                         "name a folder with " OPTION("output"));
+  }
+  if (!is_foreign(ending) && (kind.empty() || kind == format_ending(item.format))) return {};
+  return usage_failure(
+      "the output \"" + item.path + "\" ends in " + fs::path(item.path).extension().string() +
+          ", and " OPTION("format") " " + std::string(format_name(item.format)) + " makes a " +
+          (format_is_folder(item.format) ? std::string("folder")
+                                         : std::string(format_ending(item.format)) + " file"),
+      "give a name that matches the format");
+}
+
+}  // namespace
+
+Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
+                                             const SaveOptions& options) {
+  if (output.empty()) {
+    return usage_failure("no output is given",
+                         "add " OPTION("output") " FILE, or - for standard output");
+  }
+  if (options.formats.size() <= 1) {
+    TRY_ASSIGN(const MotionFormat format, only_format(output, options));
+    OutputItem item{format, output};
+    // A trailing slash names the same folder.
+    while (format_is_folder(format) && item.path.size() > 1 && item.path.ends_with('/')) {
+      item.path.pop_back();
+    }
+    TRY(check_ending(item));
+    return std::vector<OutputItem>{std::move(item)};
+  }
+  if (output == "-") {
+    return usage_failure("several formats cannot share standard output",
+                         "name a file with " OPTION("output"));
+  }
+  std::string base = output;
+  const std::string given = ending_of(base);
+  if (!given.empty() && output_ending(given) == given) base.erase(base.size() - given.size());
+  std::vector<OutputItem> items;
+  for (const MotionFormat format : options.formats) {
+    if (std::ranges::find(items, format, &OutputItem::format) != items.end()) {
+      return usage_failure(OPTION("format") " names " + std::string(format_name(format)) +
+                           " twice");
+    }
+    items.push_back({format, base + std::string(format_long_ending(format))});
+  }
+  return items;
+}
+
+FrameRate rate_of_format(MotionFormat format, const SaveOptions& options, const FrameRate& motion) {
+  return format_has_own_rate(format) ? FrameRate{options.npz_fps, 1} : motion;
+}
+
+std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
+                                    const FrameRate& motion) {
+  const auto has_motions = [](MotionFormat format) { return !format_has_own_rate(format); };
+  std::vector<FrameRate> rates;
+  if (method != Method::kFit || options.formats.empty() ||
+      std::ranges::any_of(options.formats, has_motions)) {
+    rates.push_back(motion);
+  }
+  if (method != Method::kFit) return rates;
+  for (const MotionFormat format : options.formats) {
+    const FrameRate rate = rate_of_format(format, options, motion);
+    const bool known =
+        std::ranges::any_of(rates, [&](const FrameRate& one) { return same_rate(one, rate); });
+    if (!known) rates.push_back(rate);
+  }
+  return rates;
+}
+
+WriteMotionOptions write_options(const std::string& output, const SaveOptions& options) {
+  WriteMotionOptions write;
+  write.csv.precision = options.precision;
+  write.csv.delimiter = options.delimiter == Delimiter::kComma   ? ','
+                        : options.delimiter == Delimiter::kSpace ? ' '
+                                                                 : '\t';
+  write.csv.header = options.header;
+  write.csv.quaternion_order = options.quaternion;
+  write.csv.frame_column = options.frame_column;
+  write.csv.degrees = options.degrees;
+  write.csv.centimetres = options.centimetres;
+  write.tracking.rate = {options.npz_fps, 1};
+  write.tracking.velocity_of = options.npz_velocity;
+  write.name = options.motion_name;
+  if (write.name.empty() && output != "-") {
+    // For example, walk.pbhc.pkl contains the motion `walk`.
+    const std::string file = fs::path(output).filename().string();
+    write.name = file.substr(0, file.find('.'));
+  }
+  return write;
 }
 
 }  // namespace retarget

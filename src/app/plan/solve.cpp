@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/located.h"
-#include "base/machine.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "retarget/machine.h"
 #include "retarget/resample.h"
 #include "retarget/text.h"
 #include "solve/fit/fit.h"

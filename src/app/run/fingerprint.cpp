@@ -9,10 +9,10 @@
 
 #include "app/options/options_json.h"
 #include "app/plan/robot_source.h"
-#include "app/provenance/hash.h"
-#include "app/run/fingerprint.h"
 #include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/fingerprint.h"
+#include "retarget/hash.h"
 #include "retarget/option_table.h"
 #include "retarget/robot.h"
 #include "retarget/version.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "app/plan/motion_contacts.h"
+#include "app/plan/motion_target.h"
 #include "app/run/sidecar.h"
 #include "base/located.h"
 #include "base/try.h"

@@ -1,11 +1,11 @@
-#include "base/math/filter.h"
+#include "retarget/filter.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

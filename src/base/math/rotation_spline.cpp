@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 

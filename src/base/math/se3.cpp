@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

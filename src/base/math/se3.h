@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "base/math/so3.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 

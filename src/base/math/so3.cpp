@@ -1,9 +1,9 @@
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 #include <array>
 #include <cmath>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

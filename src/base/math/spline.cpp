@@ -1,8 +1,8 @@
-#include "base/math/spline.h"
+#include "retarget/spline.h"
 
 #include <algorithm>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

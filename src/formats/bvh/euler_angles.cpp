@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <span>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 

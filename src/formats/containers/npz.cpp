@@ -10,8 +10,8 @@
 #include "base/try.h"
 #include "formats/containers/file_kind.h"
 #include "formats/containers/npy_stream.h"
-#include "formats/containers/zip.h"
 #include "retarget/text.h"
+#include "retarget/zip.h"
 
 namespace retarget {
 namespace {

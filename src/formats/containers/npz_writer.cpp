@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/byte_order.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -1,16 +1,20 @@
 #include "formats/containers/torch_file.h"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <bit>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "base/try.h"
 #include "formats/containers/npy_stream.h"
-#include "formats/containers/zip.h"
+#include "formats/containers/pickle_opcodes.h"
+#include "formats/containers/zip_writer.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
+#include "retarget/zip.h"
 
 namespace retarget {
 namespace {
@@ -72,6 +76,12 @@ std::string floats_from_brain_floats(const std::string& halves, bool big_endian)
 
 bool is_much(std::uint64_t bytes, std::uint64_t packed, const TorchReadOptions& options) {
   return bytes > options.free_bytes && bytes / options.max_ratio > packed;
+}
+
+std::string_view storage_name(const NpyArray& array) {
+  if (array.kind == NpyKind::kBool) return "BoolStorage";
+  if (array.kind == NpyKind::kSigned) return "LongStorage";
+  return array.item_size == 4 ? "FloatStorage" : "DoubleStorage";
 }
 
 }  // namespace
@@ -208,6 +218,105 @@ bool is_torch_file(std::string_view bytes) {
 bool is_old_torch_file(std::string_view bytes) {
   // Each of these files begins with a pickled magic number.
   return bytes.starts_with("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19."sv);
+}
+
+TorchWriter::TorchWriter() {
+  append_opcode(pickle_, PickleOp::kProto);
+  pickle_ += '\x02';
+  append_opcode(pickle_, PickleOp::kEmptyDict);
+  append_opcode(pickle_, PickleOp::kMark);
+}
+
+void TorchWriter::text(std::string_view value) {
+  const std::string utf8 = valid_utf8(value);
+  append_opcode(pickle_, PickleOp::kBinUnicode);
+  append_little_endian(pickle_, utf8.size(), 4);
+  pickle_ += utf8;
+}
+
+void TorchWriter::whole(std::int64_t value) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const bool is_short = value >= Limits::min() && value <= Limits::max();
+  append_opcode(pickle_, is_short ? PickleOp::kBinInt : PickleOp::kLong1);
+  if (!is_short) pickle_ += '\x08';
+  append_little_endian(pickle_, std::bit_cast<std::uint64_t>(value), is_short ? 4 : 8);
+}
+
+void TorchWriter::tuple_of(const std::vector<std::size_t>& sizes) {
+  append_opcode(pickle_, PickleOp::kMark);
+  for (const std::size_t size : sizes) whole(static_cast<std::int64_t>(size));
+  append_opcode(pickle_, PickleOp::kTuple);
+}
+
+void TorchWriter::global(std::string_view module, std::string_view name) {
+  append_opcode(pickle_, PickleOp::kGlobal);
+  pickle_ += module;
+  pickle_ += '\n';
+  pickle_ += name;
+  pickle_ += '\n';
+}
+
+void TorchWriter::integer(std::string_view key, std::int64_t value) {
+  text(key);
+  whole(value);
+}
+
+void TorchWriter::number(std::string_view key, double value) {
+  text(key);
+  append_opcode(pickle_, PickleOp::kBinFloat);
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int i = 7; i >= 0; --i) pickle_ += static_cast<char>(bits >> (8 * i));
+}
+
+void TorchWriter::tensor(std::string_view key, const NpyArray& array) {
+  text(key);
+  global("torch._utils", "_rebuild_tensor_v2");
+  append_opcode(pickle_, PickleOp::kMark);
+  // The storage: ('storage', class, key, device, element count).
+  append_opcode(pickle_, PickleOp::kMark);
+  text("storage");
+  global("torch", storage_name(array));
+  text(std::to_string(storages_.size()));
+  text("cpu");
+  whole(static_cast<std::int64_t>(array.element_count()));
+  append_opcode(pickle_, PickleOp::kTuple);
+  append_opcode(pickle_, PickleOp::kBinPersId);
+  whole(0);  // Offset.
+  tuple_of(array.shape);
+  std::vector<std::size_t> strides(array.shape.size(), 1);
+  for (std::size_t i = strides.size(); i-- > 1;) strides[i - 1] = strides[i] * array.shape[i];
+  tuple_of(strides);
+  append_opcode(pickle_, PickleOp::kNewFalse);  // requires_grad
+  global("collections", "OrderedDict");
+  append_opcode(pickle_, PickleOp::kEmptyTuple);
+  append_opcode(pickle_, PickleOp::kReduce);
+  append_opcode(pickle_, PickleOp::kTuple);
+  append_opcode(pickle_, PickleOp::kReduce);
+  storages_.push_back(array.data);
+}
+
+void TorchWriter::enum_member(std::string_view key, std::string_view module, std::string_view name,
+                              std::string_view value) {
+  text(key);
+  global(module, name);
+  text(value);
+  append_opcode(pickle_, PickleOp::kTuple1);
+  append_opcode(pickle_, PickleOp::kReduce);
+}
+
+Result<std::string> TorchWriter::finish(std::string_view folder) {
+  append_opcode(pickle_, PickleOp::kSetItems);
+  append_opcode(pickle_, PickleOp::kStop);
+  const std::string place = std::string(folder) + "/";
+  ZipWriter zip;
+  zip.add(place + "data.pkl", pickle_);
+  zip.add(place + "byteorder", "little");
+  for (std::size_t i = 0; i < storages_.size(); ++i) {
+    zip.add(place + "data/" + std::to_string(i), storages_[i]);
+    storages_[i] = {};
+  }
+  zip.add(place + "version", "3\n");
+  return zip.finish();
 }
 
 }  // namespace retarget

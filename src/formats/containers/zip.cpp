@@ -1,4 +1,4 @@
-#include "formats/containers/zip.h"
+#include "retarget/zip.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/containers/byte_order.h"
 #include "formats/containers/npy_stream.h"
 #include "formats/containers/zip_writer.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 
 namespace retarget {

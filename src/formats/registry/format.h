@@ -13,6 +13,7 @@
 #include "formats/smpl/joint_motion.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/file_endings.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
 
@@ -71,18 +72,6 @@ struct Format {
 /// this format. If the content may be a robot's motion, the hint explains how to read it.
 [[nodiscard]] Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
                                                 const HumanReadOptions& options);
-
-/// Extension of a file name in lower case, with its dot; may be empty.
-[[nodiscard]] std::string ending_of(const std::string& path);
-
-/// Whether a batch that searches folders for motions of humans, or of robots, takes this file.
-[[nodiscard]] bool is_human_ending(std::string_view ending);
-[[nodiscard]] bool is_robot_ending(std::string_view ending);
-/// Whether files with this extension are robot motions and never human ones.
-[[nodiscard]] bool is_robots_alone(std::string_view ending);
-/// Extensions of these files for messages: `.bvh, .fbx or .npz`.
-[[nodiscard]] std::string human_endings_text();
-[[nodiscard]] std::string robot_endings_text();
 
 /// The usual extension of the outputs that this extension stands for: `.pkl` for `.joblib`; empty
 /// if no output has it.

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "formats/robot_motion/csv_table.h"
 #include "formats/robot_motion/raw_motion.h"
+#include "retarget/csv_table.h"
 #include "retarget/error.h"
 #include "retarget/motion_io.h"
 #include "retarget/robot.h"

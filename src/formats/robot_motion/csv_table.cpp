@@ -1,4 +1,4 @@
-#include "formats/robot_motion/csv_table.h"
+#include "retarget/csv_table.h"
 
 #include <algorithm>
 #include <charconv>

@@ -9,7 +9,7 @@
 #include "formats/robot_motion/gltf_motion.h"
 #include "formats/robot_motion/gltf_writer.h"
 #include "formats/robot_motion/motion_writers.h"
-#include "robot/model/collision.h"
+#include "retarget/appearance.h"
 
 namespace retarget {
 namespace {

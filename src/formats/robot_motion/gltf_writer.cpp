@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
-#include "formats/containers/byte_order.h"
+#include "retarget/bytes.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {

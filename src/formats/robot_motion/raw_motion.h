@@ -8,6 +8,7 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/file_endings.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
@@ -62,8 +63,6 @@ struct RawMotion {
                                                   const std::shared_ptr<const Robot>& robot,
                                                   const std::string& file,
                                                   const ReadMotionOptions& options);
-/// Whether a folder holds a motion of format kCsvSonic.
-[[nodiscard]] bool is_sonic_folder(const std::string& path);
 
 /// Converts a motion from the units and orders of its file to the robot's.
 [[nodiscard]] Result<RobotMotion> interpret_motion(RawMotion& raw,

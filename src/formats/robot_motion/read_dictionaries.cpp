@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/containers/npy.h"
@@ -21,6 +20,7 @@
 #include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {

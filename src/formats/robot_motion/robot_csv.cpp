@@ -10,8 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
 #include "base/option_name.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "retarget/clip.h"
@@ -19,6 +17,8 @@
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -9,16 +9,16 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
 #include "base/option_name.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 namespace {

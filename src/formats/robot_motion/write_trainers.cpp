@@ -10,11 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/try.h"
 #include "formats/containers/npz_writer.h"
-#include "formats/containers/pickle_writer.h"
-#include "formats/containers/torch_writer.h"
+#include "formats/containers/pickle.h"
+#include "formats/containers/torch_file.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/clip.h"
@@ -24,6 +23,7 @@
 #include "retarget/options.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

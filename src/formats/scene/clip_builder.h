@@ -1,15 +1,52 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "formats/scene/scene.h"
 #include "retarget/clip.h"
 #include "retarget/pose.h"
 
 namespace retarget {
+
+/// World transform of a node. `rotation` is the product of the rotations along the path, so that
+/// non-uniform scale does not skew it.
+struct NodePlace {
+  Eigen::Affine3d world_from_node = Eigen::Affine3d::Identity();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
+/// Composes the transforms of a parent and a child. Negative scale on two axes counts as half a
+/// turn.
+[[nodiscard]] NodePlace place_below(const NodePlace& parent, const NodeTransform& parent_from_node);
+
+/// Whether the scale mirrors space; false for NaN and 0.
+[[nodiscard]] bool is_mirrored(const NodeTransform& transform);
+
+/// Whether all numbers are finite and the quaternion is valid.
+[[nodiscard]] bool is_sound(const NodeTransform& transform);
+
+/// The rotation of a matrix with nearly orthogonal columns.
+[[nodiscard]] Eigen::Quaterniond rotation_of(const Eigen::Matrix3d& matrix);
+
+/// Decomposes a matrix into translation, rotation and scale. A mirroring matrix gives a negative
+/// scale on the third axis.
+[[nodiscard]] NodeTransform decomposed(const Eigen::Affine3d& affine);
+
+/// The bind pose if it is usable: finite, non-degenerate, not mirrored.
+[[nodiscard]] std::optional<Eigen::Affine3d> usable_bind(const Eigen::Affine3d& affine);
+
+/// Infers the frame rate in Hz of evenly spaced keys: the rate at which each key falls on a frame.
+///
+/// Keys that an exporter omitted because nothing changes do not matter. Rates below 12 or above
+/// 1000 Hz are rejected: keys set by hand every half second are not frames.
+/// @param times  seconds, in any order, with or without duplicates.
+[[nodiscard]] std::optional<double> rate_of_keys(std::vector<double> times);
 
 /// A joint of a skeleton, given by its world pose in the rest pose.
 struct WorldJoint {
@@ -46,8 +83,5 @@ class ClipBuilder {
   std::vector<Eigen::Quaterniond> rotations_;  // Frame-major, parent_from_joint.
   std::vector<Eigen::Vector3d> translations_;  // Frame-major.
 };
-
-/// Makes names valid for BVH: no control bytes, not empty, no spaces at the ends.
-[[nodiscard]] std::vector<std::string> plain_joint_names(std::vector<std::string> names);
 
 }  // namespace retarget

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "formats/scene/transforms.h"
+#include "formats/scene/clip_builder.h"
 #include "motion/clip.h"
 #include "retarget/text.h"
 

@@ -13,9 +13,9 @@
 
 #include "base/json.h"
 #include "base/try.h"
-#include "formats/containers/base64.h"
 #include "formats/scene/gltf_motion.h"
 #include "motion/clip.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/json.h"
-#include "base/math/so3.h"
 #include "base/try.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -11,9 +11,9 @@
 
 #include "base/json.h"
 #include "base/try.h"
+#include "formats/scene/clip_builder.h"
 #include "formats/scene/gltf_document.h"
 #include "formats/scene/gltf_motion.h"
-#include "formats/scene/transforms.h"
 #include "retarget/text.h"
 
 namespace retarget {

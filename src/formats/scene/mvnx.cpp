@@ -18,6 +18,7 @@
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
 #include "motion/clip.h"
+#include "retarget/bvh.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -18,8 +18,8 @@
 #include "formats/scene/gltf_scene.h"
 #include "formats/scene/mvnx.h"
 #include "formats/scene/scene_skeleton.h"
-#include "formats/scene/transforms.h"
 #include "motion/clip.h"
+#include "retarget/bvh.h"
 #include "retarget/text.h"
 
 namespace retarget {

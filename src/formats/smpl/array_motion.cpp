@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/try.h"
 #include "formats/containers/npy_stream.h"
 #include "formats/containers/npz_writer.h"
 #include "formats/smpl/motion_file.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "formats/smpl/generic_hand.h"
 #include "formats/smpl/smpl_body.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -10,13 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "base/math/statistics.h"
 #include "human/gait/lost_frames.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/root_drift.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_noise.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "base/math/statistics.h"
 #include "formats/smpl/joint_motion.h"
 #include "human/gait/track_noise.h"
 #include "human/skeleton/joint_clip.h"
 #include "retarget/clip.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {

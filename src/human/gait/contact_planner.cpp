@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/math/gravity.h"
-#include "base/math/statistics.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/standing_heights.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 
-#include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/two_bone_leg.h"
 
 namespace retarget {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "human/gait/frame_runs.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "base/math/pentadiagonal.h"
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/leg_mover.h"
 #include "human/gait/noisy_stances.h"
 #include "human/gait/source_feet.h"
-#include "human/skeleton/facing.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/math/pentadiagonal.h"
-#include "base/math/statistics.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/math/gravity.h"
-#include "base/math/statistics.h"
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

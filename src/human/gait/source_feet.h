@@ -8,21 +8,10 @@
 #include <vector>
 
 #include "human/skeleton/human_clip.h"
+#include "retarget/contact_plan.h"
 #include "retarget/human.h"
 
 namespace retarget {
-
-/// The ends of a foot. The heel moves with the ankle.
-inline constexpr int kHeelEnd = 0, kToeEnd = 1;
-
-/// Length of thigh plus shank of the body to which ContactOptions apply, metres.
-inline constexpr double kUsualSourceLeg = 0.85;
-
-/// Parts that may carry the body besides the feet, by the joint they surround: knees, elbows,
-/// hands, seat and back.
-inline constexpr std::array kSupportBones = {
-    Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
-    Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
 
 /// A foot of the source in one frame.
 struct SourceFoot {

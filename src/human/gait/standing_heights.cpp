@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/statistics.h"
 #include "human/gait/standing_heights.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "base/math/pentadiagonal.h"
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -9,13 +9,13 @@
 #include <optional>
 #include <vector>
 
-#include "base/math/spline.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/leg_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
-#include "human/skeleton/facing.h"
 #include "human/skeleton/human_clip.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 namespace {

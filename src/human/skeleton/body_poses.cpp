@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "human/skeleton/bone_map.h"
+#include "retarget/human_skeleton.h"
 
 #include <algorithm>
 #include <vector>

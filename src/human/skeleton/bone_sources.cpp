@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

@@ -14,7 +14,6 @@
 #include "base/try.h"
 #include "human/skeleton/body_axes.h"
 #include "human/skeleton/bone_sources.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/facing.h"
 #include "human/skeleton/find_rest.h"
 #include "human/skeleton/free_fall.h"
@@ -23,7 +22,8 @@
 #include "human/skeleton/rest_pose.h"
 #include "human/skeleton/units.h"
 #include "human/skeleton/up_axis.h"
-#include "motion/lead_in.h"
+#include "retarget/clip_range.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/text.h"
 
 namespace retarget {

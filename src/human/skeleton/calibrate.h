@@ -2,11 +2,11 @@
 
 #include <optional>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/options.h"
 
 namespace retarget {

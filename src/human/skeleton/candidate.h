@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "human/skeleton/body_poses.h"
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 
 #include <optional>
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

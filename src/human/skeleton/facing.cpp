@@ -60,11 +60,6 @@ double left_is_left(const BodySource& source, const BoneMap& map) {
   return std::clamp(sum / (2.0 * static_cast<double>(source.poses.poses.size())), -1.0, 1.0);
 }
 
-bool is_at_or_below(const Skeleton& skeleton, int joint, int above) {
-  while (joint > above) joint = skeleton.joint(joint).parent;
-  return joint == above;
-}
-
 std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                   const Calibration& calibration) {
   std::array<std::optional<LegJoints>, 2> legs;
@@ -72,15 +67,13 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
     const auto joint_of = [&](LimbBone part) {
       const auto& bone = calibration.bones[side_bone(kSides[foot], part)];
       // Helper joints at the same position rotate with the joint.
-      return is_at_or_below(skeleton, bone.rotation_joint, bone.position_joint)
-                 ? bone.position_joint
-                 : -1;
+      return is_above(skeleton, bone.position_joint, bone.rotation_joint) ? bone.position_joint
+                                                                          : -1;
     };
     const LegJoints leg{joint_of(LimbBone::kUpLeg), joint_of(LimbBone::kLeg),
                         joint_of(LimbBone::kFoot)};
     if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&
-        is_at_or_below(skeleton, leg.knee, leg.hip) &&
-        is_at_or_below(skeleton, leg.ankle, leg.knee)) {
+        is_above(skeleton, leg.hip, leg.knee) && is_above(skeleton, leg.knee, leg.ankle)) {
       legs[foot] = leg;
     }
   }

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <optional>
 
 #include "human/skeleton/candidate.h"
-#include "motion/two_bone_leg.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 
@@ -26,13 +23,5 @@ inline constexpr double kMinSwapEvidence = 0.1;
 /// knees, and left x up = front fails for a mirrored body.
 /// @return about 1: correct; about -1: swapped; near 0: no evidence
 [[nodiscard]] double left_is_left(const BodySource& source, const BoneMap& map);
-
-/// Returns true if `joint` is `above` or one of its descendants.
-[[nodiscard]] bool is_at_or_below(const Skeleton& skeleton, int joint, int above);
-
-/// Returns the legs of a body, left and right; nothing if joints are missing or do not form a
-/// chain.
-[[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                                const Calibration& calibration);
 
 }  // namespace retarget

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "base/math/statistics.h"
 #include "human/skeleton/free_fall.h"
 #include "retarget/human.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "human/skeleton/body_poses.h"
 #include "human/skeleton/body_words.h"
 #include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/mirrored_chains.h"
 #include "retarget/human.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -10,20 +10,20 @@
 
 #include <fmt/format.h>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
-#include "base/math/trigonometry.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/smpl/joint_orders.h"
 #include "human/skeleton/calibrate.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/joint_tree.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/clip_arrays.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -7,10 +7,10 @@
 #include <span>
 #include <utility>
 
-#include "base/math/statistics.h"
 #include "human/skeleton/body_words.h"
 #include "human/skeleton/facing.h"
 #include "human/skeleton/joint_names.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

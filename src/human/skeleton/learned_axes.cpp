@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 
 #include "human/skeleton/body_axes.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/options.h"
 
 namespace retarget {

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

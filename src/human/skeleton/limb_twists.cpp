@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
 #include "human/skeleton/learned_axes.h"
 #include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
-#include "motion/lead_in.h"
+#include "retarget/clip_range.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

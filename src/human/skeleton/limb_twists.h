@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 
 namespace retarget {

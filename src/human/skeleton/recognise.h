@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

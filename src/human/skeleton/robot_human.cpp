@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "human/skeleton/body_axes.h"
-#include "human/skeleton/canonical_pose.h"
 #include "human/skeleton/free_fall.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
 #include "human/skeleton/up_axis.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "human/skeleton/side_colours.h"
+#include "retarget/appearance.h"
 
 namespace retarget {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/bone_map.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "human/skeleton/bone_map.h"
 #include "human/skeleton/joint_names.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "base/math/statistics.h"
 #include "base/option_name.h"
 #include "human/skeleton/body_axes.h"
 #include "human/skeleton/floor_evidence.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

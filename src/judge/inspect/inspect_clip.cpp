@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/json.h"
-#include "motion/skeleton.h"
+#include "retarget/skeleton_points.h"
 #include "retarget/text.h"
 
 namespace retarget {

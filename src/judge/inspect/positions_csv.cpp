@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "motion/skeleton.h"
 #include "retarget/clip.h"
 #include "retarget/inspect.h"
 #include "retarget/pose.h"
+#include "retarget/skeleton_points.h"
 
 namespace retarget {
 namespace {

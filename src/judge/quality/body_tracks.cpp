@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "judge/quality/mujoco_contacts.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/statistics.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

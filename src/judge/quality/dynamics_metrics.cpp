@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "judge/quality/report_parts.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/measure.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/statistics.h"
 #include "solve/dynamics/motion_dynamics.h"
 
 namespace retarget {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "judge/quality/contact_motion.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/human.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/spline.h"
-#include "base/math/statistics.h"
-#include "base/math/trigonometry.h"
 #include "judge/quality/joint_metrics.h"
 #include "judge/quality/report_parts.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/pose.h"
 #include "retarget/report.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/spline.h"
+#include "retarget/statistics.h"
+#include "retarget/trigonometry.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {

@@ -9,8 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "retarget/kinematic_tree.h"
 #include "robot/anatomy/limbs.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {

@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "judge/quality/arm_jolts.h"
 #include "judge/quality/joint_offset_metric.h"
 #include "judge/quality/report_parts.h"
@@ -15,6 +13,8 @@
 #include "judge/quality/tracking_measure.h"
 #include "judge/quality/yaw_fit.h"
 #include "retarget/measure.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 #include "solve/hands/hand_errors.h"
 
 namespace retarget {

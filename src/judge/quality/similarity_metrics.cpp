@@ -5,14 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "base/math/filter.h"
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "judge/quality/report_parts.h"
 #include "judge/quality/similarity_metrics.h"
+#include "retarget/filter.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 
 namespace retarget {
 namespace {

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/statistics.h"
 #include "judge/quality/contact_motion.h"
 #include "judge/quality/report_parts.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/statistics.h"
 #include "solve/targets/support_bodies.h"
 
 namespace retarget {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "base/math/statistics.h"
-#include "base/math/trigonometry.h"
 #include "judge/quality/similarity_metrics.h"
 #include "judge/quality/tracking_measure.h"
 #include "judge/quality/yaw_fit.h"
+#include "retarget/statistics.h"
+#include "retarget/trigonometry.h"
 #include "solve/targets/targets.h"
 
 namespace retarget {

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/so3.h"
-#include "base/math/spline.h"
-#include "motion/resample.h"
+#include "retarget/so3.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 namespace {

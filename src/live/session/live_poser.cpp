@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/human_poser.h"
 #include "retarget/live.h"
 
 namespace retarget {

@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "live/session/frame_queue.h"
-#include "live/session/live_body.h"
-#include "live/session/live_targets.h"
 #include "live/session/motion_limiter.h"
 #include "live/session/playout.h"
 #include "live/session/sender_clock.h"
-#include "live/session/standing_pose.h"
 #include "retarget/live_table.h"
+#include "retarget/online_solver.h"
 #include "retarget/option_name.h"
 #include "retarget/try.h"
 
@@ -42,6 +40,16 @@ Result<void> check_options(const Plan& plan, const LiveOptions& options) {
   return {};
 }
 
+Result<std::unique_ptr<OnlineSolver>> make_solver(const Plan& plan, const LiveOptions& options) {
+  OnlineOptions online;
+  online.frame_time = frame_rate_from_fps(options.fps).frame_time();
+  if (options.mode == LiveMode::kLag) online.lag_s = options.lag_s;
+  online.floor = options.floor;
+  online.hold_feet = options.hold_feet;
+  RETARGET_TRY_ASSIGN(OnlineSolver solver, OnlineSolver::make(plan, online));
+  return std::make_unique<OnlineSolver>(std::move(solver));
+}
+
 bool is_sound(const HumanPose& human) {
   return std::ranges::all_of(human, [](const Pose& pose) {
     return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
@@ -53,15 +61,15 @@ bool is_sound(const HumanPose& human) {
 
 class LiveSession::Impl {
  public:
-  Impl(const Plan& plan, const LiveOptions& options, std::unique_ptr<LiveTargets> targets)
+  Impl(const Plan& plan, const LiveOptions& options, std::unique_ptr<OnlineSolver> solver)
       : options_(options),
         rate_(frame_rate_from_fps(options.fps)),
-        body_(std::make_unique<LiveBody>(std::move(targets), options, rate_.frame_time())),
+        solver_(std::move(solver)),
         playout_(rate_.frame_time(), options.delay_s),
         limiter_(*plan.robot.robot, plan.limits, plan.fit, options.limits, rate_.frame_time()),
         wanted_(plan.robot.robot->zero_configuration()),
         standing_(*plan.robot.robot, plan.limits) {
-    if (body_->lag) shown_times_.resize(static_cast<std::size_t>(body_->lag->lag_frames()) + 1);
+    shown_times_.resize(static_cast<std::size_t>(solver_->window_frames()));
   }
 
   void push(const HumanFrame& frame, double now);
@@ -70,12 +78,12 @@ class LiveSession::Impl {
   void skip_to(double now);
   void finish() { finished_ = true; }
   void reset();
-  void recalibrate(std::unique_ptr<LiveBody> body);
+  void recalibrate(std::unique_ptr<OnlineSolver> solver);
 
   [[nodiscard]] const LiveOptions& options() const { return options_; }
   [[nodiscard]] const LiveStatistics& statistics() const { return statistics_; }
   [[nodiscard]] LiveState state() const { return state_; }
-  [[nodiscard]] const Robot& robot() const { return body_->targets->robot(); }
+  [[nodiscard]] const Robot& robot() const { return solver_->robot(); }
 
  private:
   bool begin();
@@ -85,8 +93,8 @@ class LiveSession::Impl {
   void interrupt(double now);
   void note_older(double time, double now) { older_ = {time, now}; }
   [[nodiscard]] bool was_set_back(double time, double now) const;
-  void take_next_of_lag();
   RobotFrame show(const Playout::Slot& slot, LiveState state);
+  [[nodiscard]] bool has_window() const { return solver_->window_frames() > 0; }
   void limit(const Playout::Slot& slot, LiveState state);
   double shown_time(double time);
   std::optional<RobotFrame> show_rest();
@@ -94,7 +102,7 @@ class LiveSession::Impl {
 
   LiveOptions options_;
   FrameRate rate_;
-  std::unique_ptr<LiveBody> body_;
+  std::unique_ptr<OnlineSolver> solver_;  // Of the current body.
   SenderClock clock_;
   FrameQueue queue_;
   Playout playout_;
@@ -221,7 +229,7 @@ std::optional<RobotFrame> LiveSession::Impl::leave(const Playout::Slot& slot) {
     if (!std::exchange(absent_, false)) ++statistics_.interruptions;
     interrupt(slot.at);
   }
-  if (is_new || (has_human_ && body_->lag)) {
+  if (is_new || (has_human_ && has_window())) {
     if (feed(human_)) return show(slot, LiveState::kFollowing);
     // The window is still filling; hold the previous configuration if there is one.
     if (!limiter_.has_begun()) return std::nullopt;
@@ -241,37 +249,18 @@ void LiveSession::Impl::note(const Playout::Slot& slot) {
 // Solves one human pose.
 // @return whether there is a new configuration to show
 bool LiveSession::Impl::feed(const HumanPose& human) {
-  LiveTargets& targets = *body_->targets;
-  targets.build(human);
-  const Eigen::Vector3d path = targets.path();
-  for (LiveFoot& foot : body_->feet) foot.add(human, targets.world_from_target(), path);
-  const bool frame_mode = !body_->lag;
-  const bool with_floor = !frame_mode || options_.floor;
-  const double floor = with_floor ? body_->floor.add(body_->feet) : 0.0;
-  if (frame_mode && options_.hold_feet) {
-    body_->holder.hold(body_->feet, floor, path, targets.world_from_target());
-  }
-  if (!targets.solve()) {
+  const OnlineSolver::Outcome outcome = solver_->push(human);
+  if (outcome == OnlineSolver::Outcome::kFailed) {
     ++statistics_.bad;
     return limiter_.has_begun();
   }
-  if (!frame_mode) {
+  if (has_window()) {
     shown_times_[static_cast<std::size_t>(fed_++) % shown_times_.size()] = playout_.time();
-    body_->lag->push(human, targets.world_from_target(), targets.qpos(), path, floor);
-    statistics_.failed_steps += body_->lag->take_failed_steps();
-    if (!body_->lag->has_next()) return false;
-    take_next_of_lag();
-    return true;
+    statistics_.failed_steps += solver_->take_failed_steps();
   }
-  std::ranges::copy(targets.qpos(), wanted_.begin());
-  for (std::size_t k = 0; k < 3; ++k) wanted_[k] += path[static_cast<int>(k)];
-  wanted_[2] -= floor;
-  if (options_.floor && !robot().fixed_base()) body_->holder.stand(body_->feet, wanted_);
+  if (outcome == OnlineSolver::Outcome::kFilling) return false;
+  std::ranges::copy(solver_->qpos(), wanted_.begin());
   return true;
-}
-
-void LiveSession::Impl::take_next_of_lag() {
-  std::ranges::copy(body_->lag->next(), wanted_.begin());
 }
 
 // Produces a frame without input: holds the last pose, then returns to standing.
@@ -286,7 +275,7 @@ bool LiveSession::Impl::hold(double seconds) {
     std::ranges::copy(standing_.qpos(), wanted_.begin());
     return limiter_.has_begun();
   }
-  if (has_human_ && body_->lag) feed(human_);
+  if (has_human_ && has_window()) feed(human_);
   return limiter_.has_begun();
 }
 
@@ -295,7 +284,7 @@ void LiveSession::Impl::interrupt(double now) {
   constexpr double kSeldom = 0.25;  // Seconds; limits how often the slow search runs.
   const bool settles = now - settled_ >= kSeldom;
   if (settles) settled_ = now;
-  body_->restart(settles);
+  solver_->restart(settles);
   fed_ = 0;
   limiter_.set_off_slowly();
   if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
@@ -326,7 +315,7 @@ RobotFrame LiveSession::Impl::show(const Playout::Slot& slot, LiveState state) {
 
 // Session time of the pose that leaves the window when a pose of the given time enters.
 double LiveSession::Impl::shown_time(double time) {
-  if (!body_->lag) return time;
+  if (!has_window()) return time;
   const auto window = static_cast<std::int64_t>(shown_times_.size());
   return fed_ < window ? time : shown_times_[static_cast<std::size_t>(fed_ % window)];
 }
@@ -339,20 +328,18 @@ std::optional<RobotFrame> LiveSession::Impl::show_rest() {
       if (auto frame = leave(slot)) return frame;
       continue;
     }
-    if (!body_->lag || !has_human_) return std::nullopt;
-    LagFit& lag = *body_->lag;
-    if (!lag.is_finished()) lag.finish();
-    statistics_.failed_steps += lag.take_failed_steps();
-    if (!lag.has_next()) return std::nullopt;
-    take_next_of_lag();
+    if (!has_window() || !has_human_) return std::nullopt;
+    const bool has_rest = solver_->take_rest();
+    statistics_.failed_steps += solver_->take_failed_steps();
+    if (!has_rest) return std::nullopt;
+    std::ranges::copy(solver_->qpos(), wanted_.begin());
     ++fed_;
     return show(slot, LiveState::kFollowing);
   }
 }
 
 void LiveSession::Impl::reset() {
-  body_->restart(true);
-  body_->floor.restart();
+  solver_->reset();
   clock_ = SenderClock();
   queue_ = FrameQueue();
   playout_ = Playout(rate_.frame_time(), options_.delay_s);
@@ -365,8 +352,8 @@ void LiveSession::Impl::reset() {
   fed_ = 0;
 }
 
-void LiveSession::Impl::recalibrate(std::unique_ptr<LiveBody> body) {
-  body_ = std::move(body);
+void LiveSession::Impl::recalibrate(std::unique_ptr<OnlineSolver> solver) {
+  solver_ = std::move(solver);
   clock_.restart();
   queue_.clear();
   older_.reset();
@@ -380,7 +367,7 @@ void LiveSession::Impl::recalibrate(std::unique_ptr<LiveBody> body) {
   if (limiter_.has_begun()) std::ranges::copy(limiter_.qpos(), wanted_.begin());
 }
 
-LiveSession::Body::Body(std::unique_ptr<LiveBody> made) : made_(std::move(made)) {}
+LiveSession::Body::Body(std::unique_ptr<OnlineSolver> made) : made_(std::move(made)) {}
 LiveSession::Body::~Body() = default;
 LiveSession::Body::Body(Body&&) noexcept = default;
 LiveSession::Body& LiveSession::Body::operator=(Body&&) noexcept = default;
@@ -391,9 +378,8 @@ Result<LiveSession::Body> LiveSession::prepare(const Plan& plan, const LiveOptio
   if (plan.robot.robot->configuration_size() != robot.configuration_size()) {
     return usage_failure("a stream cannot change its robot");
   }
-  RETARGET_TRY_ASSIGN(auto targets, LiveTargets::make(plan));
-  const double frame_time = frame_rate_from_fps(options.fps).frame_time();
-  return Body(std::make_unique<LiveBody>(std::move(targets), options, frame_time));
+  RETARGET_TRY_ASSIGN(auto solver, make_solver(plan, options));
+  return Body(std::move(solver));
 }
 
 void LiveSession::recalibrate(Body body) {
@@ -402,8 +388,8 @@ void LiveSession::recalibrate(Body body) {
 
 Result<LiveSession> LiveSession::make(const Plan& plan, const LiveOptions& options) {
   RETARGET_TRY(check_options(plan, options));
-  RETARGET_TRY_ASSIGN(auto targets, LiveTargets::make(plan));
-  return LiveSession(std::make_unique<Impl>(plan, options, std::move(targets)));
+  RETARGET_TRY_ASSIGN(auto solver, make_solver(plan, options));
+  return LiveSession(std::make_unique<Impl>(plan, options, std::move(solver)));
 }
 
 LiveSession::LiveSession(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -5,13 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
-#include "formats/bvh/number_parser.h"
-#include "formats/bvh/read_bvh.h"
-#include "formats/bvh/row_decoder.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
@@ -21,7 +18,6 @@ namespace retarget {
 namespace {
 
 constexpr std::size_t kMaxHeader = std::size_t{1} << 18;  // bytes
-constexpr double kMaxValue = 1e7;
 
 Failure bad_row(std::string message) {
   return input_failure({}, std::move(message));
@@ -57,9 +53,8 @@ class BvhRowDecoder final : public Decoder {
   std::shared_ptr<const Skeleton> known_;  // From the user's file; null: none.
   double fps_;                             // 0: rows have no timestamps.
   std::string header_;                     // Partial header; empty while rows arrive.
-  std::optional<RowDecoder> rows_;
+  std::optional<BvhRowReader> rows_;
   std::optional<Clip> clip_;  // Has one frame.
-  std::vector<double> row_;
   long count_ = 0;
   StreamFrame frame_;
 };
@@ -70,9 +65,8 @@ void BvhRowDecoder::know_skeleton(const std::shared_ptr<const Skeleton>& skeleto
 }
 
 void BvhRowDecoder::use(const std::shared_ptr<const Skeleton>& skeleton) {
-  rows_.emplace(*skeleton, 0);
+  rows_.emplace(*skeleton);
   clip_.emplace(skeleton, FrameRate{}, 1);
-  row_.resize(static_cast<std::size_t>(skeleton->channel_count()) + kNumberLineSlack);
   count_ = 0;
 }
 
@@ -106,32 +100,21 @@ Result<void> BvhRowDecoder::take_line(std::string_view line, StreamSink& sink) {
 }
 
 Result<void> BvhRowDecoder::end_header(StreamSink& sink) {
-  BvhReadOptions options;
-  options.motion_optional = true;
   const std::string text = std::exchange(header_, {});
-  RETARGET_TRY_ASSIGN(BvhFile file, read_bvh(text, "stream", options));
-  if (file.clip.skeleton().joint_count() > kMaxStreamJoints) {
+  RETARGET_TRY_ASSIGN(const auto skeleton, bvh_skeleton(text, "stream"));
+  if (skeleton->joint_count() > kMaxStreamJoints) {
     return bad_row(fmt::format("the skeleton has more than {} joints", kMaxStreamJoints));
   }
   // The user's file has more information about the same skeleton.
-  if (known_ && same_rows(*known_, file.clip.skeleton())) return {};
-  use(file.clip.shared_skeleton());
-  sink.take_skeleton(Clip(file.clip.shared_skeleton(), FrameRate{}, 0), false);
+  if (known_ && same_rows(*known_, *skeleton)) return {};
+  use(skeleton);
+  sink.take_skeleton(Clip(skeleton, FrameRate{}, 0), false);
   return {};
 }
 
 Result<void> BvhRowDecoder::take_row(std::string_view line, StreamSink& sink) {
   if (!rows_) return bad_row("received a row, but no skeleton is known");
-  const auto count = static_cast<std::size_t>(clip_->skeleton().channel_count());
-  const std::size_t end = read_number_line_portable(line, 0, count, row_);
-  if (end == std::string_view::npos || end != line.size()) {
-    return bad_row(fmt::format("expected a row of {}", count_text(count, "number")));
-  }
-  const auto values = std::span(row_).first(count);
-  if (!std::ranges::all_of(values, [](double value) { return std::abs(value) < kMaxValue; })) {
-    return bad_row("a row contains numbers above ten million");
-  }
-  rows_->decode(values, *clip_, 0);
+  RETARGET_TRY(rows_->read(line, *clip_, 0));
   frame_.time =
       fps_ > 0.0 ? static_cast<double>(count_) / fps_ : std::numeric_limits<double>::quiet_NaN();
   ++count_;

@@ -1,21 +1,120 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "live/stream/decoder.h"
-#include "live/stream/line_cutter.h"
-#include "live/stream/senders.h"
+#include "live/stream/message_cutter.h"
 #include "live/stream/socket.h"
 #include "live/stream/stream_address.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// Permitted senders, from the parameter `from=`: `any`, an address, or an address with a port.
+struct SenderFilter {
+  bool any = false;                   ///< Accept all senders at the same time.
+  std::optional<std::uint32_t> host;  ///< Nothing: the first sender.
+  std::optional<std::uint16_t> port;
+
+  /// Errors (kUsage): not an address.
+  [[nodiscard]] static Result<SenderFilter> parse(const std::string& text);
+  [[nodiscard]] bool admits(const Endpoint& sender) const {
+    return (!host || *host == sender.host) && (!port || *port == sender.port);
+  }
+};
+
+/// Decides which datagrams to accept: those of the first sender, until it has been silent for a
+/// second; then the next sender takes over. A program that opens a new port for each datagram is
+/// a single sender.
+class SenderLock {
+ public:
+  enum class Verdict : unsigned char {
+    kSender,     ///< From the sender.
+    kNewSender,  ///< From another machine, which becomes the sender.
+    kStranger,   ///< To be ignored.
+  };
+
+  /// @param any_port  treat all ports of a machine as one sender, for protocols that use several.
+  explicit SenderLock(SenderFilter filter = {}, bool any_port = false)
+      : filter_(filter), any_port_(any_port) {}
+
+  /// @param now  seconds, any clock
+  [[nodiscard]] Verdict judge(const Endpoint& from, double now);
+  [[nodiscard]] const std::optional<Endpoint>& sender() const { return sender_; }
+
+ private:
+  // A port of the sender's machine that has sent recently.
+  struct Port {
+    std::uint16_t number = 0;
+    double latest = 0.0;
+    bool is_used = false;
+  };
+  [[nodiscard]] bool has_sent_lately(std::uint16_t port, double now);
+
+  SenderFilter filter_;
+  bool any_port_;
+  std::optional<Endpoint> sender_;
+  double latest_ = 0.0;     // Time of the sender's last datagram.
+  bool is_steady_ = false;  // It has sent more than one datagram from its port.
+  std::array<Port, 8> ports_;
+};
+
+/// The connections of a TCP input. One of them belongs to the sender. The others wait unread until
+/// the sender has disconnected or been silent for a second and they have sent something.
+class SenderConnections {
+ public:
+  SenderConnections() = default;
+  SenderConnections(Descriptor listener, SenderFilter filter)
+      : listener_(std::move(listener)), filter_(filter) {}
+
+  enum class Event : unsigned char {
+    kNothing,
+    kInput,      ///< The sender has sent bytes or disconnected.
+    kNewSender,  ///< Another connection has become the sender's.
+  };
+  /// Waits at most the given time. @param now  seconds, same clock as in the other calls
+  [[nodiscard]] Event wait(double seconds, double now);
+  [[nodiscard]] const Descriptor& sender() const { return sender_.connection; }
+  /// Notes that the sender's bytes were read.
+  void note_input(double now) { latest_ = now; }
+  void close_sender() { sender_ = {}; }
+  /// Address of the sender; nothing if there is no sender.
+  [[nodiscard]] std::optional<Endpoint> sender_peer() const {
+    return sender_.connection.is_open() ? std::optional(sender_.peer) : std::nullopt;
+  }
+
+  [[nodiscard]] const Descriptor& listener() const { return listener_; }
+  /// Number of connections that did not become the sender's, or not at once.
+  [[nodiscard]] std::int64_t strangers() const { return strangers_; }
+  /// The latest of these connections.
+  [[nodiscard]] const Endpoint& latest_stranger() const { return latest_stranger_; }
+
+ private:
+  struct Connection {
+    Descriptor connection;
+    Endpoint peer;
+  };
+  [[nodiscard]] bool is_alive(double now) const;
+  void accept();
+  void drop_ended();
+  [[nodiscard]] bool promote();
+
+  Descriptor listener_;
+  SenderFilter filter_;
+  Connection sender_;
+  double latest_ = 0.0;
+  std::vector<Connection> waiting_;
+  std::int64_t strangers_ = 0;
+  Endpoint latest_stranger_;
+};
 
 /// Input that a source did not pass on.
 struct SourceStatistics {

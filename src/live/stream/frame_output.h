@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "live/stream/stream_address.h"
 #include "retarget/error.h"
 #include "retarget/live.h"
 #include "retarget/robot.h"
@@ -35,6 +38,44 @@ struct FrameOutputContext {
   std::function<bool()> is_stopped = {};  ///< Ends all waiting; may be empty.
   /// Joints held in the standing pose, for robots of which only the arms follow.
   std::vector<std::string> held = {};
+};
+
+/// Opens `zmq:PORT` and `redis:PORT`. Errors: those of open_frame_output; a build without the
+/// library (kUsage).
+[[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_zmq_output(
+    const StreamAddress& to, const FrameOutputContext& context);
+[[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_redis_output(
+    const StreamAddress& to, const FrameOutputContext& context);
+/// Whether this build supports them.
+[[nodiscard]] bool has_zmq_output();
+[[nodiscard]] bool has_redis_output();
+
+/// The error of a build without a library.
+[[nodiscard]] Failure lacks_library(const StreamAddress& to, std::string_view library,
+                                    std::string_view package);
+
+/// Opens an output. Errors: unavailable address; unknown format, or one that does not support the
+/// address or this robot (kUsage).
+[[nodiscard]] Result<std::unique_ptr<FrameOutput>> open_frame_output(
+    const StreamAddress& to, const FrameOutputContext& context);
+
+/// All outputs of a live run. No output delays the others. Used by one thread.
+class Outputs {
+ public:
+  /// Errors: those of open_frame_output.
+  [[nodiscard]] Result<void> add(const StreamAddress& to, const FrameOutputContext& context);
+  void take(const RobotFrame& frame);
+  /// Number of frames taken.
+  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  /// Whether no output accepts frames any more: readers have disconnected, disks are full.
+  [[nodiscard]] bool are_closed() const;
+  /// Sends buffered frames. Errors (kRun): a file lacks frames.
+  [[nodiscard]] Result<void> finish();
+  [[nodiscard]] std::vector<OutputStatistics> statistics() const;
+
+ private:
+  std::vector<std::unique_ptr<FrameOutput>> all_;
+  std::int64_t frames_ = 0;
 };
 
 }  // namespace retarget

@@ -1,10 +1,10 @@
+#include "live/stream/human_bones.h"
+
 #include <cmath>
 #include <utility>
 
-#include "human/skeleton/human_clip.h"
-#include "human/skeleton/robot_human.h"
-#include "live/stream/human_bones.h"
 #include "retarget/clip.h"
+#include "retarget/human_poser.h"
 #include "retarget/plan.h"
 #include "retarget/try.h"
 
@@ -13,21 +13,7 @@ namespace retarget {
 Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
                                  const std::string& data_folder) {
   RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(clip, options, data_folder));
-  HumanPoser poser(clip, found.calibration);
-  const HumanClipInfo info = poser.info();
-  // Reuse the conversion from a robot's motion to a human clip.
-  RobotHuman human;
-  human.rate = clip.rate();
-  human.frame_count = clip.frame_count();
-  human.poses = poses_of(poser);
-  for (const Bone bone : kMappedBones) human.has[bone] = info.has(bone);
-  if (clip.frame_count() == 0) return input_failure(clip.name(), "the clip has no frames");
-  poser.pose(0, human.standing);
-  Clip bones = clip_of_robot_human(human, clip.name());
-  ClipOrigin origin = bones.origin();
-  origin.body_height = found.calibration.height;
-  bones.set_origin(std::move(origin));
-  return bones;
+  return clip_of_human(clip, found.calibration);
 }
 
 BonePoses::BonePoses(const Clip& clip) {
@@ -59,6 +45,27 @@ Pose mirrored_across_x(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& at = pose.translation;
   return {{q.w(), q.x(), -q.y(), -q.z()}, {-at.x(), at.y(), at.z()}};
+}
+
+Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
+                             const std::string& data_folder) {
+  ClipOrigin origin = clip.origin();
+  if (origin.metres_per_unit && origin.up) return clip;
+  // find_human may replace rotations, but the clip is played unchanged.
+  Clip looked_at = clip;
+  RETARGET_TRY_ASSIGN(const HumanInClip found, find_human(looked_at, options, data_folder));
+  if (!origin.metres_per_unit) origin.metres_per_unit = found.calibration.metres_per_unit;
+  if (!origin.up) {
+    origin.up = found.calibration.human_from_source.transpose() * Eigen::Vector3d::UnitZ();
+  }
+  clip.set_origin(std::move(origin));
+  return clip;
+}
+
+ClipAxes::ClipAxes(const Clip& clip, const Eigen::Vector3d& up) {
+  const ClipOrigin& origin = clip.origin();
+  if (origin.up) turn_ = Eigen::Quaterniond::FromTwoVectors(*origin.up, up);
+  metres_per_unit_ = origin.metres_per_unit.value_or(1.0);
 }
 
 }  // namespace retarget

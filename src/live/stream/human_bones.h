@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -21,15 +22,10 @@ namespace retarget {
   return world_from_joint[static_cast<std::size_t>(parent)].inverse() * world_from_this;
 }
 
-/// Converts the canonical human in a clip to a separate clip, so that formats with fixed bones can
-/// play any clip.
-///
-/// The clip has a joint for each bone found, with the bone's name (bone_name), in metres, Z up. The
-/// zero pose is the T-pose that faces x, in which all joints have the world's axes. Bones that are
-/// not rigidly attached, such as those of a spine with omitted joints, have translations. The
-/// origin contains the body height.
+/// Finds the human in a clip and converts it to a separate clip (clip_of_human), so that formats
+/// with fixed bones can play any clip.
 /// @param data_folder  contains configs/skeletons.
-/// Errors: those of find_human.
+/// Errors: those of find_human and clip_of_human.
 [[nodiscard]] Result<Clip> clip_of_human_bones(Clip clip, const HumanOptions& options,
                                                const std::string& data_folder);
 
@@ -65,5 +61,34 @@ class BonePoses {
 /// Mirrors a pose across x, for Unity's left-handed worlds. Applying it twice gives the original
 /// pose.
 [[nodiscard]] Pose mirrored_across_x(const Pose& pose);
+
+/// Returns the clip with unit and up axis in its origin. If the file does not contain them, they
+/// are inferred with the human in it.
+/// @param data_folder  contains configs/skeletons.
+/// Errors: those of find_human.
+[[nodiscard]] Result<Clip> clip_with_units(Clip clip, const HumanOptions& options,
+                                           const std::string& data_folder);
+
+/// Converts poses of a clip to metres and another up axis, for protocols with a fixed unit and
+/// world. Joint axes rotate with the world, so that a zero pose remains a zero pose.
+class ClipAxes {
+ public:
+  ClipAxes() = default;
+  /// @param clip  has unit and up axis in its origin (clip_with_units); otherwise they stay
+  ///   unchanged.
+  ClipAxes(const Clip& clip, const Eigen::Vector3d& up);
+
+  [[nodiscard]] Pose metric(const Pose& pose) const {
+    return {turn_ * pose.rotation * turn_.conjugate(),
+            metres_per_unit_ * (turn_ * pose.translation)};
+  }
+  [[nodiscard]] Eigen::Vector3d metric(const Eigen::Vector3d& offset) const {
+    return metres_per_unit_ * (turn_ * offset);
+  }
+
+ private:
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+  double metres_per_unit_ = 1.0;
+};
 
 }  // namespace retarget

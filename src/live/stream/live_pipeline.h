@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "live/stream/body_maker.h"
-#include "live/stream/decoder.h"
 #include "live/stream/packet_batch.h"
+#include "live/stream/stream_formats.h"
+#include "live/stream/stream_skeleton.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/live.h"

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "live/stream/lz4_frame.h"
 #include "retarget/error.h"
 
 namespace retarget {
@@ -51,5 +54,75 @@ class MessageCutter {
   std::size_t taken_ = 0;
   std::size_t skipped_ = 0;  // Bytes that started no message.
 };
+
+/// Splits the bytes of a connection, or datagrams, into lines. Skips blank lines. Drops lines
+/// longer than one megabyte and lines of a datagram beyond a maximum number.
+class LineCutter {
+ public:
+  /// @param most  maximum number of lines per datagram
+  explicit LineCutter(std::size_t most) : most_(most) {}
+
+  /// Adds the next bytes. @pre next() has returned all earlier lines
+  void add(std::string_view bytes);
+  /// Adds the next datagram; its last line needs no line end.
+  void add_datagram(std::string_view bytes);
+  /// Ends the input: the remaining bytes are the last line.
+  void end() { is_whole_ = true; }
+  /// Returns the next line, valid until the next call.
+  /// @return whether there was one.
+  [[nodiscard]] bool next(std::string_view& line);
+  void clear();
+
+  /// Number of dropped lines.
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+
+ private:
+  std::size_t most_;
+  std::string waiting_;
+  std::size_t taken_ = 0;   // Bytes already returned.
+  std::size_t looked_ = 0;  // Bytes searched without a line end.
+  std::size_t given_ = 0;   // Lines returned of this datagram.
+  bool is_whole_ = false;   // The buffered bytes will not be continued.
+  bool is_datagram_ = false;
+  bool skips_ = false;  // Skip to the next line end.
+  std::int64_t dropped_ = 0;
+};
+
+/// Splits bytes into consecutive JSON objects, plain or each in an LZ4 frame. The bytes may arrive
+/// in pieces, as from a connection.
+class JsonCutter {
+ public:
+  /// Starts a packet; limits the bytes decompressed from its LZ4 frames.
+  void begin_packet(std::size_t most_unpacked) { unpacked_left_ = most_unpacked; }
+  /// Consumes bytes from the front of `bytes`, up to the end of the next object.
+  /// @return its text, valid until the next call; nothing if all bytes are consumed and no object
+  ///   is complete. Errors (kInput): bytes that start no object, which are skipped, and objects of
+  ///   more than a megabyte.
+  /// @pre bytes is not empty
+  [[nodiscard]] Result<std::optional<std::string_view>> next(std::string_view& bytes);
+  /// Whether an object is incomplete.
+  [[nodiscard]] bool is_inside() const { return inside_ != Inside::kNothing; }
+  void clear();
+
+ private:
+  enum class Inside : unsigned char { kNothing, kObject, kFrame };
+  [[nodiscard]] bool take_object(std::string_view& bytes);
+
+  Inside inside_ = Inside::kNothing;
+  std::string text_;
+  int depth_ = 0;
+  bool in_text_ = false, escaped_ = false;  // State within the object.
+  std::size_t unpacked_left_ = std::size_t{1} << 20;
+  Lz4Frame frame_;
+};
+
+using PacketJson = nlohmann::json;
+
+/// Parses the JSON of a packet from an untrusted sender. Rejects expensive input before parsing:
+/// packets of more than a megabyte, with more than 20,000 values and names, or nested more than 32
+/// deep are errors (kInput), as is invalid JSON. Of members with the same name the last one is
+/// used.
+/// @param what  for messages: `the line`
+[[nodiscard]] Result<PacketJson> parse_packet_json(std::string_view text, const std::string& what);
 
 }  // namespace retarget

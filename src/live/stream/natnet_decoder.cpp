@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "formats/scene/clip_builder.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/natnet_protocol.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
+#include "retarget/bvh.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "formats/containers/byte_order.h"
 #include "live/stream/natnet_protocol.h"
+#include "retarget/bytes.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

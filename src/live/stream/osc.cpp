@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "formats/containers/byte_order.h"
+#include "retarget/bytes.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "live/stream/decoder.h"
+#include "live/stream/stream_formats.h"
 
 namespace retarget {
 

@@ -8,11 +8,9 @@
 #include <thread>
 
 #include "live/stream/byte_output.h"
-#include "live/stream/clip_axes.h"
-#include "live/stream/decoder.h"
+#include "live/stream/connection.h"
 #include "live/stream/human_bones.h"
-#include "live/stream/input_address.h"
-#include "live/stream/request_server.h"
+#include "live/stream/stream_formats.h"
 #include "retarget/serve.h"
 #include "retarget/try.h"
 

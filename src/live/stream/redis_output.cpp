@@ -1,7 +1,7 @@
 // Sends robot frames as keys of a Redis server. CMake defines RETARGET_HAS_HIREDIS if hiredis is
 // available.
 
-#include "live/stream/controller_outputs.h"
+#include "live/stream/frame_output.h"
 #include "retarget/try.h"
 
 #ifdef RETARGET_HAS_HIREDIS
@@ -22,9 +22,9 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/output_account.h"
-#include "live/stream/patient_connection.h"
-#include "live/stream/twist2_action.h"
+#include "live/stream/connection.h"
+#include "live/stream/controller_messages.h"
+#include "live/stream/robot_frame_writer.h"
 
 namespace retarget {
 namespace {

@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "app/plan/follow_arms.h"
 #include "live/stream/byte_source.h"
+#include "live/stream/frame_output.h"
 #include "live/stream/live_pipeline.h"
-#include "live/stream/outputs.h"
 #include "live/stream/stats_writer.h"
 #include "live/stream/stream_record.h"
+#include "retarget/load_robot.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -1,10 +1,10 @@
 #include "live/stream/stream_address.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -137,6 +137,23 @@ Result<void> check_extras(const StreamAddress& address, std::span<const std::str
                          did_you_mean(name, names));
   }
   return {};
+}
+
+std::string Endpoint::text() const {
+  return fmt::format("{}.{}.{}.{}:{}", host >> 24, host >> 16 & 255, host >> 8 & 255, host & 255,
+                     port);
+}
+
+Endpoint endpoint_of(const StreamAddress& address) {
+  std::uint32_t host = 0, part = 0;
+  for (const char c : address.host) {
+    if (c == '.') {
+      host = host << 8 | std::exchange(part, 0);
+    } else {
+      part = 10 * part + static_cast<std::uint32_t>(c - '0');
+    }
+  }
+  return {host << 8 | part, static_cast<std::uint16_t>(address.port)};
 }
 
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
@@ -38,5 +39,18 @@ struct StreamAddress {
 /// Returns a kUsage error if the address has parameters after `?` that are not known.
 [[nodiscard]] Result<void> check_extras(const StreamAddress& address,
                                         std::span<const std::string> known);
+
+/// A numeric IPv4 address with a port.
+struct Endpoint {
+  std::uint32_t host = 0;
+  std::uint16_t port = 0;
+
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+  /// Text such as `10.0.0.2:9763`.
+  [[nodiscard]] std::string text() const;
+};
+
+/// The endpoint of a UDP or TCP address.
+[[nodiscard]] Endpoint endpoint_of(const StreamAddress& address);
 
 }  // namespace retarget

@@ -1,12 +1,111 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "live/stream/decoder.h"
+#include "live/stream/stream_address.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget {
 
-// Declared here for the table of formats, so that a new format does not affect users of decoder.h.
+/// Maximum number of joints of a stream's skeleton.
+inline constexpr int kMaxStreamJoints = 500;
+
+/// A frame of a stream, for the skeleton received last; its contents match a frame of a Clip.
+struct StreamFrame {
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< Sender's time, s; NaN: none.
+  std::vector<Eigen::Quaterniond> rotations;  ///< All joints, parent_from_joint, unit length.
+  std::vector<Eigen::Vector3d> translations;  ///< Indexed by Skeleton::translation_slot.
+};
+
+/// Receives the output of a decoder.
+class StreamSink {
+ public:
+  virtual ~StreamSink() = default;
+  /// Sets the skeleton of the following frames. The clip's frames, if any, are poses for
+  /// calibration; its origin may give unit, up axis and height.
+  /// @param has_rest  whether its first frame is the rest pose.
+  virtual void take_skeleton(Clip clip, bool has_rest) = 0;
+  virtual void take_frame(const StreamFrame& frame) = 0;
+};
+
+/// Decodes the bytes of one protocol into skeletons and frames. The input is untrusted: invalid
+/// input is an error and does not affect the decoding of the following bytes.
+class Decoder {
+ public:
+  virtual ~Decoder() = default;
+  /// Decodes a datagram, a line (is_text), or the next bytes of a connection.
+  [[nodiscard]] virtual Result<void> take(std::string_view bytes, StreamSink& sink) = 0;
+  /// Sets a skeleton from the user's file before the first bytes, for senders that do not send one.
+  virtual void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) {
+    static_cast<void>(skeleton);
+  }
+  /// Resets the state for a new sender.
+  virtual void restart() {}
+  /// The request to send to the sender now, for protocols with requests; called repeatedly. Empty:
+  /// no request.
+  [[nodiscard]] virtual std::string_view request() const { return {}; }
+};
+
+/// Encodes a clip as bytes of a protocol.
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+  /// Bytes that a receiver needs first; empty: none.
+  [[nodiscard]] virtual std::string begin(const Clip& clip) = 0;
+  [[nodiscard]] virtual Result<std::string> frame(const Clip& clip, int frame) = 0;
+  /// Size of the first datagram in bytes returned by this encoder.
+  [[nodiscard]] virtual std::size_t packet_size(std::string_view bytes) const;
+  /// Reply to a receiver's request (Decoder::request), called after begin; empty: no reply.
+  [[nodiscard]] virtual std::string answer(std::string_view request) {
+    static_cast<void>(request);
+    return {};
+  }
+};
+
+/// A parameter after `?` in an address that a format supports.
+struct StreamExtra {
+  std::string_view name;
+  std::string_view expected;  ///< Expected value, human-readable: `NUMBER`.
+  bool (*is_valid)(const std::string& value) = nullptr;
+};
+
+/// A protocol for human motion. To add one, add a file in this folder and a row in
+/// stream_formats.cpp.
+struct StreamFormat {
+  std::string_view name;         ///< `bvh`, `lines`
+  std::string_view description;  ///< Human-readable, one line.
+  int port = 0;                  ///< Default port of its senders; 0: none.
+  bool is_text = true;           ///< Text lines: the bytes of a connection are split at line ends.
+  std::unique_ptr<Decoder> (*decoder)(const StreamAddress& from) = nullptr;
+  std::unique_ptr<Encoder> (*encoder)() = nullptr;  ///< Null: cannot be played.
+  /// Whether the encoder needs the canonical human of a clip (clip_of_human_bones) instead of the
+  /// clip. Null: never.
+  bool (*plays_human)(const Clip& clip) = nullptr;
+  bool is_metric = false;  ///< The encoder needs a clip's unit and up axis (clip_with_units).
+  int request_port = 0;    ///< Port of its senders for requests; 0: none.
+  std::span<const StreamExtra> extras = {};  ///< Parameters after `?` that its decoder reads.
+  /// Maximum number of text lines read from a datagram; the rest is dropped.
+  std::size_t datagram_lines = 64;
+};
+
+/// All formats, the default first.
+[[nodiscard]] std::span<const StreamFormat> stream_formats();
+
+/// The format with a name; the default for an empty name. The kUsage error suggests the nearest
+/// name.
+[[nodiscard]] Result<const StreamFormat*> find_stream_format(const std::string& name);
+
+// Rows of the table of formats.
 
 [[nodiscard]] std::unique_ptr<Decoder> make_line_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_line_encoder();
@@ -27,5 +126,13 @@ namespace retarget {
 [[nodiscard]] bool plays_human_as_mvn(const Clip& clip);
 [[nodiscard]] std::unique_ptr<Decoder> make_natnet_decoder(const StreamAddress& from);
 [[nodiscard]] std::unique_ptr<Encoder> make_natnet_encoder();
+
+/// Checks that a stream in a format can come from an address. Errors (kUsage): unsupported kind of
+/// address; parameters after `?` that neither the transport nor the format supports, or with
+/// invalid values.
+[[nodiscard]] Result<void> check_input(const StreamAddress& from, const StreamFormat& format);
+
+/// Checks that a motion can be played to an address. Errors: as above.
+[[nodiscard]] Result<void> check_player_target(const StreamAddress& to, const StreamFormat& format);
 
 }  // namespace retarget

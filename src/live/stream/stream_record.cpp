@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "live/stream/writer_output.h"
+#include "live/stream/writer_thread.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

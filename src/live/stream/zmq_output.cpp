@@ -1,6 +1,6 @@
 // Publishes robot frames over ZeroMQ. CMake defines RETARGET_HAS_ZEROMQ if libzmq is available.
 
-#include "live/stream/controller_outputs.h"
+#include "live/stream/frame_output.h"
 #include "retarget/try.h"
 
 #ifdef RETARGET_HAS_ZEROMQ
@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "live/stream/sonic_message.h"
+#include "live/stream/controller_messages.h"
 #include "retarget/text.h"
 
 namespace retarget {

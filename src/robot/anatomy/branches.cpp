@@ -3,8 +3,8 @@
 #include <optional>
 #include <utility>
 
+#include "retarget/kinematic_tree.h"
 #include "robot/anatomy/branches.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
 #include "robot/anatomy/limb_notes.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {

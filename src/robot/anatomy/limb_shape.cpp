@@ -7,10 +7,10 @@
 #include <numbers>
 #include <span>
 
-#include "base/math/trigonometry.h"
 #include "retarget/pose.h"
+#include "retarget/shape_distance.h"
+#include "retarget/trigonometry.h"
 #include "robot/anatomy/limb_notes.h"
-#include "robot/model/core_points.h"
 #include "robot/model/limb_joints.h"
 #include "robot/model/model_values.h"
 

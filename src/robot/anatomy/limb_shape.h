@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limbs.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

@@ -10,15 +10,15 @@
 
 #include <fmt/format.h>
 
-#include "base/math/so3.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
 #include "robot/anatomy/limb_flexion.h"
 #include "robot/anatomy/limb_notes.h"
 #include "robot/anatomy/limb_shape.h"
-#include "robot/model/kinematic_tree.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {

@@ -15,7 +15,7 @@ namespace retarget {
 /// The body of a limb part and the pose of a canonical bone in it.
 struct LimbPart {
   int body = 0;
-  /// body_from_bone: the columns are the bone's X, Y and Z axes (canonical_pose.h) in the body's
+  /// body_from_bone: the columns are the bone's X, Y and Z axes (canonical_t_pose) in the body's
   /// frame. Its transpose is the rotation offset of a retargeting configuration.
   Eigen::Matrix3d body_from_bone = Eigen::Matrix3d::Identity();
   /// Position of the bone's joint (hip, knee, ankle, shoulder, ...) in the body's frame, metres.

@@ -9,9 +9,9 @@
 #include <memory>
 #include <numbers>
 
+#include "retarget/shape_distance.h"
 #include "robot/anatomy/branches.h"
 #include "robot/model/collision.h"
-#include "robot/model/shape_distance.h"
 
 namespace retarget {
 namespace {

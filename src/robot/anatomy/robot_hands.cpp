@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "retarget/kinematic_tree.h"
+#include "retarget/shape_distance.h"
 #include "retarget/text.h"
-#include "robot/model/core_points.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 namespace {

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/so3.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
+#include "retarget/shape_distance.h"
+#include "retarget/so3.h"
 #include "robot/anatomy/capsules.h"
-#include "robot/model/core_points.h"
-#include "robot/model/kinematic_tree.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {

@@ -1,9 +1,11 @@
+#include "robot/model/collision.h"
+
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <utility>
 
-#include "base/math/so3.h"
-#include "robot/model/collision.h"
+#include "retarget/appearance.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 

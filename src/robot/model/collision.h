@@ -6,16 +6,9 @@
 
 #include "retarget/pose.h"
 #include "retarget/robot.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 
 namespace retarget {
-
-/// Robot colour in pictures, 0xRRGGBB.
-inline constexpr int kRobotColour = 0x7FA3C7;
-
-/// Returns the shapes to draw a robot with: its collision shapes, or lines between bodies if it has
-/// none.
-[[nodiscard]] std::vector<CollisionShape> visible_shapes(const Robot& robot);
 
 /// Two shapes that should not touch; indices into CollisionModel::shapes, a < b.
 struct ShapePair {

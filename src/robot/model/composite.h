@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 
 namespace retarget {
 

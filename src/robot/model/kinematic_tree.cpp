@@ -1,11 +1,11 @@
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

@@ -8,9 +8,9 @@
 #include "base/try.h"
 #include "retarget/error.h"
 #include "retarget/file.h"
+#include "retarget/load_robot.h"
 #include "robot/model/load_model.h"
 #include "robot/model/load_profile.h"
-#include "robot/model/load_robot.h"
 
 namespace retarget {
 namespace {

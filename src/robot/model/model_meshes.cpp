@@ -7,10 +7,10 @@
 #include <string_view>
 #include <utility>
 
-#include "base/math/so3.h"
 #include "base/parse_xml.h"
 #include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/model/check_model.h"
 #include "robot/model/load_model.h"

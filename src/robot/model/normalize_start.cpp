@@ -1,7 +1,7 @@
-#include "robot/model/normalize_start.h"
+#include "retarget/normalize_start.h"
 
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/so3.h"
 #include "base/parse_xml.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/model/read_mesh.h"
 

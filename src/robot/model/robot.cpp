@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "robot/model/model_values.h"
 #include "robot/model/variant.h"
 

@@ -1,4 +1,4 @@
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 
 #include <algorithm>
 #include <cmath>

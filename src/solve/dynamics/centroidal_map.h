@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {

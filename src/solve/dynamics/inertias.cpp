@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 
 namespace retarget {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/math/gravity.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {

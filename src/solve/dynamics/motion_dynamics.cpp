@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/math/statistics.h"
+#include "retarget/statistics.h"
 #include "solve/dynamics/contact_forces.h"
 #include "solve/dynamics/motion_spline.h"
 #include "solve/dynamics/support_points.h"

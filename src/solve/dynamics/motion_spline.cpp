@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/math/spline.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/spline.h"
 
 namespace retarget {
 namespace {

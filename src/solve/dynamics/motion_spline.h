@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "base/math/rotation_spline.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "base/math/trigonometry.h"
-#include "robot/model/core_points.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/shape_distance.h"
+#include "retarget/trigonometry.h"
 #include "solve/dynamics/support_points.h"
 
 namespace retarget {

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <optional>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/fit/limb_branch.h"
 #include "solve/fit/limb_detours.h"
 #include "solve/fit/limb_solver.h"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "base/math/so3.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 #include "solve/fit/block_chain.h"
 #include "solve/fit/contact_places.h"
 #include "solve/fit/fit_dynamics.h"

@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "base/located.h"
-#include "base/math/so3.h"
-#include "base/math/statistics.h"
 #include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/source_feet.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
 #include "retarget/text.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/fit/branch_recovery.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/fit_dynamics.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "retarget/pose.h"
-#include "robot/model/core_points.h"
+#include "retarget/shape_distance.h"
 #include "robot/model/sole_ends.h"
 
 namespace retarget {

@@ -9,11 +9,11 @@
 
 #include "human/gait/source_feet.h"
 #include "retarget/human.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
 #include "solve/dynamics/inertias.h"
 #include "solve/targets/support_bodies.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "solve/fit/joint_speeds.h"
 #include "solve/fit/shorthand.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "base/math/so3.h"
 #include "retarget/pose.h"
-#include "robot/model/shape_distance.h"
+#include "retarget/shape_distance.h"
+#include "retarget/so3.h"
 #include "solve/fit/one_sided.h"
 #include "solve/fit/shorthand.h"
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
 #include "robot/model/composite.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/fit/fit_model.h"
 
 namespace retarget {

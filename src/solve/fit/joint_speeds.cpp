@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/so3.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {

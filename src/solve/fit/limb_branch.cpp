@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "base/math/spline.h"
+#include "retarget/spline.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/frame_terms.h"

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <optional>
 
-#include "base/math/so3.h"
 #include "retarget/human.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
 #include "solve/fit/frame_terms.h"
 #include "solve/fit/limb_path.h"
 #include "solve/fit/shorthand.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/frame_terms.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/filter.h"
+#include "retarget/filter.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {

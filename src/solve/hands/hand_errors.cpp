@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/so3.h"
+#include "retarget/so3.h"
 #include "solve/hands/hand_solver.h"
 #include "solve/hands/hand_target.h"
 #include "solve/hands/hand_track.h"

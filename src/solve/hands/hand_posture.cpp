@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "base/math/spline.h"
-#include "base/math/trigonometry.h"
 #include "formats/smpl/generic_hand.h"
+#include "retarget/spline.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

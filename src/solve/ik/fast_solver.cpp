@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "base/math/se3.h"
-#include "base/math/so3.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
+#include "retarget/so3.h"
 #include "robot/model/composite.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/ik/active_set.h"
 #include "solve/ik/frame_error.h"
 #include "solve/ik/ik_solver.h"

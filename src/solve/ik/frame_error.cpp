@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/math/se3.h"
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/math/trigonometry.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

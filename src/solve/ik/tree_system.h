@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
 #include "solve/ik/active_set.h"
 
 namespace retarget {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "base/math/so3.h"
 #include "retarget/human.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 
 namespace retarget {

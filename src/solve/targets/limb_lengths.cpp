@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/try.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
-#include "robot/model/kinematic_tree.h"
 #include "robot/model/limb_joints.h"
 
 namespace retarget {

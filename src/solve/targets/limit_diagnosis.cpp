@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
-#include "robot/model/kinematic_tree.h"
 #include "solve/ik/frame_error.h"
 #include "solve/ik/ik_solver.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/try.h"
-#include "human/skeleton/canonical_pose.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/kinematic_tree.h"
 #include "robot/model/sole_ends.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/trunk_aim.h"

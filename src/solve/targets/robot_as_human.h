@@ -6,11 +6,11 @@
 #include "human/skeleton/robot_human.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

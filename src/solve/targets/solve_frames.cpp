@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "base/located.h"
-#include "base/math/so3.h"
-#include "base/math/trigonometry.h"
 #include "base/try.h"
+#include "retarget/so3.h"
+#include "retarget/trigonometry.h"
 #include "solve/targets/arm_recovery.h"
 #include "solve/targets/frame_solver.h"
 #include "solve/targets/target_stream.h"

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "retarget/human.h"
-#include "robot/model/core_points.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/shape_distance.h"
 
 namespace retarget {
 namespace {

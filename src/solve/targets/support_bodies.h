@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "human/gait/source_feet.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
 
 namespace retarget {
 

@@ -12,10 +12,10 @@
 
 #include "base/math/least_squares.h"
 #include "base/math/se3.h"
-#include "base/math/so3.h"
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"
-#include "robot/model/kinematic_tree.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {

@@ -5,9 +5,9 @@
 #include <array>
 #include <vector>
 
-#include "base/math/statistics.h"
-#include "base/math/trigonometry.h"
-#include "human/skeleton/canonical_pose.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/statistics.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "retarget/export.h"
+#include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/robot.h"
+
+namespace RETARGET_API retarget {
+
+/// The ends of a foot. The heel moves with the ankle.
+inline constexpr int kHeelEnd = 0, kToeEnd = 1;
+
+/// Length of thigh plus shank of the body to which ContactOptions apply, metres.
+inline constexpr double kUsualSourceLeg = 0.85;
+
+/// Parts that may carry the body besides the feet, by the joint they surround: knees, elbows,
+/// hands, seat and back.
+inline constexpr std::array kSupportBones = {
+    Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
+    Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
+
+/// Least height of the ankle above the start of the toes when the foot is on its sole, metres.
+inline constexpr double kUprightRise = 0.03;
+
+/// Thresholds for foot contacts. Speeds and lengths apply to a body whose leg (hip to knee to
+/// ankle) is kUsualSourceLeg long; for other bodies they scale with the leg length.
+struct ContactOptions {
+  double begin_speed = 0.15;    ///< A contact begins below this speed, m/s (all three axes),
+  double begin_height = 0.04;   ///< and within this distance of the standing height, metres.
+  double end_speed = 0.25;      ///< A contact ends above this speed, m/s,
+  double end_height = 0.06;     ///< or beyond this distance from the standing height, metres.
+  double shortest = 0.1;        ///< Contacts shorter than this are ignored, seconds.
+  double support_time = 0.15;   ///< A foot above the floor is in contact if it is slow for this
+                                ///< time, seconds,
+  double support_drift = 0.02;  ///< and moves no farther than this, metres.
+  bool goes_on = false;         ///< The clip still grows: a contact that reaches its end may be too
+                                ///< short so far.
+};
+
+/// Returns the phases on the floor, without those on raised surfaces.
+[[nodiscard]] std::vector<ContactPhase> on_floor(std::vector<ContactPhase> phases);
+
+/// Heights of the source's feet when they stand on the floor.
+struct StandingHeights {
+  double ankle = 0.0, toe = 0.0;  ///< World, metres.
+  bool found = false;             ///< False: no foot stands long enough, and the heights are
+                                  ///< guesses.
+  double ankle_over_heel = 0.0;   ///< Metres, for feet with known soles; otherwise the ankle serves
+                                  ///< as heel.
+
+  [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle - ankle_over_heel : toe; }
+};
+
+/// Contact phases of one end of a foot.
+struct EndContacts {
+  std::vector<ContactPhase> phases;  ///< Sorted by time.
+  /// Per frame of the phases: the end is at its standing height, and the foot does not rest on its
+  /// side, edge or tip.
+  std::vector<char> level;
+};
+
+/// Floor contacts of each of kSupportBones.
+using BodyContacts = std::array<std::vector<ContactPhase>, kSupportBones.size()>;
+
+/// Foot contacts of a human, separately for heel and toe. Feet: 0 left, 1 right.
+struct ContactPlan {
+  double scale = 1.0;  ///< Scale of lengths and speeds: leg length / kUsualSourceLeg.
+  StandingHeights standing;
+  std::array<std::array<EndContacts, 2>, 2> ends;  ///< Indexed by foot, then by kHeelEnd or
+                                                   ///< kToeEnd.
+  /// Contact phases of whole feet: both ends touch the same surface for at least
+  /// ContactOptions::shortest, and the ankle, where known, is not below its standing height (it is
+  /// in a foot that lies down). For a foot without a toe joint: the phases of its heel.
+  std::array<std::vector<ContactPhase>, 2> phases;
+  /// The parts of `phases` in which the foot rests on its sole.
+  std::array<std::vector<ContactPhase>, 2> soles;
+  /// Floor contacts of the other bodies that may carry weight (kSupportBones).
+  BodyContacts bodies;
+
+  /// Returns whether a whole foot is in contact in a frame.
+  [[nodiscard]] bool in_contact(int foot, int frame) const;
+  /// Returns whether one end of a foot is in contact in a frame.
+  [[nodiscard]] bool in_contact(int foot, int end, int frame) const;
+  /// Returns the contacts that are written with a motion.
+  [[nodiscard]] SourceContacts of_ends() const;
+};
+
+/// Finds the contacts of a human's feet.
+///
+/// A contact of one end of a foot with the floor begins when the end is slower than begin_speed and
+/// within begin_height of its standing height. It lasts until the end passes end_speed or
+/// end_height, and for at least `shortest` (all lengths and speeds times the scale). `shortest` is
+/// 3 frames at 30 fps, so shorter clips have no contacts unless it is reduced. Thresholds with
+/// hysteresis are common practice (Holden's motion matching: 0.15 m/s; HuMoR: 4 cm).
+///
+/// The source does not describe raised surfaces such as boxes and stairs, so only the foot's motion
+/// can reveal a raised stance: the foot is upright, and both ends are slow for support_time and
+/// stay within support_drift. Feet held in the air rarely meet this test, and holding those that do
+/// at their position does no harm. If the heights of heel and toe differ by little, both get one
+/// height: the sole lies flat. Frames around the stance in which only one end is in contact belong
+/// to it.
+[[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
+
+/// Contact phases of a sole of a robot's profile.
+struct SoleContacts {
+  const Sole* sole = nullptr;  ///< Of the robot, which must outlive this.
+  std::vector<ContactPhase> phases;
+};
+
+/// Finds when a robot's soles are in contact, one element per sole of its profile: the lowest point
+/// of the sole is less than 2 cm above the floor, and its middle is slower than 0.25 m/s.
+[[nodiscard]] std::vector<SoleContacts> sole_contacts(const RobotClip& clip);
+
+}  // namespace retarget

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
+
+/// Extension of a file name in lower case, with its dot; may be empty.
+[[nodiscard]] std::string ending_of(const std::string& path);
+
+/// Whether a batch that searches folders for motions of humans, or of robots, takes this file.
+[[nodiscard]] bool is_human_ending(std::string_view ending);
+[[nodiscard]] bool is_robot_ending(std::string_view ending);
+/// Whether files with this extension are robot motions and never human ones.
+[[nodiscard]] bool is_robots_alone(std::string_view ending);
+/// Extensions of these files for messages: `.bvh, .fbx or .npz`.
+[[nodiscard]] std::string human_endings_text();
+[[nodiscard]] std::string robot_endings_text();
+
+/// Whether a folder holds a motion of format kCsvSonic.
+[[nodiscard]] bool is_sonic_folder(const std::string& path);
+
+}  // namespace retarget

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/report.h"
+#include "retarget/run.h"
+
+// Link retarget::batch.
+namespace RETARGET_API retarget {
+
+/// Identifies everything besides the clip itself that determines the result for one robot.
+struct RunFingerprint {
+  std::string hash;         ///< Changes when any of it changes.
+  std::string description;  ///< A JSON object: tool, options, files with their hashes, robot.
+};
+
+/// Options count by value, so giving a default explicitly changes nothing. Files (configuration,
+/// limits, fit options, profiles, ...) count by content, the robot by its compiled model and its
+/// profile, the tool by its version.
+/// @param run      its motion, robot and output are ignored.
+/// @param request  counts whether sidecars are written and motions are measured.
+[[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
+                                                     const RobotSetup& setup);
+
+/// Where a recorded file is now: its path, or empty if it is missing or its content has changed.
+using FindRecorded = std::function<std::string(const std::string& path, const std::string& hash)>;
+
+/// Restores how a recorded run read and understood its sources, and how its motions are measured:
+/// the options that OptionUse::kShowBatch marks.
+/// @param description  RunFingerprint::description, parsed.
+/// @return the recorded path of the first option file that `find` does not find; empty: none. Such
+///   an option is not set.
+[[nodiscard]] std::string restore_options(const nlohmann::ordered_json& description,
+                                          const FindRecorded& find, Run& run);
+
+/// How to read a CSV that a recorded run wrote; other formats are self-describing.
+[[nodiscard]] ReadingOptions restored_dialect(const nlohmann::ordered_json& description);
+
+/// Gates by metric, in the form used in RunFingerprint::description.
+[[nodiscard]] nlohmann::ordered_json gates_json(const Gates& gates);
+
+/// Hashes the names and contents of a folder's files.
+/// @param ending  extension of the files to include, such as `.json`; empty: all.
+[[nodiscard]] Result<std::string> folder_hash(const std::filesystem::path& folder,
+                                              std::string_view ending);
+
+}  // namespace retarget

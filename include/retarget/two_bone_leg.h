@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "retarget/clip.h"
+#include "retarget/export.h"
+#include "retarget/pose.h"
+
+namespace RETARGET_API retarget {
+
+/// Joints of a leg, each a descendant of the previous one.
+struct LegJoints {
+  int hip = -1, knee = -1, ankle = -1;
+};
+
+/// Returns the bend axis of the knee in the knee joint's frame, a unit vector: the mean over all
+/// frames with a clearly bent knee; `fallback` without such frames or if they disagree.
+[[nodiscard]] Eigen::Vector3d learned_hinge(const Clip& clip, const LegJoints& joints,
+                                            const Eigen::Vector3d& fallback);
+
+/// Soft limit on a leg's stretch. Up to `begin` the leg reaches the wanted distance from hip to
+/// ankle; beyond that it stretches progressively less, by at most `room`. Near full stretch, small
+/// changes of the distance cause large changes of the knee angle, so a leg without this limit would
+/// snap.
+struct LegReach {
+  double begin = 0.0, room = 0.0;
+
+  /// @param length  total length of thigh and shin.
+  /// @param own     distance from hip to ankle before the foot is moved; a leg that is straight in
+  ///   the original motion stays straight.
+  /// @param moved   displacement of the ankle relative to the hip; the larger it is, the less `own`
+  ///   counts. All in the same unit.
+  /// @param soft, farthest  as PlantOptions::soft_reach and max_reach, shares of the length.
+  static LegReach of(double length, double own, double moved, double soft, double farthest);
+
+  [[nodiscard]] double at(double wanted) const;
+  /// Returns the limit with half the room; the leg reaches distances limited by it with negligible
+  /// error.
+  [[nodiscard]] LegReach halved() const { return {begin, 0.5 * room}; }
+  /// Returns the distance up to which the error is negligible.
+  [[nodiscard]] double easily() const { return begin + 0.5 * room; }
+};
+
+/// Two-bone inverse kinematics of one leg, in the file's units and axes.
+class TwoBoneLeg {
+ public:
+  /// @param hinge  bend axis of the knee in the knee joint's frame.
+  TwoBoneLeg(const LegJoints& joints, const Eigen::Vector3d& hinge)
+      : joints_(joints), hinge_(hinge) {}
+
+  [[nodiscard]] const LegJoints& joints() const { return joints_; }
+
+  /// Rotates hip, knee and ankle so that the ankle joint reaches the wanted pose, as far as the
+  /// leg's stretch allows. The knee bends in its current plane, or about its hinge if it is nearly
+  /// straight, and never further backwards than it was.
+  /// @return the remaining distance.
+  double reach(Clip& clip, int frame, const Pose& world_from_ankle, const LegReach& stretch) const;
+
+ private:
+  LegJoints joints_;
+  Eigen::Vector3d hinge_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,189 @@
+#include "solve/online/lag_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "solve/fit/fit_setup.h"
+#include "solve/fit/foot_plan.h"
+#include "solve/fit/frame_costs.h"
+#include "solve/fit/shorthand.h"
+#include "solve/fit/start_frames.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kKeptTime =
+    6.0;  // Seconds of sent frames that are kept to learn contacts and floors from.
+constexpr int kMostAtATime = 50;  // Frames; longer windows step less often than every frame.
+
+template <typename Value>
+void erase_first(std::vector<Value>& values, std::size_t count) {
+  values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+}  // namespace
+
+LagFit::LagFit(const OnlineTargets& stage, double frame_time, int lag_frames)
+    : stage_(stage),
+      model_(stage.model()),
+      lag_frames_(lag_frames),
+      kept_frames_(
+          std::max(static_cast<int>(kKeptTime / frame_time), smoothing_context(frame_time) + 1)),
+      feet_(stage.human()),
+      pose_(model_.tree) {
+  const int window = lag_frames + 1;
+  steps_ = std::max(1, (stage.options().iterations + window - 1) / window);
+  turn_ = (window + kMostAtATime - 1) / kMostAtATime;
+  clip_.frame_time = frame_time;
+  feet_.frame_time = frame_time;
+  for (const FitFoot& foot : model_.feet) source_feet_.push_back(source_foot(foot));
+  reserve();
+  fit_ = make_moving_fit(model_, stage.options(), clip_, smoothing_context(frame_time));
+}
+
+// Reserves all memory, so that a stream of any length allocates nothing.
+void LagFit::reserve() {
+  const int frames = 2 * kept_frames_ + lag_frames_ + 2;
+  const std::size_t feet = model_.feet.size(), bodies = model_.supports.size();
+  clip_.targets.reserve(at(frames) * model_.tasks.size());
+  clip_.qpos.reserve(at(frames) * at(model_.configuration_size));
+  clip_.feet.reserve(frames, feet, bodies);
+  const std::size_t phases = clip_.feet.phases.capacity();
+  clip_.anchors.reserve(phases);
+  old_phases_.reserve(phases);
+  old_anchors_.reserve(phases);
+  feet_.reserve(frames);
+  planner_.reserve(frames);
+}
+
+void LagFit::restart() {
+  const double frame_time = clip_.frame_time;
+  feet_.forget(clip_.frame_count);
+  clip_ = FitClip();
+  clip_.frame_time = frame_time;
+  sent_ = forgotten_ = wait_ = 0;
+  finished_ = false;
+  reserve();
+  fit_ = make_moving_fit(model_, stage_.options(), clip_, smoothing_context(frame_time));
+}
+
+void LagFit::push(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
+                  std::span<const double> qpos, const Eigen::Vector3d& path, double floor) {
+  if (sent_ >= 2 * kept_frames_) forget_old_frames();
+  if (clip_.frame_count == 0) floor_ = floor;
+  for (const FitTask& task : model_.tasks) {
+    const Pose& pose = world_from_target[at(task.target)];
+    const Eigen::Vector3d place = pose.translation + path - Eigen::Vector3d(0.0, 0.0, floor_);
+    clip_.targets.push_back({place, pose.rotation.normalized() * task.link_from_body.conjugate()});
+  }
+  feet_.add(world_from_bone);
+  ++clip_.frame_count;
+  lower_targets(floor);
+  start_frame(qpos, path);
+  plan_contacts();
+  fit_->move(window_begin(), std::exchange(forgotten_, 0));
+  if (++wait_ < turn_) return;
+  wait_ = 0;
+  take_steps(steps_);
+}
+
+void LagFit::finish() {
+  finished_ = true;
+  if (clip_.frame_count <= sent_) return;
+  plan_contacts();
+  fit_->move(window_begin(), std::exchange(forgotten_, 0));
+  take_steps(stage_.options().iterations);
+}
+
+void LagFit::take_steps(int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!fit_->step()) ++failed_steps_;
+  }
+}
+
+std::span<const double> LagFit::next() {
+  return std::as_const(clip_).frame(sent_++, model_.configuration_size);
+}
+
+void LagFit::forget_old_frames() {
+  const int count = sent_ - kept_frames_;
+  erase_first(clip_.targets, at(count) * model_.tasks.size());
+  erase_first(clip_.qpos, at(count) * at(model_.configuration_size));
+  feet_.forget(count);
+  for (PlantedPhase& phase : clip_.feet.phases) {
+    phase.begin -= count;
+    phase.end -= count;
+  }
+  clip_.frame_count -= count;
+  sent_ -= count;
+  forgotten_ += count;
+}
+
+// Shifts the targets to a new floor height; all frames in the fit share one floor.
+void LagFit::lower_targets(double floor) {
+  const double lower = floor - std::exchange(floor_, floor);
+  const std::size_t tasks = model_.tasks.size();
+  for (std::size_t i = at(window_begin()) * tasks; i < clip_.targets.size(); ++i) {
+    clip_.targets[i].position.z() -= lower;
+  }
+}
+
+void LagFit::start_frame(std::span<const double> qpos, const Eigen::Vector3d& path) {
+  clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
+  const auto now = clip_.frame(clip_.frame_count - 1, model_.configuration_size);
+  for (std::size_t k = 0; k < 3; ++k) now[k] += path[static_cast<int>(k)];
+  now[2] -= floor_;
+  if (!stage_.options().floor) return;
+  pose_.update(now);
+  now[2] -= lowest_below_floor(model_, pose_);
+}
+
+void LagFit::plan_contacts() {
+  if (model_.feet.empty()) return;
+  ContactOptions options = contact_options(stage_.options());
+  options.goes_on = !finished_;
+  const ContactPlan& contacts = planner_.plan(feet_, options);
+  std::swap(old_phases_, clip_.feet.phases);
+  std::swap(old_anchors_, clip_.anchors);
+  plan_feet(feet_, contacts, source_feet_, stage_.foot_scale(), clip_.feet);
+  plan_supports(contacts, model_.supports, clip_.frame_count, clip_.frame_time, clip_.feet);
+  keep_anchors();
+}
+
+// Keeps the anchor of a contact when the contact plan changes.
+void LagFit::keep_anchors() {
+  clip_.anchors.clear();
+  for (const PlantedPhase& phase : clip_.feet.phases) {
+    int best = -1, longest = 0;
+    for (std::size_t i = 0; i < old_phases_.size(); ++i) {
+      const PlantedPhase& old = old_phases_[i];
+      if (old.foot != phase.foot || old.foot_end != phase.foot_end) continue;
+      if (old.support != phase.support) continue;
+      const int shared = std::min(old.end, phase.end) - std::max(old.begin, phase.begin);
+      if (shared <= longest) continue;
+      longest = shared;
+      best = static_cast<int>(i);
+    }
+    clip_.anchors.push_back(best >= 0 ? old_anchors_[at(best)] : place_of(phase));
+  }
+}
+
+// Anchor of a new contact: the mean position of the foot or body. If the contact begins before the
+// window, its position in the contact's last frame before the window.
+Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
+  int begin = std::max(phase.begin, window_begin()), end = phase.end;
+  if (phase.begin < window_begin()) {
+    begin = std::min(phase.end, window_begin()) - 1;
+    end = begin + 1;
+  }
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int frame = begin; frame < end; ++frame) {
+    pose_.update(clip_.frame(frame, model_.configuration_size));
+    sum += planted_place(model_, phase, pose_);
+  }
+  return sum / std::max(1, end - begin);
+}
+
+}  // namespace retarget

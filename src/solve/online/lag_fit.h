@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "human/gait/contact_planner.h"
+#include "human/gait/source_feet.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
+#include "solve/fit/clip_fitter.h"
+#include "solve/online/online_targets.h"
+
+namespace retarget {
+
+/// Runs the fit of whole clips on the latest frames of a stream. Each new frame triggers a few
+/// solver steps. Frames leave at a fixed age and then serve as the boundary condition of the
+/// following ones.
+class LagFit {
+ public:
+  /// @param stage       must outlive this object; provides the targets and options of the fit.
+  /// @param lag_frames  number of newer frames required before a frame leaves.
+  LagFit(const OnlineTargets& stage, double frame_time, int lag_frames);
+
+  /// Adds the next frame, as solved by the stage.
+  /// @param floor  height of the floor, metres above the source's origin.
+  void push(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
+            std::span<const double> qpos, const Eigen::Vector3d& path, double floor);
+  /// Ends the stream: runs the final steps of a clip's fit over the remaining frames.
+  void finish();
+  /// Declares a discontinuity: the next frame is unrelated to earlier ones.
+  void restart();
+
+  /// Whether a frame is old enough to leave, or remains after finish().
+  [[nodiscard]] bool has_next() const {
+    return sent_ < clip_.frame_count - (finished_ ? 0 : lag_frames_);
+  }
+  [[nodiscard]] int lag_frames() const { return lag_frames_; }
+  [[nodiscard]] bool is_finished() const { return finished_; }
+  /// Number of steps since the last call that gave non-finite values and were discarded.
+  [[nodiscard]] int take_failed_steps() { return std::exchange(failed_steps_, 0); }
+  /// Returns the next frame to leave; valid until the next call. @pre has_next()
+  [[nodiscard]] std::span<const double> next();
+
+ private:
+  void take_steps(int count);
+  void forget_old_frames();
+  void lower_targets(double floor);
+  void start_frame(std::span<const double> qpos, const Eigen::Vector3d& path);
+  void reserve();
+  void plan_contacts();
+  void keep_anchors();
+  [[nodiscard]] Eigen::Vector2d place_of(const PlantedPhase& phase);
+  [[nodiscard]] int window_begin() const { return sent_; }
+
+  const OnlineTargets& stage_;
+  const FitModel& model_;
+  int lag_frames_;
+  int kept_frames_;  // Sent frames that are kept; twice as many before a cleanup.
+  int steps_ = 1;    // Solver steps per turn.
+  int turn_ = 1;     // Frames per turn.
+  int wait_ = 0;
+  std::vector<int> source_feet_;
+  FitClip clip_;
+  SourceFeet feet_;
+  ContactPlanner planner_;
+  std::vector<PlantedPhase> old_phases_;  // Phases of the previous contact plan.
+  std::vector<Eigen::Vector2d> old_anchors_;
+  std::unique_ptr<MovingFit> fit_;
+  TreeState pose_;
+  double floor_ = 0.0;  // Floor height of the frames not yet sent.
+  int sent_ = 0;        // Number of the clip's frames that were sent.
+  int forgotten_ = 0;   // Frames discarded since the window last moved.
+  int failed_steps_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace retarget

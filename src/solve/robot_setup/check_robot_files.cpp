@@ -1,0 +1,116 @@
+// Checks a robot together with all of its files.
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "retarget/load_robot.h"
+#include "retarget/make_robot.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "retarget/try.h"
+#include "robot/anatomy/limbs.h"
+#include "robot/anatomy/shapes.h"
+#include "robot/model/variant.h"
+#include "solve/robot_setup/check_robot.h"
+#include "solve/robot_setup/derive_config.h"
+#include "solve/robot_setup/import_robot.h"
+
+namespace retarget {
+namespace {
+
+// Adds the findings for the robot with each of its configurations.
+void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
+                  std::vector<RobotFinding>& findings) {
+  std::vector<std::string> files = {sources.config};
+  if (!sources.config_of_others.empty()) files.push_back(sources.config_of_others);
+  for (const std::string& file : files) {
+    std::optional<RetargetingConfig> config;
+    if (!file.empty()) {
+      auto read = load_retargeting_config(file);
+      if (!read) findings.push_back({true, describe(read.error(), spelling)});
+      if (read) config = std::move(*read);
+    }
+    for (RobotFinding& finding : check_robot(robot, config ? &*config : nullptr)) {
+      finding.text = spell_options(finding.text, spelling);
+      if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
+        continue;
+      // Findings that appear only with the second configuration name its file.
+      if (file != files.front()) {
+        finding.text = std::filesystem::path(file).filename().string() + ": " + finding.text;
+      }
+      findings.push_back(std::move(finding));
+    }
+  }
+}
+
+// Derives the configuration that `robots add` would write; nothing if no limbs are found, which
+// check_robot reports anyway.
+std::optional<RetargetingConfig> derived_config(const Robot& robot, const std::string& model) {
+  const auto limbs = find_limbs(robot, model);
+  if (!limbs) return std::nullopt;
+  DeriveOptions options;
+  options.sole_height = find_shapes(robot, *limbs, mesh_points(robot, model)).ankle_height;
+  return derive_config(robot, *limbs, options);
+}
+
+// Checks a model that has not been imported yet, reading it as `robots add` does.
+Result<std::vector<RobotFinding>> check_bare_model(const RobotSources& sources,
+                                                   OptionSpelling spelling) {
+  const std::string name = std::filesystem::path(sources.model).stem().string();
+  RETARGET_TRY_ASSIGN(auto imported, import_robot(sources.model, name, sources.base));
+  std::vector<RobotFinding> findings;
+  const auto limbs = find_limbs(*imported.robot, sources.model);
+  if (limbs) {
+    const auto chains = check_closed_chains(imported, *limbs, sources.model, imported.notes);
+    if (!chains) findings.push_back({true, spell_options(full_message(chains.error()), spelling)});
+    imported.notes.insert(imported.notes.end(), limbs->notes.begin(), limbs->notes.end());
+  }
+  for (const std::string& warning : imported.robot->warnings())
+    findings.push_back({false, warning});
+  for (std::string& note : imported.notes) findings.push_back({false, std::move(note)});
+  const auto config = derived_config(*imported.robot, sources.model);
+  for (RobotFinding& finding : check_robot(*imported.robot, config ? &*config : nullptr)) {
+    finding.text = spell_options(finding.text, spelling);
+    findings.push_back(std::move(finding));
+  }
+  for (RobotFinding& finding : check_shapes(*imported.robot, sources.model)) {
+    findings.push_back(std::move(finding));
+  }
+  std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
+  return findings;
+}
+
+}  // namespace
+
+Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
+                                              OptionSpelling spelling) {
+  if (sources.profile.empty() && sources.config.empty()) {
+    return check_bare_model(sources, spelling);
+  }
+  std::vector<RobotFinding> findings;
+  auto robot = load_robot_files(sources.model, sources.profile, sources.base);
+  if (!robot) {
+    // Check the model even if its profile is invalid.
+    RETARGET_TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
+    findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
+    robot = std::move(bare);
+  }
+  for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
+  for (const RobotVariant& each : (*robot)->profile().variants) {
+    const auto variant = robot_variant(*robot, each.name);
+    if (!variant)
+      findings.push_back({true, spell_options(full_message(variant.error()), spelling)});
+  }
+  add_findings(**robot, sources, spelling, findings);
+  for (RobotFinding& finding : check_shapes(**robot, sources.model)) {
+    findings.push_back(std::move(finding));
+  }
+  std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
+  return findings;
+}
+
+}  // namespace retarget

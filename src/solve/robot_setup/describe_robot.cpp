@@ -1,0 +1,193 @@
+#include "solve/robot_setup/describe_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "solve/robot_setup/format_model.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kOff = 5.0 * std::numbers::pi / 180.0;  // T-pose error that deserves a note.
+constexpr double kOddAngle =
+    15.0 * std::numbers::pi / 180.0;  // Limb angle in the self-test that deserves a note.
+
+std::string body_name(const RobotFindings& findings, int body) {
+  return findings.robot.bodies()[body].name;
+}
+
+std::string metres(double length) {
+  return number_text(rounded(length, 3)) + " m";
+}
+
+std::string sureness(const Limb& limb) {
+  std::string text = limb.clarity >= kClearMiddle ? "sure" : "another joint fits nearly as well";
+  if (!limb.flexion_is_sure) text += ", bends both ways";
+  if (limb.lower_is_estimated) text += ", end estimated from its mass";
+  return text;
+}
+
+std::string chain_text(const RobotFindings& findings, const Limb& limb) {
+  std::string text =
+      body_name(findings, limb.upper.body) + " - " + body_name(findings, limb.lower.body);
+  if (limb.end) text += " - " + body_name(findings, limb.end->body);
+  return text;
+}
+
+std::string limbs_section(const RobotFindings& findings) {
+  const RobotAnatomy& limbs = findings.limbs;
+  std::string text =
+      "## Limbs\n\n| part | bodies | bends at | lengths | confidence |\n|---|---|---|---|---|\n";
+  text += fmt::format(
+      "| {} | {} | | | {} |\n| torso | {}{} | | | carries both arms |\n",
+      limbs.has_legs ? "pelvis" : "base", body_name(findings, limbs.pelvis),
+      limbs.has_legs ? "carries both legs" : "fixed base", body_name(findings, limbs.torso),
+      limbs.torso == limbs.pelvis ? (limbs.has_legs ? " (the pelvis)" : " (the base)") : "");
+  for (const bool is_leg : {true, false}) {
+    if (is_leg && !limbs.has_legs) continue;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Limb& limb = is_leg ? limbs.legs[side] : limbs.arms[side];
+      const int middle = limb.joints[limb.middle];
+      text += fmt::format("| {} {} | {} | {} | {}, {} | {} |\n", side == 0 ? "left" : "right",
+                          is_leg ? "leg" : "arm", chain_text(findings, limb),
+                          findings.robot.joints()[middle].name, metres(limb.upper_length),
+                          metres(limb.lower_length), sureness(limb));
+    }
+  }
+  if (limbs.head) text += "| head | " + body_name(findings, limbs.head->body) + " | | | |\n";
+  return text +
+         fmt::format(
+             "\nBodies are listed from the trunk outwards: the last body before the knee or elbow, "
+             "the body after it, foot or hand. The robot faces {} {} (x y) in its zero "
+             "configuration{}.\n",
+             number_text(rounded(limbs.forward.x(), 2)), number_text(rounded(limbs.forward.y(), 2)),
+             limbs.facing_is_sure ? "" : ", which is doubtful");
+}
+
+std::string t_pose_section(const RobotFindings& findings) {
+  std::string text =
+      "## T-pose\n\nThe pose is `t_pose` in robot.json. Remaining error per bone, degrees:\n\n"
+      "| bone | body | direction | twist |\n|---|---|---|---|\n";
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    text +=
+        fmt::format("| {} | {} | {} | {} |\n", residual.bone, body_name(findings, residual.body),
+                    degrees_text(residual.direction), degrees_text(residual.twist));
+  }
+  text +=
+      "\nRotation offsets refer to the exact T-pose; they are correct even if joint limits prevent "
+      "a limb from reaching it.\n";
+  return text;
+}
+
+std::string self_test_section(const SelfTest& test) {
+  std::string text = fmt::format(
+      "## Self-test\n\nArms hang, bend, reach forwards and up; legs step and squat. Mean angle "
+      "between the robot's and the human's limbs, degrees ({} over all):\n\n| limb | degrees "
+      "|\n|---|---|\n",
+      degrees_text(test.mean));
+  for (const TestedSegment& segment : test.segments) {
+    text += fmt::format("| {} | {} |\n", segment.segment, degrees_text(segment.mean));
+  }
+  return text;
+}
+
+std::string rest_section(const RobotFindings& findings) {
+  const DerivedScales scales = derive_scales(findings.limbs);
+  const auto count = [&](ShapeSource source) {
+    return std::ranges::count(findings.shapes.shapes, source, &RoughShape::source);
+  };
+  const auto shapes_text = fmt::format(
+      "* Collision shapes: {} from the model, {} fitted to meshes, {} estimated. Neighbours in the "
+      "tree and shapes that overlap in the model may touch.\n* Speed limits: {} of {} joints from "
+      "the model, otherwise {} rad/s.\n",
+      count(ShapeSource::kModel), count(ShapeSource::kMesh), count(ShapeSource::kEstimated),
+      findings.speed_count, findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
+  if (!findings.limbs.has_legs) {
+    return "## Base, shapes, speeds\n\n* The base is fixed: limbs rotate like the human's, "
+           "relative to the human's " +
+           std::string(findings.limbs.torso == findings.limbs.pelvis ? "chest" : "hips") + ".\n" +
+           shapes_text;
+  }
+  return fmt::format(
+      "## Scales\n\nLegs are {} of the human's, arms {}: a straight human leg maps to a straight "
+      "robot leg, and likewise for arms.\n\n## Soles, shapes, speeds\n\n* Soles: {}. The ankles "
+      "stand {} above them.\n"
+      "{}",
+      number_text(rounded(scales.leg, 3)), number_text(rounded(scales.arm, 3)),
+      findings.shapes.sole_note, metres(findings.shapes.ankle_height), shapes_text);
+}
+
+}  // namespace
+
+std::string degrees_text(double radians) {
+  std::string text = number_text(rounded(radians * 180.0 / std::numbers::pi, 1));
+  if (text.find('.') == std::string::npos) text += ".0";
+  return text;
+}
+
+std::vector<std::string> notes_about(const RobotFindings& findings) {
+  std::vector<std::string> notes = findings.limbs.notes;
+  notes.insert(notes.end(), findings.limbs.doubts.begin(), findings.limbs.doubts.end());
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    if (std::max(residual.direction, residual.twist) < kOff) continue;
+    notes.push_back(
+        fmt::format("in the T-pose \"{}\" is {} degrees off in direction and {} in twist: its "
+                    "limits or its kinematics do not allow less",
+                    body_name(findings, residual.body), degrees_text(residual.direction),
+                    degrees_text(residual.twist)));
+  }
+  if (findings.self_test.worst.mean > kOddAngle) {
+    notes.push_back(self_test_text(findings.self_test));
+  }
+  if (findings.shapes.sole_source == ShapeSource::kEstimated) {
+    notes.push_back("the soles are " + findings.shapes.sole_note +
+                    ": add the outlines of the feet to robot.json");
+  }
+  if (findings.speed_count == 0) {
+    notes.push_back("no speed limits are known: using " + number_text(kDefaultSpeedLimit) +
+                    " rad/s for every joint");
+  }
+  return notes;
+}
+
+std::vector<std::string> summary_of(const RobotFindings& findings) {
+  const RobotAnatomy& limbs = findings.limbs;
+  const DerivedScales scales = derive_scales(limbs);
+  double worst = 0.0;
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    worst = std::max({worst, residual.direction, residual.twist});
+  }
+  const SelfTest& test = findings.self_test;
+  const std::string self_test =
+      fmt::format("self-test: limbs within {} degrees on average, {} at most ({})",
+                  degrees_text(test.mean), degrees_text(test.worst.mean), test.worst.segment);
+  if (!limbs.has_legs) {
+    return {"base: " + body_name(findings, limbs.pelvis) + " (fixed)",
+            "left arm: " + chain_text(findings, limbs.arms[0]),
+            "T-pose: every bone within " + degrees_text(worst) + " degrees", self_test};
+  }
+  return {"trunk: " + body_name(findings, limbs.pelvis) +
+              (limbs.torso == limbs.pelvis ? "" : ", " + body_name(findings, limbs.torso)),
+          "left leg: " + chain_text(findings, limbs.legs[0]),
+          "left arm: " + chain_text(findings, limbs.arms[0]),
+          "T-pose: every bone within " + degrees_text(worst) + " degrees",
+          self_test,
+          fmt::format("scales: legs {}, arms {} of a human's", number_text(rounded(scales.leg, 3)),
+                      number_text(rounded(scales.arm, 3))),
+          "soles: " + findings.shapes.sole_note};
+}
+
+std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {
+  std::string text = fmt::format(
+      "# {}\n\nMade from {}: {} joints. This file lists the decisions and their confidence.\n\n## "
+      "Worth checking\n\n",
+      findings.robot.name(), findings.source, findings.robot.joints().size());
+  if (notes.empty()) text += "Nothing stands out.\n";
+  for (const std::string& note : notes) text += "* " + note + "\n";
+  return text + "\n" + limbs_section(findings) + "\n" + t_pose_section(findings) + "\n" +
+         self_test_section(findings.self_test) + "\n" + rest_section(findings);
+}
+
+}  // namespace retarget
