@@ -157,8 +157,8 @@ struct FitOptions {
   double contact_weight = 900.0;         ///< Heel or toe to its contact position, per metre.
   double contact_height_weight = 400.0;  ///< Heel or toe in contact to the floor, per metre.
   /// Knee, elbow, hand, seat or back in contact to its contact position, per metre.
-  double body_contact_weight = 300.0;
-  double body_contact_height_weight = 120.0;  ///< The same bodies to the floor, per metre.
+  double body_contact_weight = 400.0;
+  double body_contact_height_weight = 250.0;  ///< The same bodies to the floor, per metre.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
   double sole_margin = 0.002;        ///< Metres; for feet that are not in contact.

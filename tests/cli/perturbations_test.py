@@ -75,6 +75,11 @@ def gliding(rows, frames):
     return [[*row[:2], mean, *row[3:]] for row, mean in zip(rows, means)]
 
 
+def swaying(rows, joint, radians, hertz):
+    return [[value + (radians * math.sin(2 * math.pi * hertz * t / FPS) if i == ROOT + joint else 0)
+             for i, value in enumerate(row)] for t, row in enumerate(rows)]
+
+
 def noisy(rows, radians):
     draw = random.Random(1)
     return [row[:ROOT] + [value + draw.gauss(0, radians) for value in row[ROOT:]] for row in rows]
@@ -116,6 +121,13 @@ OF_STANDING = {
                                           {"joint_offset_rad"}),
     "has an elbow off": (lambda rows: off_by(rows, LEFT_ELBOW, 0.2), {"joint_offset_rad"}),
     "has a wrist off": (lambda rows: off_by(rows, RIGHT_WRIST_YAW, -0.2), {"joint_offset_rad"}),
+}
+
+
+# Perturbations that are visible in bodies that rest on hands and knees.
+ON_THE_FLOOR = {
+    "hovers over its knees and hands": (lambda rows: lifted(rows, 0.025), {"support_height_p95_cm"}),
+    "drags its hands": (lambda rows: swaying(rows, WAIST_YAW, 0.12, 0.7), {"support_slip_mean"}),
 }
 
 
@@ -163,10 +175,10 @@ class Perturbations(ToolTest):
         self.check(sample("wave"), PERTURBATIONS | OF_STANDING)
 
     def test_getting_up(self):
-        self.check(sample("get_up"), PERTURBATIONS | OF_STANDING)
+        self.check(sample("get_up"), PERTURBATIONS | OF_STANDING | ON_THE_FLOOR)
 
     def test_crawling_all_the_time(self):
-        self.check(self.made("crawl"), PERTURBATIONS)
+        self.check(self.made("crawl"), PERTURBATIONS | ON_THE_FLOOR)
 
 
 class NeverOnTheFloor(ToolTest):

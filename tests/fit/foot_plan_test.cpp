@@ -4,8 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <span>
+
+#include "human/gait/support_slide.h"
 
 namespace retarget {
 namespace {
@@ -169,6 +174,84 @@ TEST(FootPlan, FootOnItsSideIsPlantedOnlyHorizontally) {
   EXPECT_FALSE(plan.ends_of(50)[1].level);
   EXPECT_EQ(plan.upright_of(10)[0], 1.0);
   EXPECT_EQ(plan.upright_of(50)[0], 0.0);
+}
+
+TEST(FootPlan, FootNearTheFloorLiesUnlessItIsUpright) {
+  SourceFeet feet = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{0.0, t < 2.0 ? 0.0 : 0.3};
+  });
+  for (std::size_t frame = 30; frame < feet.feet.size(); ++frame) feet.feet[frame].up = 0.05;
+  const FootPlan plan = plan_of(feet);
+  EXPECT_EQ(plan.lying_of(10)[0], 0.0);
+  EXPECT_EQ(plan.lying_of(45)[0], 1.0);
+  EXPECT_EQ(plan.lying_of(75)[0], 0.0);
+}
+
+// A knee that rests from frame 20 to 60, while its joint moves by `slide` along x; before and after
+// it moves by 2 cm per frame.
+SourceFeet feet_with_knee(double slide) {
+  SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
+  feet.has_support[0] = true;
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    const double way = std::clamp((frame - 20) / 39.0, 0.0, 1.0);
+    const double x = slide * way + 0.02 * std::min(0, frame - 20) + 0.02 * std::max(0, frame - 59);
+    feet.supports.emplace_back(x, 0.0, 0.05);
+    for (std::size_t i = 1; i < kSupportBones.size(); ++i) {
+      feet.supports.emplace_back(0.0, 0.0, 0.9);
+    }
+  }
+  return feet;
+}
+
+FootPlan plan_of_knee(const SourceFeet& feet, double scale) {
+  FootPlan plan = plan_of(feet);
+  ContactPlan contacts;
+  contacts.bodies[0] = {{20, 60, 0.0}};
+  SupportBody knee;
+  plan_supports(feet, contacts, std::span(&knee, 1), feet.frame_count(), scale, plan);
+  return plan;
+}
+
+TEST(FootPlan, RestingKneeIsHeldInPlace) {
+  const FootPlan plan = plan_of_knee(feet_with_knee(0.03), 0.5);
+  const PlantedPhase& phase = plan.phases.back();
+  EXPECT_EQ(phase.support, 0);
+  EXPECT_EQ(phase.begin, 17);
+  EXPECT_EQ(phase.first(), 20);
+  EXPECT_EQ(phase.last(), 60);
+  EXPECT_EQ(phase.end, 63);
+  for (int frame = 20; frame < 60; ++frame) {
+    EXPECT_EQ(plan.supports_of(frame)[0].slide.norm(), 0.0);
+    EXPECT_EQ(plan.supports_of(frame)[0].share, 1.0);
+  }
+}
+
+TEST(FootPlan, HoldsOfAKneeFadeOutsideItsContactAlongTheSource) {
+  const FootPlan plan = plan_of_knee(feet_with_knee(0.03), 0.5);
+  double before = 1.0;
+  for (int away = 1; away <= 3; ++away) {
+    const SupportGoal& early = plan.supports_of(20 - away)[0];
+    const SupportGoal& late = plan.supports_of(59 + away)[0];
+    EXPECT_NEAR(early.slide.x(), -0.5 * 0.02 * away, 1e-12);
+    EXPECT_NEAR(late.slide.x(), 0.5 * 0.02 * away, 1e-12);
+    EXPECT_LT(early.share, before);
+    EXPECT_EQ(early.share, late.share);
+    before = early.share;
+  }
+  EXPECT_EQ(plan.supports_of(16)[0].phase, -1);
+  EXPECT_EQ(plan.supports_of(63)[0].phase, -1);
+}
+
+TEST(FootPlan, SlidingKneeSlidesAsFarAsItsSource) {
+  const FootPlan plan = plan_of_knee(feet_with_knee(0.4), 0.5);
+  EXPECT_NEAR(plan.supports_of(59)[0].slide.x(), 0.5 * (0.4 - kRestingRadius), 1e-12);
+  int visited = 0;
+  plan.for_each_planted(59, [&](int index, const Eigen::Vector2d& slide) {
+    if (plan.phases[static_cast<std::size_t>(index)].support < 0) return;
+    EXPECT_EQ(slide, plan.supports_of(59)[0].slide);
+    ++visited;
+  });
+  EXPECT_EQ(visited, 1);
 }
 
 TEST(FootPlan, ScalesClearanceAndWeightsFlight) {

@@ -101,11 +101,12 @@ class FrameTermsTest : public testing::Test {
     supports_.assign(model_.supports.size(), {});
     for (std::size_t i = 0; i < model_.supports.size(); i += 2) {
       const SupportBody& body = model_.supports[i];
-      supports_[i] = {static_cast<int>(anchors_.size()), i % 4 == 0 ? 1.0 : 0.5, 0.8};
+      supports_[i] = {static_cast<int>(anchors_.size()), noise().head<2>(), i % 4 == 0 ? 1.0 : 0.5};
       anchors_.emplace_back(
-          (pose.world_from_link[static_cast<std::size_t>(body.link)] * body.middle).head<2>() +
-          noise().head<2>());
+          (pose.world_from_link[static_cast<std::size_t>(body.link)] * body.middle).head<2>() -
+          supports_[i].slide + noise().head<2>());
     }
+    lying_ = {0.7, 0.0};
   }
 
   double assemble(const std::vector<double>& qpos) {
@@ -117,7 +118,7 @@ class FrameTermsTest : public testing::Test {
     gradient_.assign(dofs_, 0.0);
     hessian_.assign(dofs_ * dofs_, 1e30);
     costs_ = {};
-    terms.assemble(pose, {targets_, ends_, upright_, anchors_, 1.0, supports_}, pairs,
+    terms.assemble(pose, {targets_, ends_, upright_, anchors_, 1.0, supports_, lying_}, pairs,
                    gradient_.data(), hessian_.data(), static_cast<int>(dofs_), costs_);
     return std::accumulate(costs_.begin(), costs_.end(), 0.0);
   }
@@ -151,7 +152,7 @@ class FrameTermsTest : public testing::Test {
   std::size_t dofs_ = 0;
   std::vector<TaskTarget> targets_;
   std::vector<FootEndGoal> ends_;
-  std::vector<double> upright_;
+  std::vector<double> upright_, lying_;
   std::vector<SupportGoal> supports_;
   std::vector<Eigen::Vector2d> anchors_;
   std::vector<double> gradient_, hessian_;
@@ -201,7 +202,7 @@ TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
   // Height is excluded: it has no zero in this configuration.
   ends_[0].level = false;
   upright_ = {1.0, 1.0};
-  for (SupportGoal& support : supports_) support.height = 0.0;
+  options_.body_contact_height_weight = 0.0;
   assemble(qpos);
   const std::vector<double> hessian = hessian_;
   constexpr double kStep = 1e-6;

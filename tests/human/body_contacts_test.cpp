@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "human/gait/contact_plan.h"
+#include "human/gait/support_slide.h"
 
 namespace retarget {
 namespace {
@@ -15,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 constexpr StandingHeights kStanding{0.08, 0.02, true};
-constexpr std::size_t kLeftKnee = 0, kSeat = 6;
+constexpr std::size_t kLeftKnee = 0, kLeftHand = 4, kSeat = 6;
 
 // All joints far up except one, whose position is a function of time.
 SourceFeet source_with(std::size_t support, int frames,
@@ -62,15 +64,67 @@ TEST(BodyContacts, UseTheHeightOfTheJoint) {
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat, 0.5), IsEmpty());
 }
 
-TEST(BodyContacts, SplitASlowSlideIntoSuccessiveContacts) {
-  const auto slides = [](int frame) { return Eigen::Vector3d(0.1 * frame / 30.0, 0.0, 0.05); };
-  const auto found = contacts(source_with(kLeftKnee, 60, slides), kLeftKnee);
-  ASSERT_GE(found.size(), 4U);
-  for (const ContactPhase& phase : found) {
-    EXPECT_LE((phase.end - 1 - phase.begin) * 0.1 / 30.0, 0.04 + 1e-9);
+// Moves along x at a constant speed.
+std::function<Eigen::Vector3d(int)> sliding(double speed, double height) {
+  return [=](int frame) { return Eigen::Vector3d(speed * frame / 30.0, 0.0, height); };
+}
+
+TEST(BodyContacts, SlowSlideIsOneContact) {
+  EXPECT_THAT(contacts(source_with(kLeftKnee, 60, sliding(0.1, 0.05)), kLeftKnee),
+              ElementsAre(ContactPhase{0, 60}));
+  EXPECT_THAT(contacts(source_with(kLeftKnee, 60, sliding(0.4, 0.05)), kLeftKnee), IsEmpty());
+}
+
+TEST(BodyContacts, HandThatCatchesAFallIsInContact) {
+  // Fast down to the floor, five frames at 0.27 m/s, fast up.
+  const auto catches = [](double lowest) {
+    return [=](int frame) {
+      const double away = std::max(0, std::abs(frame - 20) - 3);
+      return Eigen::Vector3d(0.009 * frame, 0.0, lowest + 0.1 * away);
+    };
+  };
+  EXPECT_THAT(contacts(source_with(kLeftHand, 40, catches(0.03)), kLeftHand), testing::SizeIs(1));
+  EXPECT_THAT(contacts(source_with(kLeftHand, 40, catches(0.07)), kLeftHand), IsEmpty());
+  EXPECT_THAT(contacts(source_with(kLeftKnee, 40, catches(0.03)), kLeftKnee), IsEmpty());
+}
+
+TEST(BodyContacts, CatchDoesNotExtendARestingHand) {
+  // Slows down on the floor and then rests.
+  const auto lands = [](int frame) {
+    return Eigen::Vector3d(0.009 * std::min(frame, 30), 0.0, 0.03);
+  };
+  const auto found = contacts(source_with(kLeftHand, 60, lands), kLeftHand);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GE(found[0].begin, 29);
+}
+
+TEST(BodyContacts, HandThatCarriesTheWholeBodyStandsOnItsFingers) {
+  const auto still = [](int) { return Eigen::Vector3d(0.0, 0.0, 0.19); };
+  SourceFeet source = source_with(kLeftHand, 30, still);
+  for (SourceFoot& foot : source.feet) foot.ankle.z() = foot.toe.z() = 1.2;
+  EXPECT_THAT(contacts(source, kLeftHand), ElementsAre(ContactPhase{0, 30}));
+  // A foot carries it.
+  for (SourceFoot& foot : source.feet) foot.toe.z() = 0.02;
+  EXPECT_THAT(contacts(source, kLeftHand), IsEmpty());
+}
+
+TEST(SlideTracker, RollingInPlaceIsNoSlide) {
+  SlideTracker tracker({1.0, 2.0, 0.1}, 0.04);
+  for (int step = 0; step < 100; ++step) {
+    const double angle = 0.3 * step;
+    const Eigen::Vector3d joint(1.0 + 0.039 * std::cos(angle), 2.0 + 0.039 * std::sin(angle), 0.1);
+    EXPECT_EQ(tracker.follow(joint).norm(), 0.0);
   }
-  const auto hurries = [](int frame) { return Eigen::Vector3d(0.4 * frame / 30.0, 0.0, 0.05); };
-  EXPECT_THAT(contacts(source_with(kLeftKnee, 60, hurries), kLeftKnee), IsEmpty());
+}
+
+TEST(SlideTracker, FollowsALongSlideAndStaysBehindWhenItReturns) {
+  SlideTracker tracker({0.0, 0.0, 0.1}, 0.04);
+  Eigen::Vector2d slide = Eigen::Vector2d::Zero();
+  for (int step = 0; step <= 100; ++step) slide = tracker.follow({0.0, -0.01 * step, 0.05});
+  EXPECT_NEAR(slide.y(), -0.96, 1e-12);
+  EXPECT_EQ(slide.x(), 0.0);
+  EXPECT_NEAR(tracker.follow({0.0, -0.93, 0.05}).y(), -0.96, 1e-12);
+  EXPECT_NEAR(tracker.follow({0.0, -0.90, 0.05}).y(), -0.94, 1e-12);
 }
 
 TEST(BodyContacts, IgnoreShortTouches) {

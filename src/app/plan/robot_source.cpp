@@ -100,8 +100,7 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
   }
   fit.smoothness_root_position *= 2.5;
   fit.smoothness_root_rotation *= 2.5;
-  fit.body_contact_weight *= 2.0;
-  fit.body_contact_height_weight *= 2.0;
+  fit.body_contact_weight *= 1.5;
   return fit;
 }
 

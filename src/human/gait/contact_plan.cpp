@@ -70,39 +70,108 @@ struct RestHeights {
   double begin, end;
 };
 constexpr RestHeights kJointRest{0.09, 0.12}, kSeatRest{0.17, 0.20}, kBackRest{0.13, 0.17};
-constexpr double kDrift = 0.04;      // Largest movement of a resting joint, metres.
+// Wrist of a hand that carries the whole body: while feet, knees and seat are at least kAloft above
+// the floor and the hand is still, it stands on something, be it on its fingers.
+constexpr RestHeights kHandstandRest{0.22, 0.25};
+constexpr double kAloft = 0.3;
+// Height in metres of the wrist of a hand that is pressed to the floor, and the speed in m/s up to
+// which it counts as in contact.
+constexpr double kPressed = 0.05, kCatchSpeed = 0.3;
 constexpr double kToeHeight = 0.02;  // Height of the toe joint of a standing foot, metres.
+// Indices into kSupportBones.
+constexpr std::size_t kLeftKnee = 0, kRightKnee = 1, kSeat = 6;
 
 RestHeights rest_of(Bone bone) {
   if (bone == Bone::kHips) return kSeatRest;
   return bone == Bone::kSpine2 ? kBackRest : kJointRest;
 }
 
-void add_phases_of(const SourceFeet& source, std::size_t support, double floor, double scale,
-                   const ContactOptions& options, std::vector<ContactPhase>& phases) {
-  const RestHeights rest = rest_of(kSupportBones[support]);
-  const auto place = [&](int frame) -> const Eigen::Vector3d& {
-    return source.support(frame, support);
-  };
-  const auto rests = [&](int frame, bool before) {
-    return place(frame).z() - floor <= (before ? rest.end : rest.begin) * scale &&
-           source.support_speed(frame, support) <=
-               (before ? options.end_speed : options.begin_speed) * scale;
-  };
-  const int frames = source.frame_count();
-  for (int begin = 0; begin < frames;) {
-    int end = begin;
-    // A body that slides or rolls slowly gives a sequence of short contacts.
-    while (end < frames && rests(end, end > begin) &&
-           (place(end) - place(begin)).norm() <= kDrift * scale) {
-      ++end;
-    }
-    if ((end - begin) * source.frame_time >= options.shortest - 1e-9) {
-      phases.push_back({begin, end, 0.0});
-    }
-    begin = std::max(end, begin + 1);
+// Finds the contacts of one body part.
+class BodyContactFinder {
+ public:
+  BodyContactFinder(const SourceFeet& source, std::size_t support, double floor, double scale,
+                    const ContactOptions& options)
+      : source_(source),
+        support_(support),
+        rest_(rest_of(kSupportBones[support])),
+        is_hand_(limb_bone(kSupportBones[support]) == LimbBone::kHand),
+        floor_(floor),
+        scale_(scale),
+        options_(options) {}
+
+  void find(std::vector<ContactPhase>& phases) const {
+    add_runs([&](int frame, bool on) { return rests(frame, on); }, phases);
+    if (is_hand_) add_catches(phases);
   }
-}
+
+ private:
+  [[nodiscard]] double over_floor(const Eigen::Vector3d& joint) const {
+    return (joint.z() - floor_) / scale_;
+  }
+  [[nodiscard]] double height(int frame) const {
+    return over_floor(source_.support(frame, support_));
+  }
+  [[nodiscard]] bool is_slow(int frame, double speed) const {
+    return source_.support_speed(frame, support_) <= speed * scale_;
+  }
+
+  // @param on  whether it rests in the frame before.
+  [[nodiscard]] bool rests(int frame, bool on) const {
+    const RestHeights& rest = is_hand_ && stands_on_hands(frame) ? kHandstandRest : rest_;
+    return height(frame) <= (on ? rest.end : rest.begin) &&
+           is_slow(frame, on ? options_.end_speed : options_.begin_speed);
+  }
+
+  // Whether everything that could carry the body instead of the arms is far up.
+  [[nodiscard]] bool stands_on_hands(int frame) const {
+    for (int foot = 0; foot < source_.foot_count; ++foot) {
+      const SourceFoot& of_foot = source_.at(frame, foot);
+      if (std::min(over_floor(of_foot.ankle), over_floor(of_foot.toe)) < kAloft) return false;
+    }
+    for (const std::size_t other : {kLeftKnee, kRightKnee, kSeat}) {
+      if (!source_.has_support[other]) return false;
+      if (over_floor(source_.support(frame, other)) < kAloft) return false;
+    }
+    return true;
+  }
+
+  // A hand that catches a fall or pushes the body off is on the floor for a moment in which it is
+  // not as slow as one that rests.
+  void add_catches(std::vector<ContactPhase>& phases) const {
+    const auto resting = static_cast<std::ptrdiff_t>(phases.size());
+    add_runs(
+        [&](int frame, bool) { return height(frame) <= kPressed && is_slow(frame, kCatchSpeed); },
+        phases);
+    const auto first = phases.begin() + resting;
+    const auto overlaps = [&](const ContactPhase& added) {
+      return std::any_of(phases.begin(), first, [&](const ContactPhase& found) {
+        return added.begin <= found.end && found.begin <= added.end;
+      });
+    };
+    phases.erase(std::remove_if(first, phases.end(), overlaps), phases.end());
+    std::ranges::sort(phases, {}, &ContactPhase::begin);
+  }
+
+  template <typename Touches>
+  void add_runs(const Touches& touches, std::vector<ContactPhase>& phases) const {
+    const int frames = source_.frame_count();
+    for (int begin = 0; begin < frames;) {
+      int end = begin;
+      while (end < frames && touches(end, end > begin)) ++end;
+      if ((end - begin) * source_.frame_time >= options_.shortest - 1e-9) {
+        phases.push_back({begin, end, 0.0});
+      }
+      begin = std::max(end, begin + 1);
+    }
+  }
+
+  const SourceFeet& source_;
+  std::size_t support_;
+  RestHeights rest_;
+  bool is_hand_;
+  double floor_, scale_;
+  const ContactOptions& options_;
+};
 
 double floor_below(const StandingHeights& standing, double scale) {
   return standing.toe - kToeHeight * scale;
@@ -124,7 +193,8 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
   if (source.foot_count == 0 || source.supports.empty()) return;
   const double floor = floor_below(standing, scale);
   for (std::size_t i = 0; i < kSupportBones.size(); ++i) {
-    if (source.has_support[i]) add_phases_of(source, i, floor, scale, options, contacts[i]);
+    if (!source.has_support[i]) continue;
+    BodyContactFinder(source, i, floor, scale, options).find(contacts[i]);
   }
 }
 

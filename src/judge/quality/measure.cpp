@@ -104,8 +104,8 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);
-  if (tracked) measure_supports(draft, *source.config, contacts);
   const auto scale = tracked ? foot_scale(source, draft.clip.robot()) : std::nullopt;
+  if (tracked) measure_supports(draft, *source.config, feet, contacts, scale.value_or(1.0));
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);
   measure_hovering(draft, tracks, feet, contacts, flights, scale.value_or(1.0));

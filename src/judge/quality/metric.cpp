@@ -144,12 +144,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "frames.",
      kOwn},
     {"support_slip_mean", "m/s",
-     "Mean horizontal speed of the robot's corresponding body while the source's is on the floor; "
-     "0 if there is no such contact.",
+     "Mean horizontal speed of the robot's corresponding body while the source's is on the floor, "
+     "relative to the source's slide, scaled; 0 if there is no such contact.",
      kOwn},
     {"support_drift_p95_cm", "cm",
-     "Largest horizontal distance of this body from its median position within such a contact; "
-     "95th percentile over contacts.",
+     "Largest horizontal distance of this body, without the slide, from its median position within "
+     "such a contact; 95th percentile over contacts.",
      kOwn},
     {"support_height_p50_cm", "cm", "Median height of its lowest primitive during these contacts.",
      kOwn},

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "human/gait/support_slide.h"
 #include "judge/quality/contact_motion.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/kinematic_tree.h"
@@ -15,8 +16,11 @@ namespace {
 
 class SupportMeter {
  public:
-  explicit SupportMeter(const ReportBuilder& draft)
+  SupportMeter(const ReportBuilder& draft, const SourceFeet& source, double size, double scale)
       : draft_(draft),
+        source_(source),
+        radius_(kRestingRadius * size),
+        scale_(scale),
         state_(draft.clip.robot().tree()),
         slipping_("support_slip_mean", "m/s"),
         high_("support_height_p95_cm", "m") {}
@@ -25,9 +29,11 @@ class SupportMeter {
     constexpr double kHigh = 0.03;  // metres
     const std::string& name = name_of(body);
     std::vector<Eigen::Vector3d> middles;
+    SlideTracker slide(source_.support(phase.begin, body.support), radius_);
     for (int frame = phase.begin; frame < phase.end; ++frame) {
       state_.update(draft_.clip.qpos(frame));
       middles.push_back(body.world_middle(state_));
+      middles.back().head<2>() -= scale_ * slide.follow(source_.support(frame, body.support));
       const double height = body.lowest(state_).height;
       motion_.heights.push_back(height);
       if (height > kHigh) high_.add(name, frame, height);
@@ -56,6 +62,8 @@ class SupportMeter {
   }
 
   const ReportBuilder& draft_;
+  const SourceFeet& source_;
+  double radius_, scale_;
   TreeState state_;
   ContactMotion motion_;
   FaultList slipping_, high_;
@@ -64,10 +72,10 @@ class SupportMeter {
 }  // namespace
 
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
-                      const ContactPlan& contacts) {
+                      const SourceFeet& source, const ContactPlan& contacts, double scale) {
   const std::vector<SupportBody> bodies = support_bodies(draft.clip.robot(), config);
   if (bodies.empty()) return;
-  SupportMeter meter(draft);
+  SupportMeter meter(draft, source, contacts.scale, scale);
   for (const SupportBody& body : bodies) {
     for (const ContactPhase& phase : contacts.bodies[body.support]) meter.add(body, phase);
   }

@@ -1,15 +1,17 @@
 #pragma once
 
 #include "human/gait/contact_plan.h"
+#include "human/gait/source_feet.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/retargeting_config.h"
 
 namespace retarget {
 
 /// Measures slip, drift and height of the robot's knees, elbows, hands, seat and back while those
-/// of the source rest on the floor; 0 if they never do. Adds nothing for a robot without shapes
-/// there.
+/// of the source rest on the floor; 0 if they never do. Slip and drift are relative to the slide of
+/// the source (SlideTracker). Adds nothing for a robot without shapes there.
+/// @param scale  scale from the source's to the robot's foot paths.
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
-                      const ContactPlan& contacts);
+                      const SourceFeet& source, const ContactPlan& contacts, double scale);
 
 }  // namespace retarget

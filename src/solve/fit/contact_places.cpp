@@ -19,10 +19,10 @@ void ContactPlaces::place(const FitWindow& window) {
   for (int frame = window.begin; frame < window.end; ++frame) {
     if (!clip_.feet.plants(frame)) continue;
     pose_.update(clip_.frame(frame, model_.configuration_size));
-    clip_.feet.for_each_planted(frame, [&](int index) {
+    clip_.feet.for_each_planted(frame, [&](int index, const Eigen::Vector2d& slide) {
       const PlantedPhase& phase = clip_.feet.phases[at(index)];
       if (!window.owns(phase)) return;
-      sums_[at(index)] += planted_place(model_, phase, pose_);
+      sums_[at(index)] += planted_place(model_, phase, pose_) - slide;
       ++counts_[at(index)];
     });
   }

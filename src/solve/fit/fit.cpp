@@ -383,8 +383,7 @@ Result<FitResult> Fit::run() {
     std::vector<int> source_feet;
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
     plan_feet(feet_, result.contacts, source_feet, scale, clip_.feet);
-    plan_supports(result.contacts, model_.supports, clip_.frame_count, clip_.frame_time,
-                  clip_.feet);
+    plan_supports(feet_, result.contacts, model_.supports, clip_.frame_count, scale, clip_.feet);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;

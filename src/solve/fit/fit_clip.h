@@ -33,7 +33,8 @@ struct FitClip {
             feet.upright_of(t),
             anchors,
             1.0,
-            feet.supports_of(t)};
+            feet.supports_of(t),
+            feet.lying_of(t)};
   }
 };
 

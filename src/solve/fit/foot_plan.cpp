@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "human/gait/standing_heights.h"
+#include "human/gait/support_slide.h"
 #include "retarget/human.h"
 #include "solve/fit/shorthand.h"
 
@@ -12,6 +14,8 @@ namespace {
 // Height of the foot's unit up vector. Below kLyingFoot, clearance has no weight; above kLyingFoot
 // + kUprightRange, it has its full weight.
 constexpr double kLyingFoot = 0.2, kUprightRange = 0.35;
+// A foot whose lower end is at least this far above its standing height does not lie, metres.
+constexpr double kLyingReach = 0.12;
 // Half-width of a sole, metres: when a foot leans on its edge, its middle line rises by this times
 // the slope.
 constexpr double kHalfWidth = 0.03;
@@ -64,6 +68,58 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
+// Plans the phases of support bodies.
+class SupportPlanner {
+ public:
+  SupportPlanner(const SourceFeet& source, const ContactPlan& contacts, double scale)
+      : source_(source), floor_(floor_height(contacts)), size_(contacts.scale), scale_(scale) {}
+
+  // Adds a contact. Before and after it the body moves as its source does, and the weights are
+  // blended, so that it does not jump to its anchor or off it.
+  void add(const ContactPhase& contact, std::size_t body, std::size_t support, int frames,
+           FootPlan& plan) const {
+    const int blend = blend_frames(source_.support(contact.begin, support).z());
+    const int begin = std::max(0, contact.begin - blend);
+    const int end = std::min(frames, contact.end + blend);
+    const auto index = static_cast<int>(plan.phases.size());
+    const auto joint = [&](int frame) { return source_.support(frame, support); };
+    const auto set = [&](int frame, int away, const Eigen::Vector2d& slide) {
+      SupportGoal& goal = plan.supports[at(frame) * at(plan.support_count) + body];
+      const double share = 1.0 - static_cast<double>(away) / (blend + 1);
+      if (share > goal.share) goal = {index, scale_ * slide, share};
+    };
+    for (int frame = begin; frame < contact.begin; ++frame) {
+      set(frame, contact.begin - frame, (joint(frame) - joint(contact.begin)).head<2>());
+    }
+    SlideTracker tracker(joint(contact.begin), kRestingRadius * size_);
+    Eigen::Vector2d slide = Eigen::Vector2d::Zero();
+    for (int frame = contact.begin; frame < contact.end; ++frame) {
+      slide = tracker.follow(joint(frame));
+      set(frame, 0, slide);
+    }
+    for (int frame = contact.end; frame < end; ++frame) {
+      set(frame, frame - contact.end + 1,
+          slide + (joint(frame) - joint(contact.end - 1)).head<2>());
+    }
+    plan.phases.push_back({begin, end, -1, kHeelEnd, static_cast<int>(body), contact.begin - begin,
+                           end - contact.end});
+  }
+
+ private:
+  // A joint that is high for a resting part stands on a hand's fingers; the whole body of a robot
+  // with shorter hands then has to come down.
+  [[nodiscard]] int blend_frames(double joint_height) const {
+    constexpr double kHigh = 0.18;                                  // Metres.
+    constexpr double kBlendTime = 0.1, kLongBlendTime = 1.0 / 6.0;  // Seconds.
+    const bool high = joint_height - floor_ > kHigh * size_;
+    const double time = high ? kLongBlendTime : kBlendTime;
+    return std::max(1, static_cast<int>(std::lround(time / source_.frame_time)));
+  }
+
+  const SourceFeet& source_;
+  double floor_, size_, scale_;
+};
+
 }  // namespace
 
 std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
@@ -76,6 +132,12 @@ std::span<const double> FootPlan::upright_of(int frame) const {
   return {upright.data() + static_cast<std::size_t>(frame) * feet, feet};
 }
 
+std::span<const double> FootPlan::lying_of(int frame) const {
+  if (lying.empty()) return {};
+  const auto feet = static_cast<std::size_t>(foot_count);
+  return {lying.data() + static_cast<std::size_t>(frame) * feet, feet};
+}
+
 std::span<const SupportGoal> FootPlan::supports_of(int frame) const {
   const auto count = static_cast<std::size_t>(support_count);
   return {supports.data() + static_cast<std::size_t>(frame) * count, count};
@@ -84,6 +146,7 @@ std::span<const SupportGoal> FootPlan::supports_of(int frame) const {
 void FootPlan::reserve(int frames, std::size_t feet, std::size_t bodies) {
   ends.reserve(at(frames) * 2 * feet);
   upright.reserve(at(frames) * feet);
+  lying.reserve(at(frames) * feet);
   supports.reserve(at(frames) * bodies);
   // Phases of the same foot end or body do not share frames.
   phases.reserve(at(frames) * (2 * feet + bodies));
@@ -93,7 +156,7 @@ bool FootPlan::plants(int frame) const {
   return std::ranges::any_of(ends_of(frame),
                              [](const FootEndGoal& end) { return end.phase >= 0; }) ||
          std::ranges::any_of(supports_of(frame),
-                             [](const SupportGoal& goal) { return goal.place > 0.0; });
+                             [&](const SupportGoal& goal) { return touches(goal, frame); });
 }
 
 Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
@@ -119,6 +182,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
   plan.support_count = 0;
   plan.ends.clear();
   plan.upright.clear();
+  plan.lying.clear();
   plan.supports.clear();
   plan.phases.clear();
   for (int frame = 0; frame < source.frame_count(); ++frame) {
@@ -126,6 +190,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       const SourceFoot& foot = source.at(frame, side);
       const double upright = std::clamp((foot.up - kLyingFoot) / kUprightRange, 0.0, 1.0);
       plan.upright.push_back(upright);
+      double lowest = kLyingReach;
       for (const int end : {kHeelEnd, kToeEnd}) {
         FootEndGoal goal;
         goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end)));
@@ -133,7 +198,9 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
         if (!foot.heel) goal.clearance += kHalfWidth * scale * std::abs(foot.side);
         goal.importance = std::sqrt(upright);
         plan.ends.push_back(goal);
+        lowest = std::min(lowest, goal.clearance);
       }
+      plan.lying.push_back((1.0 - upright) * std::clamp(1.0 - lowest / kLyingReach, 0.0, 1.0));
     }
   }
   for (int foot = 0; foot < plan.foot_count; ++foot) {
@@ -153,26 +220,15 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
   if (plan.foot_count > 0) stress_flights(source, plan);
 }
 
-void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,
-                   double frame_time, FootPlan& plan) {
-  // Seconds. Blends the weights, so that a body does not jump to its anchor or off it.
-  constexpr double kBlendTime = 0.1;
-  const int blend = std::max(1, static_cast<int>(std::lround(kBlendTime / frame_time)));
+void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
+                   std::span<const SupportBody> supports, int frames, double scale,
+                   FootPlan& plan) {
   plan.support_count = static_cast<int>(supports.size());
   plan.supports.assign(at(frames) * supports.size(), {});
+  const SupportPlanner planner(source, contacts, scale);
   for (std::size_t i = 0; i < supports.size(); ++i) {
     for (const ContactPhase& phase : contacts.bodies[supports[i].support]) {
-      // The approach begins before the contact and the departure ends after it.
-      const int from = std::max(0, phase.begin - blend), to = std::min(frames, phase.end + blend);
-      for (int frame = from; frame < to; ++frame) {
-        SupportGoal& goal = plan.supports[at(frame) * supports.size() + i];
-        const int inside = std::min(frame - phase.begin, phase.end - 1 - frame) + 1;
-        const double height = std::min(1.0, static_cast<double>(inside + blend) / (blend + 1));
-        if (height <= goal.height) continue;
-        const double place = static_cast<double>(inside) / (blend + 1);
-        goal = {static_cast<int>(plan.phases.size()), std::clamp(place, 0.0, 1.0), height};
-      }
-      plan.phases.push_back({phase.begin, phase.end, -1, kHeelEnd, static_cast<int>(i)});
+      planner.add(phase, i, supports[i].support, frames, plan);
     }
   }
 }

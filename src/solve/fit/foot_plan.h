@@ -15,10 +15,16 @@ namespace retarget {
 
 /// A phase in which one foot end, or another supporting body, stays in place.
 struct PlantedPhase {
-  int begin = 0, end = 0;  ///< Frames [begin, end).
+  int begin = 0, end = 0;  ///< Frames [begin, end) in which the phase has an effect.
   int foot = 0;            ///< Index of the robot's foot; -1 for a SupportBody.
   int foot_end = kHeelEnd;
   int support = -1;  ///< Index of the SupportBody; -1 for a foot.
+  /// Frames between `begin` and the contact, and between the contact and `end`.
+  int before = 0, after = 0;
+
+  /// The frames of the contact, [first, last).
+  [[nodiscard]] int first() const { return begin + before; }
+  [[nodiscard]] int last() const { return end - after; }
 };
 
 /// The goals of the robot's feet and support bodies for a whole clip.
@@ -26,25 +32,36 @@ struct FootPlan {
   int foot_count = 0, support_count = 0;
   std::vector<FootEndGoal> ends;      ///< Frame-major, two per foot.
   std::vector<double> upright;        ///< Frame-major, one per foot.
+  std::vector<double> lying;          ///< Frame-major, one per foot.
   std::vector<SupportGoal> supports;  ///< Frame-major, one per SupportBody.
   std::vector<PlantedPhase> phases;
 
   [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
+  /// Empty if nothing was planned.
+  [[nodiscard]] std::span<const double> lying_of(int frame) const;
   [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
   /// Allocates memory for a plan of `frames` frames.
   void reserve(int frames, std::size_t feet, std::size_t bodies);
-  /// Whether anything is held in place in this frame.
+  /// Whether anything is in contact in this frame.
   [[nodiscard]] bool plants(int frame) const;
-  /// Calls visit(phase index) for everything held in place in this frame.
+  /// Calls visit(phase index, slide since the beginning of the contact) for everything in contact
+  /// in this frame.
   template <typename Visit>
   void for_each_planted(int frame, const Visit& visit) const {
     for (const FootEndGoal& goal : ends_of(frame)) {
-      if (goal.phase >= 0) visit(goal.phase);
+      if (goal.phase >= 0) visit(goal.phase, Eigen::Vector2d(Eigen::Vector2d::Zero()));
     }
     for (const SupportGoal& goal : supports_of(frame)) {
-      if (goal.place > 0.0) visit(goal.phase);
+      if (touches(goal, frame)) visit(goal.phase, goal.slide);
     }
+  }
+
+ private:
+  [[nodiscard]] bool touches(const SupportGoal& goal, int frame) const {
+    if (goal.phase < 0) return false;
+    const PlantedPhase& phase = phases[static_cast<std::size_t>(goal.phase)];
+    return phase.first() <= frame && frame < phase.last();
   }
 };
 
@@ -64,7 +81,8 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
                std::span<const int> source_feet, double scale, FootPlan& plan);
 
 /// Adds the phases in which the source rests on body parts that correspond to these support bodies.
-void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,
-                   double frame_time, FootPlan& plan);
+/// @param scale  scale from the source's to the robot's foot paths.
+void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
+                   std::span<const SupportBody> supports, int frames, double scale, FootPlan& plan);
 
 }  // namespace retarget

@@ -47,6 +47,13 @@ Vector3d position_weights(const FitTask& task, const FrameGoals& goals) {
   return {horizontal, horizontal, square(task.height_weight) * lying};
 }
 
+double squared_rotation_weight(const FitTask& task, const FrameGoals& goals) {
+  constexpr double kLyingShare = 0.25;
+  const bool may_lie = task.foot >= 0 && !goals.lying.empty();
+  const double lying = may_lie ? goals.lying[at(task.foot)] : 0.0;
+  return square(task.rotation_weight * (1.0 - (1.0 - kLyingShare) * lying));
+}
+
 Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target) {
   return log_so3(world_from_link.rotation * target.world_from_link.conjugate());
 }
@@ -99,7 +106,7 @@ void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, Ter
       }
     }
     if (task.rotation_weight > 0.0) {
-      const double weight = square(task.rotation_weight);
+      const double weight = squared_rotation_weight(task, goals);
       const Vector3d error = rotation_error(world, target);
       composites_[at(task.link)].angular.diagonal().array() += weight;
       composites_[at(task.link)].torque += weight * error;
@@ -213,15 +220,15 @@ void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, Te
     if (goal.phase < 0) continue;
     const SupportBody& body = model_.supports[i];
     const Vector3d middle = body.world_middle(pose);
-    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
-    const double place = square(goals.anchor_hold * goal.place * options_.body_contact_weight);
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)] - goal.slide;
+    const double place = square(goals.anchor_hold * goal.share * options_.body_contact_weight);
     for (int axis = 0; axis < 2; ++axis) {
       add_row(body.link, axis, middle - origin, place, error[axis]);
     }
     costs[kTermContactPlace] += place * error.squaredNorm();
     const SupportBody::Touch touch = body.lowest(pose);
     const double height = touch.height - options_.body_margin;
-    const double level = square(goal.height * options_.body_contact_height_weight);
+    const double level = square(goal.share * options_.body_contact_height_weight);
     add_row(touch.link, 2, touch.place - origin, level, height);
     costs[kTermContactHeight] += level * square(height);
   }

@@ -49,9 +49,11 @@ struct FootEndGoal {
 
 /// The goal of a support body in a frame.
 struct SupportGoal {
-  int phase = -1;       ///< Contact phase; -1 if none.
-  double place = 0.0;   ///< Factor for the anchor weight, 0 to 1; small at the ends of a phase.
-  double height = 0.0;  ///< Factor for the height weight, 0 to 1; small at the ends of a phase.
+  int phase = -1;  ///< Contact phase; -1 if none.
+  /// Where the body is held, relative to the phase's anchor: it slides with its source. World x and
+  /// y, metres.
+  Eigen::Vector2d slide = Eigen::Vector2d::Zero();
+  double share = 0.0;  ///< Factor for the weights, 0 to 1; below 1 before and after the contact.
 };
 
 /// The goals of a frame.
@@ -64,11 +66,16 @@ struct FrameGoals {
                                           ///< metres.
   double anchor_hold = 1.0;               ///< Factor for the weight of the anchors.
   std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.
+  std::span<const double> lying;  ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
+                                  ///< empty.
 };
 
 /// Squared-error weights of a task's position along the world axes. The height of an upright foot
 /// is left to the clearances of heel and toe.
 [[nodiscard]] Eigen::Vector3d position_weights(const FitTask& task, const FrameGoals& goals);
+/// Squared-error weight of a task's rotation. A lying foot takes its rotation from the floor: few
+/// ankles reach the human's, and the error would lift knees off the floor.
+[[nodiscard]] double squared_rotation_weight(const FitTask& task, const FrameGoals& goals);
 /// Rotation vector from the target rotation of a link to its actual rotation, world axes, radians.
 [[nodiscard]] Eigen::Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target);
 

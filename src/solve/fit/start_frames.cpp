@@ -50,11 +50,11 @@ void StartFrames::take(int frame, std::span<const double> qpos) {
 void StartFrames::add_to_anchors(int frame) {
   if (!clip_.feet.plants(frame)) return;
   pose_.update(clip_.frame(frame, model_.configuration_size));
-  clip_.feet.for_each_planted(frame, [&](int index) {
+  clip_.feet.for_each_planted(frame, [&](int index, const Eigen::Vector2d& slide) {
     const PlantedPhase& phase = clip_.feet.phases[at(index)];
     Eigen::Vector2d& anchor = clip_.anchors[at(index)];
-    anchor += planted_place(model_, phase, pose_);
-    if (frame + 1 == phase.end) anchor /= phase.end - phase.begin;
+    anchor += planted_place(model_, phase, pose_) - slide;
+    if (frame + 1 == phase.last()) anchor /= phase.last() - phase.first();
   });
 }
 

@@ -54,6 +54,7 @@ void LagFit::reserve() {
   clip_.anchors.reserve(phases);
   old_phases_.reserve(phases);
   old_anchors_.reserve(phases);
+  old_supports_.reserve(at(frames) * bodies);
   feet_.reserve(frames);
   planner_.reserve(frames);
 }
@@ -112,6 +113,7 @@ void LagFit::forget_old_frames() {
   erase_first(clip_.targets, at(count) * model_.tasks.size());
   erase_first(clip_.qpos, at(count) * at(model_.configuration_size));
   feet_.forget(count);
+  erase_first(clip_.feet.supports, at(count * clip_.feet.support_count));
   for (PlantedPhase& phase : clip_.feet.phases) {
     phase.begin -= count;
     phase.end -= count;
@@ -148,7 +150,9 @@ void LagFit::plan_contacts() {
   std::swap(old_phases_, clip_.feet.phases);
   std::swap(old_anchors_, clip_.anchors);
   plan_feet(feet_, contacts, source_feet_, stage_.foot_scale(), clip_.feet);
-  plan_supports(contacts, model_.supports, clip_.frame_count, clip_.frame_time, clip_.feet);
+  std::swap(old_supports_, clip_.feet.supports);
+  plan_supports(feet_, contacts, model_.supports, clip_.frame_count, stage_.foot_scale(),
+                clip_.feet);
   keep_anchors();
 }
 
@@ -166,22 +170,36 @@ void LagFit::keep_anchors() {
       longest = shared;
       best = static_cast<int>(i);
     }
-    clip_.anchors.push_back(best >= 0 ? old_anchors_[at(best)] : place_of(phase));
+    clip_.anchors.push_back(best >= 0 ? kept_anchor(best, phase) : place_of(phase));
   }
+}
+
+// The anchor of an old phase, for a phase that replaces it. Slides are relative to the beginnings of
+// the contacts, which may differ; the body stays where it is in the first frame that both share.
+Eigen::Vector2d LagFit::kept_anchor(int old_index, const PlantedPhase& phase) const {
+  const PlantedPhase& old = old_phases_[at(old_index)];
+  const Eigen::Vector2d& anchor = old_anchors_[at(old_index)];
+  if (phase.support < 0) return anchor;
+  const int frame = std::max(old.first(), phase.first());
+  if (frame >= std::min(old.last(), phase.last())) return anchor;
+  const auto goal = at(frame * clip_.feet.support_count + phase.support);
+  return anchor + old_supports_[goal].slide - clip_.feet.supports[goal].slide;
 }
 
 // Anchor of a new contact: the mean position of the foot or body. If the contact begins before the
 // window, its position in the contact's last frame before the window.
 Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
-  int begin = std::max(phase.begin, window_begin()), end = phase.end;
-  if (phase.begin < window_begin()) {
-    begin = std::min(phase.end, window_begin()) - 1;
+  int begin = std::max(phase.first(), window_begin()), end = phase.last();
+  if (phase.first() < window_begin()) {
+    begin = std::min(phase.last(), window_begin()) - 1;
     end = begin + 1;
   }
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int frame = begin; frame < end; ++frame) {
     pose_.update(clip_.frame(frame, model_.configuration_size));
     sum += planted_place(model_, phase, pose_);
+    if (phase.support < 0) continue;
+    sum -= clip_.feet.supports_of(frame)[at(phase.support)].slide;
   }
   return sum / std::max(1, end - begin);
 }

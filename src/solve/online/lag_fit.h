@@ -52,6 +52,7 @@ class LagFit {
   void reserve();
   void plan_contacts();
   void keep_anchors();
+  [[nodiscard]] Eigen::Vector2d kept_anchor(int old_index, const PlantedPhase& phase) const;
   [[nodiscard]] Eigen::Vector2d place_of(const PlantedPhase& phase);
   [[nodiscard]] int window_begin() const { return sent_; }
 
@@ -68,6 +69,7 @@ class LagFit {
   ContactPlanner planner_;
   std::vector<PlantedPhase> old_phases_;  // Phases of the previous contact plan.
   std::vector<Eigen::Vector2d> old_anchors_;
+  std::vector<SupportGoal> old_supports_;
   std::unique_ptr<MovingFit> fit_;
   TreeState pose_;
   double floor_ = 0.0;  // Floor height of the frames not yet sent.

@@ -39,7 +39,6 @@ class SupportFinder {
       middle += state_.world_from_link[point.link] * point.in_link;
     }
     middle /= static_cast<double>(found.points.size());
-    if (bone == Bone::kHips) middle = *origin;
     found.middle = state_.world_from_link[found.link].inverse() * middle;
     return found;
   }
