@@ -107,12 +107,12 @@ PERTURBATIONS = {
     "has the waist off": (lambda rows: off_by(rows, WAIST_PITCH, -0.25),
                           {"joint_offset_rad", "trunk_lean_error_deg", "stance_height_p50_cm",
                            "body_pen_1cm_pct", "support_height_p95_cm"}),
-    "has a chest that jolts": (jolted, {"arm_jolts"}),
     "is noisy": (lambda rows: noisy(rows, 0.03), {"com_acc_p99"}),
     "is shaken": (lambda rows: shaken(rows, 0.01), {"root_acc_p99"}),
 }
 # Perturbations that are visible in standing bodies, which do not rest on these limbs.
 OF_STANDING = {
+    "has a chest that jolts": (jolted, {"arm_jolts"}),
     "has a hip off": (lambda rows: off_by(rows, LEFT_HIP_PITCH, 0.2),
                       {"stance_height_p50_cm", "stance_slip_mean", "foot_pen_1cm_pct"}),
     "has the waist turned to the left": (lambda rows: off_by(rows, WAIST_YAW, 0.25),

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -25,12 +26,12 @@ std::vector<double> bump(int begin, int length, double height) {
 }
 
 double jolts(const std::vector<double>& trunk, const std::vector<double>& arm,
-             const FrameRate& rate = {30, 1}) {
+             const FrameRate& rate = {30, 1}, const Posture& posture = upright_posture(kFrames)) {
   const RobotClip clip(robot_from_text(kOddRobot), rate, kFrames);
   const QualityOptions options;
   QualityReport report;
   const std::vector<SegmentAngles> segments = {{false, trunk}, {true, arm}};
-  measure_arm_jolts({clip, options, report}, segments);
+  measure_arm_jolts({clip, options, report}, posture, segments);
   const MetricValue* found = report.find("arm_jolts");
   return found == nullptr ? -1.0 : found->value;
 }
@@ -47,6 +48,13 @@ TEST(ArmJolts, NeedsBothTrunkAndArm) {
 
 TEST(ArmJolts, IgnoresSlowBends) {
   EXPECT_EQ(jolts(bump(50, 60, 30.0), bump(50, 60, 60.0)), 0.0);
+}
+
+TEST(ArmJolts, IgnoresFramesOfLying) {
+  Posture posture = upright_posture(kFrames);
+  std::fill_n(posture.upright.begin() + 80, 60, 0);
+  EXPECT_EQ(jolts(bump(100, 10, 30.0), bump(100, 10, 60.0), {30, 1}, posture), 0.0);
+  EXPECT_EQ(jolts(bump(200, 10, 30.0), bump(200, 10, 60.0), {30, 1}, posture), 1.0);
 }
 
 TEST(ArmJolts, CountsTimesHalfASecondApart) {

@@ -39,7 +39,8 @@ double largest_change(std::span<const SegmentAngles> segments, std::size_t begin
 
 }  // namespace
 
-void measure_arm_jolts(const ReportBuilder& draft, std::span<const SegmentAngles> segments) {
+void measure_arm_jolts(const ReportBuilder& draft, const Posture& posture,
+                       std::span<const SegmentAngles> segments) {
   if (std::ranges::none_of(segments, &SegmentAngles::is_upper_arm)) return;
   const double fps = draft.clip.rate().fps();
   const auto frames_in = [fps](double seconds) {
@@ -51,11 +52,13 @@ void measure_arm_jolts(const ReportBuilder& draft, std::span<const SegmentAngles
   std::size_t last = 0;
   int jolts = 0;
   for (std::size_t i = 0; i + within < segments.front().angles.size(); ++i) {
+    const auto first = static_cast<int>(i), last_frame = static_cast<int>(i + within);
+    if (!posture.is_upright(first) || !posture.is_upright(last_frame)) continue;
     const double change = largest_change(segments, i, within);
     if (!(change > kJolt) || !(largest(segments, true, i, within + 1) > kArmOff)) continue;
     if (jolts == 0 || i > last + apart) ++jolts;
     last = i;
-    faults.add("trunk", static_cast<int>(i), change);
+    faults.add("trunk", first, change);
   }
   faults.move_to(draft.report, kNamed);
   draft.set("arm_jolts", jolts);

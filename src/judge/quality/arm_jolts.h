@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "judge/quality/posture.h"
 #include "judge/quality/report_parts.h"
 
 namespace retarget {
@@ -15,7 +16,9 @@ struct SegmentAngles {
 
 /// Counts the times at which an upper arm that cannot reach its direction pulls the trunk along: the
 /// trunk turns away from the human, or back, abruptly. This happens when a shoulder runs into its
-/// limits on a wrong branch of the inverse kinematics.
-void measure_arm_jolts(const ReportBuilder& draft, std::span<const SegmentAngles> segments);
+/// limits on a wrong branch of the inverse kinematics. Frames in which the human lies do not count:
+/// the floor moves arms and trunk there.
+void measure_arm_jolts(const ReportBuilder& draft, const Posture& posture,
+                       std::span<const SegmentAngles> segments);
 
 }  // namespace retarget

@@ -168,7 +168,7 @@ void TrackingMeasure::measure_limbs() const {
   if (posture_.ever_upright(frames_)) {
     draft_.set("worst_limb_angle_deg", *std::ranges::max_element(upright));
   }
-  measure_arm_jolts(draft_, turned);
+  measure_arm_jolts(draft_, posture_, turned);
   if (const auto lag = limb_lag(directions, draft_.clip.rate().fps())) draft_.set("lag_s", *lag);
   align_trunk_by_hips(directions);
   std::erase_if(directions, [](const LimbDirections& limb) { return limb.of_legs; });

@@ -182,7 +182,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Times at which an arm that cannot reach its direction pulls the trunk along: the trunk or "
      "the "
      "shoulder line turns by more than 12 degrees relative to the human's within 0.1 s while an "
-     "upper arm is more than 25 degrees off; at least half a second apart.",
+     "upper arm is more than 25 degrees off; at least half a second apart, without frames in which "
+     "the human lies.",
      kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "

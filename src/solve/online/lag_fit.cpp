@@ -149,8 +149,8 @@ void LagFit::plan_contacts() {
   const ContactPlan& contacts = planner_.plan(feet_, options);
   std::swap(old_phases_, clip_.feet.phases);
   std::swap(old_anchors_, clip_.anchors);
+  std::swap(old_supports_, clip_.feet.supports);  // plan_feet clears them.
   plan_feet(feet_, contacts, source_feet_, stage_.foot_scale(), clip_.feet);
-  std::swap(old_supports_, clip_.feet.supports);
   plan_supports(feet_, contacts, model_.supports, clip_.frame_count, stage_.foot_scale(),
                 clip_.feet);
   keep_anchors();
@@ -180,7 +180,7 @@ Eigen::Vector2d LagFit::kept_anchor(int old_index, const PlantedPhase& phase) co
   const PlantedPhase& old = old_phases_[at(old_index)];
   const Eigen::Vector2d& anchor = old_anchors_[at(old_index)];
   if (phase.support < 0) return anchor;
-  const int frame = std::max(old.first(), phase.first());
+  const int frame = std::max({old.first(), phase.first(), 0});
   if (frame >= std::min(old.last(), phase.last())) return anchor;
   const auto goal = at(frame * clip_.feet.support_count + phase.support);
   return anchor + old_supports_[goal].slide - clip_.feet.supports[goal].slide;
