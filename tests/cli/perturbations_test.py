@@ -127,7 +127,7 @@ OF_STANDING = {
 JOLT = {"has a chest that jolts": (jolted, {"arm_jolts"})}
 # Perturbations that are visible in bodies that rest on hands and knees.
 ON_THE_FLOOR = {
-    "hovers over its knees and hands": (lambda rows: lifted(rows, 0.035), {"support_height_p95_cm"}),
+    "hovers over its knees and hands": (lambda rows: lifted(rows, 0.04), {"support_height_p95_cm"}),
     "drags its hands": (lambda rows: swaying(rows, WAIST_YAW, 0.12, 0.7), {"support_slip_mean"}),
 }
 
