@@ -156,11 +156,13 @@ void TrackingMeasure::measure_limbs() const {
   for (const LimbSegment& segment : kLimbSegments) {
     auto found = directions_of(segment, limbs ? &*limbs : nullptr);
     if (!found) continue;
-    const std::vector<double> angles = limb_angles(*found);
+    std::vector<double> angles = limb_angles(*found);
     draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
     all.insert(all.end(), angles.begin(), angles.end());
     upright.push_back(mean_while_upright(angles));
-    if (!found->of_legs && found->rank < 2) turned.push_back({found->rank == 1, angles});
+    if (!found->of_legs && found->rank < 2) {
+      turned.push_back({found->rank == 1, std::move(angles)});
+    }
     directions.push_back(std::move(*found));
   }
   if (all.empty()) return;

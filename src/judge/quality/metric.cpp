@@ -180,10 +180,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "The same for the limb with the largest mean, without frames in which the human lies.", kOwn},
     {"arm_jolts", "count",
      "Times at which an arm that cannot reach its direction pulls the trunk along: the trunk or "
-     "the "
-     "shoulder line turns by more than 12 degrees relative to the human's within 0.1 s while an "
-     "upper arm is more than 25 degrees off; at least half a second apart, without frames in which "
-     "the human lies.",
+     "the shoulder line turns by more than 12 degrees relative to the human's within 0.1 s while "
+     "an upper arm is more than 25 degrees off; at least half a second apart, without frames in "
+     "which the human lies.",
      kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
@@ -197,8 +196,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"root_bounce_pct", "%",
      "Vertical movement of the root between 2.5 and 8 Hz (steps, landings, accents), root mean "
      "square, relative to that of its target; 100 if the target moves by less than 1 mm. For clips "
-     "of "
-     "at least one second at 20 frames per second or more.",
+     "of at least one second at 20 frames per second or more.",
      kOwn},
     {"lag_s", "s",
      "Delay of the robot's limbs behind the human's: the shift of up to half a second that "

@@ -73,6 +73,22 @@ int best_lag(const std::vector<double>& correlations, int reach) {
   return at(reach) >= at(-reach) ? reach : -reach;
 }
 
+// Vertical movement between two frequencies, root mean square.
+double band_rms(std::span<const Eigen::Vector3d> points, double low, double high, double fps) {
+  constexpr double kPeriods = 2.0;  // Half width of the filters, in periods of the cutoff.
+  const auto filtered = [&](double hertz) {
+    const int half_width = static_cast<int>(std::ceil(kPeriods * fps / hertz));
+    return low_pass(points, design_low_pass(hertz / fps, half_width));
+  };
+  const auto below_high = filtered(high), below_low = filtered(low);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double band = below_high[i].z() - below_low[i].z();
+    sum += band * band;
+  }
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
 }  // namespace
 
 std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double fps) {
@@ -118,26 +134,6 @@ std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,
   }
   return sum / static_cast<double>(frames - step) * fps / static_cast<double>(step);
 }
-
-namespace {
-
-// Vertical movement between two frequencies, root mean square.
-double band_rms(std::span<const Eigen::Vector3d> points, double low, double high, double fps) {
-  constexpr double kPeriods = 2.0;  // Half width of the filters, in periods of the cutoff.
-  const auto filtered = [&](double hertz) {
-    const int half_width = static_cast<int>(std::ceil(kPeriods * fps / hertz));
-    return low_pass(points, design_low_pass(hertz / fps, half_width));
-  };
-  const auto below_high = filtered(high), below_low = filtered(low);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double band = below_high[i].z() - below_low[i].z();
-    sum += band * band;
-  }
-  return std::sqrt(sum / static_cast<double>(points.size()));
-}
-
-}  // namespace
 
 std::optional<double> bounce_kept(std::span<const Eigen::Vector3d> found,
                                   std::span<const Eigen::Vector3d> wanted, double fps) {

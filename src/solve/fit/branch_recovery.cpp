@@ -168,25 +168,18 @@ bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFi
     return sum;
   };
   const OfLimb before = of_limb();
-  for (int t = branch.begin; t < branch.end; ++t) {
-    const auto frame = clip_.frame(t, model_.configuration_size);
-    for (std::size_t i = 0; i < limb.links.size(); ++i) {
-      joint_value(model_, limb.links[i], frame) = branch.joints[at(t - branch.begin)][i];
+  put_limb(model_, limb, branch, clip_);
+  std::optional<RecoveredLimb> changed;
+  for (int round = 0; round < kRounds && !changed && trial.solve(); ++round) {
+    const OfLimb after = of_limb();
+    if (after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
+        trial.pays_off()) {
+      changed = {limb.name, branch.begin, branch.end, before.cost, after.cost};
     }
   }
-  bool is_better = false;
-  for (int round = 0; round < kRounds && !is_better && trial.solve(); ++round) {
-    const OfLimb after = of_limb();
-    is_better = after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
-                trial.pays_off();
-    if (!is_better) continue;
-    result_.limbs.push_back({limb.name, branch.begin, branch.end, before.cost, after.cost});
-    looks_.look(trial.window().begin, trial.window().end);
-  }
-  if (!is_better) trial.revert();
-  result_.stopped = result_.stopped || trial.stopped();
-  std::ranges::copy(trial.failures(), std::back_inserter(result_.failures));
-  return is_better;
+  result_.conclude(trial, changed);
+  if (changed) looks_.look(trial.window().begin, trial.window().end);
+  return changed.has_value();
 }
 
 }  // namespace
@@ -213,6 +206,16 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
                      [](const auto& a, const auto& b) { return a.begin < b.begin; });
   }
   return result;
+}
+
+void BranchRecovery::conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed) {
+  if (changed) {
+    limbs.push_back(*changed);
+  } else {
+    trial.revert();
+  }
+  stopped = stopped || trial.stopped();
+  std::ranges::copy(trial.failures(), std::back_inserter(failures));
 }
 
 std::vector<std::string> BranchRecovery::notes() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/limb_solver.h"
+#include "solve/fit/window_trial.h"
 
 namespace retarget {
 
@@ -28,6 +30,9 @@ struct BranchRecovery {
   /// Frames in which a solver step was not finite; these frames are left unchanged.
   std::vector<SolverFailure> failures;
 
+  /// Records the outcome of a trial.
+  /// @param changed  nothing: the change did not pay off; reverts the clip.
+  void conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed);
   /// One sentence per recovered limb.
   [[nodiscard]] std::vector<std::string> notes() const;
 };

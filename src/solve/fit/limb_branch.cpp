@@ -39,46 +39,34 @@ double share_of_other(int index, int frames, int blended) {
 
 }  // namespace
 
+void put_limb(const FitModel& model, const FitLimb& limb, const LimbBranch& branch, FitClip& clip) {
+  for (int t = branch.begin; t < branch.end; ++t) {
+    const auto frame = clip.frame(t, model.configuration_size);
+    for (std::size_t i = 0; i < limb.links.size(); ++i) {
+      joint_value(model, limb.links[i], frame) = branch.joints[at(t - branch.begin)][i];
+    }
+  }
+}
+
 BranchFinder::BranchFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
                            const FitLimb& limb)
     : model_(model),
       options_(options),
       clip_(clip),
       limb_(limb),
-      solver_(model, limb),
+      frame_(model, clip, limb),
       terms_(model, options),
-      pose_(model.tree),
-      qpos_(at(model.configuration_size)),
       gradient_(at(model.dof_count())),
       hessian_(gradient_.size() * gradient_.size()) {}
-
-void BranchFinder::set_frame(int frame) {
-  frame_ = frame;
-  std::ranges::copy(clip_.frame(frame, model_.configuration_size), qpos_.begin());
-  pose_.update(qpos_);
-}
-
-void BranchFinder::place(const LimbJoints& joints) {
-  for (std::size_t i = 0; i < count(); ++i) joint_value(model_, limb_.links[i], qpos_) = joints[i];
-  pose_.update_subtree(limb_.link, qpos_);
-}
-
-LimbJoints BranchFinder::placed() const {
-  LimbJoints joints{};
-  for (std::size_t i = 0; i < count(); ++i) {
-    joints[i] = qpos_[at(model_.tree.links()[at(limb_.links[i])].qpos_address)];
-  }
-  return joints;
-}
 
 // Cost of all terms that depend on a single frame.
 double BranchFinder::frame_cost() {
   TermCosts costs{};
   if (options_.self_collision) {
-    terms_.find_near_pairs(pose_, options_.self_collision_margin + kOverlapBand, pairs_);
+    terms_.find_near_pairs(frame_.pose(), options_.self_collision_margin + kOverlapBand, pairs_);
   }
-  terms_.assemble(pose_, clip_.goals(frame_, model_.tasks.size()), pairs_, gradient_.data(),
-                  hessian_.data(), model_.dof_count(), costs);
+  terms_.assemble(frame_.pose(), frame_.goals(), pairs_, gradient_.data(), hessian_.data(),
+                  model_.dof_count(), costs);
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
@@ -89,21 +77,20 @@ double BranchFinder::farthest(const LimbJoints& a, const LimbJoints& b) const {
 }
 
 double BranchFinder::cost(int frame) {
-  set_frame(frame);
-  return solver_.cost(pose_, clip_.goals(frame, model_.tasks.size()));
+  frame_.set(frame);
+  return frame_.cost();
 }
 
 double BranchFinder::stuck_cost(int frame) {
-  set_frame(frame);
-  return solver_.solve(clip_.goals(frame, model_.tasks.size()), solver_.limits(), pose_, qpos_);
+  frame_.set(frame);
+  return frame_.solve(frame_.limits());
 }
 
 std::optional<LimbJoints> BranchFinder::other_configuration(int frame, double least) {
   constexpr std::array kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
   static_assert(kPrimes.size() == kMaxLimbJoints);
   constexpr double kTurn = std::numbers::pi;  // Search range of joints without limits, rad.
-  const FrameGoals goals = clip_.goals(frame, model_.tasks.size());
-  const LimbRange& limits = solver_.limits();
+  const LimbRange& limits = frame_.limits();
   const double stuck = stuck_cost(frame);
   double min = std::min(kBetter * stuck, stuck - least);
   // The negated comparison also rejects NaN.
@@ -116,31 +103,20 @@ std::optional<LimbJoints> BranchFinder::other_configuration(int frame, double le
       const double upper = std::max(lower, std::min(limits.upper[i], kTurn));
       joints[i] = lower + scattered(seed, kPrimes[i]) * (upper - lower);
     }
-    place(joints);
-    const double left = solver_.solve(goals, limits, pose_, qpos_);
+    frame_.place(joints);
+    const double left = frame_.solve(limits);
     if (!(left < min)) continue;
     constexpr double kClearlyBetter = 0.95;
     min = kClearlyBetter * left;
-    best = placed();
+    best = frame_.joints();
   }
   return best;
-}
-
-// Joint ranges that a step to the next frame can reach.
-LimbRange BranchFinder::within_reach(const LimbJoints& joints) const {
-  constexpr double kMaxSpeed = 10.0;  // Radians per second.
-  const double step = kMaxSpeed * clip_.frame_time;
-  LimbRange range = solver_.limits();
-  for (std::size_t i = 0; i < count(); ++i) {
-    range.lower[i] = std::max(range.lower[i], joints[i] - step);
-    range.upper[i] = std::min(range.upper[i], joints[i] + step);
-  }
-  return range;
 }
 
 // Follows the branch from `frame` until the branches meet or no further gain is likely.
 std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
                                                     const LimbJoints& joints) {
+  constexpr double kMaxSpeed = 10.0;  // Radians per second.
   const int look_ahead = static_cast<int>(kLookAhead / clip_.frame_time) + 1;
   std::vector<Step> steps;
   LimbJoints last = joints;
@@ -152,12 +128,12 @@ std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
     const auto index = static_cast<int>(steps.size());
     if (index > best + look_ahead) break;
     Step step;
-    set_frame(t);
-    step.own = placed();
+    frame_.set(t);
+    step.own = frame_.joints();
     step.own_cost = frame_cost();
-    place(last);
-    solver_.solve(clip_.goals(t, model_.tasks.size()), within_reach(last), pose_, qpos_);
-    step.other = placed();
+    frame_.place(last);
+    frame_.solve(frame_.within_reach(last, kMaxSpeed * clip_.frame_time));
+    step.other = frame_.joints();
     step.other_cost = frame_cost();
     steps.push_back(step);
     if (index == 0) hopeless = std::max(0.0, step.own_cost) / clip_.frame_time;
@@ -188,8 +164,8 @@ double BranchFinder::blending_cost(int frame, int direction, const std::vector<S
   double cost = 0.0;
   for (int i = reach.frames - reach.blended; i < reach.frames + reach.blended; ++i) {
     const Step& step = steps[at(i)];
-    set_frame(frame + direction * i);
-    place(blended(step, share_of_other(i, reach.frames, reach.blended)));
+    frame_.set(frame + direction * i);
+    frame_.place(blended(step, share_of_other(i, reach.frames, reach.blended)));
     cost += frame_cost() - (i < reach.frames ? step.other_cost : step.own_cost);
   }
   return cost;

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/frame_terms.h"
+#include "solve/fit/limb_frame.h"
 #include "solve/fit/limb_solver.h"
 
 namespace retarget {
@@ -18,6 +18,9 @@ struct LimbBranch {
   int begin = 0, end = 0;          ///< Frames [begin, end) that change.
   std::vector<LimbJoints> joints;  ///< By frame.
 };
+
+/// Moves a limb of the clip to a branch.
+void put_limb(const FitModel& model, const FitLimb& limb, const LimbBranch& branch, FitClip& clip);
 
 /// Searches for other branches of a limb: configurations far from the current one that small steps
 /// do not reach, and in which the limb follows its targets better (docs/fit.md).
@@ -55,12 +58,8 @@ class BranchFinder {
     double gain = 0.0;
   };
 
-  void set_frame(int frame);
-  void place(const LimbJoints& joints);
-  [[nodiscard]] LimbJoints placed() const;
   [[nodiscard]] double frame_cost();
   [[nodiscard]] double farthest(const LimbJoints& a, const LimbJoints& b) const;
-  [[nodiscard]] LimbRange within_reach(const LimbJoints& joints) const;
   [[nodiscard]] std::vector<Step> steps(int frame, int direction, const LimbJoints& joints);
   [[nodiscard]] Reach best_reach(int frame, int direction, const std::vector<Step>& steps);
   [[nodiscard]] double blending_cost(int frame, int direction, const std::vector<Step>& steps,
@@ -72,11 +71,8 @@ class BranchFinder {
   const FitOptions& options_;
   const FitClip& clip_;
   const FitLimb& limb_;
-  LimbSolver solver_;
+  LimbFrame frame_;
   FrameTerms terms_;
-  TreeState pose_;            // Pose of qpos_.
-  std::vector<double> qpos_;  // Configuration of the frame; only the limb is changed.
-  int frame_ = 0;
   std::vector<double> gradient_, hessian_;
   std::vector<std::uint32_t> pairs_;
 };

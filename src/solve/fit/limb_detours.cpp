@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
-#include <numeric>
 #include <optional>
 
 #include "retarget/human.h"
-#include "retarget/kinematic_tree.h"
-#include "retarget/so3.h"
 #include "solve/fit/frame_terms.h"
+#include "solve/fit/limb_frame.h"
 #include "solve/fit/limb_path.h"
 #include "solve/fit/shorthand.h"
 #include "solve/fit/window_trial.h"
@@ -37,12 +34,11 @@ class ArmStraightener {
         arm_(without_hand(model, arm)),
         keep_going_(keep_going),
         result_(result),
-        solver_(model, arm_),
-        finder_(model, options, clip, arm_),
-        pose_(model.tree) {
-    for (const FitTask& task : model.tasks) {
-      const bool carries = arm.link > 0 && model.tree.carries(task.link, arm.link);
-      if (carries && task.rotation_weight > 0.0) trunk_ = &task;
+        frame_(model, clip, arm_),
+        finder_(model, options, clip, arm_) {
+    for (std::size_t k = 0; k < model.tasks.size(); ++k) {
+      const FitTask& task = model.tasks[k];
+      if (task.rotation_weight > 0.0 && model.tree.carries(task.link, arm.link)) trunk_task_ = k;
     }
   }
 
@@ -57,14 +53,13 @@ class ArmStraightener {
   [[nodiscard]] int frames_in(double seconds) const {
     return static_cast<int>(std::lround(seconds / clip_.frame_time));
   }
-  void set_frame(int t) { pose_.update(clip_.frame(t, model_.configuration_size)); }
   double cost(int t) {
-    set_frame(t);
-    return solver_.cost(pose_, clip_.goals(t, model_.tasks.size()));
+    frame_.set(t);
+    return frame_.cost();
   }
   std::vector<Interval> intervals();
   bool is_trunk_twisted(const Interval& interval);
-  bool release_trunk(WindowTrial& trial) const;
+  bool release_trunk(WindowTrial& trial);
   void reroute(const Interval& interval);
 
   const FitModel& model_;
@@ -73,10 +68,10 @@ class ArmStraightener {
   FitLimb arm_;
   const std::function<bool()>& keep_going_;
   BranchRecovery& result_;
-  LimbSolver solver_;
+  LimbFrame frame_;
   LimbPathFinder finder_;
-  TreeState pose_;
-  const FitTask* trunk_ = nullptr;  // The task of the body that carries the arm.
+  std::optional<std::size_t> trunk_task_;  // The task of the body that carries the arm.
+  std::optional<FitModel> without_arm_;    // Made when it is needed.
 };
 
 // The frames in which the arm is off, with those around them.
@@ -98,30 +93,33 @@ std::vector<Interval> ArmStraightener::intervals() {
 }
 
 bool ArmStraightener::is_trunk_twisted(const Interval& interval) {
-  if (trunk_ == nullptr) return false;
-  const auto task = static_cast<std::size_t>(trunk_ - model_.tasks.data());
+  if (!trunk_task_) return false;
+  const int link = model_.tasks[*trunk_task_].link;
   for (int t = interval.begin; t < interval.end; ++t) {
-    set_frame(t);
-    const FrameGoals goals = clip_.goals(t, model_.tasks.size());
-    const Pose& world_from_link = pose_.world_from_link[at(trunk_->link)];
-    if (rotation_error(world_from_link, goals.targets[task]).norm() > kTwisted) return true;
+    frame_.set(t);
+    const TaskTarget& target = frame_.goals().targets[*trunk_task_];
+    if (rotation_error(frame_.pose().world_from_link[at(link)], target).norm() > kTwisted) {
+      return true;
+    }
   }
   return false;
 }
 
 // An arm off its target pulls the trunk along, and other branches may be out of reach from there. So
 // this solves the window without the arm, and then gives the arm its joints back.
-bool ArmStraightener::release_trunk(WindowTrial& trial) const {
-  FitModel without = model_;
-  for (const std::size_t k : arm_.tasks) {
-    FitTask& task = without.tasks[k];
-    task.horizontal_weight = task.height_weight = task.rotation_weight = 0.0;
+bool ArmStraightener::release_trunk(WindowTrial& trial) {
+  if (!without_arm_) {
+    without_arm_ = model_;
+    for (const std::size_t k : arm_.tasks) {
+      FitTask& task = without_arm_->tasks[k];
+      task.horizontal_weight = task.height_weight = task.rotation_weight = 0.0;
+    }
   }
   FitOptions few = options_;
   few.iterations = std::min(3, options_.iterations);
   few.extra_iterations = 0;
   few.dynamics = false;
-  if (!trial.solve(without, few)) return false;
+  if (!trial.solve(*without_arm_, few)) return false;
   for (int t = trial.window().begin; t < trial.window().end; ++t) {
     const auto frame = clip_.frame(t, model_.configuration_size);
     for (const int link : arm_.links) {
@@ -144,23 +142,14 @@ void ArmStraightener::reroute(const Interval& interval) {
   if (!is_trunk_twisted(interval) || release_trunk(trial)) {
     path = finder_.find(interval.begin, interval.end);
   }
-  bool is_better = false;
+  std::optional<RecoveredLimb> changed;
   if (path) {
-    for (int t = path->begin; t < path->end; ++t) {
-      const auto frame = clip_.frame(t, model_.configuration_size);
-      for (std::size_t i = 0; i < arm_.links.size(); ++i) {
-        joint_value(model_, arm_.links[i], frame) = path->joints[at(t - path->begin)][i];
-      }
+    put_limb(model_, arm_, *path, clip_);
+    if (trial.solve() && trial.pays_off()) {
+      changed = {arm_.name, interval.begin, interval.end, before, arm_cost()};
     }
-    is_better = trial.solve() && trial.pays_off();
   }
-  if (is_better) {
-    result_.limbs.push_back({arm_.name, interval.begin, interval.end, before, arm_cost()});
-  } else {
-    trial.revert();
-  }
-  result_.stopped = result_.stopped || trial.stopped();
-  std::ranges::copy(trial.failures(), std::back_inserter(result_.failures));
+  result_.conclude(trial, changed);
 }
 
 }  // namespace

@@ -22,65 +22,32 @@ constexpr double kClearlyBetter = 0.8;  // Share of the cost of the current path
 
 LimbPathFinder::LimbPathFinder(const FitModel& model, const FitOptions& options,
                                const FitClip& clip, const FitLimb& limb)
-    : model_(model),
-      options_(options),
-      clip_(clip),
-      limb_(limb),
-      solver_(model, limb),
-      pose_(model.tree),
-      qpos_(at(model.configuration_size)) {
+    : options_(options), frame_time_(clip.frame_time), frame_(model, clip, limb) {
   for (const int link : limb.links) {
     max_speed_.push_back(
         std::min(options.max_joint_speed, model.speed_limit[at(KinematicTree::dof_of(link))]));
   }
   // A joint without limits covers a full turn.
-  lowest_ = std::max(solver_.limits().lower[0], -std::numbers::pi);
-  const double range = std::min(solver_.limits().upper[0], std::numbers::pi) - lowest_;
+  lowest_ = std::max(frame_.limits().lower[0], -std::numbers::pi);
+  const double range = std::min(frame_.limits().upper[0], std::numbers::pi) - lowest_;
   if (!(range > 0.0)) return;
   positions_ = 1 + static_cast<int>(std::ceil(range / kSpacing));
   spacing_ = range / (positions_ - 1);
 }
 
-void LimbPathFinder::set_frame(int frame) {
-  std::ranges::copy(clip_.frame(frame, model_.configuration_size), qpos_.begin());
-  pose_.update(qpos_);
-}
-
-LimbPathFinder::Node LimbPathFinder::node_here(double tracking) const {
-  Node node;
-  for (std::size_t i = 0; i < count(); ++i) {
-    node.joints[i] = qpos_[at(model_.tree.links()[at(limb_.links[i])].qpos_address)];
-  }
-  node.tracking = tracking;
-  return node;
-}
-
 LimbPathFinder::Node LimbPathFinder::own_node(int frame, int frames) {
-  set_frame(frame);
-  return node_here(frames * solver_.cost(pose_, clip_.goals(frame, model_.tasks.size())));
+  frame_.set(frame);
+  return {.joints = frame_.joints(), .tracking = frames * frame_.cost()};
 }
 
-// Solves the limb with its first joint at a point of the grid and the others inside range_.
-LimbPathFinder::Node LimbPathFinder::solved(int frame, const LimbJoints& start, int index,
+// Solves the limb with its first joint at a point of the grid and the others inside `range`.
+LimbPathFinder::Node LimbPathFinder::solved(const LimbJoints& start, int index, LimbRange range,
                                             int frames) {
-  for (std::size_t i = 0; i < count(); ++i) {
-    joint_value(model_, limb_.links[i], qpos_) = i == 0 ? position(index) : start[i];
-  }
-  pose_.update_subtree(limb_.link, qpos_);
-  range_.lower[0] = range_.upper[0] = position(index);
-  return node_here(frames *
-                   solver_.solve(clip_.goals(frame, model_.tasks.size()), range_, pose_, qpos_));
-}
-
-// Joint ranges that can be reached without the speeds that the fit penalises.
-LimbRange LimbPathFinder::within_reach(const LimbJoints& from, int frames) const {
-  const double step = options_.soft_joint_speed * frames * clip_.frame_time;
-  LimbRange range = solver_.limits();
-  for (std::size_t i = 0; i < count(); ++i) {
-    range.lower[i] = std::max(range.lower[i], from[i] - step);
-    range.upper[i] = std::min(range.upper[i], from[i] + step);
-  }
-  return range;
+  LimbJoints joints = start;
+  joints[0] = range.lower[0] = range.upper[0] = position(index);
+  frame_.place(joints);
+  const double cost = frame_.solve(range);
+  return {.joints = frame_.joints(), .tracking = frames * cost};
 }
 
 // A layer consists of the own configuration; for each position of the first joint, the best
@@ -97,19 +64,19 @@ LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before
   const auto best_at = [&](int k) -> Node& { return layer[at(1 + k)]; };
   // Starts from the neighbour nearer to the own configuration, so that the grid stays continuous.
   const auto solve_at = [&](int k, const LimbJoints& start) {
-    range_ = solver_.limits();
-    best_at(k) = solved(frame, start, k, frames);
+    best_at(k) = solved(start, k, frame_.limits(), frames);
   };
   solve_at(nearest, own.joints);
   for (int k = nearest + 1; k < positions_; ++k) solve_at(k, best_at(k - 1).joints);
   for (int k = nearest - 1; k >= 0; --k) solve_at(k, best_at(k + 1).joints);
+  // Within reach means without the speeds that the fit penalises.
+  const double reach = options_.soft_joint_speed * frames * frame_time_;
   const bool is_full = before.size() == layer.size();
   for (int k = 0; k < positions_; ++k) {
     const Node& best = before[is_full ? at(1 + k) : 0];
     const Node& slow = before[is_full ? at(1 + positions_ + k) : 0];
     const LimbJoints& from = (best.total < slow.total ? best : slow).joints;
-    range_ = within_reach(from, frames);
-    layer[at(1 + positions_ + k)] = solved(frame, from, k, frames);
+    layer[at(1 + positions_ + k)] = solved(from, k, frame_.within_reach(from, reach), frames);
   }
   return layer;
 }
@@ -117,7 +84,7 @@ LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before
 double LimbPathFinder::move_cost(const LimbJoints& from, const LimbJoints& to, int frames) const {
   double cost = 0.0;
   for (std::size_t i = 0; i < count(); ++i) {
-    const double speed = std::abs(to[i] - from[i]) / (frames * clip_.frame_time);
+    const double speed = std::abs(to[i] - from[i]) / (frames * frame_time_);
     cost += square(kMoveWeight * speed) +
             square(options_.speed_weight * std::max(0.0, speed - options_.soft_joint_speed)) +
             square(kTooFastWeight * std::max(0.0, speed - max_speed_[i]));
@@ -160,7 +127,7 @@ LimbBranch LimbPathFinder::best_path(const std::vector<Layer>& layers,
 }
 
 std::optional<LimbBranch> LimbPathFinder::find(int begin, int end) {
-  const int every = std::max(1, static_cast<int>(std::lround(kLayerTime / clip_.frame_time)));
+  const int every = std::max(1, static_cast<int>(std::lround(kLayerTime / frame_time_)));
   if (end - begin < 3 * every) return std::nullopt;
   std::vector<int> frames;
   for (int frame = begin; frame < end - 1; frame += every) frames.push_back(frame);

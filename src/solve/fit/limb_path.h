@@ -3,11 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include "retarget/kinematic_tree.h"
 #include "retarget/options.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/limb_branch.h"
+#include "solve/fit/limb_frame.h"
 #include "solve/fit/limb_solver.h"
 
 namespace retarget {
@@ -35,28 +35,20 @@ class LimbPathFinder {
   };
   using Layer = std::vector<Node>;
 
-  void set_frame(int frame);
-  [[nodiscard]] Node node_here(double tracking) const;
   [[nodiscard]] Node own_node(int frame, int frames);
-  [[nodiscard]] Node solved(int frame, const LimbJoints& start, int position, int frames);
+  [[nodiscard]] Node solved(const LimbJoints& start, int position, LimbRange range, int frames);
   [[nodiscard]] Layer solve_layer(int frame, const Layer& before, int frames);
-  [[nodiscard]] LimbRange within_reach(const LimbJoints& from, int frames) const;
   [[nodiscard]] double move_cost(const LimbJoints& from, const LimbJoints& to, int frames) const;
   void connect(const Layer& before, Layer& layer, int frames) const;
   [[nodiscard]] LimbBranch best_path(const std::vector<Layer>& layers,
                                      const std::vector<int>& frames) const;
   [[nodiscard]] double position(int index) const { return lowest_ + index * spacing_; }
-  [[nodiscard]] std::size_t count() const { return limb_.links.size(); }
+  [[nodiscard]] std::size_t count() const { return max_speed_.size(); }
 
-  const FitModel& model_;
   const FitOptions& options_;
-  const FitClip& clip_;
-  const FitLimb& limb_;
-  LimbSolver solver_;
-  LimbRange range_;                      // For the next solve.
+  const double frame_time_;
+  LimbFrame frame_;
   std::vector<double> max_speed_;        // By joint, rad/s or m/s.
-  TreeState pose_;                       // Pose of qpos_.
-  std::vector<double> qpos_;             // Configuration of the frame; only the limb is changed.
   double lowest_ = 0.0, spacing_ = 0.0;  // Grid of the first joint, rad.
   int positions_ = 1;                    // Number of its points.
 };
