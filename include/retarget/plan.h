@@ -16,6 +16,7 @@
 #include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "retarget/scene.h"
 
 namespace RETARGET_API retarget {
 
@@ -70,6 +71,8 @@ struct Plan {
   ScaleRule scale = ScaleRule::kLimbs;
   std::optional<TravelReport> travel;  ///< Set if the travel of `clip` is scaled.
   FitOptions fit;
+  std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.
+  std::vector<ObjectTrack> object_tracks;
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.
 

@@ -15,6 +15,7 @@
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
+#include "retarget/solved_scene.h"
 
 namespace RETARGET_API retarget {
 
@@ -48,6 +49,7 @@ struct Motion {
   Plan plan;                           ///< The solved plan, without its clip.
   long ik_steps = 0;                   ///< Inverse kinematics steps, all frames.
   std::optional<FitReport> fit;        ///< Method::kFit only: results of the fit.
+  std::optional<SolvedScene> scene;  ///< Method::kFit only: the robot's scene, if the plan has one.
   SourceContacts contacts;  ///< Method::kFit only: the source's foot contacts that the fit used.
   /// Failures of all solvers; a motion with a failure misses a gate.
   std::vector<SolverFailure> solver_failures;

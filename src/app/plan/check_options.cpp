@@ -54,8 +54,30 @@ Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& o
       "NAME " OPTION("model") " FILE");
 }
 
+namespace {
+
+Result<void> check_scene_options(const SolveOptions& solve) {
+  if (solve.scene.empty()) {
+    if (solve.object_tracks.empty()) return {};
+    return usage_failure(OPTION("object-track") " requires " OPTION("scene"),
+                         "add " OPTION("scene") " FILE with the shape of the object");
+  }
+  if (solve.method != Method::kFit) {
+    return usage_failure(OPTION("scene") " requires " OPTION("method") " fit",
+                         "the published method knows no surroundings");
+  }
+  if (!solve.travel.empty() && solve.travel != "1") {
+    return usage_failure(OPTION("scene") " cannot be combined with " OPTION("travel"),
+                         "the scene stays where it is");
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<void> check_solving_options(const Options& options) {
   const SolveOptions& solve = options.solve;
+  TRY(check_scene_options(solve));
   if (solve.method != Method::kFit && (!solve.fit_config.empty() || !solve.with.empty() ||
                                        !solve.without.empty() || solve.fit_window_s > 0.0)) {
     return usage_failure(

@@ -116,6 +116,26 @@ void note_hands(const Clip& clip, Plan& plan) {
   if (!text.empty()) plan.config_notes.push_back({"hands", text});
 }
 
+Result<void> load_surroundings(Plan& plan) {
+  const SolveOptions& solve = plan.options.solve;
+  if (solve.scene.empty()) return {};
+  TRY_ASSIGN(Scene scene, load_scene(solve.scene));
+  for (const std::string& spec : solve.object_tracks) {
+    TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
+    plan.object_tracks.push_back(std::move(track));
+  }
+  plan.scene = std::make_shared<const Scene>(std::move(scene));
+  plan.config_notes.push_back(
+      {"scene", fmt::format("{}: {}, {}", plan.scene->name,
+                            count_text(plan.scene->bodies.size(), "body", "bodies"),
+                            count_text(plan.object_tracks.size(), "track"))});
+  if (plan.robot.robot->fixed_base()) {
+    plan.config_notes.push_back({"", "ignored: the base of the robot is fixed"});
+    plan.scene = nullptr;
+  }
+  return {};
+}
+
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);
   TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
@@ -166,6 +186,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
     plan.config_notes.push_back(std::move(line));
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
+  TRY(load_surroundings(plan));
   TRY(scale_source_travel(clip, plan));
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));

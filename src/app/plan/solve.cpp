@@ -11,7 +11,9 @@
 #include "base/try.h"
 #include "retarget/machine.h"
 #include "retarget/resample.h"
+#include "retarget/scene.h"
 #include "retarget/text.h"
+#include "scene/scene_world.h"
 #include "solve/fit/fit.h"
 #include "solve/hands/hand_track.h"
 #include "solve/targets/solve_frames.h"
@@ -73,7 +75,20 @@ void write_hands(const HandTrack& hands, Motion& motion) {
   std::ranges::copy(hands.failures(), std::back_inserter(motion.solver_failures));
 }
 
-Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& motion) {
+// The scene around the human in the frames of the motion.
+// @param source  the clip as read.
+Result<std::optional<SceneWorld>> human_world(const Plan& plan, const Clip& source,
+                                              const Clip& prepared) {
+  if (!plan.scene) return std::optional<SceneWorld>();
+  const ClipTimes times{source.rate(), source.frame_count(), plan.part.begin, prepared.rate(),
+                        prepared.frame_count()};
+  TRY_ASSIGN(SceneClip clip, place_scene(plan.scene, plan.object_tracks, times));
+  TRY_ASSIGN(SceneWorld world, make_scene_world(std::move(clip)));
+  return std::optional(std::move(world));
+}
+
+Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveControl& control,
+                       Motion& motion) {
   FitOptions options = plan.fit;
   if (options.threads == 0) {
     options.threads = control.threads > 0 ? control.threads : usable_cores();
@@ -85,6 +100,7 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
       return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
     };
   }
+  run.scene = scene;
   const HandTrack hands = hand_track(plan, *motion.source);
   if (!hands.empty() && motion.source->frame_count() > 0) {
     run.held = plan.robot.robot->zero_configuration();
@@ -96,6 +112,7 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
   motion.contacts = fitted.contacts.of_ends();
+  motion.scene = std::move(fitted.scene);
   motion.solver_failures = motion.fit->failures;
   write_hands(hands, motion);
   if (!control.frame_solved) return {};
@@ -149,10 +166,13 @@ Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
 Result<Motion> solve(Plan plan, const SolveControl& control) {
   Motion motion;
   TRY_ASSIGN(motion.source, prepare_clip(plan));
+  TRY_ASSIGN(const std::optional<SceneWorld> scene,
+             human_world(plan, *plan.clip, *motion.source));
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, control, motion) : solve_frames(plan, control, motion));
+  TRY(is_fit ? solve_fit(plan, scene ? &*scene : nullptr, control, motion)
+             : solve_frames(plan, control, motion));
   motion.plan = std::move(plan);
   return motion;
 }

@@ -17,6 +17,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/source_feet.h"
+#include "human/gait/surface_contacts.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"
@@ -135,6 +136,8 @@ class Fit {
   [[nodiscard]] Result<void> check_finite() const;
   Result<void> recover_limbs(FitReport& report);
   void hold_joints();
+  void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
+                              FitResult& result);
   void keep_bounds(FitReport& report);
   void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                     FitReport& report) const;
@@ -320,11 +323,12 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
                        FitReport& report) const {
   constexpr std::array kNames = {"position",       "rotation", "foot-height",    "contact",
                                  "contact-height", "floor",    "self-collision", "limits",
-                                 "smoothness",     "speed"};
+                                 "smoothness",     "speed",    "scene-contact",  "scene"};
   static_assert(kNames.size() == kTermCount);
   constexpr std::size_t kWorst = 5;
   const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));
-  for (std::size_t term = 0; term < kTermCount; ++term) {
+  const std::size_t terms = clip_.scene ? kTermCount : kTermsWithoutScene;
+  for (std::size_t term = 0; term < terms; ++term) {
     FitTermReport entry;
     entry.name = kNames[term];
     std::vector<int> order;
@@ -343,6 +347,31 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
     }
     report.terms.push_back(std::move(entry));
   }
+}
+
+void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
+                                 FitResult& result) {
+  const SceneWorld& world = *run_.scene;
+  const ContactOptions options = contact_options(options_);
+  const double size = feet_.leg_length() / kUsualSourceLeg;
+  result.contacts = find_contacts(feet_over_ground(world, feet_, size), options);
+  add_ground(world, feet_, result.contacts);
+  SurfaceParts parts(info, size);
+  HumanPose bones;
+  for (int frame = 0; frame < info.frame_count; ++frame) {
+    poser.pose(frame, bones);
+    parts.add(bones);
+  }
+  const std::vector<SurfacePhase> phases =
+      find_surface_contacts(world, parts, options, clip_.frame_time);
+  auto scene = std::make_shared<FitScene>(
+      make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time));
+  SolvedScene& solved = result.scene.emplace(SolvedScene{scene->world.clip, scale, {}});
+  for (const SurfacePhase& phase : phases) {
+    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body),
+                               phase.begin, phase.end, phase.slides});
+  }
+  clip_.scene = std::move(scene);
 }
 
 Result<FitResult> Fit::run() {
@@ -375,9 +404,13 @@ Result<FitResult> Fit::run() {
     return input_failure(source_.name(), "target positions are too large or not finite",
                          "is " OPTION("unit") " right?");
   }
-  result.contacts = find_contacts(feet_, contact_options(options_));
+  const double scale = path_scales(targets).foot;
+  if (run_.scene != nullptr && !model_.feet.empty()) {
+    find_contacts_in_scene(info, poser, scale, result);
+  } else {
+    result.contacts = find_contacts(feet_, contact_options(options_));
+  }
   if (!model_.feet.empty()) {
-    const double scale = path_scales(targets).foot;
     report.floor_found = result.contacts.standing.found;
     report.floor_height = floor_height(result.contacts.standing, scale);
     std::vector<int> source_feet;

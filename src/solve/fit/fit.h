@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "human/gait/contact_plan.h"
@@ -14,6 +15,8 @@
 #include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "retarget/solved_scene.h"
+#include "scene/scene_world.h"
 #include "solve/targets/solve_frames.h"
 
 namespace retarget {
@@ -24,6 +27,7 @@ struct FitResult {
   FitReport report;
   ContactPlan contacts;  ///< Of the source.
   long steps = 0;        ///< IK steps of the first stage.
+  std::optional<SolvedScene> scene;  ///< Set if the fit had a scene.
 };
 
 /// Run parameters of a fit.
@@ -38,6 +42,9 @@ struct FitRun {
   std::vector<double> held;
   /// Whether limbs on the wrong branch are moved to another one.
   bool recover_limbs = true;
+  /// The scene around the human in the frames of the clip; null: only the floor. Without feet in
+  /// the source or the robot it is ignored.
+  const SceneWorld* scene = nullptr;
 };
 
 /// Retargets a whole clip (docs/fit.md):

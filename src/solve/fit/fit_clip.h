@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct FitClip {
   FootPlan feet;
   std::vector<Eigen::Vector2d> anchors;  ///< By contact phase.
   std::vector<double> qpos;              ///< Frame-major, laid out as in RobotClip.
+  std::shared_ptr<const FitScene> scene;  ///< Null: none.
 
   [[nodiscard]] std::span<double> frame(int t, int size) {
     return {qpos.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(size),
@@ -34,7 +36,9 @@ struct FitClip {
             anchors,
             1.0,
             feet.supports_of(t),
-            feet.lying_of(t)};
+            feet.lying_of(t),
+            scene.get(),
+            t};
   }
 };
 

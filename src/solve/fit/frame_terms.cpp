@@ -337,6 +337,12 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
   add_feet(pose, goals, costs);
   if (options_.contact) add_supports(pose, goals, costs);
   if (options_.floor) add_floor(pose, goals, costs);
+  if (goals.scene != nullptr) {
+    const SceneCosts added =
+        add_scene_terms(model_, options_, *goals.scene, goals.frame, pose, composites_);
+    costs[kTermSceneContact] += added.contact;
+    costs[kTermScene] += added.penetration;
+  }
   retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
   write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
   if (!options_.self_collision) return;

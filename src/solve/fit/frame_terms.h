@@ -11,6 +11,7 @@
 #include "retarget/options.h"
 #include "robot/model/composite.h"
 #include "solve/fit/fit_model.h"
+#include "solve/fit/fit_scene.h"
 
 namespace retarget {
 
@@ -26,8 +27,13 @@ enum FitTerm : unsigned char {
   kTermLimits,
   kTermSmoothness,
   kTermSpeed,
+  kTermSceneContact,
+  kTermScene,
   kTermCount
 };
+
+/// Terms of every fit; the rest needs a scene.
+inline constexpr int kTermsWithoutScene = kTermSceneContact;
 
 using TermCosts = std::array<double, kTermCount>;
 
@@ -68,6 +74,8 @@ struct FrameGoals {
   std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.
   std::span<const double> lying;  ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
                                   ///< empty.
+  const FitScene* scene = nullptr;  ///< Null: none.
+  int frame = 0;                    ///< Of the scene.
 };
 
 /// Squared-error weights of a task's position along the world axes. The height of an upright foot

@@ -1,0 +1,255 @@
+#include "human/gait/surface_contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "human/gait/frame_runs.h"
+#include "retarget/statistics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Distances and speeds for a body with legs of kUsualSourceLeg. The radius of a part is the distance
+// of its points from the skin, which no skeleton knows; the thresholds cover what it is off.
+constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
+constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
+// A contact slides if its place on the surface moves farther than this, metres.
+constexpr double kSlideReach = 0.08;
+// How far the nearest point of a surface may move before the contact moves, metres.
+constexpr double kStickReach = 0.03;
+// Where a foot's ground is looked for: this far above its ends, metres.
+constexpr double kAboveFoot = 0.12;
+// A surface of this height is not the floor, metres.
+constexpr double kRaised = 0.015;
+
+// Follows a place that stays where it is while the nearest point moves by less than a radius.
+class StickingPlace {
+ public:
+  StickingPlace(const Vector3d& first, double radius) : place_(first), radius_(radius) {}
+  const Vector3d& follow(const Vector3d& nearest) {
+    const Vector3d away = nearest - place_;
+    const double distance = away.norm();
+    if (distance > radius_) place_ += (distance - radius_) / distance * away;
+    return place_;
+  }
+
+ private:
+  Vector3d place_;
+  double radius_;
+};
+
+// Finds the contacts of one part with one body of a scene.
+class SurfaceContactFinder {
+ public:
+  SurfaceContactFinder(const SceneWorld& world, const SurfaceParts& parts, std::size_t part,
+                       std::size_t body, const ContactOptions& options, double frame_time)
+      : world_(world),
+        part_(part),
+        body_(body),
+        size_(parts.scale()),
+        shortest_(options.shortest),
+        frame_time_(frame_time) {
+    const int frames = std::min(parts.frame_count(), world.clip.frame_count);
+    distances_.reserve(static_cast<std::size_t>(frames));
+    places_.reserve(static_cast<std::size_t>(frames));
+    for (int frame = 0; frame < frames; ++frame) {
+      const SurfaceParts::Nearest nearest = parts.nearest(world, frame, part, body);
+      distances_.push_back(nearest.distance);
+      places_.push_back(world.clip.pose(frame, body).inverse() * nearest.on_surface);
+    }
+  }
+
+  void find(std::vector<SurfacePhase>& phases) const {
+    std::vector<char> touches(distances_.size());
+    bool on = false;
+    for (std::size_t frame = 0; frame < touches.size(); ++frame) {
+      on = distances_[frame] <= (on ? kEndDistance : kBeginDistance) * size_ &&
+           speed(static_cast<int>(frame)) <= (on ? kEndSpeed : kBeginSpeed) * size_;
+      touches[frame] = on ? 1 : 0;
+    }
+    bridge_gaps(touches);
+    for_each_run(
+        0, static_cast<int>(touches.size()),
+        [&](int frame) { return touches[static_cast<std::size_t>(frame)]; },
+        [&](int begin, int end) {
+          if (touches[static_cast<std::size_t>(begin)] == 0 ||
+              (end - begin) * frame_time_ < shortest_ - 1e-9) {
+            return;
+          }
+          phases.push_back(phase(begin, end));
+        });
+  }
+
+ private:
+  // Speed of the nearest point over the surface and of the distance, m/s.
+  [[nodiscard]] double speed(int frame) const {
+    const int half = std::max(1, static_cast<int>(std::lround(1.0 / 30.0 / frame_time_)));
+    const int last = static_cast<int>(places_.size()) - 1;
+    const auto from = static_cast<std::size_t>(std::max(0, frame - half));
+    const auto to = static_cast<std::size_t>(std::min(last, frame + half));
+    if (from == to) return 0.0;
+    const double over = (places_[to] - places_[from]).norm();
+    const double towards = distances_[to] - distances_[from];
+    return std::sqrt(over * over + towards * towards) / (frame_time_ * static_cast<double>(to - from));
+  }
+
+  // A part that stays near the surface between two contacts does not leave it.
+  void bridge_gaps(std::vector<char>& touches) const {
+    constexpr double kGap = 0.1;  // Seconds.
+    const int count = static_cast<int>(touches.size());
+    for_each_run(
+        0, count, [&](int frame) { return touches[static_cast<std::size_t>(frame)]; },
+        [&](int begin, int end) {
+          const bool gap = touches[static_cast<std::size_t>(begin)] == 0 && begin > 0 &&
+                           end < count && (end - begin) * frame_time_ <= kGap;
+          if (!gap) return;
+          for (int frame = begin; frame < end; ++frame) {
+            if (distances_[static_cast<std::size_t>(frame)] > kEndDistance * size_) return;
+          }
+          std::fill(touches.begin() + begin, touches.begin() + end, char{1});
+        });
+  }
+
+  [[nodiscard]] SurfacePhase phase(int begin, int end) const {
+    SurfacePhase found{part_, body_, begin, end, false, {}};
+    StickingPlace place(places_[static_cast<std::size_t>(begin)], kStickReach * size_);
+    for (int frame = begin; frame < end; ++frame) {
+      found.places.push_back(place.follow(places_[static_cast<std::size_t>(frame)]));
+    }
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& point : found.places) box.extend(point);
+    found.slides = box.diagonal().norm() > kSlideReach * size_;
+    if (found.slides) return found;
+    const Vector3d middle = box.center();
+    std::ranges::fill(found.places, middle);
+    return found;
+  }
+
+  const SceneWorld& world_;
+  std::size_t part_, body_;
+  double size_, shortest_, frame_time_;
+  std::vector<double> distances_;  // By frame.
+  std::vector<Vector3d> places_;   // By frame, in the frame of the body.
+};
+
+}  // namespace
+
+SurfaceParts::SurfaceParts(const HumanClipInfo& human, double scale) : scale_(scale) {
+  // Distances from the joint to the skin: half the thickness of a limb, and of the trunk.
+  constexpr double kLimb = 0.055, kSeat = 0.13, kBack = 0.11;
+  constexpr double kWrist = 0.035, kPalm = 0.03, kTip = 0.015;
+  constexpr double kPalmReach = 0.09, kTipReach = 0.17;
+  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
+    const Bone bone = kSupportBones[part];
+    has_[part] = human.has(bone);
+    first_[part] = per_frame_;
+    if (!has_[part]) continue;
+    if (bone == Bone::kHips || bone == Bone::kSpine2) {
+      points_[part] = {{bone, 0.0, scale * (bone == Bone::kHips ? kSeat : kBack)}};
+    } else if (limb_bone(bone) == LimbBone::kHand) {
+      points_[part] = {{bone, 0.0, scale * kWrist},
+                       {bone, scale * kPalmReach, scale * kPalm},
+                       {bone, scale * kTipReach, scale * kTip}};
+    } else {
+      points_[part] = {{bone, 0.0, scale * kLimb}};
+    }
+    per_frame_ += points_[part].size();
+  }
+}
+
+void SurfaceParts::add(const HumanPose& pose) {
+  for (const auto& points : points_) {
+    for (const Point& point : points) {
+      positions_.push_back(pose[point.bone] * Vector3d(point.along, 0.0, 0.0));
+    }
+  }
+}
+
+int SurfaceParts::frame_count() const {
+  return per_frame_ == 0 ? 0 : static_cast<int>(positions_.size() / per_frame_);
+}
+
+SurfaceParts::Nearest SurfaceParts::nearest(const SceneWorld& world, int frame, std::size_t part,
+                                            std::size_t body) const {
+  Nearest nearest;
+  nearest.distance = std::numeric_limits<double>::infinity();
+  const std::size_t first = static_cast<std::size_t>(frame) * per_frame_ + first_[part];
+  for (std::size_t i = 0; i < points_[part].size(); ++i) {
+    const Vector3d& position = positions_[first + i];
+    const SurfaceDistance found = world.distance(frame, body, position);
+    const double distance = found.distance - points_[part][i].radius;
+    if (distance >= nearest.distance) continue;
+    nearest = {distance, found.normal, position - found.distance * found.normal};
+  }
+  return nearest;
+}
+
+std::vector<SurfacePhase> find_surface_contacts(const SceneWorld& world, const SurfaceParts& parts,
+                                                const ContactOptions& options, double frame_time) {
+  std::vector<SurfacePhase> phases;
+  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
+    if (!parts.has(part)) continue;
+    for (std::size_t body = 0; body < world.body_count(); ++body) {
+      SurfaceContactFinder(world, parts, part, body, options, frame_time).find(phases);
+    }
+  }
+  return phases;
+}
+
+SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale) {
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    for (int foot = 0; foot < feet.foot_count; ++foot) {
+      SourceFoot& of_frame = feet.feet[static_cast<std::size_t>(frame * feet.foot_count + foot)];
+      const auto lower = [&](Vector3d& end) {
+        const Vector3d above = end + kAboveFoot * scale * Vector3d::UnitZ();
+        end.z() -= world.ground_below(frame, above);
+      };
+      lower(of_frame.ankle);
+      lower(of_frame.toe);
+      if (of_frame.heel) lower(*of_frame.heel);
+    }
+  }
+  return feet;
+}
+
+void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts) {
+  std::vector<double> heights;
+  const auto ground = [&](int begin, int end, const auto& place_at) {
+    heights.clear();
+    for (int frame = begin; frame < end; ++frame) {
+      heights.push_back(world.ground_below(
+          frame, place_at(frame) + kAboveFoot * contacts.scale * Vector3d::UnitZ()));
+    }
+    return median_in_place(heights);
+  };
+  for (std::size_t foot = 0; foot < contacts.ends.size(); ++foot) {
+    const auto end_at = [&](int end) {
+      return [&feet, foot, end](int frame) {
+        return feet.at(frame, static_cast<int>(foot)).end(end);
+      };
+    };
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      for (ContactPhase& phase : contacts.ends[foot][static_cast<std::size_t>(end)].phases) {
+        phase.support += ground(phase.begin, phase.end, end_at(end));
+      }
+    }
+    for (auto* phases : {&contacts.phases[foot], &contacts.soles[foot]}) {
+      for (ContactPhase& phase : *phases) {
+        phase.support += ground(phase.begin, phase.end, end_at(kToeEnd));
+      }
+    }
+  }
+  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
+    std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
+      return ground(phase.begin, phase.end,
+                    [&](int frame) { return feet.support(frame, part); }) > kRaised;
+    });
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "human/gait/source_feet.h"
+#include "human/skeleton/human_clip.h"
+#include "retarget/contact_plan.h"
+#include "scene/scene_world.h"
+
+namespace retarget {
+
+/// Points of the human that may touch the surfaces of a scene, besides the feet: the joints of
+/// kSupportBones, and the palms and finger tips.
+class SurfaceParts {
+ public:
+  /// Points of one part; a surface is touched within `radius` of one of them.
+  static constexpr std::size_t kMaxPoints = 3;
+
+  SurfaceParts() = default;
+  /// @param human  @param scale  leg length / kUsualSourceLeg.
+  SurfaceParts(const HumanClipInfo& human, double scale);
+
+  void add(const HumanPose& pose);
+
+  [[nodiscard]] int frame_count() const;
+  [[nodiscard]] bool has(std::size_t part) const { return has_[part]; }
+  [[nodiscard]] double scale() const { return scale_; }
+  /// The distance between the part's surface and a body: negative where it overlaps. The normal and
+  /// `point` belong to the nearest point of the part.
+  struct Nearest {
+    double distance = 0.0;
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< World axes.
+    Eigen::Vector3d on_surface = Eigen::Vector3d::Zero();  ///< World, metres.
+  };
+  [[nodiscard]] Nearest nearest(const SceneWorld& world, int frame, std::size_t part,
+                                std::size_t body) const;
+
+ private:
+  struct Point {
+    Bone bone;
+    double along = 0.0;   ///< Along the bone's x axis, metres.
+    double radius = 0.0;  ///< Metres.
+  };
+  std::array<std::vector<Point>, kSupportBones.size()> points_;
+  std::array<bool, kSupportBones.size()> has_{};
+  double scale_ = 1.0;
+  std::size_t per_frame_ = 0;
+  std::vector<Eigen::Vector3d> positions_;  // Frame-major, in the order of points_.
+  std::array<std::size_t, kSupportBones.size()> first_{};
+};
+
+/// A contact of a part with a body of a scene.
+struct SurfacePhase {
+  std::size_t part = 0;  ///< Index into kSupportBones.
+  std::size_t body = 0;
+  int begin = 0, end = 0;
+  bool slides = false;  ///< It moves over the surface by more than the size of a hand.
+  /// The nearest point of the surface in frames [begin, end), in the frame of the body of the scene;
+  /// metres. It stands still unless the contact slides.
+  std::vector<Eigen::Vector3d> places;
+};
+
+/// Finds when parts touch the bodies of a scene: they are near, and slow relative to the body, for
+/// at least ContactOptions::shortest.
+[[nodiscard]] std::vector<SurfacePhase> find_surface_contacts(const SceneWorld& world,
+                                                              const SurfaceParts& parts,
+                                                              const ContactOptions& options,
+                                                              double frame_time);
+
+/// The feet of a source above the ground under them instead of above z = 0, so that a foot on a step
+/// stands as one on the floor.
+[[nodiscard]] SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale);
+
+/// Sets the heights of the surfaces on which feet stand; contacts found over the ground have none.
+/// Removes contacts of other parts with the floor where something else is under them.
+void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts);
+
+}  // namespace retarget

@@ -1,0 +1,91 @@
+#include "scene/scene_world.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+SceneShape scaled_shape(SceneShape shape, double scale) {
+  shape.body_from_shape.translation *= scale;
+  shape.half_size *= scale;
+  shape.radius *= scale;
+  shape.half_length *= scale;
+  if (shape.mesh) {
+    auto mesh = std::make_shared<TriangleMesh>(*shape.mesh);
+    for (Vector3d& vertex : mesh->vertices) vertex *= scale;
+    shape.mesh = std::move(mesh);
+  }
+  return shape;
+}
+
+}  // namespace
+
+SurfaceDistance SceneWorld::distance(int frame, std::size_t body, const Vector3d& point) const {
+  const Pose& pose = clip.pose(frame, body);
+  const double scale = scales[body];
+  const Vector3d in_body = pose.rotation.conjugate() * (point - pose.translation);
+  SurfaceDistance found = fields[body].at(in_body / scale);
+  found.distance *= scale;
+  found.normal = pose.rotation * found.normal;
+  return found;
+}
+
+double SceneWorld::ground_below(int frame, const Vector3d& point) const {
+  constexpr double kNear = 5e-4;  // Metres.
+  constexpr int kMaxSteps = 200;
+  Vector3d at = point;
+  for (int step = 0; step < kMaxSteps && at.z() > 0.0; ++step) {
+    double nearest = at.z();
+    for (std::size_t body = 0; body < fields.size(); ++body) {
+      if (!moves(body)) nearest = std::min(nearest, distance(frame, body, at).distance);
+    }
+    if (nearest < kNear) return at.z();
+    at.z() -= nearest;
+  }
+  return 0.0;
+}
+
+Result<SceneWorld> make_scene_world(SceneClip clip) {
+  SceneWorld world;
+  const std::string cache = distance_cache_folder();
+  for (const SceneBody& body : clip.scene->bodies) {
+    TRY_ASSIGN(DistanceField field, make_distance_field(body, cache));
+    world.fields.push_back(std::move(field));
+  }
+  world.scales.assign(world.fields.size(), 1.0);
+  world.clip = std::move(clip);
+  return world;
+}
+
+SceneWorld scaled_world(const SceneWorld& world, double scale) {
+  SceneWorld result = world;
+  Scene scene = *world.clip.scene;
+  for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
+    SceneBody& of_scene = scene.bodies[body];
+    of_scene.world_from_body.translation *= scale;
+    if (of_scene.moves) continue;
+    result.scales[body] = scale * world.scales[body];
+    for (SceneShape& shape : of_scene.shapes) shape = scaled_shape(std::move(shape), scale);
+  }
+  for (int frame = 0; frame < world.clip.frame_count; ++frame) {
+    for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
+      Pose& pose = result.clip.world_from_body[static_cast<std::size_t>(frame) *
+                                                   scene.bodies.size() + body];
+      // Of a static body the lowest point scales with its shapes.
+      const double low =
+          scene.bodies[body].moves ? world.fields[body].lowest(pose.rotation) : 0.0;
+      pose.translation *= scale;
+      pose.translation.z() += (scale - 1.0) * low;
+    }
+  }
+  result.clip.scene = std::make_shared<const Scene>(std::move(scene));
+  return result;
+}
+
+}  // namespace retarget

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/scene.h"
+
+namespace retarget {
+
+/// A scene over time and the distance fields of its bodies. World frame: metres, Z up, floor z = 0.
+struct SceneWorld {
+  SceneClip clip;
+  std::vector<DistanceField> fields;  ///< By body, for the sizes in `scales`.
+  std::vector<double> scales;         ///< By body: its size relative to that of its field.
+
+  [[nodiscard]] std::size_t body_count() const { return fields.size(); }
+  [[nodiscard]] bool moves(std::size_t body) const { return clip.scene->bodies[body].moves; }
+  /// Signed distance of a point in the world to a body; the normal is in world axes.
+  [[nodiscard]] SurfaceDistance distance(int frame, std::size_t body,
+                                         const Eigen::Vector3d& point) const;
+  /// Height of the highest surface of the static bodies that is below a point, metres; 0 (the
+  /// floor) if there is none.
+  [[nodiscard]] double ground_below(int frame, const Eigen::Vector3d& point) const;
+};
+
+/// Builds the distance fields of a scene. Errors: those of make_distance_field.
+[[nodiscard]] Result<SceneWorld> make_scene_world(SceneClip clip);
+
+/// The scene around a body of another size: static bodies and all paths are scaled about the origin
+/// of the world. Moving bodies keep their size, and their lowest points have scaled heights, so that
+/// an object rests on a scaled surface as on the original one.
+[[nodiscard]] SceneWorld scaled_world(const SceneWorld& world, double scale);
+
+}  // namespace retarget

@@ -1,0 +1,273 @@
+#include "solve/fit/fit_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "retarget/pose.h"
+#include "solve/fit/one_sided.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Half-width of the band in which the penetration term sets in, metres.
+constexpr double kBand = 0.003;
+// Depth by which a foot's shapes may extend below its sole, metres.
+constexpr double kShapeBelowSole = 0.005;
+// Depth at which the term sets in for soles, which stand on surfaces, metres.
+constexpr double kSoleDepth = 0.002;
+// Largest number of spheres along one axis of a shape.
+constexpr int kMostAlongAxis = 6;
+
+// Covers a shape with spheres: along its axes at distances of at most a radius. A box has spheres of
+// its smallest half size inside, and its corners.
+void cover(const FitShape& shape, std::vector<FloorPoint>& points) {
+  const int axes = shape.axis_count;
+  double radius = shape.radius;
+  std::array<Vector3d, 3> half_axes = shape.half_axes;
+  if (axes == 3) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Vector3d& axis : half_axes) smallest = std::min(smallest, axis.norm());
+    for (Vector3d& axis : half_axes) axis *= 1.0 - smallest / axis.norm();
+    radius += smallest;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vector3d point = shape.centre;
+      for (int axis = 0; axis < 3; ++axis) {
+        point += ((corner >> axis) & 1) != 0 ? shape.half_axes[at(axis)]
+                                             : Vector3d(-shape.half_axes[at(axis)]);
+      }
+      points.push_back({point, shape.radius});
+    }
+  }
+  std::array<int, 3> counts{1, 1, 1};
+  for (int axis = 0; axis < axes; ++axis) {
+    const double length = 2.0 * half_axes[at(axis)].norm();
+    if (length < 1e-6) continue;
+    counts[at(axis)] = std::min(kMostAlongAxis, 2 + static_cast<int>(length / std::max(radius, 0.01)));
+  }
+  const auto along = [&](int axis, int i) -> Vector3d {
+    if (counts[at(axis)] == 1) return Vector3d::Zero();
+    return (2.0 * i / (counts[at(axis)] - 1) - 1.0) * half_axes[at(axis)];
+  };
+  for (int i = 0; i < counts[0]; ++i) {
+    for (int j = 0; j < counts[1]; ++j) {
+      for (int k = 0; k < counts[2]; ++k) {
+        points.push_back({shape.centre + along(0, i) + along(1, j) + along(2, k), radius});
+      }
+    }
+  }
+}
+
+// Adds the residual r of a point's coordinate along a direction n. @param from_root  the vector d
+// from the root's origin to the point; its Jacobian is n.(v + w x d).
+void add_row(Composite& sum, const Vector3d& direction, const Vector3d& from_root, double weight,
+             double residual) {
+  const Vector3d turning = from_root.cross(direction);
+  sum.linear += weight * direction * direction.transpose();
+  sum.mixed += weight * direction * turning.transpose();
+  sum.angular += weight * turning * turning.transpose();
+  sum.force += weight * residual * direction;
+  sum.torque += weight * residual * turning;
+}
+
+// Adds the goals of the frames of a contact, and of the frames before and after it in which the
+// robot approaches and leaves the surface as its human does.
+class GoalPlanner {
+ public:
+  GoalPlanner(const SceneWorld& human_world, const SceneWorld& world, const SurfaceParts& parts,
+              double scale, double frame_time)
+      : human_world_(human_world),
+        world_(world),
+        parts_(parts),
+        scale_(scale),
+        blend_(std::max(1, static_cast<int>(std::lround(kBlendTime / frame_time)))),
+        by_frame_(at(world.clip.frame_count)) {}
+
+  void add(const SurfacePhase& phase, int support) {
+    const int frames = static_cast<int>(by_frame_.size());
+    const int begin = std::max(0, phase.begin - blend_);
+    const int end = std::min(frames, phase.end + blend_);
+    const double size = world_.scales[phase.body] / human_world_.scales[phase.body];
+    for (int frame = begin; frame < end; ++frame) {
+      const int away = std::max({0, phase.begin - frame, frame - phase.end + 1});
+      const int inside = std::clamp(frame, phase.begin, phase.end - 1);
+      const Pose& pose = world_.clip.pose(frame, phase.body);
+      SceneGoal goal{support, static_cast<int>(phase.body)};
+      goal.share = 1.0 - static_cast<double>(away) / (blend_ + 1);
+      const Vector3d in_body = phase.places[at(inside - phase.begin)];
+      goal.place = pose * (size * in_body);
+      goal.normal = world_.distance(frame, phase.body, goal.place).normal;
+      if (away > 0) approach(phase, frame, inside, goal);
+      merge(goal, by_frame_[at(frame)]);
+    }
+  }
+
+  void write(FitScene& scene) const {
+    scene.first_goal.push_back(0);
+    for (const auto& goals : by_frame_) {
+      scene.goals.insert(scene.goals.end(), goals.begin(), goals.end());
+      scene.first_goal.push_back(static_cast<std::uint32_t>(scene.goals.size()));
+    }
+  }
+
+ private:
+  static constexpr double kBlendTime = 0.15;  // Seconds.
+
+  // Moves the goal by how far the human's part is from where it touches.
+  void approach(const SurfacePhase& phase, int frame, int inside, SceneGoal& goal) const {
+    const auto nearest = parts_.nearest(human_world_, frame, phase.part, phase.body);
+    const auto touching = parts_.nearest(human_world_, inside, phase.part, phase.body);
+    goal.distance = std::max(0.0, scale_ * (nearest.distance - touching.distance));
+    const auto in_body = [&](int at_frame, const Vector3d& point) -> Vector3d {
+      return human_world_.clip.pose(at_frame, phase.body).inverse() * point;
+    };
+    const Vector3d moved =
+        in_body(frame, nearest.on_surface) - in_body(inside, touching.on_surface);
+    goal.place += scale_ * (world_.clip.pose(frame, phase.body).rotation * moved);
+  }
+
+  // Of two contacts of a part with a body the stronger one counts.
+  static void merge(const SceneGoal& goal, std::vector<SceneGoal>& goals) {
+    for (SceneGoal& other : goals) {
+      if (other.support != goal.support || other.body != goal.body) continue;
+      if (goal.share > other.share) other = goal;
+      return;
+    }
+    goals.push_back(goal);
+  }
+
+  const SceneWorld &human_world_, &world_;
+  const SurfaceParts& parts_;
+  double scale_;
+  int blend_;
+  std::vector<std::vector<SceneGoal>> by_frame_;
+};
+
+// The point of a support body that is nearest to a body of the scene.
+struct Touch {
+  int link = 0;
+  Vector3d place = Vector3d::Zero();  // World, metres.
+  Vector3d normal = Vector3d::UnitZ();
+  double distance = std::numeric_limits<double>::infinity();
+};
+
+Touch nearest_point(const SupportBody& body, const SceneWorld& world, int frame, int scene_body,
+                    const TreeState& pose) {
+  Touch nearest;
+  for (const SupportBody::Point& point : body.points) {
+    const Vector3d place = pose.world_from_link[at(point.link)] * point.in_link;
+    const SurfaceDistance found = world.distance(frame, at(scene_body), place);
+    if (found.distance - point.radius >= nearest.distance) continue;
+    nearest = {point.link, place, found.normal, found.distance - point.radius};
+  }
+  return nearest;
+}
+
+double add_contact(const FitModel& model, const FitOptions& options, const FitScene& scene,
+                   int frame, const SceneGoal& goal, const TreeState& pose,
+                   std::span<Composite> composites) {
+  const SupportBody& body = model.supports[at(goal.support)];
+  const Vector3d& origin = pose.origin();
+  const Touch touch = nearest_point(body, scene.world, frame, goal.body, pose);
+  const double apart = touch.distance - goal.distance;
+  const double normal_weight = square(goal.share * options.scene_contact_weight);
+  add_row(composites[at(touch.link)], touch.normal, touch.place - origin, normal_weight, apart);
+  double cost = normal_weight * square(apart);
+  // Along the surface: the middle of the body over the place.
+  const Vector3d middle = body.world_middle(pose);
+  const Vector3d off = middle - goal.place;
+  const double place_weight = square(goal.share * options.scene_place_weight);
+  const Vector3d first = goal.normal.unitOrthogonal();
+  for (const Vector3d& tangent : {first, Vector3d(goal.normal.cross(first))}) {
+    const double error = tangent.dot(off);
+    add_row(composites[at(body.link)], tangent, middle - origin, place_weight, error);
+    cost += place_weight * square(error);
+  }
+  return cost;
+}
+
+// @param margin  distance that the sphere keeps, metres.
+double keep_outside(const FitScene& scene, int frame, std::size_t scene_body,
+                    const FloorPoint& point, const Pose& world_from_link, const Vector3d& origin,
+                    double margin, double weight, Composite& composite) {
+  const Vector3d place = world_from_link * point.position;
+  const SurfaceDistance found = scene.world.distance(frame, scene_body, place);
+  const OneSidedRow row = one_sided(found.distance - point.radius - margin, kBand);
+  if (row.weight <= 0.0) return 0.0;
+  add_row(composite, found.normal, place - origin, weight * row.weight, row.residual);
+  return weight * row.cost;
+}
+
+}  // namespace
+
+FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
+                        const SurfaceParts& parts, std::span<const SurfacePhase> phases,
+                        double scale, double frame_time) {
+  FitScene scene;
+  scene.world = scaled_world(human_world, scale);
+  scene.points.resize(model.tree.links().size());
+  scene.spheres.resize(scene.points.size());
+  for (const FitShape& shape : model.shapes) cover(shape, scene.points[at(shape.link)]);
+  for (const FitFoot& foot : model.feet) {
+    for (const FitFoot::End& end : foot.ends) {
+      for (const Vector3d& point : end.points) {
+        // Together with the margin of a foot: the sole may penetrate by kSoleDepth.
+        scene.points[at(foot.link)].push_back({point, kShapeBelowSole - kSoleDepth});
+      }
+    }
+  }
+  for (std::size_t link = 0; link < scene.points.size(); ++link) {
+    BoundingSphere& sphere = scene.spheres[link];
+    Eigen::AlignedBox3d box;
+    for (const FloorPoint& point : scene.points[link]) box.extend(point.position);
+    if (box.isEmpty()) continue;
+    sphere.centre = box.center();
+    for (const FloorPoint& point : scene.points[link]) {
+      sphere.radius = std::max(sphere.radius,
+                               (point.position - sphere.centre).norm() + std::max(0.0, point.radius));
+    }
+  }
+  GoalPlanner planner(human_world, scene.world, parts, scale, frame_time);
+  for (const SurfacePhase& phase : phases) {
+    for (std::size_t support = 0; support < model.supports.size(); ++support) {
+      if (model.supports[support].support == phase.part) {
+        planner.add(phase, static_cast<int>(support));
+      }
+    }
+  }
+  planner.write(scene);
+  return scene;
+}
+
+SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
+                           int frame, const TreeState& pose, std::span<Composite> composites) {
+  SceneCosts costs;
+  for (const SceneGoal& goal : scene.goals_of(frame)) {
+    costs.contact += add_contact(model, options, scene, frame, goal, pose, composites);
+  }
+  const Vector3d& origin = pose.origin();
+  for (std::size_t link = 0; link < scene.points.size(); ++link) {
+    if (scene.points[link].empty()) continue;
+    const bool is_foot = model.is_foot[link] != 0;
+    const double margin = is_foot ? -kShapeBelowSole : options.scene_margin;
+    const double weight = square(is_foot ? options.sole_floor_weight : options.body_floor_weight);
+    const Pose& world_from_link = pose.world_from_link[link];
+    const BoundingSphere& sphere = scene.spheres[link];
+    const Vector3d centre = world_from_link * sphere.centre;
+    for (std::size_t body = 0; body < scene.world.body_count(); ++body) {
+      if (scene.world.distance(frame, body, centre).distance > sphere.radius + margin + kBand) {
+        continue;
+      }
+      for (const FloorPoint& point : scene.points[link]) {
+        costs.penetration += keep_outside(scene, frame, body, point, world_from_link, origin, margin,
+                                          weight, composites[link]);
+      }
+    }
+  }
+  return costs;
+}
+
+}  // namespace retarget

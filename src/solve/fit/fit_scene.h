@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "human/gait/surface_contacts.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/options.h"
+#include "robot/model/composite.h"
+#include "scene/scene_world.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// A support body that touches, approaches or leaves a surface of the scene in a frame.
+struct SceneGoal {
+  int support = 0;  ///< Index into FitModel::supports.
+  int body = 0;     ///< Of the scene.
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();     ///< Point of the surface, world, metres.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< Of the surface there, world.
+  double distance = 0.0;  ///< From the surface, metres; not 0 before and after the contact.
+  double share = 0.0;     ///< Factor for the weights, 0 to 1.
+};
+
+/// The world of a robot: the scaled scene, the points of the robot that must stay outside of it, and
+/// the contacts with it. Immutable during a fit.
+struct FitScene {
+  SceneWorld world;  ///< Frames of the fit, robot's world.
+  std::vector<std::vector<FloorPoint>> points;  ///< Spheres that cover the shapes, by link.
+  std::vector<BoundingSphere> spheres;          ///< By link, around its points.
+  std::vector<SceneGoal> goals;                 ///< By frame.
+  std::vector<std::uint32_t> first_goal;        ///< One per frame and one behind the last.
+
+  [[nodiscard]] std::span<const SceneGoal> goals_of(int frame) const {
+    const auto begin = first_goal[static_cast<std::size_t>(frame)];
+    return std::span(goals).subspan(begin, first_goal[static_cast<std::size_t>(frame) + 1] - begin);
+  }
+};
+
+/// Makes a robot's world from that of its human.
+/// @param scale  from the human's to the robot's paths, and size of static bodies.
+[[nodiscard]] FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
+                                      const SurfaceParts& parts,
+                                      std::span<const SurfacePhase> phases, double scale,
+                                      double frame_time);
+
+/// Costs of a frame's scene terms.
+struct SceneCosts {
+  double contact = 0.0, penetration = 0.0;
+};
+
+/// Adds the forms of a frame's scene terms to those of the links: contacts touch their surfaces, and
+/// nothing penetrates any.
+SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
+                           int frame, const TreeState& pose, std::span<Composite> composites);
+
+}  // namespace retarget
