@@ -8,14 +8,14 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 # The wings from the bottom up: a file includes only files of its own wing and of wings before it.
-WINGS = ["base", "motion", "robot", "formats", "human", "solve", "judge", "app"]
+WINGS = ["base", "motion", "robot", "scene", "formats", "human", "solve", "judge", "app"]
 
 # The folders of a wing in their order: a folder includes only folders before it. A wing without an
 # entry has no folders.
 FOLDERS = {
     "base": ["", "math"],
     "robot": ["model", "anatomy"],
-    "formats": ["containers", "bvh", "smpl", "scene", "robot_motion", "registry"],
+    "formats": ["containers", "bvh", "smpl", "scene", "robot_motion", "world", "registry"],
     "human": ["skeleton", "gait"],
     "solve": ["ik", "targets", "hands", "dynamics", "fit", "online", "robot_setup"],
     "judge": ["quality", "inspect"],
