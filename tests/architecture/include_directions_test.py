@@ -15,7 +15,7 @@ WINGS = ["base", "motion", "robot", "scene", "formats", "human", "solve", "judge
 FOLDERS = {
     "base": ["", "math"],
     "robot": ["model", "anatomy"],
-    "formats": ["containers", "bvh", "smpl", "scene", "robot_motion", "registry"],
+    "formats": ["containers", "bvh", "smpl", "scene", "robot_motion", "world", "registry"],
     "human": ["skeleton", "gait"],
     "solve": ["ik", "targets", "hands", "dynamics", "fit", "online", "robot_setup"],
     "judge": ["quality", "inspect"],

@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/try.h"
+#include "retarget/scene.h"
+#include "scene/distance_grid.h"
+#include "scene/grid_cache.h"
+#include "scene/primitive_distance.h"
+#include "scene/sample_distance.h"
+
+namespace retarget {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Type = SceneShape::Type;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A sphere about the shape's origin that encloses it.
+double radius_of(const SceneShape& shape) {
+  switch (shape.type) {
+    case Type::kPlane:
+      return kInfinity;
+    case Type::kBox:
+      return shape.half_size.norm();
+    case Type::kSphere:
+      return shape.radius;
+    case Type::kCapsule:
+      return shape.radius + shape.half_length;
+    case Type::kCylinder:
+      return std::sqrt(shape.radius * shape.radius + shape.half_length * shape.half_length);
+    case Type::kMesh:
+      break;
+  }
+  double square = 0.0;
+  for (const Vector3d& vertex : shape.mesh->vertices) {
+    square = std::max(square, vertex.squaredNorm());
+  }
+  return std::sqrt(square);
+}
+
+// The smallest product of `up` with a point of a shape. @param up  unit length, in the shape's frame
+double support_below(const SceneShape& shape, const Vector3d& up) {
+  switch (shape.type) {
+    case Type::kPlane:
+      return -kInfinity;
+    case Type::kBox:
+      return -up.cwiseAbs().dot(shape.half_size);
+    case Type::kSphere:
+      return -shape.radius;
+    case Type::kCapsule:
+      return -shape.radius - std::abs(up.z()) * shape.half_length;
+    case Type::kCylinder:
+      return -shape.radius * std::sqrt(up.x() * up.x() + up.y() * up.y()) -
+             std::abs(up.z()) * shape.half_length;
+    case Type::kMesh:
+      break;
+  }
+  double lowest = kInfinity;
+  for (const Vector3d& vertex : shape.mesh->vertices) lowest = std::min(lowest, up.dot(vertex));
+  return lowest;
+}
+
+// Reads the grid of a mesh from the cache, or samples it.
+Result<DistanceGrid> grid_of(const TriangleMesh& mesh, const std::string& cache) {
+  TRY_ASSIGN(const GridLayout layout, grid_layout(mesh));
+  if (cache.empty()) return DistanceGrid(layout, sample_distance(mesh, layout));
+  const std::string file =
+      (std::filesystem::path(cache) / grid_file_name(mesh, layout)).string();
+  if (auto grid = read_grid(file, layout)) return std::move(*grid);
+  DistanceGrid grid(layout, sample_distance(mesh, layout));
+  write_grid(file, grid);
+  return grid;
+}
+
+}  // namespace
+
+// A shape of the body, prepared for queries.
+struct DistanceField::Part {
+  SceneShape shape;
+  Matrix3d body_from_shape;
+  double radius = 0.0;  // Of a sphere about the shape's origin.
+  std::optional<DistanceGrid> grid;
+
+  [[nodiscard]] SurfaceDistance in_shape(const Vector3d& point) const {
+    switch (shape.type) {
+      case Type::kPlane:
+        return distance_to_plane(point);
+      case Type::kBox:
+        return distance_to_box(shape.half_size, point);
+      case Type::kSphere:
+        return distance_to_sphere(shape.radius, point);
+      case Type::kCapsule:
+        return distance_to_capsule(shape.radius, shape.half_length, point);
+      case Type::kCylinder:
+        return distance_to_cylinder(shape.radius, shape.half_length, point);
+      case Type::kMesh:
+        break;
+    }
+    return grid->at(point);
+  }
+};
+
+SurfaceDistance DistanceField::at(const Vector3d& in_body) const {
+  SurfaceDistance nearest{kInfinity, Vector3d::UnitZ()};
+  for (const auto& part : parts_) {
+    const Vector3d offset = in_body - part->shape.body_from_shape.translation;
+    // The part is farther away than another one, whatever its shape.
+    const double far = nearest.distance + part->radius;
+    if (far < kInfinity && far > 0.0 && offset.squaredNorm() > far * far) continue;
+    const SurfaceDistance found = part->in_shape(part->body_from_shape.transpose() * offset);
+    if (!(found.distance < nearest.distance)) continue;
+    nearest = {found.distance, part->body_from_shape * found.normal};
+  }
+  return nearest;
+}
+
+double DistanceField::lowest(const Eigen::Quaterniond& world_from_body) const {
+  double lowest = kInfinity;
+  // The world's up in the body's frame.
+  const Vector3d up = world_from_body.conjugate() * Vector3d::UnitZ();
+  for (const auto& part : parts_) {
+    const Vector3d in_shape = part->body_from_shape.transpose() * up;
+    lowest = std::min(lowest, up.dot(part->shape.body_from_shape.translation) +
+                                  support_below(part->shape, in_shape));
+  }
+  return lowest;
+}
+
+Result<DistanceField> make_distance_field(const SceneBody& body, const std::string& cache) {
+  DistanceField field;
+  for (const SceneShape& shape : body.shapes) {
+    auto part = std::make_shared<DistanceField::Part>();
+    part->shape = shape;
+    part->body_from_shape = shape.body_from_shape.rotation.toRotationMatrix();
+    part->radius = radius_of(shape);
+    if (shape.type == Type::kMesh) {
+      auto grid = grid_of(*shape.mesh, cache);
+      if (!grid) {
+        Error error = std::move(grid).error();
+        error.message = "the body \"" + body.name + "\": " + error.message;
+        return failure(std::move(error));
+      }
+      part->grid = std::move(*grid);
+    }
+    field.reach_ =
+        std::max(field.reach_, shape.body_from_shape.translation.norm() + part->radius);
+    field.parts_.push_back(std::move(part));
+  }
+  return field;
+}
+
+std::string distance_cache_folder() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? std::string() : std::string(value);
+  };
+  const std::filesystem::path chosen = variable("XDG_CACHE_HOME");
+  // The specification of these folders ignores relative paths.
+  if (chosen.is_absolute()) return (chosen / "retarget").string();
+  const std::filesystem::path home = variable("HOME");
+  return home.empty() ? std::string() : (home / ".cache" / "retarget").string();
+}
+
+}  // namespace retarget
