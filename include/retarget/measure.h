@@ -42,12 +42,16 @@ inline constexpr const char* kGateHelp =
 /// Returns the command-line option that collects these texts.
 [[nodiscard]] Option gate_row(std::vector<std::string>& texts, const std::string& help = kGateHelp);
 
+struct SceneWorld;
+
 /// The human motion from which a robot's motion was made. Frames with the same index are simultaneous.
 struct QualitySource {
   const HumanClip* human = nullptr;  ///< At the motion's frame rate; may be longer or shorter.
   const ResolvedConfig* config = nullptr;  ///< Defines the tracked targets; nullptr: no tracking.
   /// Scaling rule of the targets.
   ScaleRule scale = ScaleRule::kTable;
+  /// The scene around the human, in the same frames; null: only the floor.
+  const SceneWorld* scene = nullptr;
 };
 
 struct QualityOptions {
@@ -84,6 +88,8 @@ struct MeasuredSource {
   std::optional<HumanClip> human_with_lead_in;  ///< Set if the source has a lead-in.
   /// The same frames as read from the file, for sources with fingers; otherwise null.
   std::shared_ptr<const Clip> fingers, fingers_with_lead_in;
+  /// The scene around the human in the same frames; null: only the floor.
+  std::shared_ptr<const SceneWorld> scene, scene_with_lead_in;
   BoneMap map;
   ResolvedConfig config;
   std::string config_file;  ///< Recorded name of the file.

@@ -21,6 +21,8 @@ struct Metric {
   std::string_view source;      ///< Source of the definition.
   /// The metric exists only right after solving. Its gate is skipped for motions read from files.
   bool of_solver = false;
+  /// The metric exists only if the scene is known. Its gate is skipped without one.
+  bool of_scene = false;
 };
 
 /// All metrics, in report order.
@@ -271,7 +273,7 @@ class Gates {
   [[nodiscard]] Result<void> add_file(const std::string& path);
 
   /// Checks a report against the gates and stores the results in the report. Gates on metrics with
-  /// Metric::of_solver are skipped where the report lacks the metric.
+  /// Metric::of_solver or Metric::of_scene are skipped where the report lacks the metric.
   void judge(QualityReport& report) const;
 
  private:

@@ -22,6 +22,7 @@ struct SceneContact {
 /// The scene of a robot's motion.
 struct SolvedScene {
   SceneClip clip;      ///< Static bodies and all paths scaled about the origin; objects of their size.
+  SceneClip human;     ///< Around the human, in the frames of the motion.
   double scale = 1.0;  ///< From the human's world to the robot's.
   std::vector<SceneContact> contacts;  ///< Of the human; those of feet are in Motion::contacts.
 };

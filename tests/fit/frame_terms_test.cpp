@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <set>
 
 #include "retarget/human.h"
 #include "retarget/option_table.h"
 #include "retarget/so3.h"
+#include "scene/scene_world.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/frame_terms.h"
 #include "solve/fit/joint_speeds.h"
@@ -118,7 +120,8 @@ class FrameTermsTest : public testing::Test {
     gradient_.assign(dofs_, 0.0);
     hessian_.assign(dofs_ * dofs_, 1e30);
     costs_ = {};
-    terms.assemble(pose, {targets_, ends_, upright_, anchors_, 1.0, supports_, lying_}, pairs,
+    terms.assemble(pose, {targets_, ends_, upright_, anchors_, 1.0, supports_, lying_,
+                          scene_ ? &*scene_ : nullptr, 0}, pairs,
                    gradient_.data(), hessian_.data(), static_cast<int>(dofs_), costs_);
     return std::accumulate(costs_.begin(), costs_.end(), 0.0);
   }
@@ -156,6 +159,7 @@ class FrameTermsTest : public testing::Test {
   std::vector<SupportGoal> supports_;
   std::vector<Eigen::Vector2d> anchors_;
   std::vector<double> gradient_, hessian_;
+  std::optional<FitScene> scene_;
   TermCosts costs_{};
 };
 
@@ -174,6 +178,45 @@ TEST_F(FrameTermsTest, GradientMatchesTheCost) {
   }
   // Every term was checked.
   EXPECT_EQ(seen.size(), static_cast<std::size_t>(kTermSelfCollision));
+}
+
+// A tilted box and a ball near the robot, and goals on both for every support body.
+std::optional<FitScene> scene_around(const FitModel& model) {
+  auto scene = std::make_shared<Scene>();
+  SceneShape box, ball;
+  box.half_size = {0.3, 0.2, 0.25};
+  ball.type = SceneShape::Type::kSphere;
+  ball.radius = 0.3;
+  scene->bodies = {{"box", {box}, {exp_so3(Vector3d(0.2, 0.5, -0.3)), Vector3d(0.2, 0.1, 0.5)}},
+                   {"ball", {ball}, {Eigen::Quaterniond::Identity(), Vector3d(-0.3, 0.0, 0.9)}}};
+  SceneClip clip{scene, frame_rate_from_fps(30.0), 1, {}};
+  for (const SceneBody& body : scene->bodies) clip.world_from_body.push_back(body.world_from_body);
+  auto world = make_scene_world(std::move(clip));
+  if (!world) return std::nullopt;
+  FitScene fit = make_fit_scene(model, *world, {}, {}, 1.0, 1.0 / 30.0);
+  for (std::size_t support = 0; support < model.supports.size(); ++support) {
+    const double share = support % 2 == 0 ? 1.0 : 0.4;
+    fit.goals.push_back({static_cast<int>(support), static_cast<int>(support % 2),
+                         Vector3d(0.1, 0.2, 0.6), Vector3d(0.6, 0.0, 0.8), 0.01, share});
+  }
+  fit.first_goal = {0, static_cast<std::uint32_t>(fit.goals.size())};
+  return fit;
+}
+
+TEST_F(FrameTermsTest, GradientOfTheSceneMatchesTheCost) {
+  FitOptions options;
+  options.tracking = options.floor = options.contact = options.foot_height = false;
+  options.self_collision = false;
+  use(options);
+  scene_ = scene_around(model_);
+  ASSERT_TRUE(scene_);
+  for (int round = 0; round < 8; ++round) {
+    const auto qpos = random_configuration(0.3, 0.75);
+    set_goals(qpos, 0.05);
+    EXPECT_LT(gradient_error(qpos), 1e-5) << round;
+    EXPECT_GT(costs_[kTermScene], 0.0);
+    EXPECT_GT(costs_[kTermSceneContact], 0.0);
+  }
 }
 
 TEST_F(FrameTermsTest, OverlapGradientMatchesTheCost) {

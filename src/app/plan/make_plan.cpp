@@ -9,6 +9,7 @@
 
 #include "app/plan/clean_source.h"
 #include "app/plan/follow_arms.h"
+#include "app/plan/surroundings.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
@@ -114,26 +115,6 @@ void note_hands(const Clip& clip, Plan& plan) {
     if (rule == HandsRule::kFollow) text += ": the source has no finger motion there";
   }
   if (!text.empty()) plan.config_notes.push_back({"hands", text});
-}
-
-Result<void> load_surroundings(Plan& plan) {
-  const SolveOptions& solve = plan.options.solve;
-  if (solve.scene.empty()) return {};
-  TRY_ASSIGN(Scene scene, load_scene(solve.scene));
-  for (const std::string& spec : solve.object_tracks) {
-    TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
-    plan.object_tracks.push_back(std::move(track));
-  }
-  plan.scene = std::make_shared<const Scene>(std::move(scene));
-  plan.config_notes.push_back(
-      {"scene", fmt::format("{}: {}, {}", plan.scene->name,
-                            count_text(plan.scene->bodies.size(), "body", "bodies"),
-                            count_text(plan.object_tracks.size(), "track"))});
-  if (plan.robot.robot->fixed_base()) {
-    plan.config_notes.push_back({"", "ignored: the base of the robot is fixed"});
-    plan.scene = nullptr;
-  }
-  return {};
 }
 
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {

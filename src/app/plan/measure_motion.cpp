@@ -1,8 +1,10 @@
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "app/plan/surroundings.h"
 #include "base/try.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/source_hands.h"
@@ -16,20 +18,24 @@
 #include "retarget/plan.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"
+#include "scene/scene_world.h"
 
 namespace retarget {
 namespace {
 
-Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& fingers) {
+Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& fingers,
+                           std::shared_ptr<const SceneWorld>& scene) {
   TRY_ASSIGN(const auto clip, prepare_clip(plan));
+  TRY_ASSIGN(scene, human_surroundings(plan, *clip));
   const SourceHands hands = find_source_hands(clip->skeleton(), plan.human.map);
   if (hands[0] || hands[1]) fingers = clip;
   return to_human(*clip, plan.human.calibration);
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource& measured, const HumanClip& human) {
-  const QualitySource source{&human, &measured.config, measured.scale};
+                             const MeasuredSource& measured, const HumanClip& human,
+                             const SceneWorld* scene) {
+  const QualitySource source{&human, &measured.config, measured.scale, scene};
   return measure_quality(motion, limits, &source);
 }
 
@@ -50,10 +56,11 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.scale = plan.scale;
   source.travel = plan.travel;
   source.map = plan.human.map;
-  TRY_ASSIGN(source.human, human_of(plan, source.fingers));
+  TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
   if (plan.lead_in_frames == 0) return source;
   plan.part.begin = 0;
-  TRY_ASSIGN(source.human_with_lead_in, human_of(plan, source.fingers_with_lead_in));
+  TRY_ASSIGN(source.human_with_lead_in,
+             human_of(plan, source.fingers_with_lead_in, source.scene_with_lead_in));
   return source;
 }
 
@@ -61,9 +68,9 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
                              const MeasuredSource* source) {
   if (source == nullptr) return {measure_quality(motion, limits, nullptr)};
   const HumanClip* human = &source->human;
-  MotionMeasure measure{measure_beside(motion, limits, *source, *human)};
+  MotionMeasure measure{measure_beside(motion, limits, *source, *human, source->scene.get())};
   if (const auto& whole = source->human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole);
+    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole, source->scene_with_lead_in.get());
     const bool needs_it = motion.frame_count() > human->frame_count;
     if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
         (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {
@@ -98,7 +105,11 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   if (plan.options.save.normalize_start) normalize_start(moved);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
-  const QualitySource source{&human, &plan.config, plan.scale};
+  std::optional<SceneWorld> scene;
+  if (motion.scene) {
+    TRY_ASSIGN(scene, make_scene_world(motion.scene->human));
+  }
+  const QualitySource source{&human, &plan.config, plan.scale, scene ? &*scene : nullptr};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
   if (dynamics) add_dynamics(printed, report);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/plan/surroundings.h"
 #include "base/located.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -75,18 +76,6 @@ void write_hands(const HandTrack& hands, Motion& motion) {
   std::ranges::copy(hands.failures(), std::back_inserter(motion.solver_failures));
 }
 
-// The scene around the human in the frames of the motion.
-// @param source  the clip as read.
-Result<std::optional<SceneWorld>> human_world(const Plan& plan, const Clip& source,
-                                              const Clip& prepared) {
-  if (!plan.scene) return std::optional<SceneWorld>();
-  const ClipTimes times{source.rate(), source.frame_count(), plan.part.begin, prepared.rate(),
-                        prepared.frame_count()};
-  TRY_ASSIGN(SceneClip clip, place_scene(plan.scene, plan.object_tracks, times));
-  TRY_ASSIGN(SceneWorld world, make_scene_world(std::move(clip)));
-  return std::optional(std::move(world));
-}
-
 Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveControl& control,
                        Motion& motion) {
   FitOptions options = plan.fit;
@@ -113,6 +102,7 @@ Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveCon
   motion.fit = std::move(fitted.report);
   motion.contacts = fitted.contacts.of_ends();
   motion.scene = std::move(fitted.scene);
+  if (motion.scene) motion.scene->human = scene->clip;
   motion.solver_failures = motion.fit->failures;
   write_hands(hands, motion);
   if (!control.frame_solved) return {};
@@ -166,12 +156,11 @@ Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
 Result<Motion> solve(Plan plan, const SolveControl& control) {
   Motion motion;
   TRY_ASSIGN(motion.source, prepare_clip(plan));
-  TRY_ASSIGN(const std::optional<SceneWorld> scene,
-             human_world(plan, *plan.clip, *motion.source));
+  TRY_ASSIGN(const auto scene, human_surroundings(plan, *motion.source));
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, scene ? &*scene : nullptr, control, motion)
+  TRY(is_fit ? solve_fit(plan, scene.get(), control, motion)
              : solve_frames(plan, control, motion));
   motion.plan = std::move(plan);
   return motion;

@@ -93,7 +93,7 @@ void Gates::judge(QualityReport& report) const {
   for (const Metric& metric : quality_metrics()) {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
-    if (metric.of_solver && report.find(metric.key) == nullptr) continue;
+    if ((metric.of_solver || metric.of_scene) && report.find(metric.key) == nullptr) continue;
     GateResult result{gate->metric, gate->min, gate->max, std::nullopt, true};
     if (gate->leg && report.leg) {
       const double size = *report.leg / *gate->leg;

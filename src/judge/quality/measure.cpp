@@ -7,6 +7,7 @@
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
+#include "human/gait/surface_contacts.h"
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/at_limit_metrics.h"
 #include "judge/quality/body_tracks.h"
@@ -15,6 +16,7 @@
 #include "judge/quality/joint_metrics.h"
 #include "judge/quality/posture.h"
 #include "judge/quality/report_parts.h"
+#include "judge/quality/scene_metrics.h"
 #include "judge/quality/similarity_metrics.h"
 #include "judge/quality/support_metrics.h"
 #include "judge/quality/tracking_metrics.h"
@@ -93,6 +95,14 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
   measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
 }
 
+ContactPlan contacts_of(const QualitySource& source, const SourceFeet& feet) {
+  if (source.scene == nullptr) return find_contacts(feet);
+  const double size = feet.leg_length() / kUsualSourceLeg;
+  ContactPlan contacts = find_contacts(feet_over_ground(*source.scene, feet, size), {});
+  add_ground(*source.scene, feet, contacts);
+  return contacts;
+}
+
 // Measures the robot's contacts with the floor against those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const Posture& posture, int frames) {
@@ -100,12 +110,15 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   const bool tracked = source.config != nullptr;
   const SourceFeet feet(human, frames);
   // Find contacts in the compared frames only.
-  const ContactPlan contacts = find_contacts(feet);
+  const ContactPlan contacts = contacts_of(source, feet);
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);
   const auto scale = tracked ? foot_scale(source, draft.clip.robot()) : std::nullopt;
   if (tracked) measure_supports(draft, *source.config, feet, contacts, scale.value_or(1.0));
+  if (tracked && scale && source.scene != nullptr) {
+    measure_scene(draft, *source.config, {*source.scene, human, feet, contacts, *scale}, frames);
+  }
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);
   measure_hovering(draft, tracks, feet, contacts, flights, scale.value_or(1.0));

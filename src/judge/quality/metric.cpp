@@ -154,6 +154,34 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"support_height_p50_cm", "cm", "Median height of its lowest primitive during these contacts.",
      kOwn},
     {"support_height_p95_cm", "cm", "Its 95th percentile.", kOwn},
+    {"scene_pen_1cm_pct", "%",
+     "Frames in which a collision primitive or sole point is more than 1 cm inside a body of the "
+     "scene.",
+     kHolosoma, false, true},
+    {"scene_pen_max_cm", "cm", "Depth of the deepest of these.", kHolosoma, false, true},
+    {"scene_contact_pct", "%",
+     "Number of knees, elbows, hands, seat, back and feet of the source on bodies of the scene, "
+     "summed over frames.",
+     kOwn, false, true},
+    {"scene_contact_kept_pct", "%",
+     "Share of these contacts in which the robot's corresponding part is within 3 cm of the body.",
+     "OmniRetarget, contact preservation", false, true},
+    {"scene_gap_p95_cm", "cm",
+     "Distance of the robot's part from the surface, inside or outside, in these contacts; 95th "
+     "percentile.",
+     kOwn, false, true},
+    {"scene_contact_precision_pct", "%",
+     "Share of the frames in which a part of the robot is within 2 cm of a body in which the "
+     "source's part touches it, two frames earlier or later; feet are left out.",
+     kOwn, false, true},
+    {"scene_contact_recall_pct", "%",
+     "Share of the contacts of the source's parts in which the robot's part is within 2 cm, two "
+     "frames earlier or later; feet are left out.",
+     kOwn, false, true},
+    {"scene_slip_mean", "m/s",
+     "Mean speed of the robot's part relative to the body while the source's part touches it "
+     "without sliding.",
+     kOwn, false, true},
     {"flights", "count",
      "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
      "rise and fall as in free fall.",
@@ -267,6 +295,7 @@ constexpr auto kGroupStarts = std::to_array<GroupStart>({
     {"float_planted_pct", MetricGroup::kFloor},
     {"lying_pct", MetricGroup::kFeet},
     {"support_pct", MetricGroup::kFloor},
+    {"scene_pen_1cm_pct", MetricGroup::kScene},
     {"flights", MetricGroup::kFeet},
     {"track_pos_cm", MetricGroup::kSimilarity},
     {"dynamics_bad_pct", MetricGroup::kDynamics},
@@ -292,6 +321,8 @@ std::string_view group_name(MetricGroup group) {
       return "floor";
     case MetricGroup::kCollisions:
       return "collisions";
+    case MetricGroup::kScene:
+      return "scene";
     case MetricGroup::kSimilarity:
       return "similarity";
     case MetricGroup::kDynamics:

@@ -14,6 +14,7 @@ enum class MetricGroup : unsigned char {
   kFeet,
   kFloor,
   kCollisions,
+  kScene,
   kSimilarity,
   kDynamics,
 };
@@ -21,7 +22,7 @@ enum class MetricGroup : unsigned char {
 /// All groups, in report order.
 inline constexpr std::array kMetricGroups = {
     MetricGroup::kLimits,     MetricGroup::kSmoothness, MetricGroup::kFeet,    MetricGroup::kFloor,
-    MetricGroup::kCollisions, MetricGroup::kSimilarity, MetricGroup::kDynamics};
+    MetricGroup::kCollisions, MetricGroup::kScene, MetricGroup::kSimilarity, MetricGroup::kDynamics};
 
 /// Name of a group: `limits`, `smoothness`, ...
 [[nodiscard]] std::string_view group_name(MetricGroup group);

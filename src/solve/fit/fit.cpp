@@ -366,7 +366,7 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
       find_surface_contacts(world, parts, options, clip_.frame_time);
   auto scene = std::make_shared<FitScene>(
       make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time));
-  SolvedScene& solved = result.scene.emplace(SolvedScene{scene->world.clip, scale, {}});
+  SolvedScene& solved = result.scene.emplace(SolvedScene{scene->world.clip, {}, scale, {}});
   for (const SurfacePhase& phase : phases) {
     solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body),
                                phase.begin, phase.end, phase.slides});

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/plan.h"
+#include "retarget/scene.h"
+#include "scene/scene_world.h"
+
+namespace retarget {
+
+/// Loads the scene and the object tracks that the options of a plan name, and notes them.
+/// Errors: those of load_scene and load_object_track.
+[[nodiscard]] Result<void> load_surroundings(Plan& plan);
+
+/// The scene around the human in the frames of a motion; null if the plan has none.
+/// @param plan  with its clip.
+/// @param prepared  what prepare_clip returns for it.
+/// Errors: those of place_scene and make_distance_field.
+[[nodiscard]] Result<std::shared_ptr<const SceneWorld>> human_surroundings(const Plan& plan,
+                                                                           const Clip& prepared);
+
+}  // namespace retarget

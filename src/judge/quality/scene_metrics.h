@@ -1,0 +1,26 @@
+#pragma once
+
+#include "human/gait/source_feet.h"
+#include "human/skeleton/human_clip.h"
+#include "judge/quality/report_parts.h"
+#include "retarget/contact_plan.h"
+#include "retarget/retargeting_config.h"
+#include "scene/scene_world.h"
+
+namespace retarget {
+
+/// What scene metrics compare.
+struct SceneSource {
+  const SceneWorld& world;  ///< Around the human, in the frames of the motion.
+  const HumanClip& human;
+  const SourceFeet& feet;
+  const ContactPlan& contacts;  ///< Of the human's feet on this scene.
+  double scale = 1.0;           ///< From the human's to the robot's paths.
+};
+
+/// Measures how a robot touches and penetrates its scene, which is the human's scaled
+/// (scaled_world), over the first `frames` frames.
+void measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
+                   const SceneSource& source, int frames);
+
+}  // namespace retarget
