@@ -76,12 +76,12 @@ TEST_F(LoadScene, ReadsPrimitivesFromJson) {
 }
 
 TEST_F(LoadScene, ListsAllFaultsOfJson) {
-  const std::string error = error_of("bad.json", R"({"bodys": [], "bodies": [
+  const std::string error = error_of("bad.json", R"({"boddies": [], "bodies": [
     {"name": "t", "positon": [1, 0, 0], "mass": -1, "quaternion": [0, 0, 0, 0],
      "shapes": [{"type": "bxo"}, {"type": "sphere", "radius": "x"}, {"type": "box", "size": [1, 1e9, 1]},
                 {"type": "heights", "heights": [[1, 2], [1]], "spacing": 1}, 5]}, {}]})");
   for (const char* part :
-       {"unknown key \"bodys\" (did you mean \"bodies\"?)", "did you mean \"position\"?",
+       {"unknown key \"boddies\" (did you mean \"bodies\"?)", "did you mean \"position\"?",
         "\"mass\" must be a positive number", "\"quaternion\" must be", "did you mean \"box\"?",
         "shape 1: \"radius\"", "shape 2: \"size\"", "row 1 of \"heights\"", "shape 4: expected",
         "body 1: \"shapes\""}) {
