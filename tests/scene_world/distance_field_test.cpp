@@ -171,7 +171,8 @@ TEST(DistanceField, ComesCloseToASphereByItsMesh) {
     const double beyond = (point.cwiseAbs().maxCoeff() > 0.38) ? 0.03 * found.distance : 0.0;
     EXPECT_NEAR(found.distance, point.norm() - 0.3, 0.5 * layout->spacing + beyond);
     if (point.norm() > 0.2) {
-      EXPECT_GT(found.normal.dot(point.normalized()), beyond > 0.0 ? 0.98 : 0.999);
+      // The facets of the mesh are tilted by up to 3 degrees.
+      EXPECT_GT(found.normal.dot(point.normalized()), beyond > 0.0 ? 0.98 : 0.995);
     }
   }
 }
