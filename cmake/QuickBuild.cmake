@@ -10,12 +10,12 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
     continue()
   endif()
   if(RETARGET_PRECOMPILE_HEADERS)
-    if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
       # Each of the first two takes more than a second to parse.
       target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm>
         <filesystem> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
     else()
-      # GCC can reuse the core's headers if all definitions match.
+      # GCC and Clang can reuse the core's headers if all definitions match.
       set_property(TARGET ${target} PROPERTY PRECOMPILE_HEADERS)
       target_precompile_headers(${target} REUSE_FROM retarget)
       target_compile_definitions(${target}

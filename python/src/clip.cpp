@@ -173,8 +173,8 @@ ClipHandle from_positions(nb::object positions, const nb::list& names, double fp
   return clip;
 }
 
-ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_only,
-                const nb::object& data_dir) {
+ClipHandle load_clip_file(const nb::object& file, const nb::dict& options, bool skeleton_only,
+                          const nb::object& data_dir) {
   const std::string chosen = bytes_of_folder(data_dir);
   SourceOptions source;
   apply_keywords(source_table(source), options);
@@ -189,7 +189,7 @@ ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_o
   return clip;
 }
 
-void save(const ClipHandle& clip, const nb::object& file, std::optional<int> decimals) {
+void save_clip(const ClipHandle& clip, const nb::object& file, std::optional<int> decimals) {
   const std::string path = bytes_of_path(file, "path");
   without_gil([&] { return save_bvh(path, *clip, {decimals}); });
 }
@@ -217,7 +217,7 @@ nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::o
   return nb::make_tuple(text_of(inspection_text(found)), text_of(inspection_json(found)));
 }
 
-std::string shown(const ClipHandle& clip) {
+std::string shown_clip(const ClipHandle& clip) {
   return fmt::format("<retarget.Clip {}: {} joints, {} frames at {} fps>",
                      nb::cast<std::string>(nb::repr(text_of(clip->name()))),
                      clip->skeleton().joint_count(), clip->frame_count(), to_text(clip->rate()));
@@ -269,7 +269,7 @@ void bind_clip(nb::module_& module) {
                    "(F, J, 4) float64: parent_from_joint, unit quaternions w x y z; a copy.")
       .def_prop_ro("warnings", &warnings_of, nb::sig("def warnings(self) -> list[str]"),
                    "Warnings about the file.")
-      .def("save", &save, "path"_a.none(), "decimals"_a = nb::none(),
+      .def("save", &save_clip, "path"_a.none(), "decimals"_a = nb::none(),
            nb::sig("def save(self, path: str | os.PathLike[str], decimals: int | None = None) -> "
                    "None"),
            "Writes the clip as BVH, atomically.\n\n"
@@ -331,12 +331,13 @@ void bind_clip(nb::module_& module) {
           "(docs/robot_to_robot.md).\n\n"
           "Raises ConfigError: the robot has no retargeting configuration.")
       .def("__len__", [](const ClipHandle& clip) { return clip->frame_count(); })
-      .def("__repr__", &shown);
+      .def("__repr__", &shown_clip);
   module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),
              "rotations"_a.none(), "scalar_first"_a, "local"_a, "fps"_a, "name"_a);
   module.def("clip_from_positions", &from_positions, "positions"_a.none(), "names"_a, "fps"_a,
              "name"_a);
-  module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a, "data_dir"_a.none());
+  module.def("load", &load_clip_file, "file"_a.none(), "options"_a, "skeleton_only"_a,
+             "data_dir"_a.none());
   module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a.none());
 }
 

@@ -116,12 +116,12 @@ bool has_empty_text(const OptionValue& value) {
   return texts != nullptr && std::ranges::any_of(*texts, &std::string::empty);
 }
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_keyword(const std::string& message) {
   raise(usage_failure(message).value());
 }
 
 // Raises an error with the keyword as prefix: `fps: expected ...`.
-[[noreturn]] void refuse(const Option& row, Error error) {
+[[noreturn]] void refuse_keyword(const Option& row, Error error) {
   error.message = keyword_of(row) + ": " + error.message;
   raise(error);
 }
@@ -135,11 +135,12 @@ void apply(const Option& row, nb::handle object) {
   }
   // As on the command line: an unset variable must not look like an omitted option.
   if (has_empty_text(*value)) {
-    refuse(
+    refuse_keyword(
         fmt::format("{}: expected {}, found an empty string", keyword_of(row), expectation(row)));
   }
-  if (const auto checked = check_option(row, *value); !checked) refuse(row, checked.error());
-  if (auto set = row.set(*value); !set) refuse(row, set.error());
+  if (const auto checked = check_option(row, *value); !checked)
+    refuse_keyword(row, checked.error());
+  if (auto set = row.set(*value); !set) refuse_keyword(row, set.error());
 }
 
 std::string annotation(const Option& row) {
@@ -174,7 +175,7 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
       // Accept the command line's spelling in the suggestion.
       std::string meant = name;
       std::ranges::replace(meant, '-', '_');
-      refuse(fmt::format("unknown option \"{}\"{}", name, did_you_mean(meant, names)));
+      refuse_keyword(fmt::format("unknown option \"{}\"{}", name, did_you_mean(meant, names)));
     }
     if (!value.is_none()) apply(table[static_cast<std::size_t>(found - names.begin())], value);
   }

@@ -73,7 +73,7 @@ nb::object joint_positions(const MotionHandle& motion) {
   return array_of(std::move(numbers), {frames_of(motion), addresses.size()});
 }
 
-nb::list joint_names(const MotionHandle& motion) {
+nb::list joints_of_motion(const MotionHandle& motion) {
   nb::list names;
   for (const int joint : motion.robot->output_joints()) {
     names.append(name_of(motion.robot->joints()[joint].name));
@@ -104,7 +104,7 @@ nb::object source(const MotionHandle& motion) {
   return motion.solved ? nb::cast(ClipHandle(motion.solved->source)) : nb::none();
 }
 
-void save(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {
+void save_motion(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {
   SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
   apply_keywords(save_table(how), options);
   const std::string path = bytes_of_path(file, "path");
@@ -148,7 +148,8 @@ nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
   return arrays;
 }
 
-MotionHandle load(const nb::object& file, const RobotHandle& robot, const nb::dict& options) {
+MotionHandle load_motion(const nb::object& file, const RobotHandle& robot,
+                         const nb::dict& options) {
   ReadingOptions given;
   double memory_gb = 0.0;
   OptionTable table = reading_table(given);
@@ -172,7 +173,7 @@ MotionHandle load(const nb::object& file, const RobotHandle& robot, const nb::di
   return motion;
 }
 
-std::string shown(const MotionHandle& motion) {
+std::string shown_motion(const MotionHandle& motion) {
   return fmt::format("<retarget.Motion of {}: {} frames at {} fps, {} joints>",
                      nb::cast<std::string>(text_of(motion.robot->name())),
                      motion.clip->frame_count(), to_text(motion.clip->rate()),
@@ -193,7 +194,7 @@ void bind_motion(nb::module_& module) {
       .def_prop_ro(
           "frame_count", [](const MotionHandle& motion) { return motion.clip->frame_count(); },
           "F.")
-      .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
+      .def_prop_ro("joint_names", &joints_of_motion, nb::sig("def joint_names(self) -> list[str]"),
                    "N names, in the order of the output columns.")
       .def_prop_ro("qpos", &qpos, nb::sig("def qpos(self) -> numpy.ndarray"),
                    "(F, 7 + n) float64: MuJoCo's configurations, root x y z, root quaternion "
@@ -226,7 +227,7 @@ void bind_motion(nb::module_& module) {
       .def_prop_ro(
           "summary", [](const MotionHandle& motion) { return text_of(motion.summary); },
           "Decisions made, or properties detected in the file, line by line.")
-      .def("save", &save, "path"_a.none(), "options"_a,
+      .def("save", &save_motion, "path"_a.none(), "options"_a,
            nb::sig("def save(self, path: str | os.PathLike[str], **options: "
                    "typing_extensions.Unpack[retarget._options.SaveOptions]) -> None"),
            "Writes the motion atomically in the format given by the path's extension or `format`; "
@@ -239,8 +240,8 @@ void bind_motion(nb::module_& module) {
            "The arrays of a tracking NPZ, as float64: joint_pos, joint_vel (T, N), body_pos_w, "
            "body_quat_w (wxyz), body_lin_vel_w, body_ang_vel_w (T, B, 3 or 4), fps and names.")
       .def("__len__", [](const MotionHandle& motion) { return motion.clip->frame_count(); })
-      .def("__repr__", &shown);
-  module.def("load_motion", &load, "file"_a.none(), "robot"_a, "options"_a);
+      .def("__repr__", &shown_motion);
+  module.def("load_motion", &load_motion, "file"_a.none(), "robot"_a, "options"_a);
 }
 
 }  // namespace retarget::python

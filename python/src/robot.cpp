@@ -21,7 +21,8 @@ using namespace nb::literals;
 
 namespace {
 
-RobotHandle load(const nb::object& name, const nb::dict& options, const std::string& data_dir) {
+RobotHandle load_named(const nb::object& name, const nb::dict& options,
+                       const std::string& data_dir) {
   RobotChoice choice;
   apply_keywords(without(robot_table(choice), {"robot"}), options);
   if (!name.is_none()) {
@@ -50,7 +51,7 @@ std::vector<double> in_output_order(const Robot& robot, const std::vector<double
   return ordered;
 }
 
-nb::list joint_names(const RobotHandle& robot) {
+nb::list joints_of_robot(const RobotHandle& robot) {
   nb::list names;
   for (const int joint : robot->output_joints()) {
     names.append(name_of(robot->joints()[joint].name));
@@ -122,7 +123,7 @@ void bind_robot(nb::module_& module) {
           "__init__",
           [](RobotHandle* self, const nb::object& name, const nb::object& data_dir,
              const nb::kwargs& options) {
-            new (self) RobotHandle(load(name, options, bytes_of_folder(data_dir)));
+            new (self) RobotHandle(load_named(name, options, bytes_of_folder(data_dir)));
           },
           "name"_a = nb::none(), nb::kw_only(), "data_dir"_a = nb::none(), "options"_a,
           nb::sig(
@@ -146,7 +147,7 @@ void bind_robot(nb::module_& module) {
                    "Valid values of `dof`.")
       .def_prop_ro("limit_sets", &limit_sets, nb::sig("def limit_sets(self) -> list[str]"),
                    "Valid values of `limits`, in addition to a file.")
-      .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
+      .def_prop_ro("joint_names", &joints_of_robot, nb::sig("def joint_names(self) -> list[str]"),
                    "N names, in the order of the output columns.")
       .def_prop_ro(
           "body_names", [](const RobotHandle& robot) { return names_of(robot->body_names()); },

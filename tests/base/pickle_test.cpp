@@ -17,7 +17,7 @@ using namespace std::string_literals;
 using ::testing::HasSubstr;
 using Kind = PickleNode::Kind;
 
-std::string error_of(const std::string& bytes) {
+std::string pickle_error(const std::string& bytes) {
   const auto read = read_pickle(bytes, "x.pkl");
   return read ? "no error" : describe(read.error());
 }
@@ -85,61 +85,61 @@ TEST(PickleTest, HandlesEveryChangedByte) {
 
 TEST(PickleTest, NothingIsExecuted) {
   // os.system('id') by GLOBAL and REDUCE.
-  EXPECT_THAT(error_of("\x80\x02"
-                       "cos\nsystem\nX\x02\0\0\0id\x85R."s),
+  EXPECT_THAT(pickle_error("\x80\x02"
+                           "cos\nsystem\nX\x02\0\0\0id\x85R."s),
               HasSubstr("the pickle names os.system, which is not allowed (byte 2 of the pickle)"));
   // The same by STACK_GLOBAL.
-  EXPECT_THAT(error_of("\x80\x04\x8c\x05posix\x8c\x06system\x93\x8c\x02id\x85R."s),
+  EXPECT_THAT(pickle_error("\x80\x04\x8c\x05posix\x8c\x06system\x93\x8c\x02id\x85R."s),
               HasSubstr("the pickle names posix.system, which is not allowed"));
-  EXPECT_THAT(error_of("\x80\x02"
-                       "c__builtin__\neval\n."s),
+  EXPECT_THAT(pickle_error("\x80\x02"
+                           "c__builtin__\neval\n."s),
               HasSubstr("__builtin__.eval"));
-  EXPECT_THAT(error_of("\x80\x02"
-                       "cnumpy.core.multiarray\nfromfile\n."s),
+  EXPECT_THAT(pickle_error("\x80\x02"
+                           "cnumpy.core.multiarray\nfromfile\n."s),
               HasSubstr("not allowed"));
-  EXPECT_THAT(error_of("\x80\x02"
-                       "ctorch._utils\n_rebuild_tensor_v2\n."s),
+  EXPECT_THAT(pickle_error("\x80\x02"
+                           "ctorch._utils\n_rebuild_tensor_v2\n."s),
               HasSubstr("tensor.cpu().numpy()"));
   // INST and OBJ, the old call opcodes.
-  EXPECT_THAT(error_of("\x80\x02(ios\nsystem\n."s), HasSubstr("the opcode INST"));
-  EXPECT_THAT(error_of("\x80\x02(o."s), HasSubstr("the opcode OBJ"));
-  EXPECT_THAT(error_of("\x80\x02Pabc\n."s), HasSubstr("the opcode PERSID"));
-  EXPECT_THAT(error_of("\x80\x04\x92."s), HasSubstr("the opcode NEWOBJ_EX"));
-  EXPECT_THAT(error_of("\x80\x02\x82\x01."s), HasSubstr("the opcode EXT1"));
-  EXPECT_THAT(error_of("\x80\x02\x07."s), HasSubstr("the opcode 0x07"));
+  EXPECT_THAT(pickle_error("\x80\x02(ios\nsystem\n."s), HasSubstr("the opcode INST"));
+  EXPECT_THAT(pickle_error("\x80\x02(o."s), HasSubstr("the opcode OBJ"));
+  EXPECT_THAT(pickle_error("\x80\x02Pabc\n."s), HasSubstr("the opcode PERSID"));
+  EXPECT_THAT(pickle_error("\x80\x04\x92."s), HasSubstr("the opcode NEWOBJ_EX"));
+  EXPECT_THAT(pickle_error("\x80\x02\x82\x01."s), HasSubstr("the opcode EXT1"));
+  EXPECT_THAT(pickle_error("\x80\x02\x07."s), HasSubstr("the opcode 0x07"));
 }
 
 TEST(PickleTest, EscapesControlCharactersInNames) {
-  const std::string error = error_of("\x80\x04\x8c\x04\x1b[2J\x8c\x01x\x93."s);
+  const std::string error = pickle_error("\x80\x04\x8c\x04\x1b[2J\x8c\x01x\x93."s);
   EXPECT_EQ(error.find('\x1b'), std::string::npos) << error;
 }
 
 TEST(PickleTest, ClaimedSizesAllocateNothing) {
-  EXPECT_THAT(error_of("\x80\x03"
-                       "B\xff\xff\xff\xff"
-                       "abc."s),
+  EXPECT_THAT(pickle_error("\x80\x03"
+                           "B\xff\xff\xff\xff"
+                           "abc."s),
               HasSubstr("cut off"));
-  EXPECT_THAT(error_of("\x80\x04\x8e\xff\xff\xff\xff\xff\xff\xff\x7f"
-                       "abc."s),
+  EXPECT_THAT(pickle_error("\x80\x04\x8e\xff\xff\xff\xff\xff\xff\xff\x7f"
+                           "abc."s),
               HasSubstr("cut off"));
-  EXPECT_THAT(error_of("\x80\x05\x96\xff\xff\xff\xff\xff\xff\xff\xff"
-                       "abc."s),
+  EXPECT_THAT(pickle_error("\x80\x05\x96\xff\xff\xff\xff\xff\xff\xff\xff"
+                           "abc."s),
               HasSubstr("cut off"));
-  EXPECT_THAT(error_of("\x80\x04\x8d\0\0\0\0\0\0\0\x80"
-                       "abc."s),
+  EXPECT_THAT(pickle_error("\x80\x04\x8d\0\0\0\0\0\0\0\x80"
+                           "abc."s),
               HasSubstr("cut off"));
 }
 
 TEST(PickleTest, MemoAndStackAreBounded) {
-  EXPECT_THAT(error_of("\x80\x02h\x05."s), HasSubstr("its value 5, which it never stored"));
-  EXPECT_THAT(error_of("\x80\x02j\xff\xff\xff\xff."s), HasSubstr("4294967295"));
-  EXPECT_THAT(error_of("\x80\x02q\x01."s), HasSubstr("never created"));
-  EXPECT_THAT(error_of("\x80\x02N0."s), HasSubstr("POP"));
-  EXPECT_THAT(error_of("\x80\x02t."s), HasSubstr("never started"));
-  EXPECT_THAT(error_of("\x80\x02(N\x85."s), HasSubstr(""));
-  EXPECT_THAT(error_of("\x80\x02N(s."s), HasSubstr("never created"));
-  EXPECT_THAT(error_of("\x80\x02."s), HasSubstr("never created"));
-  EXPECT_THAT(error_of("\x80\x02]]s."s), HasSubstr(""));
+  EXPECT_THAT(pickle_error("\x80\x02h\x05."s), HasSubstr("its value 5, which it never stored"));
+  EXPECT_THAT(pickle_error("\x80\x02j\xff\xff\xff\xff."s), HasSubstr("4294967295"));
+  EXPECT_THAT(pickle_error("\x80\x02q\x01."s), HasSubstr("never created"));
+  EXPECT_THAT(pickle_error("\x80\x02N0."s), HasSubstr("POP"));
+  EXPECT_THAT(pickle_error("\x80\x02t."s), HasSubstr("never started"));
+  EXPECT_THAT(pickle_error("\x80\x02(N\x85."s), HasSubstr(""));
+  EXPECT_THAT(pickle_error("\x80\x02N(s."s), HasSubstr("never created"));
+  EXPECT_THAT(pickle_error("\x80\x02."s), HasSubstr("never created"));
+  EXPECT_THAT(pickle_error("\x80\x02]]s."s), HasSubstr(""));
   // A large index costs one entry.
   EXPECT_TRUE(read_pickle("\x80\x02Nr\xff\xff\xff\x7f."s, "x.pkl").has_value());
 }
@@ -158,7 +158,7 @@ TEST(PickleTest, DepthAndCyclesDoNotOverflowTheStack) {
   std::string marks = "\x80\x02" + std::string(3'000'000, '(');
   EXPECT_FALSE(read_pickle(marks + ".", "x.pkl").has_value());
   std::string nones = "\x80\x02" + std::string(3'000'000, 'N');
-  EXPECT_THAT(error_of(nones + "."), HasSubstr("two million values"));
+  EXPECT_THAT(pickle_error(nones + "."), HasSubstr("two million values"));
 }
 
 TEST(PickleTest, RejectsManyArraysOfOneBuffer) {
@@ -175,7 +175,7 @@ TEST(PickleTest, RejectsManyArraysOfOneBuffer) {
   const std::string again = once.substr(2, data - 2) + "h\x07" + once.substr(data + 9 + 4000);
   std::string bomb = "\x80\x04(" + kept.substr(2);
   for (int i = 0; i < 1000; ++i) bomb += again;
-  EXPECT_THAT(error_of(bomb + "t."), HasSubstr("repeats its arrays too often"));
+  EXPECT_THAT(pickle_error(bomb + "t."), HasSubstr("repeats its arrays too often"));
 }
 
 TEST(PickleTest, RejectsInconsistentArrays) {
@@ -184,7 +184,7 @@ TEST(PickleTest, RejectsInconsistentArrays) {
   NpyArray array = float64_array(values, {2});
   array.shape = {3};
   pickle.array(array);
-  EXPECT_THAT(error_of(pickle.finish()), HasSubstr("has an array of 16 bytes, expected 24"));
+  EXPECT_THAT(pickle_error(pickle.finish()), HasSubstr("has an array of 16 bytes, expected 24"));
   PickleWriter overflow;
   array.shape = {std::size_t{1} << 62, 16};
   overflow.array(array);
@@ -206,16 +206,16 @@ TEST(PickleTest, ReadsCompressedJoblibFiles) {
   const auto read = read_pickle(packed, "x.pkl");
   ASSERT_TRUE(read.has_value()) << describe(read.error());
   EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
-  EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
-  EXPECT_THAT(error_of(compressed("no pickle")),
+  EXPECT_THAT(pickle_error(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
+  EXPECT_THAT(pickle_error(compressed("no pickle")),
               HasSubstr("the compressed file does not contain a pickle"));
 }
 
 TEST(PickleTest, RejectsDecompressionBombs) {
   // 9 MiB of zeros in 9 kB; 7 MiB are accepted at any ratio.
-  EXPECT_THAT(error_of(compressed(std::string(std::size_t{9} << 20, '\0'))),
+  EXPECT_THAT(pickle_error(compressed(std::string(std::size_t{9} << 20, '\0'))),
               HasSubstr("unpacked, the file has more than 8388608 bytes"));
-  EXPECT_THAT(error_of(compressed(std::string(std::size_t{7} << 20, '\0'))),
+  EXPECT_THAT(pickle_error(compressed(std::string(std::size_t{7} << 20, '\0'))),
               HasSubstr("does not contain a pickle"));
 }
 
@@ -226,8 +226,8 @@ TEST(PickleTest, RejectsOldProtocolsByName) {
         "fpsK\x1eu."s,
         "(lp0\nI1\na."s, "cnumpy.core.multiarray\n_reconstruct\np0\n(I0\ntp1\nRp2\n."s}) {
     EXPECT_TRUE(looks_like_pickle(bytes));
-    EXPECT_THAT(error_of(bytes), ::testing::AllOf(HasSubstr("has protocol 0 or 1"),
-                                                  HasSubstr("pickle.dump(motion, file)")));
+    EXPECT_THAT(pickle_error(bytes), ::testing::AllOf(HasSubstr("has protocol 0 or 1"),
+                                                      HasSubstr("pickle.dump(motion, file)")));
   }
   for (const char* text : {"count,x\n1,2.", "c\n1\n2.", "(1, 2)", "car, bus\n."}) {
     EXPECT_FALSE(looks_like_pickle(text)) << text;

@@ -32,7 +32,7 @@ std::vector<double> numbers_of(const std::string& bytes) {
 }
 
 // One sentence about the file, and a hint.
-std::string error_of(const std::string& bytes, const TorchReadOptions& options = {}) {
+std::string torch_error(const std::string& bytes, const TorchReadOptions& options = {}) {
   const auto array = read_root(bytes, options);
   if (array) return "no error";
   EXPECT_EQ(array.error().kind, ErrorKind::kInput);
@@ -120,7 +120,7 @@ TEST(TorchFileTest, ReadsPackedStoragesAndPlainValues) {
 }
 
 TEST(TorchFileTest, ExecutesNothing) {
-  const auto with = [](const std::string& root) { return error_of(TorchBuilder().build(root)); };
+  const auto with = [](const std::string& root) { return torch_error(TorchBuilder().build(root)); };
   const std::string system =
       TorchBuilder::call(TorchBuilder::global("os", "system"), {TorchBuilder::text("touch x")});
   EXPECT_THAT(with(system), HasSubstr("names os.system, which is not allowed"));
@@ -140,13 +140,13 @@ TEST(TorchFileTest, RejectsViewsBeyondTheirStorage) {
        {View{{7}, 0, {}}, View{{2, 3}, 1, {}}, View{{2}, 0, {6}}, View{{1}, 6, {}},
         View{{1}, INT64_MAX, {}}, View{{3}, 0, {INT64_MAX}},
         View{{3, 3}, 0, {INT64_MAX, INT64_MAX}}, View{{INT64_MAX, 1}, 0, {1, 1}}}) {
-    EXPECT_THAT(error_of(one_to_six(view)), HasSubstr("exceeds its storage of 6 numbers"));
+    EXPECT_THAT(torch_error(one_to_six(view)), HasSubstr("exceeds its storage of 6 numbers"));
   }
-  EXPECT_THAT(error_of(one_to_six({{-1}, 0, {}})), HasSubstr("without a shape or strides"));
-  EXPECT_THAT(error_of(one_to_six({{2}, 0, {-1}})), HasSubstr("without a shape or strides"));
-  EXPECT_THAT(error_of(one_to_six({{2}, -1, {}})), HasSubstr("in an unsupported way"));
-  EXPECT_THAT(error_of(one_to_six({{2, 3}, 0, {1}})), HasSubstr("do not match its shape"));
-  EXPECT_THAT(error_of(one_to_six({std::vector<std::int64_t>(9, 1), 0, {}})),
+  EXPECT_THAT(torch_error(one_to_six({{-1}, 0, {}})), HasSubstr("without a shape or strides"));
+  EXPECT_THAT(torch_error(one_to_six({{2}, 0, {-1}})), HasSubstr("without a shape or strides"));
+  EXPECT_THAT(torch_error(one_to_six({{2}, -1, {}})), HasSubstr("in an unsupported way"));
+  EXPECT_THAT(torch_error(one_to_six({{2, 3}, 0, {1}})), HasSubstr("do not match its shape"));
+  EXPECT_THAT(torch_error(one_to_six({std::vector<std::int64_t>(9, 1), 0, {}})),
               HasSubstr("without a shape or strides"));
 }
 
@@ -154,39 +154,42 @@ TEST(TorchFileTest, ChecksAllClaimedSizes) {
   TorchBuilder missing;
   const std::string root = missing.floats({2}, {1, 2});
   missing.forget(0);
-  EXPECT_THAT(error_of(missing.build(root)), HasSubstr("\"data/0\" is not in the archive"));
-  EXPECT_THAT(error_of(storage_of("FloatStorage", "1234", 2)),
+  EXPECT_THAT(torch_error(missing.build(root)), HasSubstr("\"data/0\" is not in the archive"));
+  EXPECT_THAT(torch_error(storage_of("FloatStorage", "1234", 2)),
               HasSubstr("should have 2 numbers of 4 bytes, found 4 bytes"));
-  EXPECT_THAT(error_of(storage_of("FloatStorage", "12345", 1)), HasSubstr("found 5 bytes"));
+  EXPECT_THAT(torch_error(storage_of("FloatStorage", "12345", 1)), HasSubstr("found 5 bytes"));
   const std::int64_t huge = std::int64_t{1} << 60;
-  EXPECT_THAT(error_of(storage_of("FloatStorage", "1234", huge)), HasSubstr("found 4 bytes"));
-  EXPECT_THAT(error_of(storage_of("DoubleStorage", "1234", INT64_MAX)),
+  EXPECT_THAT(torch_error(storage_of("FloatStorage", "1234", huge)), HasSubstr("found 4 bytes"));
+  EXPECT_THAT(torch_error(storage_of("DoubleStorage", "1234", INT64_MAX)),
               HasSubstr("too many elements"));
   // One number, repeated.
-  EXPECT_THAT(error_of(one_to_six({{huge, 1}, 0, {0, 1}})),
+  EXPECT_THAT(torch_error(one_to_six({{huge, 1}, 0, {0, 1}})),
               HasSubstr("of memory, but its storage"));
-  EXPECT_THAT(error_of(one_to_six({{1 << 22}, 0, {0}})), HasSubstr("of memory, but its storage"));
+  EXPECT_THAT(torch_error(one_to_six({{1 << 22}, 0, {0}})),
+              HasSubstr("of memory, but its storage"));
   TorchReadOptions small;
   small.max_number_bytes = 47;
-  EXPECT_THAT(error_of(one_to_six({{6}, 0, {}}), small), HasSubstr("6 numbers need 48 bytes"));
+  EXPECT_THAT(torch_error(one_to_six({{6}, 0, {}}), small), HasSubstr("6 numbers need 48 bytes"));
   // Highly compressed zeros.
   TorchBuilder bomb;
   bomb.style.compress = true;
   const std::vector<float> zeros(std::size_t{5} << 20);
-  EXPECT_THAT(error_of(bomb.build(bomb.floats({5 << 20}, zeros))), HasSubstr("need"));
+  EXPECT_THAT(torch_error(bomb.build(bomb.floats({5 << 20}, zeros))), HasSubstr("need"));
   TorchBuilder unseen;
   unseen.style.compress = true;
   const std::string storage = unseen.storage(
       "ByteStorage", std::string(std::size_t{20} << 20, '\0'), std::int64_t{20} << 20);
-  EXPECT_THAT(error_of(unseen.build(TorchBuilder::rebuilt(storage, {{1}, 0, {}}))),
+  EXPECT_THAT(torch_error(unseen.build(TorchBuilder::rebuilt(storage, {{1}, 0, {}}))),
               HasSubstr("would be unpacked from"));
   TorchBuilder wrong;
   wrong.style.crc_error = 1;
-  EXPECT_THAT(error_of(wrong.build(wrong.floats({1}, {1}))), HasSubstr("its checksum"));
+  EXPECT_THAT(torch_error(wrong.build(wrong.floats({1}, {1}))), HasSubstr("its checksum"));
 }
 
 TEST(TorchFileTest, RejectsReferencesToOtherValues) {
-  const auto with = [](const std::string& id) { return error_of(TorchBuilder().build(id + "Q")); };
+  const auto with = [](const std::string& id) {
+    return torch_error(TorchBuilder().build(id + "Q"));
+  };
   const std::string of_numbers = "refers to a value that is not a number storage";
   EXPECT_THAT(with(TorchBuilder::text("storage")), HasSubstr(of_numbers));
   EXPECT_THAT(with(TorchBuilder::tuple({TorchBuilder::text("module")})), HasSubstr(of_numbers));
@@ -212,10 +215,10 @@ TEST(TorchFileTest, RecognisesItsFiles) {
 
   NpzBuilder program;
   program.add_entry("net/data.pkl", "\x80\x02N.", {}).add_entry("net/code/net.py", "pass", {});
-  EXPECT_THAT(error_of(program.build()), HasSubstr("a TorchScript program"));
+  EXPECT_THAT(torch_error(program.build()), HasSubstr("a TorchScript program"));
   NpzBuilder twice;
   twice.add_entry("net/data.pkl", "\x80\x02N.", {}).add_entry("net/data.pkl", "\x80\x02N.", {});
-  EXPECT_THAT(error_of(twice.build()), HasSubstr("two entries \"net/data.pkl\""));
+  EXPECT_THAT(torch_error(twice.build()), HasSubstr("two entries \"net/data.pkl\""));
 }
 
 TEST(TorchFileTest, ReadsOrRejectsEveryTruncationAndChange) {
@@ -223,7 +226,7 @@ TEST(TorchFileTest, ReadsOrRejectsEveryTruncationAndChange) {
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(TorchFile::open(bytes.substr(0, size), "x.pt").has_value());
   }
-  EXPECT_THAT(error_of(bytes.substr(0, 300)), HasSubstr("the file was cut off"));
+  EXPECT_THAT(torch_error(bytes.substr(0, 300)), HasSubstr("the file was cut off"));
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     std::string changed = bytes;
     changed[at] = static_cast<char>(~changed[at]);

@@ -19,7 +19,7 @@
 namespace retarget {
 namespace {
 
-std::string conformance_file(const std::string& name) {
+std::string conformance_text(const std::string& name) {
   return file_text(std::filesystem::path(RETARGET_SOURCE_DIR) / "tests/bvh/conformance" /
                    (name + ".bvh"));
 }
@@ -58,7 +58,7 @@ long peak_kilobytes() {
 
 TEST(BvhRobustness, ReadsOrRejectsEveryTruncation) {
   for (const char* name : {"base", "nine_ch", "comment", "crlf", "wrapped_row"}) {
-    const std::string text = conformance_file(name);
+    const std::string text = conformance_text(name);
     for (std::size_t size = 0; size <= text.size(); ++size) {
       read_every_way(std::string_view(text).substr(0, size));
     }
@@ -66,7 +66,7 @@ TEST(BvhRobustness, ReadsOrRejectsEveryTruncation) {
 }
 
 TEST(BvhRobustness, NeverReadsATruncatedFileAsComplete) {
-  const std::string text = conformance_file("base");
+  const std::string text = conformance_text("base");
   // Without the last digit of its last value, the file is still complete for any reader.
   for (std::size_t size = 0; size + 2 < text.size(); ++size) {
     EXPECT_FALSE(read_exactly(std::string_view(text).substr(0, size)).has_value()) << size;
@@ -78,7 +78,7 @@ TEST(BvhRobustness, ReadsOrRejectsRandomDamage) {
   std::vector<std::string> texts;
   for (const char* name : {"base", "joint_pos", "two_roots", "comment", "end_channels",
                            "wrapped_row", "frames_too_few", "trailing_junk"}) {
-    texts.push_back(conformance_file(name));
+    texts.push_back(conformance_text(name));
   }
   const std::vector<std::string> pieces = {"{",
                                            "}",
@@ -123,7 +123,7 @@ TEST(BvhRobustness, ReadsOrRejectsRandomDamage) {
 }
 
 TEST(BvhRobustness, DeepNestingDoesNotOverflowTheStack) {
-  const std::string text = conformance_file("deep");
+  const std::string text = conformance_text("deep");
   const Clip clip = clip_of(text);
   EXPECT_EQ(clip.skeleton().joint_count(), 3000);
   EXPECT_EQ(clip.skeleton().joint(2999).parent, 2998);
@@ -135,7 +135,7 @@ TEST(BvhRobustness, DeepNestingDoesNotOverflowTheStack) {
 
 TEST(BvhRobustness, MemoryDependsOnTheFileNotItsHeader) {
   const long before = peak_kilobytes();
-  std::string text = conformance_file("huge_frames");
+  std::string text = conformance_text("huge_frames");
   BvhReadOptions lenient;
   lenient.lenient = true;
   EXPECT_FALSE(read_exactly(text).has_value());

@@ -18,7 +18,7 @@ namespace retarget {
 namespace {
 
 // The G1 in its zero configuration, with its soles on the floor.
-RobotClip standing(int frames, double fps = 30.0) {
+RobotClip standing_clip(int frames, double fps = 30.0) {
   const auto robot = load_shipped("unitree_g1");
   RobotClip clip(robot, frame_rate_from_fps(fps), frames);
   std::vector<Pose> bodies(robot->bodies().size());
@@ -39,7 +39,7 @@ double bad_share(const MotionDynamics& dynamics) {
 }
 
 TEST(MotionDynamics, StandingIsPossible) {
-  const MotionDynamics dynamics = analyse_dynamics(standing(30));
+  const MotionDynamics dynamics = analyse_dynamics(standing_clip(30));
   EXPECT_EQ(dynamics.samples_per_frame, 4);
   EXPECT_EQ(dynamics.samples.size(), 29U * 4U);
   EXPECT_TRUE(dynamics.knows_torque_limits);
@@ -60,7 +60,7 @@ TEST(MotionDynamics, StandingIsPossible) {
 TEST(MotionDynamics, ASwayNeedsFriction) {
   constexpr double kRate = 2.0 * 3.14159265358979;  // rad/s
   for (const double peak : {2.0, 12.0}) {
-    RobotClip clip = standing(60);
+    RobotClip clip = standing_clip(60);
     for (int t = 0; t < 60; ++t) {
       clip.qpos(t)[1] += peak / (kRate * kRate) * std::sin(kRate * t / 30.0);
     }
@@ -83,7 +83,7 @@ TEST(MotionDynamics, ASwayNeedsFriction) {
 }
 
 TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
-  RobotClip thrown = standing(30), hovering = standing(30);
+  RobotClip thrown = standing_clip(30), hovering = standing_clip(30);
   for (int t = 0; t < 30; ++t) {
     const double time = t / 30.0;
     thrown.qpos(t)[2] += 0.5 + 5.0 * time - 0.5 * 9.81 * time * time;
@@ -103,7 +103,7 @@ TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
 
 // A floor that is a few millimetres off is found from the standing soles.
 TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
-  RobotClip clip = standing(60);
+  RobotClip clip = standing_clip(60);
   for (int t = 0; t < 60; ++t) clip.qpos(t)[2] += 0.03;
   const MotionDynamics dynamics = analyse_dynamics(clip);
   EXPECT_NEAR(dynamics.floor_height, 0.03, 1e-3);
@@ -111,14 +111,14 @@ TEST(MotionDynamics, PlacesTheFloorAtThePlantedSoles) {
 }
 
 TEST(MotionDynamics, ReportsNothingForShortClips) {
-  EXPECT_TRUE(analyse_dynamics(standing(2)).samples.empty());
-  EXPECT_EQ(analyse_dynamics(standing(3)).samples.size(), 8U);
+  EXPECT_TRUE(analyse_dynamics(standing_clip(2)).samples.empty());
+  EXPECT_EQ(analyse_dynamics(standing_clip(3)).samples.size(), 8U);
 }
 
 TEST(MotionDynamics, OtherRatesAreSampledAsFinely) {
-  EXPECT_EQ(analyse_dynamics(standing(10, 120.0)).samples_per_frame, 1);
-  EXPECT_EQ(analyse_dynamics(standing(10, 50.0)).samples_per_frame, 2);
-  EXPECT_EQ(bad_share(analyse_dynamics(standing(20, 50.0))), 0.0);
+  EXPECT_EQ(analyse_dynamics(standing_clip(10, 120.0)).samples_per_frame, 1);
+  EXPECT_EQ(analyse_dynamics(standing_clip(10, 50.0)).samples_per_frame, 2);
+  EXPECT_EQ(bad_share(analyse_dynamics(standing_clip(20, 50.0))), 0.0);
 }
 
 TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
@@ -140,7 +140,7 @@ TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
 // cos is 0.
 TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
   for (const double size : {1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 1.5e-8, 1e-7}) {
-    RobotClip clip = standing(30);
+    RobotClip clip = standing_clip(30);
     std::mt19937 random(1);
     std::normal_distribution<double> noise(0.0, size);
     for (int t = 0; t < clip.frame_count(); ++t) {
@@ -159,7 +159,7 @@ TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
 
 // A frame that overflows is bad and has no figures; the others are still measured.
 TEST(MotionDynamics, RejectsMovementsBeyondTheNumberRange) {
-  RobotClip clip = standing(30);
+  RobotClip clip = standing_clip(30);
   clip.qpos(10)[0] = 1e200;
   clip.qpos(20)[12] = 1e305;
   const MotionDynamics dynamics = analyse_dynamics(clip);

@@ -90,7 +90,7 @@ std::shared_ptr<const Skeleton> reordered(const Skeleton& skeleton) {
   return std::make_shared<const Skeleton>(joints);
 }
 
-double largest_distance(const Clip& a, const Clip& b) {
+double largest_gap(const Clip& a, const Clip& b) {
   std::vector<Pose> in_a(a.skeleton().joint_count()), in_b(b.skeleton().joint_count());
   double largest = 0.0;
   for (int frame = 0; frame < a.frame_count(); ++frame) {
@@ -110,12 +110,12 @@ TEST(ChangeRest, KeepsJointPositions) {
     const auto target = reordered(*with_other_rest(clip.skeleton(), true));
     const auto changed = change_rest(clip, target, "a.bvh", "t.bvh");
     ASSERT_TRUE(changed) << describe(changed.error());
-    EXPECT_LT(largest_distance(clip, changed->clip), 1e-9);
+    EXPECT_LT(largest_gap(clip, changed->clip), 1e-9);
     EXPECT_LT(changed->largest_distance, 1e-9);
     // Back again.
     const auto back = change_rest(changed->clip, clip.shared_skeleton(), "t.bvh", "a.bvh");
     ASSERT_TRUE(back);
-    EXPECT_LT(largest_distance(clip, back->clip), 1e-9);
+    EXPECT_LT(largest_gap(clip, back->clip), 1e-9);
   }
 }
 
@@ -137,7 +137,7 @@ TEST(ChangeRest, ReportsTheLargestDistance) {
   const auto changed = change_rest(clip, target, "a.bvh", "t.bvh").value();
   EXPECT_GT(changed.largest_distance, 0.1);
   EXPECT_NEAR(changed.largest_distance,
-              std::max(changed.largest_distance, largest_distance(clip, changed.clip)), 1e-12);
+              std::max(changed.largest_distance, largest_gap(clip, changed.clip)), 1e-12);
 }
 
 TEST(ChangeRest, RejectsDifferentTrees) {

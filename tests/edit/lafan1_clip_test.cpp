@@ -1,26 +1,20 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/bvh.h"
 #include "retarget/edit.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
 
-Clip sample(const std::string& name) {
-  const std::filesystem::path data = std::filesystem::path(RETARGET_SOURCE_DIR) / "data";
-  return load_bvh((data / (name + ".bvh")).string()).value().clip;
-}
-
 // The human survives a round trip through LAFAN1's layout.
 TEST(Lafan1Clip, RoundTripsTheHuman) {
   for (const char* name : {"walk", "get_up"}) {
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     const Calibration calibration = lafan1_calibration(clip.skeleton());
     const HumanClip human = to_human(clip, calibration);
     const auto shaped = lafan1_clip(clip, calibration);
@@ -38,7 +32,7 @@ TEST(Lafan1Clip, RoundTripsTheHuman) {
 }
 
 TEST(Lafan1Clip, ScalesBodiesToOneSize) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   Calibration calibration = lafan1_calibration(clip.skeleton());
   const Clip expected = lafan1_clip(clip, calibration).value();
   // A child with the same movement.
@@ -54,7 +48,7 @@ TEST(Lafan1Clip, ScalesBodiesToOneSize) {
 }
 
 TEST(Lafan1Clip, FillsMissingBonesExceptLimbs) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   Calibration calibration = lafan1_calibration(clip.skeleton());
   calibration.bones[Bone::kNeck] = {};
   calibration.bones[Bone::kLeftToe] = {};

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "edit/fit_path.h"
 #include "edit/ground_pose.h"
@@ -10,6 +9,7 @@
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/statistics.h"
+#include "support/angles.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -17,14 +17,12 @@ namespace {
 
 using namespace edit_test;
 
-constexpr double kPi = std::numbers::pi;
-
 PathMotion path_of(const EditSample& sample) {
   return fit_path(sample.clip, sample.calibration).value();
 }
 
-FollowedPath follow(const EditSample& sample, const GroundPath& path,
-                    PathKeep keep = PathKeep::kTime) {
+FollowedPath follow_with_report(const EditSample& sample, const GroundPath& path,
+                                PathKeep keep = PathKeep::kTime) {
   FollowPathOptions options;
   options.keep = keep;
   return follow_path(sample.clip, sample.calibration, path, options).value();
@@ -125,14 +123,16 @@ TEST(Rethreading, OwnPathIsIdentity) {
   for (const char* name : {"walk", "turn_in_place", "get_up", "squat"}) {
     const EditSample& sample = data_sample(name);
     const GroundPath path = parse_path(format_path(path_of(sample).path), "p").value();
-    EXPECT_LT(largest_distance(follow(sample, path).clip, sample.clip, 0.01), 1e-6) << name;
-    EXPECT_LT(largest_distance(follow(sample, path, PathKeep::kStride).clip, sample.clip, 0.01),
+    EXPECT_LT(largest_distance(follow_with_report(sample, path).clip, sample.clip, 0.01), 1e-6)
+        << name;
+    EXPECT_LT(largest_distance(follow_with_report(sample, path, PathKeep::kStride).clip,
+                               sample.clip, 0.01),
               1e-6);
   }
   const EditSample& walk = data_sample("walk");
-  EXPECT_LT(
-      largest_distance(follow(walk, path_of(walk).path, PathKeep::kSpeed).clip, walk.clip, 0.01),
-      1e-6);
+  EXPECT_LT(largest_distance(follow_with_report(walk, path_of(walk).path, PathKeep::kSpeed).clip,
+                             walk.clip, 0.01),
+            1e-6);
 }
 
 TEST(Rethreading, RigidPathMoveMovesTheMotionRigidly) {
@@ -141,7 +141,7 @@ TEST(Rethreading, RigidPathMoveMovesTheMotionRigidly) {
     const EditSample& sample = data_sample(name);
     Clip wanted = sample.clip;
     BodyMover::of(wanted, sample.calibration).value().move_all(wanted, move.in_space());
-    const Clip found = follow(sample, path_of(sample).path.moved(move)).clip;
+    const Clip found = follow_with_report(sample, path_of(sample).path.moved(move)).clip;
     EXPECT_LT(largest_distance(found, wanted, 0.01), 1e-6) << name;
     EXPECT_LT(largest_distance(through_bvh(found), found, 0.01), 1e-7) << name;
   }
@@ -176,7 +176,7 @@ TEST(Rethreading, WalksAlongACircle) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath circle = circle_path(own.path.at(0.0), 3.0, own.path.length());
-  const FollowedPath round = follow(sample, circle);
+  const FollowedPath round = follow_with_report(sample, circle);
   const ContactPlan contacts = find_contacts(sample.human());
   const StepFacts before = steps_of(sample.human(), contacts);
   const StepFacts after = steps_of(sample.human_of(round.clip), contacts);
@@ -208,7 +208,7 @@ TEST(Rethreading, PlantingPreventsSlip) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
-  const FollowedPath round = follow(sample, tight);
+  const FollowedPath round = follow_with_report(sample, tight);
   const ContactPlan contacts = find_contacts(sample.human());
   EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
   Clip slid = sample.clip;
@@ -229,13 +229,13 @@ TEST(Rethreading, KeepsTimeSpeedOrStride) {
     return (hips.back().position - hips.front().position).norm();
   };
   const double length = way(sample.clip);
-  const Clip in_time = follow(sample, longer).clip;
+  const Clip in_time = follow_with_report(sample, longer).clip;
   EXPECT_EQ(in_time.frame_count(), sample.clip.frame_count());
   EXPECT_NEAR(way(in_time), 1.25 * length, 0.02);
-  const Clip at_speed = follow(sample, longer, PathKeep::kSpeed).clip;
+  const Clip at_speed = follow_with_report(sample, longer, PathKeep::kSpeed).clip;
   EXPECT_EQ(at_speed.frame_count(), 376);
   EXPECT_NEAR(way(at_speed), 1.25 * length, 0.02);
-  const Clip in_stride = follow(sample, longer, PathKeep::kStride).clip;
+  const Clip in_stride = follow_with_report(sample, longer, PathKeep::kStride).clip;
   EXPECT_EQ(in_stride.frame_count(), sample.clip.frame_count());
   EXPECT_NEAR(way(in_stride), length, 0.02);
 }
@@ -245,7 +245,7 @@ TEST(Rethreading, FeetStayPlantedAtConstantSpeed) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath longer = circle_path(own.path.at(0.0), 1.5, 1.6 * own.path.length());
-  const HumanClip slow = sample.human_of(follow(sample, longer, PathKeep::kSpeed).clip);
+  const HumanClip slow = sample.human_of(follow_with_report(sample, longer, PathKeep::kSpeed).clip);
   const StepFacts steps = steps_of(slow, find_contacts(slow));
   EXPECT_LT(steps.slip, 0.02);
   EXPECT_GT(steps.mean_stride, 1.5);
@@ -283,8 +283,8 @@ Clip walk_without_toe_joints() {
 // about its ankle.
 TEST(Rethreading, FeetWithoutToeJointsPivotOnTheirToes) {
   const EditSample &walk = data_sample("walk"), bare(walk_without_toe_joints());
-  const PlantSummary with = follow(walk, path_of(walk).path.scaled(1.6)).feet,
-                     without = follow(bare, path_of(bare).path.scaled(1.6)).feet;
+  const PlantSummary with = follow_with_report(walk, path_of(walk).path.scaled(1.6)).feet,
+                     without = follow_with_report(bare, path_of(bare).path.scaled(1.6)).feet;
   EXPECT_LT(with.largest_miss, 0.005);
   EXPECT_LT(without.largest_miss, 0.005);
   EXPECT_NEAR(without.largest_drop, with.largest_drop, 0.01);
@@ -297,11 +297,11 @@ TEST(Rethreading, UTurnDoesNotSpin) {
   const auto at = [&](double x, double y) { return start * Eigen::Vector2d(x, y); };
   const GroundPath hairpin = path_through(
       {at(0, 0), at(2, 0), at(3, 0.2), at(3.2, 0.6), at(3, 1), at(2, 1.2), at(0, 1.2)});
-  const Clip there = follow(sample, hairpin).clip;
+  const Clip there = follow_with_report(sample, hairpin).clip;
   const auto headings = hips_over_ground(sample.human_of(there));
   EXPECT_NEAR(headings.back().heading - headings.front().heading, kPi, 0.3);
   const EditSample again(there);
-  const Clip straight = follow(again, line_path(start, 7.0)).clip;
+  const Clip straight = follow_with_report(again, line_path(start, 7.0)).clip;
   const auto after = hips_over_ground(sample.human_of(straight));
   for (std::size_t i = 1; i < after.size(); ++i) {
     ASSERT_LT(std::abs(after[i].heading - after[i - 1].heading), 0.25) << i;
@@ -348,7 +348,7 @@ TEST(Rethreading, KneesBendForwards) {
     for (const GroundPath& path : {own.path.scaled(0.8), own.path.scaled(1.1),
                                    circle_path(own.path.at(0.0), 3.0, own.path.length()),
                                    circle_path(own.path.at(0.0), 1.0, own.path.length())}) {
-      const Clip moved = follow(sample, path).clip;
+      const Clip moved = follow_with_report(sample, path).clip;
       for (const auto& leg : legs) {
         const auto before = knee_angles(sample.clip, *leg), after = knee_angles(moved, *leg);
         EXPECT_GT(*std::ranges::min_element(after), *std::ranges::min_element(before) - 0.5);
@@ -369,7 +369,7 @@ TEST(Rethreading, CornersAreTurnedAtALimitedRate) {
   for (const GroundPath& path :
        {path_through({at(0, 0), at(3.8, 0), at(0, 0)}),
         GroundPath({at(0, 0), at(1, 0), at(2, 0), at(3, 0), at(3, 1), at(3, 2), at(3, 3)})}) {
-    const HumanClip moved = sample.human_of(follow(sample, path).clip);
+    const HumanClip moved = sample.human_of(follow_with_report(sample, path).clip);
     const auto hips = hips_over_ground(moved);
     for (std::size_t i = 1; i < hips.size(); ++i) {
       // 4 rad/s, plus the walk's own turning.

@@ -2,20 +2,17 @@
 
 #include <gmock/gmock.h>
 
-#include <numbers>
-
 #include "base/option_name.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
 #include "human/gait/contact_plan.h"
 #include "retarget/edit.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
 
 using namespace edit_test;
-
-constexpr double kPi = std::numbers::pi;
 
 Clip moved(const EditSample& sample, const GroundPose& move) {
   Clip clip = sample.clip;

@@ -3,17 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "edit_sample.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
 
 using namespace edit_test;
-
-constexpr double kPi = std::numbers::pi;
 
 using Cloud = std::vector<Eigen::Vector3d>;
 

@@ -1,17 +1,15 @@
 #include <cmath>
-#include <numbers>
 
 #include "edit_sample.h"
 #include "retarget/edit.h"
 #include "retarget/resample.h"
+#include "support/angles.h"
 #include "support/clip_sampler.h"
 
 namespace retarget {
 namespace {
 
 using namespace edit_test;
-
-constexpr double kPi = std::numbers::pi;
 
 Result<Clip> change_speed(Clip clip, double speed) {
   return change_timing(std::move(clip), {.speed = speed});

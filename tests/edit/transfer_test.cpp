@@ -10,6 +10,7 @@
 #include "human/skeleton/recognise.h"
 #include "human/twins.h"
 #include "retarget/edit.h"
+#include "support/recorded_clip.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -34,13 +35,9 @@ HumanClip human_of(const Clip& clip, const TransferTarget& target) {
   return to_human(clip, target.calibration);
 }
 
-Clip sample(const std::string& name) {
-  return load_bvh(source_folder() + "/data/" + name + ".bvh").value().clip;
-}
-
 TEST(Transfer, SameSkeletonIsIdentity) {
   for (const char* name : {"walk", "get_up"}) {
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     const TransferTarget target = understood(clip);
     const Clip same = transfer(clip, target.calibration, target);
     ASSERT_EQ(same.frame_count(), clip.frame_count());
@@ -56,7 +53,7 @@ TEST(Transfer, SameSkeletonIsIdentity) {
 
 // A body of half the size walks half the distance, with the same heading.
 TEST(Transfer, ScalesThePathBySize) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   const TransferTarget whole = understood(clip);
   TransferTarget target = whole;
   std::vector<Joint> joints = clip.skeleton().joints();
@@ -89,7 +86,7 @@ int index_of(const std::vector<Joint>& joints, const std::string& name) {
 // takes a part of its rotation; all of them rotate.
 Clip walk_with_more_joints() {
   using enum Channel;
-  const Clip walk = sample("walk");
+  const Clip walk = recorded_clip("walk");
   std::vector<Joint> joints = walk.skeleton().joints();
   const std::vector<Channel> turns{kZRotation, kYRotation, kXRotation};
   insert_below(joints, index_of(joints, "LeftHand"), {"LeftIndex1", -1, {8, 1, 0}, {}, turns});
@@ -156,7 +153,7 @@ TEST(Transfer, CopiesSharedJoints) {
 
 // The last helper at the position of a joint rotates the bone, on either side.
 TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
-  const Clip helped = walk_with_more_joints(), plain = sample("walk");
+  const Clip helped = walk_with_more_joints(), plain = recorded_clip("walk");
   const TransferTarget with = understood(helped), without = understood(plain);
   const auto is_same = [](const HumanClip& a, const HumanClip& b) {
     for (int frame = 0; frame < a.frame_count; frame += 25) {
@@ -175,7 +172,7 @@ TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
 // On a skeleton rooted at the head, trunk joints rotate other parts than their own; the pelvis
 // between Hips and Spine maps to no bone and stays at rest.
 TEST(Transfer, HandlesTrunksRootedAtTheHead) {
-  const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
+  const Clip walk = with_t_pose_as_zero(recorded_clip("walk")), hanging = rooted_at_head(walk);
   const TransferTarget source = understood(walk), target = understood(hanging);
   const HumanClip was = human_of(walk, source),
                   is = human_of(transfer(walk, source.calibration, target), target);
@@ -189,7 +186,7 @@ TEST(Transfer, HandlesTrunksRootedAtTheHead) {
 }
 
 TEST(Transfer, ReportsJointsThatAreNotCopied) {
-  const Clip more = walk_with_more_joints(), plain = sample("walk");
+  const Clip more = walk_with_more_joints(), plain = recorded_clip("walk");
   const TransferTarget with_more = understood(more), without = understood(plain);
   const std::vector<std::string> names{"Bag", "Neck2", "LeftIndex1", "LeftIndex2"};
   const UncarriedJoints dropped = uncarried_joints(more, with_more.calibration, without);
@@ -204,7 +201,7 @@ TEST(Transfer, ReportsJointsThatAreNotCopied) {
 TEST(Transfer, HumanIsPreservedThroughEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
-  const Clip walk = sample("walk");
+  const Clip walk = recorded_clip("walk");
   const TransferTarget source = understood(walk);
   const HumanClip human = human_of(walk, source);
   const double floor = floor_height(walk, source.calibration).value();

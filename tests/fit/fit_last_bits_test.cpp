@@ -56,7 +56,7 @@ double apart(const std::shared_ptr<const Robot>& robot, const std::string& confi
   return difference(run(clip), run(with_other_bits(clip)));
 }
 
-Clip sample(const std::string& name, int begin, int end) {
+Clip sample_part(const std::string& name, int begin, int end) {
   const auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
   EXPECT_TRUE(clip.has_value());
   return cut(clip->clip, begin, end);
@@ -64,7 +64,7 @@ Clip sample(const std::string& name, int begin, int end) {
 
 TEST(FitLastBits, FloorContactsAreStableToRounding) {
   // Starts are lifted until their lowest point is exactly on the floor.
-  EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", sample("get_up.bvh", 50, 100)),
+  EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", sample_part("get_up.bvh", 50, 100)),
             kSameMotion);
 }
 
@@ -73,7 +73,8 @@ TEST(FitLastBits, FootContactsAreStableToRounding) {
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");
   ASSERT_TRUE(robot.has_value());
-  EXPECT_LT(apart(*robot, "lafan1_to_pal_talos.json", sample("squat.bvh", 0, 20)), kSameMotion);
+  EXPECT_LT(apart(*robot, "lafan1_to_pal_talos.json", sample_part("squat.bvh", 0, 20)),
+            kSameMotion);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ void check_error(const Error& error, bool has_place) {
           "errors have a place");
 }
 
-void check_clip(const Clip& clip) {
+void check_read_clip(const Clip& clip) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     for (const auto& rotation : clip.rotations(frame)) {
       require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
@@ -61,7 +61,7 @@ void fuzz_bvh(std::string_view bytes) {
       check_error(file.error(), options.root.empty());
       continue;
     }
-    check_clip(file->clip);
+    check_read_clip(file->clip);
     check_round_trip(file->clip);
   }
 }

@@ -11,12 +11,11 @@
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/recognise.h"
 #include "retarget/human_skeleton.h"
+#include "support/angles.h"
 #include "support/shared_data.h"
 
 namespace retarget {
 namespace {
-
-constexpr double kDegree = 180.0 / M_PI;
 
 Clip load(const std::string& folder, const std::string& name) {
   return load_bvh((*shared_folder() / "data" / folder / name).string()).value().clip;
@@ -45,7 +44,7 @@ TEST(CalibrateReal, CanonicalTPoseMatchesLafan1) {
         Eigen::Quaterniond::FromTwoVectors(left.normalized(), Eigen::Vector3d::UnitY());
     for (const Bone bone : kAllBones) {
       const Eigen::Quaterniond axes(canonical_t_pose(bone));
-      sums[bone] += (body_from_world * pose[bone].rotation).angularDistance(axes) * kDegree;
+      sums[bone] += (body_from_world * pose[bone].rotation).angularDistance(axes) * kDegrees;
     }
   }
   for (const Bone bone : kAllBones) {
@@ -109,7 +108,7 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
          {"Hips", "Spine2", "LeftUpLeg", "LeftLeg", "LeftFootMod", "RightUpLeg", "RightLeg",
           "RightFootMod", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
       const double degrees =
-          Eigen::AngleAxisd(*found.bones[*bone_from_name(bone)].joint_from_bone).angle() * kDegree;
+          Eigen::AngleAxisd(*found.bones[*bone_from_name(bone)].joint_from_bone).angle() * kDegrees;
       const double turn = std::min(degrees, 360.0 - degrees);
       EXPECT_LT(turn, 15.0) << file << " " << bone;
       sum += turn;

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
@@ -14,15 +13,12 @@
 #include "retarget/bvh.h"
 #include "retarget/clip.h"
 #include "retarget/resample.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
 
 const std::vector<std::string> kSamples = {"get_up", "squat", "turn_in_place", "walk", "wave"};
-
-Clip sample(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
-}
 
 HumanClip fixed_human(const Clip& clip) {
   return to_human(clip, lafan1_calibration(clip.skeleton()));
@@ -40,7 +36,7 @@ HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
 
 TEST(Calibrate, KeepsLafan1BitForBit) {
   for (const std::string& name : kSamples) {
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value();
     const HumanClip human = to_human(clip, found);
     EXPECT_EQ(found.rest_pose, "lafan1");
@@ -69,7 +65,7 @@ TEST(Calibrate, KeepsLafan1BitForBit) {
 TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const std::string& name : kSamples) {
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     const HumanClip expected = fixed_human(clip);
     for (const bool turned : {false, true}) {
       const Clip metres = scaled_and_turned(
@@ -88,7 +84,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
 // A T-pose as zero pose: the general method must find LAFAN1's axes, which the copy no longer has.
 TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
   for (const std::string& name : kSamples) {
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     HumanClip expected = fixed_human(clip);
     const Calibration found = calibrated(with_t_pose_as_zero(clip));
     EXPECT_EQ(found.rest_pose, "zero pose");
@@ -100,7 +96,7 @@ TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
 }
 
 TEST(Calibrate, RaisesArmsOfAPosesAndIPoses) {
-  const Clip clip = sample("wave");
+  const Clip clip = recorded_clip("wave");
   const HumanClip expected = human_of(with_t_pose_as_zero(clip));
   for (const double lowered : {0.6, 0.8, 1.0, M_PI / 2}) {
     const Clip twin = with_t_pose_as_zero(clip, lowered);
@@ -114,7 +110,7 @@ TEST(Calibrate, RaisesArmsOfAPosesAndIPoses) {
 // own.
 TEST(Calibrate, RerootsTheTreeAtTheHips) {
   for (const std::string& name : kSamples) {
-    const Clip clip = with_t_pose_as_zero(sample(name));
+    const Clip clip = with_t_pose_as_zero(recorded_clip(name));
     const Clip twin = rooted_at_head(clip);
     const HumanClip expected = human_of(clip), found = human_of(twin);
     ASSERT_EQ(found.frame_count, expected.frame_count);
@@ -135,7 +131,7 @@ TEST(Calibrate, RerootsTheTreeAtTheHips) {
 }
 
 TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   // Legs of 86 units: centimetres by default, and with half an inch 1.09 m.
   map.facts.metres_per_unit = 0.0127;
@@ -162,7 +158,7 @@ TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
 }
 
 TEST(Calibrate, WarnsAboutUnusualHeight) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   EXPECT_TRUE(calibrated(clip).doubts.empty());
   const Clip small = scaled_and_turned(clip, 0.6, Eigen::Quaterniond::Identity());
   const auto doubts = calibrated(small).doubts;
@@ -191,7 +187,7 @@ TEST(Calibrate, SameMovementInAnotherRepresentationGivesTheSameHuman) {
   const Eigen::Quaterniond y_up = Eigen::Quaterniond::Identity();
   for (const std::string& name : kSamples) {
     for (const bool has_rest : {false, true}) {
-      const Clip clip = has_rest ? with_t_pose_as_zero(sample(name)) : sample(name);
+      const Clip clip = has_rest ? with_t_pose_as_zero(recorded_clip(name)) : recorded_clip(name);
       const HumanClip expected = human_of(clip);
       SCOPED_TRACE(name + (has_rest ? " with a T-pose" : " without a rest pose"));
       EXPECT_LT(largest_difference(human_of(scaled_and_turned(clip, 0.01, y_up)), expected), 1e-9);
@@ -211,7 +207,7 @@ TEST(Calibrate, SameMovementInAnotherRepresentationGivesTheSameHuman) {
         EXPECT_LT(largest_difference(half, picked), 1e-9);
       }
     }
-    const Clip clip = sample(name);
+    const Clip clip = recorded_clip(name);
     EXPECT_LT(
         largest_difference(human_of(with_other_axes(clip, random_turns(clip))), human_of(clip)),
         1e-9);
@@ -219,7 +215,7 @@ TEST(Calibrate, SameMovementInAnotherRepresentationGivesTheSameHuman) {
 }
 
 TEST(Calibrate, DoesNotDependOnTheFrameRateEvenWithoutARestPose) {
-  Clip clip = sample("walk");
+  Clip clip = recorded_clip("walk");
   const Clip fast = resample(clip, {60, 1}).value();
   const HumanClip at_60 = human_of(fast), at_30 = human_of(clip);
   for (int frame = 0; frame < at_30.frame_count; ++frame) {
@@ -232,7 +228,7 @@ TEST(Calibrate, DoesNotDependOnTheFrameRateEvenWithoutARestPose) {
 }
 
 TEST(Calibrate, IsIndependentOfChannelOrder) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   std::vector<Joint> joints = clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) {
     auto& channels = joints[i].channels;
@@ -252,7 +248,7 @@ TEST(Calibrate, IsIndependentOfChannelOrder) {
 TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
   // Hips, torso and legs of the synthetic person; its elbows bend exactly about -Z, unlike
   // people's, whose mean of 13 degrees is subtracted.
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   const Calibration found = calibrated(clip);
   EXPECT_EQ(found.rest_pose, "learned");
   const HumanClip human = to_human(clip, found), expected = fixed_human(clip);
@@ -269,7 +265,7 @@ TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
 }
 
 TEST(Calibrate, HandlesEveryUpAxisWithoutMirroring) {
-  const Clip clip = with_t_pose_as_zero(sample("wave"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("wave"));
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool negative : {false, true}) {
@@ -290,16 +286,16 @@ TEST(Calibrate, HandlesEveryUpAxisWithoutMirroring) {
 
 TEST(Calibrate, FindsUpAxisOfALyingBody) {
   // The start of getting up, mostly on the floor.
-  const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
+  const Clip clip = with_t_pose_as_zero(cut(recorded_clip("get_up"), 0, 60));
   EXPECT_EQ(calibrated(clip).up, SignedAxis{});
-  const Clip lafan1 = cut(sample("get_up"), 0, 60);
+  const Clip lafan1 = cut(recorded_clip("get_up"), 0, 60);
   const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->rest_pose, "lafan1");
 }
 
 TEST(Calibrate, UsesGivenOptions) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   CalibrationOptions options;
   options.metres_per_unit = 0.02;
   options.up = SignedAxis{1, false};
@@ -316,7 +312,7 @@ TEST(Calibrate, UsesGivenOptions) {
 }
 
 TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
-  const Clip clip = sample("squat");
+  const Clip clip = recorded_clip("squat");
   // The T-pose, in the joint axes of the clip.
   Clip tpose(clip.shared_skeleton(), clip.rate(), 1);
   const Eigen::Quaterniond file_from_human(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
@@ -337,7 +333,7 @@ TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
 }
 
 TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   const auto drop = [&](const char* bone) { map.joint_of_bone[*bone_from_name(bone)] = -1; };
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "LeftShoulder",
@@ -346,7 +342,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   }
   const auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
-  const HumanClip human = to_human(clip, *found), whole = fixed_human(sample("walk"));
+  const HumanClip human = to_human(clip, *found), whole = fixed_human(recorded_clip("walk"));
   for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
   // The wrist and the toes keep their positions, and the foot without toes keeps its rotation.
   for (const char* bone : {"LeftHand", "RightToe"}) {
@@ -362,7 +358,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
 }
 
 TEST(Calibrate, RejectsInvalidInput) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   const auto unit = calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {});
   ASSERT_FALSE(unit);
@@ -381,7 +377,7 @@ TEST(Calibrate, RejectsInvalidInput) {
 }
 
 TEST(Calibrate, WarnsAboutSwappedSides) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   for (const Bone bone : kMappedBones) {
     if (side_of(bone) != Side::kLeft) continue;
@@ -394,10 +390,10 @@ TEST(Calibrate, WarnsAboutSwappedSides) {
 }
 
 TEST(Calibrate, HandlesAClipWithoutFrames) {
-  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   const Clip none(clip.shared_skeleton(), clip.rate(), 0);
   EXPECT_EQ(calibrated(none).rest_pose, "zero pose");
-  const Clip lost(sample("walk").shared_skeleton(), {30, 1}, 0);
+  const Clip lost(recorded_clip("walk").shared_skeleton(), {30, 1}, 0);
   EXPECT_FALSE(calibrate(lost, lafan1_map(lost.skeleton(), "test"), {}));
 }
 

@@ -17,6 +17,7 @@
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
@@ -25,10 +26,6 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-Clip sample_clip(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh", {}).value().clip;
-}
 
 CleanReport clean(Clip& clip) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
@@ -69,7 +66,7 @@ class Noise {
 
 TEST(CleanClip, DoesNotChangeSamples) {
   for (const char* name : {"walk", "turn_in_place", "squat", "wave", "get_up"}) {
-    const Clip clip = sample_clip(name);
+    const Clip clip = recorded_clip(name);
     Clip cleaned = clip;
     EXPECT_THAT(clean(cleaned).notes, IsEmpty()) << name;
     EXPECT_EQ(farthest_root(clip, cleaned), 0.0) << name;
@@ -78,7 +75,7 @@ TEST(CleanClip, DoesNotChangeSamples) {
 }
 
 TEST(CleanClip, RemovesSwayFromTheRoot) {
-  const Clip clip = sample_clip("squat");
+  const Clip clip = recorded_clip("squat");
   Clip noisy = clip;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     noisy.translations(frame)[0].x() += 20.0 * std::sin(2.0 * std::numbers::pi * frame / 120.0);
@@ -94,7 +91,7 @@ TEST(CleanClip, RemovesSwayFromTheRoot) {
 }
 
 TEST(CleanClip, JitterOfJointsIsSmoothed) {
-  const Clip clip = sample_clip("wave");
+  const Clip clip = recorded_clip("wave");
   Clip noisy = clip;
   Noise noise;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -150,7 +147,7 @@ double contact_speed(const Clip& clean_clip, const Clip& other, double percent) 
 
 TEST(CleanClip, LegsHoldFeetInTheirStances) {
   for (const char* name : {"walk", "squat"}) {
-    const Clip clip = sample_clip(name);
+    const Clip clip = recorded_clip(name);
     Clip noisy = clip;
     add_slow_noise(noisy, 3.0 / std::sqrt(3.0));
     const Clip before = noisy;
@@ -163,7 +160,7 @@ TEST(CleanClip, LegsHoldFeetInTheirStances) {
 }
 
 TEST(CleanClip, DoesNotChangeFramesOutsideThePart) {
-  Clip noisy = sample_clip("squat");
+  Clip noisy = recorded_clip("squat");
   for (int frame = 0; frame < noisy.frame_count(); ++frame) {
     noisy.translations(frame)[0].x() += 20.0 * std::sin(2.0 * std::numbers::pi * frame / 120.0);
   }
@@ -175,7 +172,7 @@ TEST(CleanClip, DoesNotChangeFramesOutsideThePart) {
 }
 
 TEST(CleanClip, DoesNotChangeShortClips) {
-  const Clip clip = sample_clip("squat");
+  const Clip clip = recorded_clip("squat");
   for (const int frames : {0, 1, 2, 3, 5}) {
     Clip part = cut(clip, 0, frames);
     EXPECT_FALSE(clean(part).acted()) << frames;
@@ -183,7 +180,7 @@ TEST(CleanClip, DoesNotChangeShortClips) {
 }
 
 TEST(CleanPositions, DoesNotChangeClipsWithRotations) {
-  Clip clip = sample_clip("wave");
+  Clip clip = recorded_clip("wave");
   Noise noise;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0].x() += noise.next();

@@ -28,7 +28,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::vector<std::string> kSamples = {"walk", "squat", "turn_in_place", "wave", "get_up"};
+const std::vector<std::string> kSamplesInUnits = {"walk", "squat", "turn_in_place", "wave",
+                                                  "get_up"};
 
 // A sample with LAFAN1's axes, whose zero pose is impossible for a body, or with a T-pose as zero
 // pose.
@@ -79,7 +80,7 @@ void expect_same(const Clip& found, const Clip& wanted) {
 }
 
 TEST(ClipUnits, DoesNotChangeCleanClips) {
-  for (const std::string& name : kSamples) {
+  for (const std::string& name : kSamplesInUnits) {
     for (const bool t_pose : {false, true}) {
       const Clip clip = sample_of(name, t_pose);
       Clip mended = clip;
@@ -93,7 +94,7 @@ TEST(ClipUnits, DoesNotChangeCleanClips) {
 }
 
 TEST(ClipUnits, ConvertsRadians) {
-  for (const std::string& name : kSamples) {
+  for (const std::string& name : kSamplesInUnits) {
     const Clip clip = sample_of(name, false);
     Clip mended = with_radians_read_as_degrees(clip);
     EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;

@@ -6,13 +6,10 @@
 #include "human/hand_made_maps.h"
 #include "human/postures.h"
 #include "human/twins.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
-
-Clip sample(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
-}
 
 std::optional<SignedAxis> fall_of(const Clip& clip) {
   return free_fall_axis(clip, Body(clip.skeleton(), lafan1_map(clip.skeleton(), "test")), 0);
@@ -20,7 +17,7 @@ std::optional<SignedAxis> fall_of(const Clip& clip) {
 
 // A hopping body: parabolas of half a second, with the feet on the floor for as long in between.
 Clip hopping() {
-  Clip clip = PostureClips(sample("walk")).make(Posture::kStanding, 0.0, 90);
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 90);
   constexpr double kFlight = 0.5, kGravity = 981.0;  // s, cm/s^2
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const double phase = std::fmod(frame / 30.0, 2.0 * kFlight);
@@ -41,9 +38,9 @@ TEST(FreeFall, ShowsTheUpAxisOfAHoppingBody) {
 
 TEST(FreeFall, IsNotDetectedInSupportedBodies) {
   for (const char* name : {"walk", "squat", "get_up", "wave", "turn_in_place"}) {
-    EXPECT_EQ(fall_of(sample(name)), std::nullopt) << name;
+    EXPECT_EQ(fall_of(recorded_clip(name)), std::nullopt) << name;
   }
-  const PostureClips postures(sample("walk"));
+  const PostureClips postures(recorded_clip("walk"));
   for (const Posture posture : kPostures) {
     EXPECT_EQ(fall_of(postures.make(posture, 30.0)), std::nullopt) << posture_name(posture);
   }

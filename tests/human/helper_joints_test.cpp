@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
@@ -10,14 +9,10 @@
 #include "human/skeleton/calibrate.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
-
-Clip sample(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "data";
-  return load_bvh((folder / (name + ".bvh")).string()).value().clip;
-}
 
 // The half of a split joint that keeps the name.
 enum class Named { kUpper, kLower };
@@ -125,21 +120,21 @@ void expect_same(const Clip& clip, Way way) {
 
 TEST(HelperJoints, RotateTheirBoneByNames) {
   for (const char* name : {"walk", "squat"}) {
-    expect_same(with_t_pose_as_zero(sample(name)), Way::kNames);
+    expect_same(with_t_pose_as_zero(recorded_clip(name)), Way::kNames);
   }
 }
 
 TEST(HelperJoints, RotateTheirBoneByMapFile) {
-  expect_same(with_t_pose_as_zero(sample("walk")), Way::kMapFile);
+  expect_same(with_t_pose_as_zero(recorded_clip("walk")), Way::kMapFile);
 }
 
 // LAFAN1's own axes, which are kept.
 TEST(HelperJoints, RotateTheirBoneByDialect) {
-  expect_same(sample("walk"), Way::kProfile);
+  expect_same(recorded_clip("walk"), Way::kProfile);
 }
 
 TEST(HelperJoints, RotateTheirBoneByShape) {
-  expect_same(with_t_pose_as_zero(sample("walk")), Way::kShape);
+  expect_same(with_t_pose_as_zero(recorded_clip("walk")), Way::kShape);
 }
 
 // Each step has a constant cost for any chain length: a search over all joints would run into the

@@ -13,6 +13,7 @@
 #include "formats/smpl/joint_orders.h"
 #include "human/skeleton/joint_tree.h"
 #include "retarget/clip.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -20,8 +21,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 // A body with z up and x ahead, posed by its joint angles.
 struct Figure {

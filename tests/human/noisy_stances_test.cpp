@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kFrameTime = 1.0 / 30.0;
 
 // Two feet standing side by side; their tracks can be changed afterwards.
-SourceFeet standing_feet(int frames) {
+SourceFeet feet_in_place(int frames) {
   SourceFeet feet;
   feet.frame_time = kFrameTime;
   feet.foot_count = 2;
@@ -41,7 +41,7 @@ int standing_frames(const std::vector<char>& stands) {
 }
 
 TEST(NoisyStances, NoisePeaksDoNotSplitStances) {
-  SourceFeet feet = standing_feet(60);
+  SourceFeet feet = feet_in_place(60);
   // 0.9 m/s for two frames: faster than any threshold for single frames.
   shift(feet, 30, 0, Vector3d(0.06, 0.0, 0.0));
   const NoisyStances stances = find_noisy_stances(feet, 0.1);
@@ -49,7 +49,7 @@ TEST(NoisyStances, NoisePeaksDoNotSplitStances) {
 }
 
 TEST(NoisyStances, FindsSteps) {
-  SourceFeet feet = standing_feet(60);
+  SourceFeet feet = feet_in_place(60);
   for (int i = 0; i < 60; ++i) {
     const double share = std::clamp((i - 25) / 12.0, 0.0, 1.0);
     shift(feet, i, 1, Vector3d(0.6 * share, 0.0, 0.4 * share * (1.0 - share)));
@@ -66,7 +66,7 @@ TEST(NoisyStances, FindsSteps) {
 }
 
 TEST(NoisyStances, FeetAboveTheFloorDoNotStand) {
-  SourceFeet feet = standing_feet(90);
+  SourceFeet feet = feet_in_place(90);
   for (int i = 40; i < 60; ++i) shift(feet, i, 0, Vector3d(0.0, 0.0, 0.3));
   const NoisyStances stances = find_noisy_stances(feet, 0.1);
   EXPECT_EQ(stances[stance_index(0, kToeEnd)][50], 0);
@@ -76,7 +76,7 @@ TEST(NoisyStances, FeetAboveTheFloorDoNotStand) {
 // Both feet are slightly too fast; an upright person stands on one of them.
 TEST(NoisyStances, UprightBodiesAreSupported) {
   const auto sliding = [](double hips) {
-    SourceFeet feet = standing_feet(120);
+    SourceFeet feet = feet_in_place(120);
     for (int i = 0; i < 120; ++i) {
       const double way = 0.45 * kFrameTime * std::clamp(i - 40, 0, 40);
       for (int foot = 0; foot < 2; ++foot) shift(feet, i, foot, Vector3d(way, 0.0, 0.0));

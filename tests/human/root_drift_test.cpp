@@ -5,19 +5,19 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
+
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFrameTime = 1.0 / 30.0;
-constexpr double kPi = std::numbers::pi;
+constexpr double kDriftFrameTime = 1.0 / 30.0;
 
 // Feet and hips of a body by frame.
-struct Body {
+struct DriftingBody {
   SourceFeet feet;
   std::vector<Vector3d> hips;
 };
@@ -41,13 +41,14 @@ Vector3d foot_of_walker(int foot, double seconds) {
   return {along - 0.5 * foot * kStride, foot == 0 ? 0.1 : -0.1, up};
 }
 
-Body body_of(int frames, const Path& off, const std::function<Vector3d(int, double)>& foot_at) {
-  Body body;
-  body.feet.frame_time = kFrameTime;
+DriftingBody body_of(int frames, const Path& off,
+                     const std::function<Vector3d(int, double)>& foot_at) {
+  DriftingBody body;
+  body.feet.frame_time = kDriftFrameTime;
   body.feet.foot_count = 2;
   body.feet.legs = {kUsualSourceLeg};
   for (int frame = 0; frame < frames; ++frame) {
-    const double seconds = frame * kFrameTime;
+    const double seconds = frame * kDriftFrameTime;
     Vector3d middle = Vector3d::Zero();
     for (const int foot : {0, 1}) {
       const Vector3d place = foot_at(foot, seconds);
@@ -61,7 +62,7 @@ Body body_of(int frames, const Path& off, const std::function<Vector3d(int, doub
   return body;
 }
 
-Vector3d standing_foot(int foot, double) {
+Vector3d resting_foot(int foot, double) {
   return {0.0, foot == 0 ? 0.1 : -0.1, 0.0};
 }
 
@@ -76,19 +77,19 @@ Vector3d sway(double seconds) {
   return {0.0, 0.2 * std::sin(2.0 * kPi * seconds / 4.0), 0.0};
 }
 
-double farthest_left(const Body& body, const Path& off, const RootDrift& found) {
+double farthest_left(const DriftingBody& body, const Path& off, const RootDrift& found) {
   // The position of the body as a whole is unknown.
   const Vector3d first = found.drift.front() - off(0.0);
   double far = 0.0;
   for (std::size_t i = 0; i < body.hips.size(); ++i) {
-    const Vector3d left = found.drift[i] - off(static_cast<double>(i) * kFrameTime) - first;
+    const Vector3d left = found.drift[i] - off(static_cast<double>(i) * kDriftFrameTime) - first;
     far = std::max(far, left.norm());
   }
   return far;
 }
 
 TEST(RootDrift, StandingFeetConfirmTheRoot) {
-  const RootEvidence standing = measure_root(body_of(90, nowhere, standing_foot).feet);
+  const RootEvidence standing = measure_root(body_of(90, nowhere, resting_foot).feet);
   EXPECT_NEAR(standing.seconds, 3.0, 1e-9);
   EXPECT_EQ(standing.speed, 0.0);
   EXPECT_FALSE(standing.moves());
@@ -109,11 +110,11 @@ TEST(RootDrift, IgnoresJumps) {
     const double part = seconds - std::floor(seconds);
     return Vector3d(0.0, 0.0, std::max(0.0, 4.905 * part * (0.5 - part)));
   };
-  EXPECT_FALSE(measure_root(body_of(300, jumping, standing_foot).feet).moves());
+  EXPECT_FALSE(measure_root(body_of(300, jumping, resting_foot).feet).moves());
 }
 
 TEST(RootDrift, MeasuresSway) {
-  const RootEvidence evidence = measure_root(body_of(240, sway, standing_foot).feet);
+  const RootEvidence evidence = measure_root(body_of(240, sway, resting_foot).feet);
   // The speed of a sine exceeds this value during 65 % of the time.
   EXPECT_NEAR(evidence.speed, 0.2 * 2.0 * kPi / 4.0 * std::sin(0.35 * kPi / 2.0), 0.02);
   EXPECT_TRUE(evidence.moves());
@@ -121,7 +122,7 @@ TEST(RootDrift, MeasuresSway) {
 
 TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.03 * seconds); };
-  const RootEvidence evidence = measure_root(body_of(300, climb, standing_foot).feet);
+  const RootEvidence evidence = measure_root(body_of(300, climb, resting_foot).feet);
   EXPECT_NEAR(evidence.climb, 0.3, 0.01);
   EXPECT_TRUE(evidence.moves());
   EXPECT_TRUE(evidence.climbs());
@@ -153,7 +154,7 @@ TEST(RootDrift, IgnoresFeetThatSinkWhileTheyRoll) {
 
 TEST(RootDrift, FindsAVerySlowClimb) {
   const auto climb = [](double seconds) { return Vector3d(0.0, 0.0, 0.005 * seconds); };
-  const Body body = body_of(600, climb, standing_foot);
+  const DriftingBody body = body_of(600, climb, resting_foot);
   EXPECT_TRUE(measure_root(body.feet).moves());
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_NEAR(found.climb_before, 0.1, 0.01);
@@ -163,7 +164,7 @@ TEST(RootDrift, FindsAVerySlowClimb) {
 
 TEST(RootDrift, DoesNotTakeAMissingRootForDrift) {
   // A person walks in place.
-  Body missing = body_of(300, nowhere, foot_of_walker);
+  DriftingBody missing = body_of(300, nowhere, foot_of_walker);
   for (std::size_t i = 0; i < missing.hips.size(); ++i) {
     const double along = missing.hips[i].x();
     missing.hips[i].x() = 0.0;
@@ -174,29 +175,29 @@ TEST(RootDrift, DoesNotTakeAMissingRootForDrift) {
   }
   EXPECT_TRUE(root_is_missing(missing.feet, missing.hips));
   for (const Path& off : {Path(nowhere), Path(sway)}) {
-    const Body walking = body_of(300, off, foot_of_walker);
+    const DriftingBody walking = body_of(300, off, foot_of_walker);
     EXPECT_FALSE(root_is_missing(walking.feet, walking.hips));
-    const Body standing = body_of(300, off, standing_foot);
+    const DriftingBody standing = body_of(300, off, resting_foot);
     EXPECT_FALSE(root_is_missing(standing.feet, standing.hips));
   }
 }
 
 TEST(RootDrift, IgnoresBodiesWithoutToes) {
-  Body body = body_of(90, sway, standing_foot);
+  DriftingBody body = body_of(90, sway, resting_foot);
   body.feet.has_toe = {false, false};
   EXPECT_FALSE(measure_root(body.feet).moves());
   EXPECT_TRUE(find_root_drift(body.feet, body.hips).drift.empty());
 }
 
 TEST(RootDrift, IgnoresFeetOfALyingBody) {
-  Body body = body_of(240, sway, standing_foot);
+  DriftingBody body = body_of(240, sway, resting_foot);
   body.feet.hips.assign(240, 0.15);
   EXPECT_EQ(measure_root(body.feet).seconds, 0.0);
   EXPECT_FALSE(measure_root(body.feet).moves());
 }
 
 TEST(RootDrift, FindsSway) {
-  const Body body = body_of(240, sway, foot_of_walker);
+  const DriftingBody body = body_of(240, sway, foot_of_walker);
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_TRUE(found.helps());
   EXPECT_GT(found.speed_before, 0.1);
@@ -206,7 +207,7 @@ TEST(RootDrift, FindsSway) {
 }
 
 TEST(RootDrift, DoesNotChangeACorrectRoot) {
-  const Body body = body_of(240, nowhere, foot_of_walker);
+  const DriftingBody body = body_of(240, nowhere, foot_of_walker);
   const RootDrift found = find_root_drift(body.feet, body.hips);
   EXPECT_LT(farthest_left(body, nowhere, found), 0.05);
 }
@@ -214,13 +215,13 @@ TEST(RootDrift, DoesNotChangeACorrectRoot) {
 TEST(RootDrift, KeepsAStepAboveTheFloor) {
   // Up to a box 0.3 m high after half of the clip, during sway.
   const auto foot_at = [](int foot, double seconds) {
-    Vector3d place = standing_foot(foot, seconds);
+    Vector3d place = resting_foot(foot, seconds);
     const double rise = std::clamp((seconds - 4.0 - 0.5 * foot) / 0.5, 0.0, 1.0);
     place.x() = 0.3 * rise;
     place.z() = 0.3 * rise * rise * (3.0 - 2.0 * rise);
     return place;
   };
-  const Body body = body_of(270, sway, foot_at);
+  const DriftingBody body = body_of(270, sway, foot_at);
   const RootEvidence evidence = measure_root(body.feet);
   EXPECT_TRUE(evidence.moves());
   EXPECT_FALSE(evidence.climbs());
@@ -232,7 +233,7 @@ TEST(RootDrift, KeepsAStepAboveTheFloor) {
 }
 
 TEST(RootDrift, ScalesLengthsWithTheBody) {
-  Body body = body_of(240, sway, foot_of_walker);
+  DriftingBody body = body_of(240, sway, foot_of_walker);
   const RootDrift usual = find_root_drift(body.feet, body.hips);
   for (SourceFoot& foot : body.feet.feet) {
     foot.ankle *= 0.5;

@@ -25,7 +25,7 @@ struct NamingCase {
   FingerNaming name;
 };
 
-const std::vector<NamingCase>& namings() {
+const std::vector<NamingCase>& hand_namings() {
   static const std::vector<NamingCase> kCases = {
       {"mixamo", mixamo_name},
       {"smplx",
@@ -82,7 +82,7 @@ const std::vector<NamingCase>& namings() {
 }
 
 TEST(SourceHandsTest, FingersAreFoundByAnyNames) {
-  for (const auto& [kind, name] : namings()) {
+  for (const auto& [kind, name] : hand_namings()) {
     const FingerClip source(1, name);
     const SourceHands hands = source.hands();
     for (std::size_t side = 0; side < 2; ++side) {

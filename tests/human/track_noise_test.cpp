@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -15,15 +16,14 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kFrameTime = 1.0 / 30.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kNoiseFrameTime = 1.0 / 30.0;
 
 // A joint that swings by 20 degrees every two seconds.
 std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double hertz = 0.5) {
   std::vector<Quaterniond> rotations;
   for (int i = 0; i < frames; ++i) {
     const double angle =
-        degrees * kDegree * std::sin(2.0 * std::numbers::pi * hertz * i * kFrameTime);
+        degrees * kDegree * std::sin(2.0 * std::numbers::pi * hertz * i * kNoiseFrameTime);
     rotations.push_back(exp_so3(Vector3d(0.8 * angle, 0.0, 0.6 * angle)));
   }
   return rotations;
@@ -32,7 +32,7 @@ std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double h
 // Errors with a correlation time of 0.3 s and this RMS angle about each axis, degrees.
 std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
   std::mt19937 random(7);
-  const double keep = std::exp(-kFrameTime / 0.3);
+  const double keep = std::exp(-kNoiseFrameTime / 0.3);
   // Sums of uniform numbers are equal with every standard library.
   const auto gauss = [&] {
     double sum = -6.0;
@@ -59,7 +59,7 @@ double mean_change(const std::vector<Quaterniond>& rotations) {
 }
 
 TEST(TrackNoise, IgnoresMovement) {
-  const TrackNoise noise = measure_noise(swing(), kFrameTime);
+  const TrackNoise noise = measure_noise(swing(), kNoiseFrameTime);
   EXPECT_TRUE(noise.moves);
   EXPECT_GT(noise.correlation, 0.5);
   EXPECT_LT(noise.step, 1e-3);
@@ -79,24 +79,24 @@ double rms_error(const std::vector<Quaterniond>& a, const std::vector<Quaternion
 TEST(TrackNoise, SmoothingKeepsTheStepsOfAKnee) {
   std::vector<Quaterniond> knee;
   for (int i = 0; i < 300; ++i) {
-    const double phase = 2.0 * std::numbers::pi * i * kFrameTime;
+    const double phase = 2.0 * std::numbers::pi * i * kNoiseFrameTime;
     const double angle = 20.0 * std::sin(phase) + 15.0 * std::sin(2.0 * phase + 1.0) +
                          8.0 * std::sin(3.0 * phase + 2.0);
     knee.push_back(exp_so3(Vector3d(0.0, 0.0, angle * kDegree)));
   }
   const auto noisy = with_noise(knee, 5.0);
-  const TrackNoise noise = measure_noise(noisy, kFrameTime);
-  const auto smooth = smoothed(noisy, cutoff_for(noise, kFrameTime, 1.5), kFrameTime);
+  const TrackNoise noise = measure_noise(noisy, kNoiseFrameTime);
+  const auto smooth = smoothed(noisy, cutoff_for(noise, kNoiseFrameTime, 1.5), kNoiseFrameTime);
   EXPECT_LT(rms_error(knee, smooth), rms_error(knee, noisy));
   EXPECT_LT(mean_change(smooth), 0.7 * mean_change(noisy));
 }
 
 TEST(TrackNoise, FastMovementsMaskIt) {
   const auto fast = with_noise(swing(300, 40.0, 1.0), 1.0);
-  const TrackNoise noise = measure_noise(fast, kFrameTime);
+  const TrackNoise noise = measure_noise(fast, kNoiseFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
   EXPECT_TRUE(noise.may_exceed(kLargeStep));
-  EXPECT_FALSE(measure_noise(swing(300, 40.0, 1.0), kFrameTime).may_exceed(kSmallStep));
+  EXPECT_FALSE(measure_noise(swing(300, 40.0, 1.0), kNoiseFrameTime).may_exceed(kSmallStep));
 }
 
 TEST(TrackNoise, IsMeasuredForPositions) {
@@ -107,10 +107,10 @@ TEST(TrackNoise, IsMeasuredForPositions) {
     const double along = 0.3 * std::sin(0.1 * i);
     places.push_back(Vector3d(along, 0.0, 1.0) + 0.02 * Vector3d(uniform(), uniform(), uniform()));
   }
-  const TrackNoise noise = measure_noise(places, kFrameTime);
+  const TrackNoise noise = measure_noise(places, kNoiseFrameTime);
   EXPECT_TRUE(noise.exceeds(0.005));
   double before = 0.0, after = 0.0;
-  const auto smooth = smoothed(places, cutoff_for(noise, kFrameTime, 2.5), kFrameTime);
+  const auto smooth = smoothed(places, cutoff_for(noise, kNoiseFrameTime, 2.5), kNoiseFrameTime);
   for (int i = 0; i < 300; ++i) {
     const Vector3d place(0.3 * std::sin(0.1 * i), 0.0, 1.0);
     before += (places[i] - place).norm();
@@ -121,31 +121,31 @@ TEST(TrackNoise, IsMeasuredForPositions) {
 
 TEST(TrackNoise, IsZeroForStillJointsAndShortTracks) {
   const std::vector<Quaterniond> still(100, Quaterniond::Identity());
-  EXPECT_FALSE(measure_noise(still, kFrameTime).moves);
-  EXPECT_FALSE(measure_noise(with_noise(swing(8), 5.0), kFrameTime).moves);
+  EXPECT_FALSE(measure_noise(still, kNoiseFrameTime).moves);
+  EXPECT_FALSE(measure_noise(with_noise(swing(8), 5.0), kNoiseFrameTime).moves);
 }
 
 TEST(TrackNoise, IsMeasured) {
-  const TrackNoise noise = measure_noise(with_noise(swing(), 2.0), kFrameTime);
+  const TrackNoise noise = measure_noise(with_noise(swing(), 2.0), kNoiseFrameTime);
   EXPECT_TRUE(noise.exceeds(kLargeStep));
   EXPECT_LT(noise.correlation, -0.35);
   // Three axes, each of which changes by sqrt(2 (1 - keep)) of the error.
-  const double step = std::sqrt(6.0 * (1.0 - std::exp(-kFrameTime / 0.3))) * 2.0 * kDegree;
+  const double step = std::sqrt(6.0 * (1.0 - std::exp(-kNoiseFrameTime / 0.3))) * 2.0 * kDegree;
   EXPECT_NEAR(noise.step, step, 0.25 * step);
 }
 
 TEST(TrackNoise, SmallNoiseIsKeptUnlessOtherTracksAreNoisy) {
-  const TrackNoise noise = measure_noise(with_noise(swing(), 0.3), kFrameTime);
+  const TrackNoise noise = measure_noise(with_noise(swing(), 0.3), kNoiseFrameTime);
   EXPECT_FALSE(noise.exceeds(kLargeStep));
 }
 
 TEST(TrackNoise, SmoothingFollowsTheMovement) {
   const std::vector<Quaterniond> clean = swing(300, 40.0, 1.0), noisy = with_noise(clean, 2.0);
-  const TrackNoise noise = measure_noise(noisy, kFrameTime);
-  const double cutoff = cutoff_for(noise, kFrameTime, 1.5);
+  const TrackNoise noise = measure_noise(noisy, kNoiseFrameTime);
+  const double cutoff = cutoff_for(noise, kNoiseFrameTime, 1.5);
   EXPECT_GT(cutoff, 1.5);
   EXPECT_LT(cutoff, 6.0);
-  const std::vector<Quaterniond> smooth = smoothed(noisy, cutoff, kFrameTime);
+  const std::vector<Quaterniond> smooth = smoothed(noisy, cutoff, kNoiseFrameTime);
   double before = 0.0, after = 0.0;
   for (std::size_t i = 0; i < clean.size(); ++i) {
     before += clean[i].angularDistance(noisy[i]);
@@ -158,8 +158,8 @@ TEST(TrackNoise, SmoothingFollowsTheMovement) {
 
 TEST(TrackNoise, StrongerNoiseIsSmoothedMore) {
   const auto cutoff = [](double degrees) {
-    return cutoff_for(measure_noise(with_noise(swing(300, 40.0, 1.0), degrees), kFrameTime),
-                      kFrameTime, 1.5);
+    return cutoff_for(measure_noise(with_noise(swing(300, 40.0, 1.0), degrees), kNoiseFrameTime),
+                      kNoiseFrameTime, 1.5);
   };
   EXPECT_LT(cutoff(4.0), cutoff(1.0));
 }

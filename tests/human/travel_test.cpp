@@ -15,16 +15,13 @@
 #include "human/skeleton/human_clip.h"
 #include "support/accelerated.h"
 #include "support/lafan1_map.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Clip sample_clip(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh", {}).value().clip;
-}
 
 TravelReport scale(Clip& clip, const TravelRule& rule) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
@@ -35,7 +32,7 @@ TravelRule constant(double factor) {
   return {factor, factor, 0.0, 0.0};
 }
 
-HumanClip human_of(const Clip& clip) {
+HumanClip travelling_human(const Clip& clip) {
   return to_human(clip, lafan1_calibration(clip.skeleton()));
 }
 
@@ -83,13 +80,13 @@ double largest_slide(const HumanClip& before, const HumanClip& after) {
 }
 
 TEST(Travel, ConstantFactorScalesThePathOfTheHips) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   const TravelReport report = scale(scaled, constant(0.9));
   EXPECT_DOUBLE_EQ(report.factor, 0.9);
   EXPECT_DOUBLE_EQ(report.least, 0.9);
   EXPECT_DOUBLE_EQ(report.greatest, 0.9);
-  const HumanClip before = human_of(walk), after = human_of(scaled);
+  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
   ASSERT_GT(way(before, walk.frame_count() - 1, Bone::kHips).norm(), 2.0);
   for (int frame = 0; frame < walk.frame_count(); ++frame) {
     EXPECT_NEAR((way(after, frame, Bone::kHips) - 0.9 * way(before, frame, Bone::kHips)).norm(),
@@ -102,18 +99,18 @@ TEST(Travel, ConstantFactorScalesThePathOfTheHips) {
 }
 
 TEST(Travel, FeetThatStandStillDoSoAfterwards) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   scale(scaled, constant(0.9));
   // Without planting it would be 4 cm. Legs that are nearly straight miss a little.
-  EXPECT_LT(largest_slide(human_of(walk), human_of(scaled)), 2e-3);
+  EXPECT_LT(largest_slide(travelling_human(walk), travelling_human(scaled)), 2e-3);
 }
 
 TEST(Travel, FeetKeepHeightAndPitch) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   scale(scaled, constant(0.85));
-  const HumanClip before = human_of(walk), after = human_of(scaled);
+  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
   for (int frame = 0; frame < walk.frame_count(); ++frame) {
     for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
       EXPECT_NEAR(place(after, frame, foot).z(), place(before, frame, foot).z(), 2e-3);
@@ -125,10 +122,10 @@ TEST(Travel, FeetKeepHeightAndPitch) {
 }
 
 TEST(Travel, StepsAreShorterInProportion) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   scale(scaled, constant(0.8));
-  const HumanClip before = human_of(walk), after = human_of(scaled);
+  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
   const int last = walk.frame_count() - 1;
   for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
     const double ratio = way(after, last, foot).norm() / way(before, last, foot).norm();
@@ -137,7 +134,7 @@ TEST(Travel, StepsAreShorterInProportion) {
 }
 
 TEST(Travel, FactorsOfOneChangeNoByte) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   const TravelReport report = scale(scaled, constant(1.0));
   EXPECT_EQ(report.factor, 1.0);
@@ -149,14 +146,14 @@ TEST(Travel, FactorsOfOneChangeNoByte) {
 }
 
 TEST(Travel, VaryingFactorKeepsFeetPlanted) {
-  const Clip walk = accelerated(sample_clip("walk"));
+  const Clip walk = accelerated(recorded_clip("walk"));
   Clip scaled = walk;
   const TravelReport report = scale(scaled, {1.0, 0.8, 0.6, 1.2});
   EXPECT_GT(report.greatest, 0.98);
   EXPECT_LT(report.least, 0.82);
   EXPECT_GT(report.factor, report.least);
   EXPECT_LT(report.factor, report.greatest);
-  const HumanClip before = human_of(walk), after = human_of(scaled);
+  const HumanClip before = travelling_human(walk), after = travelling_human(scaled);
   EXPECT_LT(largest_slide(before, after), 2e-3);
   // The beginning is slow, the middle is fast; at the end the body stops.
   const auto ratio = [&](double from, double to) {
@@ -172,12 +169,12 @@ TEST(Travel, VaryingFactorKeepsFeetPlanted) {
 }
 
 TEST(Travel, FactorIsOneWhereHandsAndKneesRestOnTheFloor) {
-  const Clip clip = sample_clip("get_up");
-  const ContactPlan contacts = find_contacts(human_of(clip));
+  const Clip clip = recorded_clip("get_up");
+  const ContactPlan contacts = find_contacts(travelling_human(clip));
   Clip scaled = clip;
   const TravelReport report = scale(scaled, constant(0.7));
   EXPECT_EQ(report.greatest, 1.0);
-  const HumanClip before = human_of(clip), after = human_of(scaled);
+  const HumanClip before = travelling_human(clip), after = travelling_human(scaled);
   int phases = 0;
   for (std::size_t body = 0; body < contacts.bodies.size(); ++body) {
     const Bone bone = kSupportBones[body];
@@ -193,12 +190,13 @@ TEST(Travel, FactorIsOneWhereHandsAndKneesRestOnTheFloor) {
 }
 
 TEST(Travel, PartOfAMotionIsThatPartOfTheWhole) {
-  const Clip walk = sample_clip("walk");
+  const Clip walk = recorded_clip("walk");
   const Calibration calibration = lafan1_calibration(walk.skeleton());
   Clip whole = walk, part = walk;
   scale_travel(whole, 0, {0, walk.frame_count()}, calibration, constant(0.9));
   scale_travel(part, 0, {100, 200}, calibration, constant(0.9));
-  const HumanClip before = human_of(walk), in_whole = human_of(whole), in_part = human_of(part);
+  const HumanClip before = travelling_human(walk), in_whole = travelling_human(whole),
+                  in_part = travelling_human(part);
   // The first frame of the part stays.
   EXPECT_LT((place(in_part, 100, Bone::kHips) - place(before, 100, Bone::kHips)).norm(), 1e-9);
   const Vector3d off = place(in_whole, 100, Bone::kHips) - place(in_part, 100, Bone::kHips);
@@ -210,7 +208,7 @@ TEST(Travel, PartOfAMotionIsThatPartOfTheWhole) {
 }
 
 TEST(Travel, FramesBeforeTheMotionStay) {
-  Clip walk = sample_clip("walk");
+  Clip walk = recorded_clip("walk");
   const Calibration calibration = lafan1_calibration(walk.skeleton());
   Clip scaled = walk;
   scale_travel(scaled, 50, {50, walk.frame_count()}, calibration, constant(0.9));

@@ -12,13 +12,10 @@
 #include "human/postures.h"
 #include "human/twins.h"
 #include "retarget/clip.h"
+#include "support/recorded_clip.h"
 
 namespace retarget {
 namespace {
-
-Clip sample(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
-}
 
 double lowest_joint(const Clip& clip, int frame) {
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
@@ -31,7 +28,7 @@ double lowest_joint(const Clip& clip, int frame) {
 // The body of a y-up clip in a T-pose zero, tumbling continuously: in the air about its hips, or on
 // the floor.
 Clip tumbling(const std::string& name, double turns, bool on_floor) {
-  Clip clip = with_t_pose_as_zero(sample(name));
+  Clip clip = with_t_pose_as_zero(recorded_clip(name));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const double floor = lowest_joint(clip, frame);
     const double angle = 2.0 * M_PI * turns * frame / clip.frame_count();
@@ -43,7 +40,7 @@ Clip tumbling(const std::string& name, double turns, bool on_floor) {
   return clip;
 }
 
-Calibration calibrated(const Clip& clip) {
+Calibration default_calibration(const Clip& clip) {
   return calibrate(clip, lafan1_map(clip.skeleton(), "test"), {}).value();
 }
 
@@ -52,7 +49,7 @@ TEST(UpAxis, UsesTheZeroPoseOfTumblingBodies) {
     for (const double turns : {1.0, 1.5, 3.0}) {
       for (const bool on_floor : {false, true}) {
         SCOPED_TRACE(std::string(name) + " " + std::to_string(turns) + (on_floor ? " floor" : ""));
-        const Calibration found = calibrated(tumbling(name, turns, on_floor));
+        const Calibration found = default_calibration(tumbling(name, turns, on_floor));
         EXPECT_EQ(to_text(found.up), "+y");
       }
     }
@@ -60,7 +57,7 @@ TEST(UpAxis, UsesTheZeroPoseOfTumblingBodies) {
 }
 
 TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
-  const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).doubts;
+  const auto doubts = default_calibration(tumbling("turn_in_place", 3.0, true)).doubts;
   ASSERT_FALSE(doubts.empty());
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("using +y as the up axis"));
 }
@@ -69,13 +66,13 @@ TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
 TEST(UpAxis, UsesTheMovementOfStandingBodies) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const char* name : {"wave", "turn_in_place", "squat", "walk"}) {
-    const Clip clip = scaled_and_turned(with_t_pose_as_zero(sample(name)), 1.0, z_up);
-    EXPECT_EQ(to_text(calibrated(clip).up), "+z") << name;
+    const Clip clip = scaled_and_turned(with_t_pose_as_zero(recorded_clip(name)), 1.0, z_up);
+    EXPECT_EQ(to_text(default_calibration(clip).up), "+z") << name;
   }
 }
 
 TEST(ChooseUp, WithoutPosesUsesSkeletonFactsOrZeroPose) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   EXPECT_EQ(choose_up(body, {}, {}).axis, SignedAxis{});
   EXPECT_EQ(choose_up(body, {}, {{}, SignedAxis{2, false}}).axis, (SignedAxis{2, false}));
@@ -91,7 +88,7 @@ std::vector<JointPoses> poses_of_frames(const Clip& clip) {
 
 // While the body lies along another axis, declarations count in the order of their evidence.
 TEST(ChooseUp, PostureAloneOverrulesNothingKnown) {
-  const Clip clip = PostureClips(sample("walk")).make(Posture::kSupine, 0.0);
+  const Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kSupine, 0.0);
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const auto poses = poses_of_frames(clip);
   const SignedAxis x{0, false}, y{1, false}, z{2, false};
@@ -106,7 +103,7 @@ TEST(ChooseUp, PostureAloneOverrulesNothingKnown) {
 
 // The floor contradicts the declared axis and the skeleton's: the choice has a warning.
 TEST(ChooseUp, AStandingBodyOverrulesAFalseAxisWithAWarning) {
-  const Clip clip = sample("walk");
+  const Clip clip = recorded_clip("walk");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const SignedAxis z{2, false}, x{0, false};
   for (const KnownUp& known : {KnownUp{{}, {}, z}, KnownUp{z, {}}, KnownUp{x, z}}) {
@@ -120,7 +117,7 @@ TEST(ChooseUp, AStandingBodyOverrulesAFalseAxisWithAWarning) {
 
 // A file with a false axis that only posture contradicts.
 TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
-  Clip clip = sample("wave");
+  Clip clip = recorded_clip("wave");
   // In the air, so that there is no floor evidence.
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     clip.translations(frame)[0] += Eigen::Vector3d(0.0, 200.0, 300.0);
@@ -137,7 +134,7 @@ TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
 // Files that were turned away from the axis of their kind. On the floor of the true axis the body
 // seems to stand in the air; in water it seems to climb, or to float on its side.
 TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
-  const PostureClips postures(sample("walk"));
+  const PostureClips postures(recorded_clip("walk"));
   for (const Posture posture : {Posture::kSupine, Posture::kProne, Posture::kSwimming}) {
     for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
       Clip clip = postures.make(posture, heading);
@@ -158,7 +155,7 @@ TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
 
 // Where a body that lies along the zero pose's axis is on the floor along both axes, none is certain.
 TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
-  Clip clip = sample("wave");
+  Clip clip = recorded_clip("wave");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const SignedAxis z{2, false};
   double lowest = std::numeric_limits<double>::infinity();

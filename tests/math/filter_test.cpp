@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -16,8 +16,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
-const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
+const Vector3d kFilterAxis = Vector3d(1.0, -2.0, 0.5).normalized();
 
 // Response of symmetric taps to a tone of `frequency` cycles per sample: the factor on its
 // amplitude (the phase does not change).
@@ -117,7 +116,7 @@ TEST(LowPassRotations, PreservesConstantVelocity) {
   for (const double rate : {0.0, 0.01, 0.3, 0.9}) {  // up to 17 turns a second at 120 Hz
     for (const int count : {1, 2, 5, 30, 120}) {
       std::vector<Quaterniond> rotations;
-      for (int i = 0; i < count; ++i) rotations.push_back(exp_so3((0.2 + rate * i) * kAxis));
+      for (int i = 0; i < count; ++i) rotations.push_back(exp_so3((0.2 + rate * i) * kFilterAxis));
       const auto filtered = low_pass(rotations, taps);
       for (int i = 0; i < count; ++i) {
         EXPECT_LE((filtered[i].coeffs() - rotations[i].coeffs()).norm(), 1e-13) << rate << " " << i;
@@ -131,10 +130,10 @@ TEST(LowPassRotations, AttenuatesASmallSineLikeItsAngle) {
   for (const double frequency : {3.0, 8.0, 12.0, 20.0}) {
     std::vector<Quaterniond> rotations;
     const auto angle = [&](int i) { return 0.02 * std::sin(2.0 * kPi * frequency * i / 120.0); };
-    for (int i = 0; i < 240; ++i) rotations.push_back(exp_so3(angle(i) * kAxis));
+    for (int i = 0; i < 240; ++i) rotations.push_back(exp_so3(angle(i) * kFilterAxis));
     const auto filtered = low_pass(rotations, taps);
     for (int i = 24; i < 216; ++i) {
-      const Vector3d expected = gain(taps, frequency / 120.0) * angle(i) * kAxis;
+      const Vector3d expected = gain(taps, frequency / 120.0) * angle(i) * kFilterAxis;
       EXPECT_LE((log_so3(filtered[i]) - expected).norm(), 2e-6) << frequency;
     }
   }
@@ -146,7 +145,7 @@ TEST(LowPassRotations, IsAccurateForLargeSwings) {
   std::vector<Vector3d> angles;
   std::vector<Quaterniond> rotations;
   for (int i = 0; i < 240; ++i) {
-    angles.emplace_back(0.5 * std::sin(2.0 * kPi * 3.0 * i / 120.0) * kAxis);
+    angles.emplace_back(0.5 * std::sin(2.0 * kPi * 3.0 * i / 120.0) * kFilterAxis);
     rotations.push_back(exp_so3(angles.back()));
   }
   const auto by_angle = low_pass(angles, taps);

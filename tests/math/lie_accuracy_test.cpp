@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "base/math/se3.h"
 #include "math/lie_series.h"
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -18,7 +18,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using series::Real;
 
-constexpr double kPi = std::numbers::pi;
 // Relative to the norm of the whole result. A map is a sum of at most six products, each with at
 // most three rounding errors of 1.1e-16; the rest is margin for the norm of the terms relative to
 // that of their sum, at most pi / 2 up to half a turn.

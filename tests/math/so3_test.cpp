@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -13,7 +14,6 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
 
 // As scaled values, so that tiny ones count too.

@@ -4,11 +4,11 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
@@ -16,8 +16,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
-const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
+const Vector3d kSplineAxis = Vector3d(1.0, -2.0, 0.5).normalized();
 
 std::vector<Vector3d> points_of(const std::function<double(double)>& f, int count) {
   std::vector<Vector3d> points;
@@ -143,9 +142,9 @@ TEST(RotationSpline, HasContinuousAngularVelocity) {
 TEST(RotationSpline, IsExactForConstantVelocity) {
   constexpr double kRate = 2.5;  // rad per sample, 16 turns in all
   std::vector<Quaterniond> rotations;
-  for (int i = 0; i < 41; ++i) rotations.push_back(exp_so3(i * kRate * kAxis));
+  for (int i = 0; i < 41; ++i) rotations.push_back(exp_so3(i * kRate * kSplineAxis));
   for (double place = 0.0; place <= 40.0; place += 0.0625) {
-    const Quaterniond expected = exp_so3(place * kRate * kAxis);
+    const Quaterniond expected = exp_so3(place * kRate * kSplineAxis);
     EXPECT_LE(log_so3(spline_at(rotations, place) * expected.conjugate()).norm(), 1e-13) << place;
     const int i = std::min(static_cast<int>(place), 39);
     const Quaterniond linear = interpolate_linear(rotations[i], rotations[i + 1], place - i);
@@ -157,9 +156,9 @@ TEST(RotationSpline, MatchesTheAngleSplineAboutAFixedAxis) {
   const auto angle = [](double t) { return std::sin(0.7 * t) + 0.2 * t; };
   const auto angles = points_of(angle, 12);
   std::vector<Quaterniond> rotations;
-  for (const auto& point : angles) rotations.push_back(exp_so3(point.x() * kAxis));
+  for (const auto& point : angles) rotations.push_back(exp_so3(point.x() * kSplineAxis));
   for (double place = 0.0; place <= 11.0; place += 0.1) {
-    const Quaterniond expected = exp_so3(spline_at(angles, place) * kAxis);
+    const Quaterniond expected = exp_so3(spline_at(angles, place) * kSplineAxis);
     EXPECT_LE(log_so3(spline_at(rotations, place) * expected.conjugate()).norm(), 1e-14) << place;
   }
 }

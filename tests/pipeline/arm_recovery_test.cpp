@@ -2,16 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "retarget/human.h"
 #include "retarget/so3.h"
+#include "support/angles.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(ArmRecovery, AreDetectedFromSixtyDegreesWithBackoff) {
   const auto robot = load_g1();

@@ -6,19 +6,17 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // An arm of bones along X, bent about -Z of the upper one, with its forearm rotated about its own
 // axis.

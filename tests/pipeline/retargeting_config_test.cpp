@@ -13,11 +13,11 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // A valid retargeting configuration with two bodies of the two-armed robot.
-Json good_config() {
-  return Json::parse(R"({
+OrderedJson good_config() {
+  return OrderedJson::parse(R"({
     "robot_root_name": "base", "human_root_name": "Hips", "ground_height": 0.1,
     "human_height_assumption": 1.8,
     "use_ik_match_table1": true, "use_ik_match_table2": true,
@@ -33,11 +33,11 @@ Json good_config() {
   })");
 }
 
-Result<RetargetingConfig> parse(const Json& json) {
+Result<RetargetingConfig> parse(const OrderedJson& json) {
   return parse_retargeting_config(json.dump(), "map.json");
 }
 
-std::string fault_of(const Json& json) {
+std::string fault_of(const OrderedJson& json) {
   const auto config = parse(json);
   if (!config) {
     EXPECT_EQ(config.error().kind, ErrorKind::kConfig);
@@ -93,7 +93,7 @@ TEST(RetargetingConfig, MissingFileIsAConfigurationError) {
 }
 
 TEST(RetargetingConfig, ReportsWrongTypesAndMissingKeysTogether) {
-  Json json = good_config();
+  OrderedJson json = good_config();
   json.erase("robot_root_name");
   json["human_height_assumption"] = -1;
   json["ik_match_table1"]["base"][1] = "heavy";
@@ -108,7 +108,7 @@ TEST(RetargetingConfig, ReportsWrongTypesAndMissingKeysTogether) {
 }
 
 TEST(RetargetingConfig, ReportsUnknownBodiesAndBonesTogether) {
-  Json json = good_config();
+  OrderedJson json = good_config();
   json["robot_root_name"] = "bsae";
   json["human_root_name"] = "hips";
   json["ik_match_table1"]["left_uper"] = {"LeftFoot", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
@@ -122,7 +122,7 @@ TEST(RetargetingConfig, ReportsUnknownBodiesAndBonesTogether) {
 }
 
 TEST(RetargetingConfig, RejectsTwoBodiesOnOneBone) {
-  Json json = good_config();
+  OrderedJson json = good_config();
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("\"LeftArm\" drives two bodies, \"left_upper\" and "
                                         "\"right_upper\""));
@@ -132,7 +132,7 @@ TEST(RetargetingConfig, RejectsTwoBodiesOnOneBone) {
 }
 
 TEST(RetargetingConfig, IgnoresDisabledTables) {
-  Json json = good_config();
+  OrderedJson json = good_config();
   json["ik_match_table2"]["no_such_body"] = {"NoSuchBone", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("no_such_body"));
   json["use_ik_match_table2"] = false;
@@ -155,7 +155,7 @@ TEST(ResolvedConfig, ResolvesNamesToIndices) {
 }
 
 TEST(ResolvedConfig, FindsTheFirstTaskOfABoneThatHasAWeight) {
-  Json json = good_config();
+  OrderedJson json = good_config();
   json["ik_match_table1"]["left_upper"] = {"LeftArm", 0, 0, {1, 0, 0}, {1, 0, 0, 0}};
   const auto robot = robot_from_text(kTwoArms);
   const auto config = resolve_config(parse(json).value(), *robot).value();

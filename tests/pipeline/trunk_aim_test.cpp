@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 #include "retarget/human.h"
@@ -17,6 +16,7 @@
 #include "retarget/robots.h"
 #include "retarget/so3.h"
 #include "solve/targets/targets.h"
+#include "support/angles.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -24,8 +24,6 @@ namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double between(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;

@@ -6,19 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
+#include "support/angles.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // A trunk of successively rotated bones; shoulders 6 cm behind the hips in the T-pose.
 HumanPose trunk(const std::array<Quaterniond, 4>& turns, const Quaterniond& clavicles) {

@@ -18,21 +18,21 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string kSource = RETARGET_SOURCE_DIR;
+const std::string kRepository = RETARGET_SOURCE_DIR;
 
-Clip sample(const std::string& name, double fps = 0.0) {
+Clip clip_at_rate(const std::string& name, double fps = 0.0) {
   SourceOptions options;
   options.source_fps = fps;
-  return load_clip(kSource + "/data/" + name + ".bvh", options).value();
+  return load_clip(kRepository + "/data/" + name + ".bvh", options).value();
 }
 
 LoadedRobot robot_named(const std::string& name) {
   RobotChoice choice;
   choice.name = name;
-  return load_robot(choice, {kSource}).value();
+  return load_robot(choice, {kRepository}).value();
 }
 
-const LoadedRobot& g1() {
+const LoadedRobot& loaded_g1() {
   static const LoadedRobot robot = robot_named("unitree_g1");
   return robot;
 }
@@ -56,7 +56,7 @@ Options short_part(Options options) {
 }
 
 Motion solved(Clip clip, const Options& options, int threads = 1) {
-  auto plan = make_plan(std::move(clip), g1(), options);
+  auto plan = make_plan(std::move(clip), loaded_g1(), options);
   SolveControl control;
   control.threads = threads;
   auto motion = solve(std::move(plan).value(), control);
@@ -77,7 +77,7 @@ double travel_of(const Clip& clip, const LoadedRobot& robot) {
 }
 
 FitOptions fit_of(const Options& options) {
-  return set_up_robot(g1(), options).value().fit;
+  return set_up_robot(loaded_g1(), options).value().fit;
 }
 
 std::string missed(const QualityReport& report) {
@@ -89,8 +89,8 @@ std::string missed(const QualityReport& report) {
 }
 
 TEST(TravelOfMotions, ScalesTheDistanceAndKeepsTheGates) {
-  const Motion whole = solved(sample("walk"), {}),
-               shorter = solved(sample("walk"), with_travel("0.9"));
+  const Motion whole = solved(clip_at_rate("walk"), {}),
+               shorter = solved(clip_at_rate("walk"), with_travel("0.9"));
   ASSERT_GT(way(whole.clip), 2.0);
   EXPECT_NEAR(way(shorter.clip) / way(whole.clip), 0.9, 0.005);
   const QualityReport report = evaluate(shorter).value();
@@ -111,7 +111,7 @@ TEST(TravelOfMotions, ScalesTheDistanceAndKeepsTheGates) {
 }
 
 TEST(TravelOfMotions, AutoLeavesASlowClipAsItIs) {
-  const Clip clip = sample("turn_in_place");
+  const Clip clip = clip_at_rate("turn_in_place");
   const Options automatic = short_part(with_travel("auto"));
   const Motion motion = solved(clip, automatic);
   EXPECT_EQ(format_robot_csv(motion.clip), csv_of(clip, short_part({})));
@@ -121,7 +121,7 @@ TEST(TravelOfMotions, AutoLeavesASlowClipAsItIs) {
 
 TEST(TravelOfMotions, AutoShortensAFastWalk) {
   // Three times as fast as it was recorded.
-  const Clip fast = sample("walk", 90.0);
+  const Clip fast = clip_at_rate("walk", 90.0);
   const Motion whole = solved(fast, {}), shorter = solved(fast, with_travel("auto"));
   EXPECT_NEAR(shorter.plan.travel->least, 0.85, 1e-9);
   EXPECT_NEAR(way(shorter.clip) / way(whole.clip), shorter.plan.travel->factor, 0.02);
@@ -130,15 +130,16 @@ TEST(TravelOfMotions, AutoShortensAFastWalk) {
 
 TEST(TravelOfMotions, AutoComparesFroudeNumbers) {
   // The longer the legs, the faster the robot for its size, because the time stays.
-  const Clip clip = sample("walk", 50.0);
-  const double small = travel_of(clip, robot_named("booster_k1")), g1_s = travel_of(clip, g1()),
+  const Clip clip = clip_at_rate("walk", 50.0);
+  const double small = travel_of(clip, robot_named("booster_k1")),
+               g1_s = travel_of(clip, loaded_g1()),
                tall = travel_of(clip, robot_named("unitree_h1"));
   EXPECT_LT(tall, g1_s);
   EXPECT_LT(g1_s, small);
 }
 
 TEST(TravelOfMotions, FeetStayPlantedWhileTheFactorChanges) {
-  Clip clip = accelerated(sample("walk", 45.0));
+  Clip clip = accelerated(clip_at_rate("walk", 45.0));
   const Motion motion = solved(std::move(clip), with_travel("auto"));
   ASSERT_GT(motion.plan.travel->greatest - motion.plan.travel->least, 0.05);
   const QualityReport report = evaluate(motion).value();
@@ -151,10 +152,10 @@ TEST(TravelOfMotions, FeetStayPlantedWhileTheFactorChanges) {
 }
 
 TEST(TravelOfMotions, PlanAndSummaryTellTheFactor) {
-  const auto plan = make_plan(sample("walk"), g1(), with_travel("0.8"));
+  const auto plan = make_plan(clip_at_rate("walk"), loaded_g1(), with_travel("0.8"));
   ASSERT_TRUE(plan) << describe(plan.error());
   EXPECT_THAT(plan->summary(), HasSubstr("the path over the ground is scaled by 0.8"));
-  const auto without = make_plan(sample("walk"), g1(), {});
+  const auto without = make_plan(clip_at_rate("walk"), loaded_g1(), {});
   ASSERT_TRUE(without);
   EXPECT_FALSE(without->travel);
 }
@@ -163,8 +164,8 @@ TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
   RobotChoice choice;
   choice.name = "unitree_g1";
   choice.base = RobotBase::kFixed;
-  const LoadedRobot robot = load_robot(choice, {kSource}).value();
-  const auto plan = make_plan(sample("wave"), robot, with_travel("0.8"));
+  const LoadedRobot robot = load_robot(choice, {kRepository}).value();
+  const auto plan = make_plan(clip_at_rate("wave"), robot, with_travel("0.8"));
   ASSERT_TRUE(plan) << describe(plan.error());
   EXPECT_FALSE(plan->travel);
   EXPECT_THAT(plan->summary(), HasSubstr("the base is fixed: no path to scale"));
@@ -172,7 +173,7 @@ TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
 
 TEST(TravelOfMotions, WrongFactorsAreUsageErrors) {
   for (const char* travel : {"fast", "0.4", "1.3", "nan", "automatic"}) {
-    const auto plan = make_plan(sample("wave"), g1(), with_travel(travel));
+    const auto plan = make_plan(clip_at_rate("wave"), loaded_g1(), with_travel(travel));
     ASSERT_FALSE(plan) << travel;
     EXPECT_EQ(plan.error().kind, ErrorKind::kUsage);
     EXPECT_THAT(describe(plan.error()), HasSubstr("expected a number from 0.5 to 1.2 or `auto`"));
@@ -182,7 +183,7 @@ TEST(TravelOfMotions, WrongFactorsAreUsageErrors) {
 TEST(Preset, IsRefusedForThePublishedMethod) {
   for (Options options : {with_travel("0.9"), for_tracking()}) {
     options.solve.method = Method::kGmr;
-    const auto plan = make_plan(sample("wave"), g1(), options);
+    const auto plan = make_plan(clip_at_rate("wave"), loaded_g1(), options);
     ASSERT_FALSE(plan);
     EXPECT_THAT(describe(plan.error()), HasSubstr("require method fit"));
   }
@@ -206,7 +207,7 @@ TEST(Preset, EqualsItsOptions) {
   Options options = with_travel("auto");
   options.solve.with = {"dynamics"};
   options.solve.fit_config = file;
-  const Clip clip = sample("walk", 50.0);
+  const Clip clip = clip_at_rate("walk", 50.0);
   EXPECT_EQ(csv_of(clip, short_part(for_tracking())), csv_of(clip, short_part(options)));
   EXPECT_NE(csv_of(clip, short_part(for_tracking())), csv_of(clip, short_part({})));
 }
@@ -236,7 +237,7 @@ TEST(Preset, GivenOptionsWin) {
 
   options = for_tracking();
   options.solve.travel = "1";
-  const auto plan = make_plan(sample("walk", 90.0), g1(), options);
+  const auto plan = make_plan(clip_at_rate("walk", 90.0), loaded_g1(), options);
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->travel->least, 1.0);
 }
@@ -244,7 +245,7 @@ TEST(Preset, GivenOptionsWin) {
 TEST(Preset, AnyNumberOfThreadsGivesTheSameBytes) {
   Options options = for_tracking();
   options.solve.fit_window_s = 3.0;
-  const Clip clip = sample("walk", 50.0);
+  const Clip clip = clip_at_rate("walk", 50.0);
   EXPECT_EQ(format_robot_csv(solved(clip, options, 1).clip),
             format_robot_csv(solved(clip, options, 2).clip));
 }

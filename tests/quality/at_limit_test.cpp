@@ -8,6 +8,7 @@
 #include <iterator>
 #include <vector>
 
+#include "quality/walker.h"
 #include "retarget/measure.h"
 #include "support/test_robots.h"
 
@@ -41,12 +42,6 @@ QualityReport measure(int frames, const Movement& movement) {
   RobotClip clip(robot, {30, 1}, frames);
   for (int frame = 0; frame < frames; ++frame) movement(frame, clip.qpos(frame));
   return measure_quality(clip, robot->model_limits());
-}
-
-double figure(const QualityReport& report, std::string_view key) {
-  const MetricValue* found = report.find(key);
-  EXPECT_NE(found, nullptr) << key;
-  return found == nullptr ? -1.0 : found->value;
 }
 
 TEST(AtLimit, StandingRobotHasNone) {

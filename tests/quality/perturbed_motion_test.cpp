@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFps = 30.0;
+constexpr double kPerturbedFps = 30.0;
 
 // A limb that swings in a plane, by an angle that does not repeat within seconds.
 Vector3d swinging(double time) {
@@ -30,18 +30,21 @@ Vector3d swinging(double time) {
 LimbDirections limb_late_by(double seconds, int frames) {
   LimbDirections limb;
   for (int frame = 0; frame < frames; ++frame) {
-    limb.human.push_back(swinging(frame / kFps));
-    limb.robot.push_back(0.4 * swinging(frame / kFps - seconds));
+    limb.human.push_back(swinging(frame / kPerturbedFps));
+    limb.robot.push_back(0.4 * swinging(frame / kPerturbedFps - seconds));
   }
   return limb;
 }
 
 TEST(LimbLag, EqualsTheDelayOfTheRobot) {
-  EXPECT_NEAR(limb_lag({limb_late_by(0.0, 120)}, kFps).value(), 0.0, 1e-3);
-  EXPECT_NEAR(limb_lag({limb_late_by(4 / kFps, 120)}, kFps).value(), 4 / kFps, 2e-3);
-  EXPECT_NEAR(limb_lag({limb_late_by(-7 / kFps, 120)}, kFps).value(), -7 / kFps, 2e-3);
+  EXPECT_NEAR(limb_lag({limb_late_by(0.0, 120)}, kPerturbedFps).value(), 0.0, 1e-3);
+  EXPECT_NEAR(limb_lag({limb_late_by(4 / kPerturbedFps, 120)}, kPerturbedFps).value(),
+              4 / kPerturbedFps, 2e-3);
+  EXPECT_NEAR(limb_lag({limb_late_by(-7 / kPerturbedFps, 120)}, kPerturbedFps).value(),
+              -7 / kPerturbedFps, 2e-3);
   // Between frames.
-  EXPECT_NEAR(limb_lag({limb_late_by(2.5 / kFps, 120)}, kFps).value(), 2.5 / kFps, 3e-3);
+  EXPECT_NEAR(limb_lag({limb_late_by(2.5 / kPerturbedFps, 120)}, kPerturbedFps).value(),
+              2.5 / kPerturbedFps, 3e-3);
 }
 
 TEST(LimbLag, IsTheDelayNearestToZeroForPeriodicMovement) {
@@ -51,26 +54,26 @@ TEST(LimbLag, IsTheDelayNearestToZeroForPeriodicMovement) {
     limb.human.emplace_back(std::cos(angle), std::sin(angle), 0.0);
   }
   limb.robot = limb.human;
-  EXPECT_NEAR(limb_lag({limb}, kFps).value(), 0.0, 1e-9);
+  EXPECT_NEAR(limb_lag({limb}, kPerturbedFps).value(), 0.0, 1e-9);
 }
 
 TEST(LimbLag, RequiresMovementDurationAndSimilarity) {
-  EXPECT_FALSE(limb_lag({limb_late_by(0.0, 29)}, kFps));
-  EXPECT_TRUE(limb_lag({limb_late_by(0.0, 30)}, kFps));
-  EXPECT_FALSE(limb_lag({}, kFps));
+  EXPECT_FALSE(limb_lag({limb_late_by(0.0, 29)}, kPerturbedFps));
+  EXPECT_TRUE(limb_lag({limb_late_by(0.0, 30)}, kPerturbedFps));
+  EXPECT_FALSE(limb_lag({}, kPerturbedFps));
   LimbDirections still = limb_late_by(0.0, 120), other = still;
   for (Vector3d& direction : still.human) direction = Vector3d::UnitX();
-  EXPECT_FALSE(limb_lag({still}, kFps));
+  EXPECT_FALSE(limb_lag({still}, kPerturbedFps));
   // Rotates about another axis.
   for (Vector3d& direction : other.human) direction = {1.0, 0.1 * direction.y(), 0.0};
   for (Vector3d& direction : other.robot) direction = {1.0, 0.0, 0.1 * direction.y()};
-  EXPECT_FALSE(limb_lag({other}, kFps));
+  EXPECT_FALSE(limb_lag({other}, kPerturbedFps));
 }
 
 TEST(RootSlide, EqualsTheRemainingSpeed) {
   std::vector<Vector3d> wanted, carried, swaying, raised;
   for (int frame = 0; frame < 91; ++frame) {
-    const double time = frame / kFps;
+    const double time = frame / kPerturbedFps;
     wanted.emplace_back(1.2 * time, std::sin(time), 0.8);
     carried.push_back(wanted.back() + time * Vector3d(0.03, -0.04, 0.0));
     // It returns in a quarter of a second by as much as it moved in the previous one.
@@ -78,14 +81,14 @@ TEST(RootSlide, EqualsTheRemainingSpeed) {
                       0.1 * std::sin(2.0 * std::numbers::pi * time) * Vector3d::UnitY());
     raised.push_back(wanted.back() + (0.5 + 0.2 * time) * Vector3d::UnitZ());
   }
-  EXPECT_NEAR(root_slide(carried, wanted, kFps).value(), 0.05, 1e-12);
-  EXPECT_NEAR(root_slide(swaying, wanted, kFps).value(), 0.0, 1e-12);
-  EXPECT_NEAR(root_slide(raised, wanted, kFps).value(), 0.0, 1e-12);
+  EXPECT_NEAR(root_slide(carried, wanted, kPerturbedFps).value(), 0.05, 1e-12);
+  EXPECT_NEAR(root_slide(swaying, wanted, kPerturbedFps).value(), 0.0, 1e-12);
+  EXPECT_NEAR(root_slide(raised, wanted, kPerturbedFps).value(), 0.0, 1e-12);
   // Less than two seconds: from end to end.
   carried.resize(4);
-  EXPECT_NEAR(root_slide(carried, wanted, kFps).value(), 0.05, 1e-12);
+  EXPECT_NEAR(root_slide(carried, wanted, kPerturbedFps).value(), 0.05, 1e-12);
   carried.resize(1);
-  EXPECT_FALSE(root_slide(carried, wanted, kFps));
+  EXPECT_FALSE(root_slide(carried, wanted, kPerturbedFps));
 }
 
 // An arm that hangs from a shoulder: pitch, twist and elbow, then a wrist that moves no limb.

@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "retarget/human_skeleton.h"
 #include "retarget/measure.h"
+#include "support/angles.h"
 #include "support/limbed_config.h"
 #include "support/test_robots.h"
 
@@ -22,8 +22,6 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Shoulders 6 cm in front of the hips and 40 cm above them: a line that leans by design; the torso
 // bends about the middle of the hips.

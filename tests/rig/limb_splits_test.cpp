@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +22,7 @@
 #include "solve/robot_setup/t_pose.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/solve_frames.h"
+#include "support/angles.h"
 #include "support/built_humanoids.h"
 #include "support/test_robots.h"
 
@@ -31,8 +31,6 @@ namespace {
 
 using Eigen::Vector3d;
 namespace fs = std::filesystem;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // A limb layout, with the joints that are acceptable as knee or elbow.
 struct LimbSplit {

@@ -8,7 +8,6 @@
 #include <array>
 #include <filesystem>
 #include <iostream>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include "retarget/rig.h"
 #include "retarget/so3.h"
 #include "solve/targets/solve_frames.h"
+#include "support/angles.h"
 #include "support/layout_humanoids.h"
 #include "support/temporary_folder.h"
 
@@ -31,8 +31,6 @@ using Eigen::Vector3d;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 HumanClip sample(const std::string& name) {
   const fs::path source(RETARGET_SOURCE_DIR);

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <numbers>
 
 #include "formats/bvh/read_bvh.h"
 #include "human/skeleton/calibrate.h"
@@ -19,14 +18,13 @@
 #include "robot/anatomy/shapes.h"
 #include "solve/robot_setup/derive_config.h"
 #include "solve/targets/solve_frames.h"
+#include "support/angles.h"
 #include "support/shared_data.h"
 
 namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 fs::path source_folder() {
   return fs::path(RETARGET_SOURCE_DIR);

@@ -18,6 +18,7 @@
 #include "retarget/solve.h"
 #include "robot/anatomy/limbs.h"
 #include "solve/robot_setup/check_robot.h"
+#include "support/angles.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -25,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // Trunk and arms of tiny_humanoid on a two-wheeled cart, which is part of the world.
 std::string body_on_cart(const std::string& placed, bool with_waist) {

@@ -21,7 +21,7 @@ Result<LimitSet> limits_of_file(const std::string& name, const std::string& text
   return load_limits(*robot_from_text(kTwoArms), folder.write(name, text));
 }
 
-std::string message_of(const std::string& text) {
+std::string limits_message(const std::string& text) {
   const auto limits = limits_of_file("limits.json", text);
   EXPECT_FALSE(limits.has_value()) << text;
   if (limits) return {};
@@ -58,7 +58,7 @@ TEST(LimitsTest, JsonFileOverridesModelRanges) {
 }
 
 TEST(LimitsTest, ReportsAllErrorsOfAJsonFile) {
-  const std::string message = message_of(
+  const std::string message = limits_message(
       R"({"left_elbw": [0, 1], "left_elbow": [1, 0], "left_twist": [0], "right_slide": "x"})");
   EXPECT_THAT(message, HasSubstr("4 errors in the joint limits"));
   EXPECT_THAT(message, HasSubstr("did you mean \"left_elbow\"?"));
@@ -68,10 +68,10 @@ TEST(LimitsTest, ReportsAllErrorsOfAJsonFile) {
 }
 
 TEST(LimitsTest, RejectsNonFiniteNumbers) {
-  EXPECT_THAT(message_of(R"({"left_elbow": [0, 1e999]})"), HasSubstr("1e999"));
-  EXPECT_THAT(message_of(R"({"left_elbow": [0, NaN]})"), HasSubstr("invalid JSON"));
-  EXPECT_THAT(message_of(R"({"left_elbow": [null, 1]})"), HasSubstr("found [null,1]"));
-  EXPECT_THAT(message_of("[]"), HasSubstr("must be an object"));
+  EXPECT_THAT(limits_message(R"({"left_elbow": [0, 1e999]})"), HasSubstr("1e999"));
+  EXPECT_THAT(limits_message(R"({"left_elbow": [0, NaN]})"), HasSubstr("invalid JSON"));
+  EXPECT_THAT(limits_message(R"({"left_elbow": [null, 1]})"), HasSubstr("found [null,1]"));
+  EXPECT_THAT(limits_message("[]"), HasSubstr("must be an object"));
 }
 
 // No free joint is needed, and joints of another hand are ignored.

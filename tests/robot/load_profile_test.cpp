@@ -25,7 +25,7 @@ Result<std::shared_ptr<const Robot>> load(const std::string& profile) {
   return load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
 }
 
-std::string message_of(const std::string& profile) {
+std::string profile_message(const std::string& profile) {
   const auto robot = load(profile);
   EXPECT_FALSE(robot.has_value()) << profile;
   if (robot) return {};
@@ -36,7 +36,7 @@ std::string message_of(const std::string& profile) {
 
 // A profile with one additional member.
 std::string message_with(const std::string& member) {
-  return message_of("{\"name\": \"two_arms\", " + member + "}");
+  return profile_message("{\"name\": \"two_arms\", " + member + "}");
 }
 
 TEST(LoadProfileTest, ReadsEveryPart) {
@@ -115,14 +115,14 @@ TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
 
 TEST(LoadProfileTest, NameMustBeAValidFolderName) {
   for (const char* name : {"..", ".", "a/b", "../x", "/etc", "a\\\\b", "a\\u0000b", "\\u001b[2J"}) {
-    EXPECT_THAT(message_of("{\"name\": \"" + std::string(name) + "\"}"),
+    EXPECT_THAT(profile_message("{\"name\": \"" + std::string(name) + "\"}"),
                 HasSubstr("\"name\" must be a valid folder name"))
         << name;
   }
 }
 
 TEST(LoadProfileTest, ReportsAllErrors) {
-  const std::string message = message_of(R"({
+  const std::string message = profile_message(R"({
     "joint_ordr": [],
     "joint_order": ["left_elbo", "left_elbow", "left_elbow"],
     "limit_sets": {"a": {"ranges": {"left_elbow": [2, 1], "knee": [0, 1]}}},
@@ -227,7 +227,7 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
     EXPECT_FALSE(load("{\"name\": \"n\", \"" + std::string(key) + "\": 1}").has_value()) << key;
     EXPECT_FALSE(load("{\"name\": \"n\", \"" + std::string(key) + "\": null}").has_value()) << key;
   }
-  for (const std::string& value : values) message_of(value);
+  for (const std::string& value : values) profile_message(value);
 }
 
 TEST(LoadProfileTest, MissingFileIsAnError) {

@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "retarget/normalize_start.h"
 #include "robot/model/limit_distance.h"
+#include "support/angles.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void set_root(RobotClip& clip, int frame, const Eigen::Vector3d& position,
               const Eigen::Quaterniond& rotation) {

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTolerance = 1e-12;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr double kPoseTolerance = 1e-12;
 
 void expect_mujoco_agrees(const Robot& robot, int configurations) {
   std::mt19937 random(17);
@@ -37,7 +37,7 @@ void expect_mujoco_agrees(const Robot& robot, int configurations) {
       worst = std::max(worst, difference(own[b], theirs[b]));
     }
   }
-  EXPECT_LT(worst, kTolerance) << robot.name();
+  EXPECT_LT(worst, kPoseTolerance) << robot.name();
 }
 
 TEST(RobotTest, TreeMatchesTheModel) {
@@ -71,8 +71,8 @@ TEST(RobotTest, RobotWithoutProfileUsesModelOrderAndRanges) {
   EXPECT_EQ(robot->name(), "robot");
   EXPECT_THAT(robot->output_joints(), ElementsAre(0, 1, 2, 3, 4));
   EXPECT_EQ(robot->limits_for("gmr"), "model");
-  EXPECT_THAT(robot->model_limits().lower, ElementsAre(-1, 0, -kInfinity, -0.2, -2));
-  EXPECT_THAT(robot->model_limits().upper, ElementsAre(1.5, 2.5, kInfinity, 0.2, 0.5));
+  EXPECT_THAT(robot->model_limits().lower, ElementsAre(-1, 0, -kUnlimited, -0.2, -2));
+  EXPECT_THAT(robot->model_limits().upper, ElementsAre(1.5, 2.5, kUnlimited, 0.2, 0.5));
   EXPECT_THAT(robot->profile().soles, IsEmpty());
 }
 
@@ -150,7 +150,7 @@ TEST(ForwardKinematicsTest, NormalisesTheRootQuaternion) {
   for (int i = 3; i < 7; ++i) qpos[i] *= -3.0;
   const auto scaled = own_kinematics(*robot, qpos);
   for (std::size_t b = 0; b < unit.size(); ++b) {
-    EXPECT_LT(difference(unit[b], scaled[b]), kTolerance);
+    EXPECT_LT(difference(unit[b], scaled[b]), kPoseTolerance);
   }
 }
 

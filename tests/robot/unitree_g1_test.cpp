@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
 
-constexpr double kTolerance = 1e-12;
+constexpr double kModelTolerance = 1e-12;
 
 std::string read_text(const fs::path& path) {
   std::ifstream file(path);
@@ -102,7 +102,7 @@ TEST_F(UnitreeG1FiguresTest, KinematicsMatchBothReferences) {
         worst = std::max(worst, difference(ours[*body], theirs[b]));
       }
     }
-    EXPECT_LT(worst, kTolerance) << file;
+    EXPECT_LT(worst, kModelTolerance) << file;
   }
 }
 

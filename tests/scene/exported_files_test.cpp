@@ -27,7 +27,7 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-Clip read(const std::string& name, const std::string& take = {}) {
+Clip exported_clip(const std::string& name, const std::string& take = {}) {
   SceneReadOptions options;
   options.take = take;
   auto clip = read_scene(bytes_of(kFolder + name), name, options);
@@ -64,7 +64,7 @@ constexpr int kFrames = 11;
 
 TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
-    const Clip clip = read(name);
+    const Clip clip = exported_clip(name);
     EXPECT_EQ(clip.frame_count(), kFrames) << name;
     EXPECT_EQ(to_text(clip.rate()), "30") << name;
     EXPECT_LT(distance(clip, "walk.bvh", 60), 0.01 * kMillimetre) << name;
@@ -73,29 +73,30 @@ TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
 
 // Z up, leaf bones, a skin.
 TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
-  const Clip clip = read("wave_z_up.fbx");
+  const Clip clip = exported_clip("wave_z_up.fbx");
   EXPECT_EQ(*clip.origin().up, Eigen::Vector3d::UnitZ());
   EXPECT_TRUE(clip.skeleton().find("Head_end").has_value());
   EXPECT_LT(distance(clip, "wave.bvh", 30), 0.01 * kMillimetre);
 }
 
 TEST(ExportedFilesTest, MayContainSeveralTakes) {
-  const Clip wave = read("takes.glb", "Wave");
+  const Clip wave = exported_clip("takes.glb", "Wave");
   EXPECT_LT(distance(wave, "wave.bvh", 30), 0.01 * kMillimetre);
   EXPECT_EQ(wave.origin().takes.size(), 2U);
   // In metres.
-  const Clip fbx = read("takes.fbx", "wave|Wave");
+  const Clip fbx = exported_clip("takes.fbx", "wave|Wave");
   EXPECT_EQ(*fbx.origin().metres_per_unit, 1.0);
   EXPECT_LT(distance(fbx, "wave.bvh", 30), 0.01 * kMillimetre);
-  EXPECT_LT(distance(read("takes.fbx", "wave|Squat"), "squat.bvh", 40), 0.01 * kMillimetre);
-  EXPECT_LT(distance(read("takes.glb", "Squat"), "squat.bvh", 40), 0.01 * kMillimetre);
+  EXPECT_LT(distance(exported_clip("takes.fbx", "wave|Squat"), "squat.bvh", 40),
+            0.01 * kMillimetre);
+  EXPECT_LT(distance(exported_clip("takes.glb", "Squat"), "squat.bvh", 40), 0.01 * kMillimetre);
 }
 
 // The bind pose of the skin: without rotations, joints have the positions of the sample's zero
 // pose.
 TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
   for (const char* name : {"walk.glb", "wave_z_up.fbx"}) {
-    const Clip clip = read(name);
+    const Clip clip = exported_clip(name);
     const auto leg = clip.skeleton().find("LeftLeg");
     ASSERT_TRUE(leg) << name;
     // Along x, as in the sample.

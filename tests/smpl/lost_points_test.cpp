@@ -13,15 +13,15 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kFrames = 20;
+constexpr int kFramesWithGaps = 20;
 
 // Three joints that move along x.
 JointMotion going() {
   JointMotion motion;
-  motion.frame_count = kFrames;
+  motion.frame_count = kFramesWithGaps;
   motion.joint_count = 3;
   motion.names = {"hips", "elbow", "wrist"};
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kFramesWithGaps; ++frame) {
     for (int joint = 0; joint < 3; ++joint) {
       motion.positions.emplace_back(0.01 * frame, 0.2 * joint, 1.0);
     }
@@ -45,7 +45,7 @@ TEST(LostPoints, AreBridgedAndReported) {
     JointMotion motion = going();
     for (const int frame : {5, 6, 7, 12}) lose(motion, frame, 2, lost);
     bridge_lost_points(motion);
-    for (int frame = 0; frame < kFrames; ++frame) {
+    for (int frame = 0; frame < kFramesWithGaps; ++frame) {
       EXPECT_LT((motion.position(frame, 2) - going().position(frame, 2)).norm(), 1e-12) << frame;
     }
     ASSERT_EQ(motion.warnings.size(), 1U);
@@ -57,16 +57,16 @@ TEST(LostPoints, AreBridgedAndReported) {
 TEST(LostPoints, NothingIsBridgedAtTheEnds) {
   JointMotion motion = going();
   lose(motion, 0, 1, 0.0);
-  lose(motion, kFrames - 1, 1, 0.0);
+  lose(motion, kFramesWithGaps - 1, 1, 0.0);
   bridge_lost_points(motion);
   EXPECT_EQ(motion.position(0, 1), Vector3d::Zero());
-  EXPECT_EQ(motion.position(kFrames - 1, 1), Vector3d::Zero());
+  EXPECT_EQ(motion.position(kFramesWithGaps - 1, 1), Vector3d::Zero());
   EXPECT_THAT(motion.warnings, IsEmpty());
 }
 
 TEST(LostPoints, KeepAJointThatBelongsAtTheOrigin) {
   JointMotion motion = going();
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kFramesWithGaps; ++frame) {
     if (frame % 3 != 0) lose(motion, frame, 0, 0.0);
   }
   const auto before = motion.positions;
@@ -76,7 +76,7 @@ TEST(LostPoints, KeepAJointThatBelongsAtTheOrigin) {
 
 TEST(LostPoints, KeepAJointThatPassesTheOrigin) {
   JointMotion motion = going();
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kFramesWithGaps; ++frame) {
     motion.positions[motion.index(frame, 2)] = Vector3d(0.1 * (frame - 10), 0.0, 0.0);
   }
   const auto before = motion.positions;

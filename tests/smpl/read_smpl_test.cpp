@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "smpl/motion_parts.h"
 #include "smpl_test_support.h"
 #include "support/load_smpl.h"
 #include "support/shared_data.h"
@@ -73,12 +74,6 @@ std::string error_of(const Amass& amass, const SmplReadOptions& options = {}) {
   EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
   EXPECT_EQ(motion.error().location.file, "walk.npz");
   return describe(motion.error());
-}
-
-std::string warnings_of(const SmplMotion& motion) {
-  std::string text;
-  for (const Warning& warning : motion.warnings) text += warning.message + "\n";
-  return text;
 }
 
 void expect_same_clip(const Clip& a, const Clip& b) {

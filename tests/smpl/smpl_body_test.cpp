@@ -144,7 +144,7 @@ TEST(SmplBody, IgnoresFaceShapes) {
   EXPECT_EQ(body_of(MadeUpModel(55, 20)).family, SmplFamily::kSmplx);
 }
 
-std::string error_of(const std::string& bytes) {
+std::string body_error(const std::string& bytes) {
   const Result<SmplBody> body = read_smpl_body(bytes, "model.npz");
   if (body) return "no error";
   EXPECT_EQ(body.error().kind, ErrorKind::kConfig);
@@ -153,13 +153,13 @@ std::string error_of(const std::string& bytes) {
 }
 
 TEST(SmplBody, RejectsOtherFiles) {
-  EXPECT_THAT(error_of("\x80\x02}q\x01"), HasSubstr("found a Python pickle"));
-  EXPECT_THAT(error_of("\x80\x02}q\x01"), HasSubstr("J_regressor (as a dense array)"));
-  EXPECT_THAT(error_of("(dp0\nS'J'\n"), HasSubstr("found a Python pickle"));
-  EXPECT_THAT(error_of(NpzBuilder().add("poses", npy_doubles({1, 72}, {})).build()),
+  EXPECT_THAT(body_error("\x80\x02}q\x01"), HasSubstr("found a Python pickle"));
+  EXPECT_THAT(body_error("\x80\x02}q\x01"), HasSubstr("J_regressor (as a dense array)"));
+  EXPECT_THAT(body_error("(dp0\nS'J'\n"), HasSubstr("found a Python pickle"));
+  EXPECT_THAT(body_error(NpzBuilder().add("poses", npy_doubles({1, 72}, {})).build()),
               HasSubstr("expected a body model, found a motion"));
   for (const char* name : {"v_template", "shapedirs", "J_regressor", "kintree_table"}) {
-    EXPECT_THAT(error_of(MadeUpModel(24, 3).builder_without(name).build()),
+    EXPECT_THAT(body_error(MadeUpModel(24, 3).builder_without(name).build()),
                 HasSubstr("no array \"" + std::string(name) + "\""));
   }
 }
@@ -167,7 +167,7 @@ TEST(SmplBody, RejectsOtherFiles) {
 TEST(SmplBody, RejectsInconsistentArrays) {
   const MadeUpModel model(24, 3);
   const auto with = [&](const std::string& name, const std::string& bytes) {
-    return error_of(model.builder_without(name).add(name, bytes).build());
+    return body_error(model.builder_without(name).add(name, bytes).build());
   };
   EXPECT_THAT(
       with("J_regressor", npy("|O", "()", "sparse")),
@@ -194,10 +194,10 @@ TEST(SmplBody, RejectsInconsistentArrays) {
 
 TEST(SmplBody, RejectsOtherKinematicTrees) {
   MadeUpModel hand(16, 3);
-  EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints do not match SMPL"));
+  EXPECT_THAT(body_error(hand.bytes()), HasSubstr("joints do not match SMPL"));
   MadeUpModel swapped(24, 3);
   std::swap(swapped.tree[4], swapped.tree[5]);
-  EXPECT_THAT(error_of(swapped.bytes()), HasSubstr("joints do not match SMPL"));
+  EXPECT_THAT(body_error(swapped.bytes()), HasSubstr("joints do not match SMPL"));
 }
 
 TEST(SmplBody, LoadsAFile) {

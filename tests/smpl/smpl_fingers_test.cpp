@@ -16,12 +16,12 @@
 namespace retarget {
 namespace {
 
-constexpr std::size_t kFrames = 3;
+constexpr std::size_t kHandFrames = 3;
 
 using Arrays = std::vector<std::pair<std::string, std::string>>;
 
 std::string file_of(Arrays arrays) {
-  arrays.emplace_back("trans", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames)));
+  arrays.emplace_back("trans", npy_doubles({kHandFrames, 3}, std::vector<double>(3 * kHandFrames)));
   arrays.emplace_back("betas", npy_doubles({10}, std::vector<double>(10)));
   arrays.emplace_back("mocap_framerate", npy_doubles({}, {30.0}));
   arrays.emplace_back("gender", npy_text("neutral"));
@@ -42,13 +42,13 @@ SmplMotion motion_of(const std::string& bytes, bool fingers = true,
 
 // Whole poses with `hands` in the last 90 columns.
 std::string whole(std::size_t width, const std::vector<double>& hands) {
-  std::vector<double> poses(kFrames * width);
-  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+  std::vector<double> poses(kHandFrames * width);
+  for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
     for (std::size_t i = 0; i < 90; ++i) {
       poses[frame * width + width - 90 + i] = hands[frame * 90 + i];
     }
   }
-  return file_of({{"poses", npy_doubles({kFrames, width}, poses)}});
+  return file_of({{"poses", npy_doubles({kHandFrames, width}, poses)}});
 }
 
 // The joint's rotation in the file, by its index in the hands.
@@ -66,7 +66,7 @@ void expect_fingers(const SmplMotion& motion, const std::vector<double>& hands) 
   for (const auto& [name, number] : joints) {
     const auto joint = skeleton.find(name);
     ASSERT_TRUE(joint) << name;
-    for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
       EXPECT_LT(motion.clip.rotations(static_cast<int>(frame))[static_cast<std::size_t>(*joint)]
                     .angularDistance(rotation_of(hands, frame, number)),
                 1e-9)
@@ -80,27 +80,27 @@ void expect_fingers(const SmplMotion& motion, const std::vector<double>& hands) 
 }
 
 TEST(SmplFingersTest, AreTheLastColumnsOfWholePoses) {
-  const std::vector<double> hands = Numbers(1).list(kFrames * 90);
+  const std::vector<double> hands = Numbers(1).list(kHandFrames * 90);
   for (const std::size_t width : {156, 165}) expect_fingers(motion_of(whole(width, hands)), hands);
 }
 
 TEST(SmplFingersTest, MayHaveSeparateArrays) {
-  const std::vector<double> hands = Numbers(2).list(kFrames * 90);
+  const std::vector<double> hands = Numbers(2).list(kHandFrames * 90);
   const Arrays body = {
-      {"root_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
-      {"pose_body", npy_doubles({kFrames, 63}, std::vector<double>(63 * kFrames))}};
+      {"root_orient", npy_doubles({kHandFrames, 3}, std::vector<double>(3 * kHandFrames))},
+      {"pose_body", npy_doubles({kHandFrames, 63}, std::vector<double>(63 * kHandFrames))}};
   Arrays together = body;
-  together.emplace_back("pose_hand", npy_doubles({kFrames, 90}, hands));
+  together.emplace_back("pose_hand", npy_doubles({kHandFrames, 90}, hands));
   expect_fingers(motion_of(file_of(together)), hands);
   std::vector<double> left, right;
-  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+  for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
     const auto row = hands.begin() + static_cast<std::ptrdiff_t>(90 * frame);
     left.insert(left.end(), row, row + 45);
     right.insert(right.end(), row + 45, row + 90);
   }
   Arrays apart = body;
-  apart.emplace_back("left_hand_pose", npy_doubles({kFrames, 45}, left));
-  apart.emplace_back("right_hand_pose", npy_doubles({kFrames, 45}, right));
+  apart.emplace_back("left_hand_pose", npy_doubles({kHandFrames, 45}, left));
+  apart.emplace_back("right_hand_pose", npy_doubles({kHandFrames, 45}, right));
   expect_fingers(motion_of(file_of(apart)), hands);
 }
 
@@ -108,19 +108,19 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
   const auto joints = [](const std::string& bytes, bool fingers = true) {
     return motion_of(bytes, fingers).clip.skeleton().joint_count();
   };
-  std::vector<double> hands = Numbers(3).list(kFrames * 90);
+  std::vector<double> hands = Numbers(3).list(kHandFrames * 90);
   EXPECT_EQ(joints(whole(156, hands), false), 22) << "without the option";
-  EXPECT_EQ(joints(whole(156, std::vector<double>(kFrames * 90))), 22) << "zeros";
+  EXPECT_EQ(joints(whole(156, std::vector<double>(kHandFrames * 90))), 22) << "zeros";
   std::vector<double> still;
-  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+  for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
     still.insert(still.end(), hands.begin(), hands.begin() + 90);
   }
   EXPECT_EQ(joints(whole(165, still)), 22) << "they keep still";
   const Arrays components = {
-      {"global_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
-      {"body_pose", npy_doubles({kFrames, 63}, std::vector<double>(63 * kFrames))},
-      {"left_hand_pose", npy_doubles({kFrames, 12}, Numbers(4).list(12 * kFrames))},
-      {"right_hand_pose", npy_doubles({kFrames, 12}, Numbers(5).list(12 * kFrames))}};
+      {"global_orient", npy_doubles({kHandFrames, 3}, std::vector<double>(3 * kHandFrames))},
+      {"body_pose", npy_doubles({kHandFrames, 63}, std::vector<double>(63 * kHandFrames))},
+      {"left_hand_pose", npy_doubles({kHandFrames, 12}, Numbers(4).list(12 * kHandFrames))},
+      {"right_hand_pose", npy_doubles({kHandFrames, 12}, Numbers(5).list(12 * kHandFrames))}};
   EXPECT_EQ(joints(file_of(components)), 22) << "principal components";
   hands[7] = std::nan("");
   const SmplMotion odd = motion_of(whole(156, hands));
@@ -130,7 +130,7 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
 }
 
 TEST(SmplFingersTest, DoNotChangeTheBody) {
-  const std::vector<double> hands = Numbers(6).list(kFrames * 90);
+  const std::vector<double> hands = Numbers(6).list(kHandFrames * 90);
   const SmplMotion with = motion_of(whole(156, hands));
   const SmplMotion without = motion_of(whole(156, hands), false);
   for (int joint = 0; joint < without.clip.skeleton().joint_count(); ++joint) {
@@ -148,7 +148,7 @@ TEST(SmplFingersTest, UseTheBonesOfAModel) {
   ASSERT_TRUE(body.has_value());
   const SmplRestBody rest = smpl_rest_body(*body, {});
   ASSERT_EQ(rest.hands.size(), 30U);
-  const SmplMotion motion = motion_of(whole(165, Numbers(7).list(kFrames * 90)), true, &*body);
+  const SmplMotion motion = motion_of(whole(165, Numbers(7).list(kHandFrames * 90)), true, &*body);
   const Skeleton& skeleton = motion.clip.skeleton();
   const Joint& index = skeleton.joint(*skeleton.find("left_index2"));
   EXPECT_LT((index.offset - (rest.hands[1] - rest.hands[0])).norm(), 1e-12);

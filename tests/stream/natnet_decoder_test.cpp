@@ -26,12 +26,12 @@ std::string little_endian(std::uint64_t value, int size) {
   return bytes;
 }
 
-std::string number(double value) {
+std::string float_bytes(double value) {
   return little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
 }
 
 std::string vector(const Eigen::Vector3d& value) {
-  return number(value.x()) + number(value.y()) + number(value.z());
+  return float_bytes(value.x()) + float_bytes(value.y()) + float_bytes(value.z());
 }
 
 std::string text(const std::string& value) {
@@ -78,7 +78,8 @@ std::string bone_description(Version version, const Bone& bone) {
   std::string bytes = text(bone.name) + little_endian(static_cast<std::uint64_t>(bone.id), 4) +
                       little_endian(static_cast<std::uint64_t>(bone.parent), 4) +
                       vector(bone.offset);
-  if (version.is_from(4, 2)) bytes += number(0) + number(0) + number(0) + number(1);
+  if (version.is_from(4, 2))
+    bytes += float_bytes(0) + float_bytes(0) + float_bytes(0) + float_bytes(1);
   // Two markers.
   bytes += little_endian(2, 4) + vector({1, 2, 3}) + vector({4, 5, 6}) + little_endian(7, 4) +
            little_endian(8, 4);
@@ -116,7 +117,7 @@ std::string models(Version version, const std::vector<Bone>& bones = kBones) {
 
 std::string body(int id, const Pose& pose, bool is_tracked = true) {
   return little_endian(static_cast<std::uint64_t>(id), 4) + vector(pose.translation) +
-         vector(pose.rotation.vec()) + number(pose.rotation.w()) + number(0.0004) +
+         vector(pose.rotation.vec()) + float_bytes(pose.rotation.w()) + float_bytes(0.0004) +
          little_endian(is_tracked ? 1 : 0, 2);
 }
 
@@ -127,7 +128,8 @@ std::string section(Version version, int count, const std::string& items) {
 
 std::string channels(int id) {
   return little_endian(static_cast<std::uint64_t>(id), 4) + little_endian(2, 4) +
-         little_endian(1, 4) + number(1) + little_endian(3, 4) + number(1) + number(2) + number(3);
+         little_endian(1, 4) + float_bytes(1) + little_endian(3, 4) + float_bytes(1) +
+         float_bytes(2) + float_bytes(3);
 }
 
 // The poses of the bones in the order of kBones.
@@ -182,11 +184,11 @@ std::vector<Pose> world_poses() {
   return world;
 }
 
-std::unique_ptr<Decoder> decoder_of(const std::string& extras = "") {
+std::unique_ptr<Decoder> natnet_decoder(const std::string& extras = "") {
   return make_natnet_decoder(parse_address("udp:1511?format=natnet" + extras).value());
 }
 
-std::string refusal(Decoder& decoder, std::string_view bytes) {
+std::string natnet_refusal(Decoder& decoder, std::string_view bytes) {
   KeptStream kept;
   const auto taken = decoder.take(bytes, kept);
   EXPECT_FALSE(taken);
@@ -210,7 +212,7 @@ void expect_world(const KeptStream& kept, std::size_t frame_index,
 TEST(NatNet, ReadsAllVersionsInBothCoordinates) {
   for (const Version version : kVersions) {
     for (const bool local : {false, true}) {
-      const auto decoder = decoder_of();
+      const auto decoder = natnet_decoder();
       KeptStream kept;
       ASSERT_TRUE(decoder->take(server_info(version), kept));
       const auto described = decoder->take(models(version), kept);
@@ -230,17 +232,17 @@ TEST(NatNet, ReadsAllVersionsInBothCoordinates) {
 }
 
 TEST(NatNet, FollowsTheNamedSkeleton) {
-  const auto decoder = decoder_of("&actor=6&version=4.1");
+  const auto decoder = natnet_decoder("&actor=6&version=4.1");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
   ASSERT_TRUE(decoder->take(frame({4, 1}, world_poses(), 1.0), kept));
   expect_world(kept, 0, world_poses(), 5.0);
-  EXPECT_THAT(refusal(*decoder_of("&actor=8&version=4.1"), models({4, 1})),
+  EXPECT_THAT(natnet_refusal(*natnet_decoder("&actor=8&version=4.1"), models({4, 1})),
               HasSubstr("skeleton 8"));
 }
 
 TEST(NatNet, AcceptsGivenCoordinates) {
-  const auto decoder = decoder_of("&version=3.1&coordinates=local");
+  const auto decoder = natnet_decoder("&version=3.1&coordinates=local");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({3, 1}), kept));
   // Bones far from their positions.
@@ -253,7 +255,7 @@ TEST(NatNet, AcceptsGivenCoordinates) {
 }
 
 TEST(NatNet, RepeatsRequestsUntilAReply) {
-  const auto decoder = decoder_of("&server=127.0.0.1");
+  const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;
   EXPECT_EQ(decoder->request(), std::string("\0\0\5\0Ping\0", 9));
   // Frames that arrive before their description are not an error.
@@ -272,7 +274,7 @@ TEST(NatNet, RepeatsRequestsUntilAReply) {
 }
 
 TEST(NatNet, ReportsASilentServer) {
-  const auto decoder = decoder_of("&server=127.0.0.1");
+  const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;
   int refused = 0;
   for (int i = 0; i < 400; ++i) {
@@ -305,8 +307,8 @@ TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
     return message(7, bytes);
   };
   for (const bool local : {false, true}) {
-    const auto decoder = decoder_of("&version=3.1");
-    EXPECT_THAT(refusal(*decoder, in_order(world_poses())), HasSubstr("not described"));
+    const auto decoder = natnet_decoder("&version=3.1");
+    EXPECT_THAT(natnet_refusal(*decoder, in_order(world_poses())), HasSubstr("not described"));
     decoder->know_skeleton(skeleton);
     KeptStream kept;
     ASSERT_TRUE(decoder->take(in_order(local ? local_poses() : world_poses()), kept));
@@ -321,45 +323,47 @@ TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
       EXPECT_LT((found[joint].translation - 100.0 * world_poses()[bone].translation).norm(), 1e-4);
     }
   }
-  const auto decoder = decoder_of("&version=3.1");
+  const auto decoder = natnet_decoder("&version=3.1");
   decoder->know_skeleton(skeleton);
   auto stretched = local_poses();
   for (auto& pose : stretched) pose.translation = pose.translation * 1.9 + Eigen::Vector3d(1, 0, 1);
-  EXPECT_THAT(refusal(*decoder, in_order(stretched)), HasSubstr("do not match the skeleton file"));
+  EXPECT_THAT(natnet_refusal(*decoder, in_order(stretched)),
+              HasSubstr("do not match the skeleton file"));
   joints.pop_back();
   decoder->know_skeleton(std::make_shared<const Skeleton>(joints));
-  EXPECT_THAT(refusal(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
+  EXPECT_THAT(natnet_refusal(*decoder, in_order(world_poses())), HasSubstr("4 joints"));
 }
 
 TEST(NatNet, RejectsMalformedPackets) {
-  const auto decoder = decoder_of();
+  const auto decoder = natnet_decoder();
   KeptStream kept;
-  EXPECT_THAT(refusal(*decoder, "abc"), HasSubstr("not a NatNet message"));
-  EXPECT_THAT(refusal(*decoder, message(55, "")), HasSubstr("not a NatNet message"));
-  EXPECT_THAT(refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
-  EXPECT_THAT(refusal(*decoder, models({4, 1})), HasSubstr("version"));
-  EXPECT_THAT(refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
-  EXPECT_THAT(refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
+  EXPECT_THAT(natnet_refusal(*decoder, "abc"), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(natnet_refusal(*decoder, message(55, "")), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
+  EXPECT_THAT(natnet_refusal(*decoder, models({4, 1})), HasSubstr("version"));
+  EXPECT_THAT(natnet_refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
+  EXPECT_THAT(natnet_refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
-  EXPECT_THAT(refusal(*decoder, message(5, little_endian(0, 4))), HasSubstr("no skeleton: enable"));
+  EXPECT_THAT(natnet_refusal(*decoder, message(5, little_endian(0, 4))),
+              HasSubstr("no skeleton: enable"));
   const auto with = [](int bone, int id, int parent) {
     auto bones = kBones;
     bones[static_cast<std::size_t>(bone)].id = id;
     bones[static_cast<std::size_t>(bone)].parent = parent;
     return models({4, 1}, bones);
   };
-  EXPECT_THAT(refusal(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
-  EXPECT_THAT(refusal(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
-  EXPECT_THAT(refusal(*decoder, with(0, 1, 4)), HasSubstr("without a valid parent"));
+  EXPECT_THAT(natnet_refusal(*decoder, with(4, 2, 1)), HasSubstr("same ID"));
+  EXPECT_THAT(natnet_refusal(*decoder, with(4, 5, 0)), HasSubstr("no parent"));
+  EXPECT_THAT(natnet_refusal(*decoder, with(0, 1, 4)), HasSubstr("without a valid parent"));
   ASSERT_TRUE(decoder->take(models({4, 1}), kept));
   auto poses = world_poses();
   poses[2].translation.y() = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("pose"));
+  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("pose"));
   poses = world_poses();
   poses.pop_back();
-  EXPECT_THAT(refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("Ab"));
+  EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, poses, 1)), HasSubstr("Ab"));
   for (const Version version : kVersions) {
-    const auto other = decoder_of();
+    const auto other = natnet_decoder();
     ASSERT_TRUE(other->take(server_info(version), kept));
     ASSERT_TRUE(other->take(models(version), kept));
     const std::string good = frame(version, world_poses(), 1);
@@ -412,7 +416,7 @@ TEST(NatNetPlayer, RepliesToItsReceivers) {
   const Clip clip = clip_with_units(sample_clip("wave"), {}, folder).value();
   const auto encoder = make_natnet_encoder();
   EXPECT_FALSE(encoder->begin(clip).empty());
-  const auto decoder = decoder_of("&server=127.0.0.1");
+  const auto decoder = natnet_decoder("&server=127.0.0.1");
   KeptStream kept;
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(decoder->take(encoder->answer(decoder->request()), kept));

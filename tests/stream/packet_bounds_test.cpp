@@ -143,7 +143,7 @@ TEST(PacketBounds, RejectTooManyLinesEarly) {
                "betas");
 }
 
-std::string osc_text(std::string text) {
+std::string padded_text(std::string text) {
   text.append(4 - text.size() % 4, '\0');
   return text;
 }
@@ -155,15 +155,15 @@ std::string bundle_of(const std::string& message) {
 
 TEST(PacketBounds, RejectOscBundlesEarly) {
   const auto decoder = make_vmc_decoder({});
-  const std::string hips = osc_text("/VMC/Ext/Bone/Pos") + osc_text(",sfffffff") +
-                           osc_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
+  const std::string hips = padded_text("/VMC/Ext/Bone/Pos") + padded_text(",sfffffff") +
+                           padded_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
                            std::string(2, '\0');
   Counted counted;
   const auto refused = decoder->take(bundle_of(hips), counted);
   ASSERT_FALSE(refused);
   EXPECT_LE(counted.frames, 8);
   expect_cheap(*decoder, bundle_of(hips), "the same bone again and again");
-  expect_cheap(*decoder, bundle_of(osc_text("/a")), "short messages");
+  expect_cheap(*decoder, bundle_of(padded_text("/a")), "short messages");
 }
 
 TEST(PacketBounds, RejectHierarchiesEarly) {

@@ -34,7 +34,7 @@ using Body = std::map<std::string, UnityPose>;
 
 // A body in a T-pose that faces z, its left towards -x. Rotations are those of Studio's T-pose in
 // Rokoko's plugin for Blender (there w comes first).
-Body t_pose() {
+Body actor_pose() {
   constexpr double s = 0.70711;
   const std::array<double, 4> trunk = {0, 0, -1, 0};
   const std::array<double, 4> left_arm = {-0.5, -0.5, 0.5, -0.5}, right_arm = {0.5, -0.5, 0.5, 0.5};
@@ -67,7 +67,7 @@ Body t_pose() {
 
 // The left arm hangs down: a quarter turn about z, which in a left-handed world takes -x to -y.
 Body left_arm_down() {
-  Body body = t_pose();
+  Body body = actor_pose();
   // (0, 0, s, s) before the T-pose, in Unity's order of quaternion products.
   for (const char* bone : {"leftUpperArm", "leftLowerArm", "leftHand"}) {
     body[bone].turn = {0.0, -0.70711, 0.0, -0.70711};
@@ -136,7 +136,7 @@ TEST(Rokoko, LeftArmDrivesTheLeftArm) {
 TEST(Rokoko, ReportsItsProperties) {
   const auto decoder = decoder_at("udp:1");
   KeptStream kept;
-  ASSERT_TRUE(decoder->take(packet_of({actor_of("Ann", t_pose())}, 12.5).dump(), kept));
+  ASSERT_TRUE(decoder->take(packet_of({actor_of("Ann", actor_pose())}, 12.5).dump(), kept));
   ASSERT_EQ(kept.skeletons.size(), 1U);
   EXPECT_EQ(kept.skeletons[0].origin().body_height, 1.8);
   EXPECT_EQ(kept.skeletons[0].skeleton().joint_count(), 23);
@@ -153,7 +153,7 @@ TEST(Rokoko, ReportsItsProperties) {
 }
 
 TEST(Rokoko, ToesAndCollarBonesAreOptional) {
-  Body body = t_pose();
+  Body body = actor_pose();
   for (const char* bone : {"leftToe", "leftToeEnd", "rightToe", "rightToeEnd", "leftShoulder",
                            "rightShoulder", "neck"}) {
     body.erase(bone);
@@ -168,9 +168,9 @@ TEST(Rokoko, ToesAndCollarBonesAreOptional) {
 }
 
 TEST(Rokoko, SelectsOneOfSeveralActors) {
-  Json gloves = actor_of("Gloves", t_pose());
+  Json gloves = actor_of("Gloves", actor_pose());
   gloves["meta"]["hasBody"] = false;
-  const Json ann = actor_of("Ann", t_pose()), bob = actor_of("Bob", left_arm_down());
+  const Json ann = actor_of("Ann", actor_pose()), bob = actor_of("Bob", left_arm_down());
   const int arm = 6;
   const auto arm_turns = [&](const std::string& address, const std::vector<Json>& actors) {
     const auto decoder = decoder_at(address);
@@ -194,7 +194,7 @@ TEST(Rokoko, SelectsOneOfSeveralActors) {
 }
 
 TEST(Rokoko, ReadsVersionTwo) {
-  Json actor = actor_of("Ann", t_pose())["body"];
+  Json actor = actor_of("Ann", actor_pose())["body"];
   actor["id"] = "Ann";
   const Json packet = {{"version", "2,0"},       {"timestamp", 3.5},
                        {"props", Json::array()}, {"trackers", Json::array()},
@@ -213,7 +213,7 @@ TEST(Rokoko, RejectsMalformedPackets) {
   EXPECT_THAT(refusal("{\"scene\": "), HasSubstr("truncated"));
   EXPECT_THAT(refusal("{\"scene\": 3}"), HasSubstr("actors"));
   EXPECT_THAT(refusal("{\"scene\": nonsense}"), testing::Not(testing::IsEmpty()));
-  const Json whole = packet_of({actor_of("Ann", t_pose())}, 1.0);
+  const Json whole = packet_of({actor_of("Ann", actor_pose())}, 1.0);
   const auto without = [&](const std::function<void(Json&)>& change) {
     Json packet = whole;
     change(packet["scene"]["actors"][0]["body"]);
@@ -242,7 +242,8 @@ TEST(Rokoko, RejectsMalformedPackets) {
 TEST(Rokoko, JoinsPiecesOfAConnection) {
   std::string bytes;
   for (int frame = 0; frame < 5; ++frame) {
-    bytes += packet_of({actor_of("A \"}{\\ nn", t_pose())}, frame).dump() + (frame % 2 ? "\n" : "");
+    bytes +=
+        packet_of({actor_of("A \"}{\\ nn", actor_pose())}, frame).dump() + (frame % 2 ? "\n" : "");
   }
   for (const std::size_t piece :
        {std::size_t{1}, std::size_t{7}, std::size_t{4000}, bytes.size()}) {
@@ -276,7 +277,7 @@ std::string stored_in_lz4(const std::string& text) {
 }
 
 TEST(Rokoko, ReadsLz4Frames) {
-  const std::string packet = packet_of({actor_of("Ann", t_pose())}, 1.0).dump();
+  const std::string packet = packet_of({actor_of("Ann", actor_pose())}, 1.0).dump();
   const std::string frame = stored_in_lz4(packet);
   if (!Lz4Frame::is_available()) {
     EXPECT_THAT(refusal(frame), HasSubstr("LZ4"));

@@ -47,14 +47,14 @@ std::string bundle_of(const std::vector<std::string>& messages) {
   return bytes;
 }
 
-struct UnityPose {
+struct VmcBone {
   const char* name;
   std::vector<float> position;
   std::vector<float> rotation = {0, 0, 0, 1};
 };
 
 // An avatar in its T-pose: Unity's axes, it faces z, its left is -x.
-std::vector<UnityPose> avatar() {
+std::vector<VmcBone> avatar() {
   return {{"Hips", {0, 0.95F, 0}},
           {"Spine", {0, 0.1F, 0}},
           {"Chest", {0, 0.12F, 0}},
@@ -78,11 +78,11 @@ std::vector<UnityPose> avatar() {
           {"RightToes", {0, -0.06F, 0.12F}}};
 }
 
-std::vector<std::string> messages_of(const std::vector<UnityPose>& bones, float time) {
+std::vector<std::string> messages_of(const std::vector<VmcBone>& bones, float time) {
   std::vector<std::string> messages = {
       osc_message("/VMC/Ext/OK", "", {1}), osc_message("/VMC/Ext/T", "", {time}),
       osc_message("/VMC/Ext/Root/Pos", "root", {0, 0, 0, 0, 0, 0, 1})};
-  for (const UnityPose& bone : bones) {
+  for (const VmcBone& bone : bones) {
     std::vector<float> numbers = bone.position;
     numbers.insert(numbers.end(), bone.rotation.begin(), bone.rotation.end());
     messages.push_back(osc_message("/VMC/Ext/Bone/Pos", bone.name, numbers));
@@ -91,7 +91,7 @@ std::vector<std::string> messages_of(const std::vector<UnityPose>& bones, float 
 }
 
 // The robot's last frame after two seconds of a pose, with one bundle per frame or single messages.
-std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, int* frames) {
+std::vector<double> followed(const std::vector<VmcBone>& bones, bool bundles, int* frames) {
   const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   LivePipelineOptions options;
@@ -120,9 +120,9 @@ std::vector<double> followed(const std::vector<UnityPose>& bones, bool bundles, 
 }
 
 TEST(Vmc, LeftArmDrivesTheLeftArm) {
-  std::vector<UnityPose> bones = avatar();
+  std::vector<VmcBone> bones = avatar();
   // 80 degrees about z: the left arm hangs down, the right one does not move.
-  for (UnityPose& bone : bones) {
+  for (VmcBone& bone : bones) {
     if (std::string(bone.name) == "LeftUpperArm") bone.rotation = {0, 0, 0.6427876F, 0.7660444F};
   }
   for (const bool bundles : {true, false}) {
