@@ -12,14 +12,14 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-Error error_of(const std::string& text) {
+Error json_error(const std::string& text) {
   const auto json = parse_json(text, "file.json");
   EXPECT_FALSE(json.has_value());
   return json ? Error() : json.error();
 }
 
 void expect_at(const std::string& text, std::size_t line, std::size_t column) {
-  const Error error = error_of(text);
+  const Error error = json_error(text);
   EXPECT_EQ(error.kind, ErrorKind::kConfig) << text;
   EXPECT_EQ(error.location.file, "file.json") << text;
   EXPECT_EQ(error.location.line, line) << text;
@@ -42,8 +42,8 @@ TEST(JsonTest, SyntaxErrorsPointToTheFirstWrongByte) {
 }
 
 TEST(JsonTest, MessageNamesTheExpectedValue) {
-  EXPECT_THAT(error_of("{\"a\": }").message, HasSubstr("unexpected '}'"));
-  EXPECT_THAT(error_of("<html>").message, HasSubstr("invalid literal"));
+  EXPECT_THAT(json_error("{\"a\": }").message, HasSubstr("unexpected '}'"));
+  EXPECT_THAT(json_error("<html>").message, HasSubstr("invalid literal"));
 }
 
 TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithLocation) {
@@ -51,7 +51,7 @@ TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithLocation) {
 }
 
 TEST(JsonTest, InvalidUtf8IsAnError) {
-  error_of("[\"\xff\"]");
+  json_error("[\"\xff\"]");
 }
 
 TEST(JsonTest, DeepNestingIsAnErrorWithoutOverflow) {
@@ -72,11 +72,11 @@ std::string object_of(int count) {
 TEST(JsonTest, TooManyMembersAreAnError) {
   EXPECT_TRUE(parse_json(object_of(2000), "file.json").has_value());
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_THAT(error_of(object_of(200'000)).message,
+  EXPECT_THAT(json_error(object_of(200'000)).message,
               HasSubstr("an object of more than 2000 members"));
   std::string objects;
   for (int i = 0; i < 101; ++i) objects += (i > 0 ? "," : "[") + object_of(2000);
-  EXPECT_THAT(error_of(objects + "]").message, HasSubstr("more than 200000 members in total"));
+  EXPECT_THAT(json_error(objects + "]").message, HasSubstr("more than 200000 members in total"));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
   // Colons in text do not belong to a member.
   EXPECT_TRUE(parse_json("[\"" + std::string(5000, ':') + "\"]", "file.json").has_value());
@@ -84,12 +84,12 @@ TEST(JsonTest, TooManyMembersAreAnError) {
 
 TEST(JsonTest, TooLargeTextsAreAnError) {
   const std::string blanks(std::size_t{17} << 20, ' ');
-  EXPECT_THAT(error_of(blanks + "{}").message, HasSubstr("more than 16777216 bytes"));
+  EXPECT_THAT(json_error(blanks + "{}").message, HasSubstr("more than 16777216 bytes"));
 }
 
 TEST(JsonTest, TruncatesLongTokensInMessages) {
-  EXPECT_LT(error_of("[" + std::string(100000, 'x')).message.size(), 300U);
-  EXPECT_LT(error_of("[\"" + std::string(100000, 'x')).message.size(), 300U);
+  EXPECT_LT(json_error("[" + std::string(100000, 'x')).message.size(), 300U);
+  EXPECT_LT(json_error("[\"" + std::string(100000, 'x')).message.size(), 300U);
 }
 
 TEST(JsonTest, ShortTextCutsAtCharacterBoundaries) {

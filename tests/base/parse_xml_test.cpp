@@ -18,7 +18,7 @@ std::string attributes(int count) {
 }
 
 // Returns the error message; empty if the text is parsed.
-std::string message_of(const std::string& text) {
+std::string xml_message(const std::string& text) {
   tinyxml2::XMLDocument document;
   const auto begin = std::chrono::steady_clock::now();
   const auto parsed = parse_xml(text, document);
@@ -28,9 +28,9 @@ std::string message_of(const std::string& text) {
 }
 
 TEST(ParseXml, AcceptsUpToAHundredAttributes) {
-  EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "/>"), "");
-  EXPECT_EQ(message_of("<a" + attributes(kMaxXmlAttributes) + "><b" +
-                       attributes(kMaxXmlAttributes) + "/></a>"),
+  EXPECT_EQ(xml_message("<a" + attributes(kMaxXmlAttributes) + "/>"), "");
+  EXPECT_EQ(xml_message("<a" + attributes(kMaxXmlAttributes) + "><b" +
+                        attributes(kMaxXmlAttributes) + "/></a>"),
             "");
 }
 
@@ -50,28 +50,28 @@ TEST(ParseXml, ManyAttributesTakeNoTime) {
        {"<a" + many + "/>", "<a" + many, "<?xml version='1.0'?><!-- < \" --><a><b " + many + "/>",
         "<a x='>'" + many + "/>", "<a x=\"'\"" + many + "/>", "text<a" + many + "/>",
         "<a/><![CDATA[ <b ]]><c" + many + "/>", "<!DOCTYPE a><a" + many + "/>"}) {
-    EXPECT_THAT(message_of(text), HasSubstr("attributes")) << text.substr(0, 40);
+    EXPECT_THAT(xml_message(text), HasSubstr("attributes")) << text.substr(0, 40);
   }
 }
 
 TEST(ParseXml, LongFilesOfManyAttributesAreRead) {
   std::string text = "<a>";
   for (int i = 0; i < 2000; ++i) text += "<b" + attributes(kMaxXmlAttributes) + "/>";
-  EXPECT_EQ(message_of(text + "</a>"), "");
+  EXPECT_EQ(xml_message(text + "</a>"), "");
 }
 
 TEST(ParseXml, QuotesInTextAndCommentsAreNotAttributes) {
   std::string quotes;
   for (int i = 0; i < 1000; ++i) quotes += "a=\"1\" ";
-  EXPECT_EQ(message_of("<a>" + quotes + "</a>"), "");
-  EXPECT_EQ(message_of("<a><!-- <b " + quotes + "> --></a>"), "");
-  EXPECT_EQ(message_of("<a><![CDATA[<b " + quotes + ">]]></a>"), "");
-  EXPECT_EQ(message_of("<?xml " + quotes + "?><a/>"), "");
+  EXPECT_EQ(xml_message("<a>" + quotes + "</a>"), "");
+  EXPECT_EQ(xml_message("<a><!-- <b " + quotes + "> --></a>"), "");
+  EXPECT_EQ(xml_message("<a><![CDATA[<b " + quotes + ">]]></a>"), "");
+  EXPECT_EQ(xml_message("<?xml " + quotes + "?><a/>"), "");
 }
 
 TEST(ParseXml, NamesTheMalformedPart) {
-  EXPECT_EQ(message_of("<a><b></a>"), "XML_ERROR_MISMATCHED_ELEMENT");
-  EXPECT_EQ(message_of(""), "XML_ERROR_EMPTY_DOCUMENT");
+  EXPECT_EQ(xml_message("<a><b></a>"), "XML_ERROR_MISMATCHED_ELEMENT");
+  EXPECT_EQ(xml_message(""), "XML_ERROR_EMPTY_DOCUMENT");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 namespace retarget {
 namespace {
 
-Clip sample(const std::string& name, int begin, int end) {
+Clip sampled_frames(const std::string& name, int begin, int end) {
   auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
   EXPECT_TRUE(clip.has_value());
   return cut(clip->clip, begin, end);
@@ -66,7 +66,7 @@ class FitDynamicsTest : public testing::Test {
 std::shared_ptr<const Robot> FitDynamicsTest::robot_;
 
 TEST_F(FitDynamicsTest, MakesAWalkPossible) {
-  const Clip walk = sample("walk.bvh", 60, 240);
+  const Clip walk = sampled_frames("walk.bvh", 60, 240);
   const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
   const double before = bad_share(without.clip), after = bad_share(with.clip);
   EXPECT_GT(before, 0.1);
@@ -92,7 +92,7 @@ double root_jerk(const RobotClip& clip) {
 
 // At every rate the walk becomes possible, and is hardly rougher than without the term.
 TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
-  const Clip walk = sample("walk.bvh", 60, 160);
+  const Clip walk = sampled_frames("walk.bvh", 60, 160);
   for (const double fps : {24.0, 50.0, 120.0}) {
     const auto at_rate = resample(walk, frame_rate_from_fps(fps));
     ASSERT_TRUE(at_rate.has_value());
@@ -105,7 +105,7 @@ TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
 
 // Also with short windows, whose seams are close together.
 TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
-  const Clip walk = sample("walk.bvh", 60, 240);
+  const Clip walk = sampled_frames("walk.bvh", 60, 240);
   for (const double window : {2.0, 0.3}) {
     FitOptions options = with_dynamics();
     options.window = window;
@@ -122,7 +122,7 @@ TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
 // bit.
 TEST_F(FitDynamicsTest, IsRevertedIfItDoesNotImproveTheFit) {
   // The term is active in the first step, when positions and limbs are not yet solved.
-  const Clip rising = sample("get_up.bvh", 180, 240);
+  const Clip rising = sampled_frames("get_up.bvh", 180, 240);
   FitOptions too_early = with_dynamics();
   too_early.dynamics_iterations = too_early.iterations;
   const FitResult with = fitted(rising, too_early), without = fitted(rising, {});
@@ -134,7 +134,7 @@ TEST_F(FitDynamicsTest, IsRevertedIfItDoesNotImproveTheFit) {
 
 // The robot hangs in the air without a known support: the term does not move it.
 TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
-  Clip walk = sample("walk.bvh", 60, 130);
+  Clip walk = sampled_frames("walk.bvh", 60, 130);
   for (int t = 0; t < walk.frame_count(); ++t) {
     // It rises by a metre as in a lift, with feet drawn up.
     walk.translations(t)[0].y() += 100.0 * std::clamp((t - 10) / 20.0, 0.0, 1.0);
@@ -147,7 +147,7 @@ TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
 
 TEST_F(FitDynamicsTest, HandlesShortClips) {
   for (const int frames : {1, 2, 3, 5}) {
-    const FitResult result = fitted(sample("walk.bvh", 60, 60 + frames), with_dynamics());
+    const FitResult result = fitted(sampled_frames("walk.bvh", 60, 60 + frames), with_dynamics());
     EXPECT_EQ(result.clip.frame_count(), frames);
   }
 }

@@ -7,7 +7,7 @@
 namespace retarget {
 namespace {
 
-FitClip clip_of(int frames, std::vector<PlantedPhase> phases) {
+FitClip clip_with_phases(int frames, std::vector<PlantedPhase> phases) {
   FitClip clip;
   clip.frame_count = frames;
   clip.feet.phases = std::move(phases);
@@ -15,7 +15,7 @@ FitClip clip_of(int frames, std::vector<PlantedPhase> phases) {
 }
 
 TEST(FitWindows, CoverEveryFrameOnceWithSeamsOverBorders) {
-  const FitWindows plan = plan_windows(clip_of(4918, {}), FitOptions{});
+  const FitWindows plan = plan_windows(clip_with_phases(4918, {}), FitOptions{});
   ASSERT_EQ(plan.windows.size(), 8U);
   ASSERT_EQ(plan.seams.size(), 7U);
   int end = 0;
@@ -44,7 +44,7 @@ TEST(FitWindows, WaitForContactsAcrossTheirBorders) {
   for (int begin = 0; begin + 60 <= 1800; begin += 30) {
     phases.push_back({begin, begin + 60, (begin / 30) % 2, kHeelEnd});
   }
-  const FitWindows plan = plan_windows(clip_of(1800, phases), FitOptions{});
+  const FitWindows plan = plan_windows(clip_with_phases(1800, phases), FitOptions{});
   ASSERT_EQ(plan.windows.size(), 3U);
   for (std::size_t i = 0; i < plan.windows.size(); ++i) {
     EXPECT_GE(plan.frames_needed[i], plan.windows[i].end);
@@ -59,7 +59,7 @@ TEST(FitWindows, WaitForContactsAcrossTheirBorders) {
 
 TEST(FitWindows, ShortClipHasOneWindow) {
   for (const int frames : {0, 1, 2, 300}) {
-    const FitWindows plan = plan_windows(clip_of(frames, {}), FitOptions{});
+    const FitWindows plan = plan_windows(clip_with_phases(frames, {}), FitOptions{});
     ASSERT_EQ(plan.windows.size(), 1U);
     EXPECT_EQ(plan.windows.front().end, frames);
     EXPECT_TRUE(plan.seams.empty());

@@ -29,8 +29,8 @@ namespace {
 using Eigen::Vector3d;
 
 // A configuration changed by a small step of its degrees of freedom.
-std::vector<double> moved(const FitModel& model, std::vector<double> qpos,
-                          const std::vector<double>& step) {
+std::vector<double> moved_by_step(const FitModel& model, std::vector<double> qpos,
+                                  const std::vector<double>& step) {
   for (std::size_t k = 0; k < 3; ++k) qpos[k] += step[k];
   const Eigen::Quaterniond q = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) *
                                exp_so3(Vector3d(step[3], step[4], step[5]));
@@ -67,7 +67,7 @@ class FrameTermsTest : public testing::Test {
     std::normal_distribution<double> normal;
     std::vector<double> step(dofs_);
     for (double& x : step) x = spread * normal(random_);
-    qpos = moved(model_, qpos, step);
+    qpos = moved_by_step(model_, qpos, step);
     qpos[2] = height;
     return qpos;
   }
@@ -136,9 +136,9 @@ class FrameTermsTest : public testing::Test {
     for (std::size_t i = 0; i < dofs_; ++i) {
       std::vector<double> step(dofs_, 0.0);
       step[i] = kStep;
-      const double above = assemble(moved(model_, qpos, step));
+      const double above = assemble(moved_by_step(model_, qpos, step));
       step[i] = -kStep;
-      const double below = assemble(moved(model_, qpos, step));
+      const double below = assemble(moved_by_step(model_, qpos, step));
       // The cost is the sum of squares, the gradient is that of half the sum.
       error = std::max(error, std::abs(0.25 * (above - below) / kStep - gradient[i]));
       largest = std::max(largest, std::abs(gradient[i]));
@@ -252,7 +252,7 @@ TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
   for (std::size_t j = 0; j < dofs_; ++j) {
     std::vector<double> step(dofs_, 0.0);
     step[j] = kStep;
-    assemble(moved(model_, qpos, step));
+    assemble(moved_by_step(model_, qpos, step));
     for (std::size_t i = j; i < dofs_; ++i) {
       EXPECT_NEAR(gradient_[i] / kStep, hessian[i * dofs_ + j], 2.0) << i << " " << j;
     }

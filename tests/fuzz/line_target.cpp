@@ -70,7 +70,7 @@ std::optional<Clip> short_clip(std::string_view bytes) {
 }
 
 // Properties of every written motion.
-void check_motion(const RobotClip& clip) {
+void check_lines_of_motion(const RobotClip& clip) {
   const Robot& robot = *fuzz_robot();
   constexpr double kSlack = 1e-6;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -86,7 +86,7 @@ void check_motion(const RobotClip& clip) {
 }
 
 // A written motion is read back with the printed values.
-void check_round_trip(const RobotClip& clip) {
+void check_line_round_trip(const RobotClip& clip) {
   ReadMotionOptions options;
   options.rate = clip.rate();
   options.quaternion = QuaternionOrder::kXyzw;
@@ -121,8 +121,8 @@ void fuzz_line(std::string_view bytes) {
   const auto fitted =
       fit(*resampled, *calibration, fuzz_robot(), config, setup().limits, setup().fit, run);
   if (!good(fitted)) return;
-  check_motion(fitted->clip);
-  check_round_trip(fitted->clip);
+  check_lines_of_motion(fitted->clip);
+  check_line_round_trip(fitted->clip);
 }
 
 }  // namespace retarget::fuzz

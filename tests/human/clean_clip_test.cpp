@@ -124,7 +124,7 @@ void add_slow_noise(Clip& clip, double degrees) {
   }
 }
 
-SourceFeet feet_of(const Clip& clip) {
+SourceFeet feet_of_clip(const Clip& clip) {
   const Calibration calibration = lafan1_calibration(clip.skeleton());
   const HumanClip human = to_human(clip, calibration);
   return {human, human.frame_count};
@@ -132,8 +132,8 @@ SourceFeet feet_of(const Clip& clip) {
 
 // Over frames in which the foot ends of the clean clip are in contact.
 double contact_speed(const Clip& clean_clip, const Clip& other, double percent) {
-  const ContactPlan contacts = find_contacts(feet_of(clean_clip));
-  const SourceFeet feet = feet_of(other);
+  const ContactPlan contacts = find_contacts(feet_of_clip(clean_clip));
+  const SourceFeet feet = feet_of_clip(other);
   std::vector<double> speeds;
   for (int frame = 0; frame < feet.frame_count(); ++frame) {
     for (int foot = 0; foot < 2; ++foot) {

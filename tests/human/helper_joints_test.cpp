@@ -99,7 +99,7 @@ const std::vector<std::vector<std::string>>& splits() {
   return kSplits;
 }
 
-void expect_same(const Clip& clip, Way way) {
+void expect_same_human(const Clip& clip, Way way) {
   const auto seen = [way](const Clip& named) {
     return human_in(way == Way::kShape ? without_names(named) : named, way);
   };
@@ -120,21 +120,21 @@ void expect_same(const Clip& clip, Way way) {
 
 TEST(HelperJoints, RotateTheirBoneByNames) {
   for (const char* name : {"walk", "squat"}) {
-    expect_same(with_t_pose_as_zero(recorded_clip(name)), Way::kNames);
+    expect_same_human(with_t_pose_as_zero(recorded_clip(name)), Way::kNames);
   }
 }
 
 TEST(HelperJoints, RotateTheirBoneByMapFile) {
-  expect_same(with_t_pose_as_zero(recorded_clip("walk")), Way::kMapFile);
+  expect_same_human(with_t_pose_as_zero(recorded_clip("walk")), Way::kMapFile);
 }
 
 // LAFAN1's own axes, which are kept.
 TEST(HelperJoints, RotateTheirBoneByDialect) {
-  expect_same(recorded_clip("walk"), Way::kProfile);
+  expect_same_human(recorded_clip("walk"), Way::kProfile);
 }
 
 TEST(HelperJoints, RotateTheirBoneByShape) {
-  expect_same(with_t_pose_as_zero(recorded_clip("walk")), Way::kShape);
+  expect_same_human(with_t_pose_as_zero(recorded_clip("walk")), Way::kShape);
 }
 
 // Each step has a constant cost for any chain length: a search over all joints would run into the

@@ -33,7 +33,7 @@ std::string line(int depth, const std::string& name, double x, double y, double 
 }
 
 // With human names, as tools assign them that rig animals on human templates.
-Skeleton body_of(const Beast& beast) {
+Skeleton body_of_heights(const Beast& beast) {
   std::string body = line(0, "Hips", 0, 140, 0);
   for (int i = 0; i < beast.tail; ++i) body += line(1 + i, "Rear" + std::to_string(i), 0, -8, -9);
   for (const std::string side : {"Left", "Right"}) {
@@ -88,7 +88,7 @@ TEST(HumanProportions, RejectsQuadrupedsWithAnyNames) {
        {std::pair("elephant", kElephant), {"horse", kHorse}, {"cow", kCow}, {"calf", kCalf}}) {
     for (const double reared : {0.0, 40.0}) {
       SCOPED_TRACE(std::string(name) + (reared > 0.0 ? ", on its hind legs for a while" : ""));
-      const Clip clip = walk_of(body_of(beast), reared);
+      const Clip clip = walk_of(body_of_heights(beast), reared);
       for (const Clip& named : {clip, without_names(clip)}) {
         const auto map = recognise_skeleton(named, shipped_profiles());
         ASSERT_FALSE(map) << map->profile << " " << map->confidence;

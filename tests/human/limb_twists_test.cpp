@@ -18,7 +18,7 @@ namespace {
 
 const std::vector<std::string> kClips = {"get_up", "squat", "turn_in_place", "walk", "wave"};
 
-Clip clip_of(const std::string& name) {
+Clip twisted_clip(const std::string& name) {
   std::string file = RETARGET_SOURCE_DIR;
   file += "/data/" + name + ".bvh";
   return load_bvh(file).value().clip;
@@ -45,7 +45,7 @@ TEST(LimbTwists, ReplacesRotationsThatContradictTheBends) {
                                   Bone::kRightLeg};
   for (const char* name : {"get_up", "squat", "walk"}) {
     SCOPED_TRACE(name);
-    const Clip clip = clip_of(name);
+    const Clip clip = twisted_clip(name);
     const HumanClip expected = lafan1_human(clip);
     Clip twin = with_zero_shape(with_swinging_twists(clip, 50.0), {});
     const BoneMap map = lafan1_map(twin.skeleton(), "test");
@@ -69,7 +69,7 @@ TEST(LimbTwists, ReplacesRotationsThatContradictTheBends) {
 TEST(LimbTwists, KeepsConsistentRotations) {
   for (const std::string& name : kClips) {
     for (const bool has_rest : {false, true}) {
-      const Clip clip = has_rest ? with_t_pose_as_zero(clip_of(name)) : clip_of(name);
+      const Clip clip = has_rest ? with_t_pose_as_zero(twisted_clip(name)) : twisted_clip(name);
       Clip changed = clip;
       const BoneMap map = lafan1_map(clip.skeleton(), "test");
       EXPECT_FALSE(let_bends_win(changed, map, calibrate(clip, map, {}).value())) << name;
@@ -84,7 +84,7 @@ TEST(LimbTwists, KeepsConsistentRotations) {
 
 // As the tool finds a human in a file.
 TEST(LimbTwists, AreReported) {
-  Clip clip = with_zero_shape(with_swinging_twists(clip_of("walk"), 50.0), {});
+  Clip clip = with_zero_shape(with_swinging_twists(twisted_clip("walk"), 50.0), {});
   const auto human = find_human(clip, HumanOptions{}, RETARGET_SOURCE_DIR);
   ASSERT_TRUE(human) << describe(human.error());
   const auto& doubts = human->calibration.doubts;

@@ -64,7 +64,7 @@ TEST(SkeletonProfile, RejectsEmptyFolders) {
 }
 
 // A body with exactly the joint names of a profile; empty for kinds with other trees.
-Skeleton body_of(const SkeletonProfile& profile) {
+Skeleton body_of_profile(const SkeletonProfile& profile) {
   const Skeleton body = tiny_skeleton(kBody);
   std::vector<Joint> joints;
   std::vector<int> new_index(body.joint_count(), -1);
@@ -101,7 +101,7 @@ TEST(SkeletonProfile, IncludedDialectsRecogniseTheirOwnNames) {
     if (profile.name == "slimevr" || !profile.parents.empty() || !profile.directions.empty()) {
       continue;
     }
-    const Skeleton skeleton = body_of(profile);
+    const Skeleton skeleton = body_of_profile(profile);
     const auto map = recognise_skeleton(skeleton, shipped_profiles());
     ASSERT_TRUE(map) << describe(map.error());
     for (const Bone bone : kMappedBones) {
@@ -136,7 +136,7 @@ TEST(SkeletonProfile, EveryDialectAcceptsBodiesWithoutLegs) {
     SCOPED_TRACE(profile.name);
     // One kind has no arms; the required joints of the other are next to the legs here.
     if (profile.name == "slimevr" || profile.name == "makehuman_default") continue;
-    const Skeleton body = body_of(profile);
+    const Skeleton body = body_of_profile(profile);
     const Skeleton upper = without_bones(body, profile, {"LeftUpLeg", "RightUpLeg"});
     const Skeleton one_leg = without_bones(body, profile, {"LeftUpLeg"});
     for (const Skeleton& part : {upper, one_leg}) {

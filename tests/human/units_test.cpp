@@ -81,8 +81,8 @@ Clip sample_in(double scale, bool with_lafan1_axes) {
                            Eigen::Quaterniond::Identity());
 }
 
-Result<Calibration> calibrated(const Clip& clip, bool with_lafan1_axes,
-                               const CalibrationOptions& options) {
+Result<Calibration> calibrated_in_units(const Clip& clip, bool with_lafan1_axes,
+                                        const CalibrationOptions& options) {
   return calibrate(clip, lafan1_map(clip.skeleton(), with_lafan1_axes ? "lafan1" : "test"),
                    options);
 }
@@ -91,13 +91,13 @@ TEST(CalibrateSize, RejectsUnknownUnitUnlessHeightIsGiven) {
   for (const bool lafan1 : {false, true}) {
     SCOPED_TRACE(lafan1);
     const Clip twice = sample_in(2.0, lafan1);
-    const auto refused = calibrated(twice, lafan1, {});
+    const auto refused = calibrated_in_units(twice, lafan1, {});
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("unit")));
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("height")));
     CalibrationOptions told;
     told.height = 1.75;
-    const auto found = calibrated(twice, lafan1, told);
+    const auto found = calibrated_in_units(twice, lafan1, told);
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "scaled");
     EXPECT_EQ(found->height, 1.75);
@@ -111,13 +111,13 @@ TEST(CalibrateSize, OptionalUnitAssumesAnAverageBody) {
     CalibrationOptions any;
     any.unit_optional = true;
     const Clip twice = sample_in(2.0, lafan1);
-    const auto found = calibrated(twice, lafan1, any);
+    const auto found = calibrated_in_units(twice, lafan1, any);
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "unknown");
     EXPECT_NEAR(found->height, 1.7, 0.051);
     ASSERT_EQ(found->doubts.size(), 1U);
     EXPECT_THAT(found->doubts[0].message, HasSubstr("no known unit"));
-    EXPECT_EQ(calibrated(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
+    EXPECT_EQ(calibrated_in_units(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
   }
 }
 
@@ -161,11 +161,11 @@ TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
   for (const double scale : {1e-4, 0.03, 2.2, 3.3, 100.0}) {
     SCOPED_TRACE(scale);
     Clip clip = sample_in(scale, false);
-    EXPECT_FALSE(calibrated(clip, false, {}));
+    EXPECT_FALSE(calibrated_in_units(clip, false, {}));
     ClipOrigin origin;
     origin.metres_per_unit = 0.01;
     clip.set_origin(origin);
-    const auto found = calibrated(clip, false, {});
+    const auto found = calibrated_in_units(clip, false, {});
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "unknown");
     EXPECT_NEAR(found->height, 1.7, 0.051);
@@ -180,10 +180,10 @@ TEST(CalibrateSize, AcceptsScenesOfAnyScaleByTheirProportions) {
 }
 
 TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
-  const auto adult = calibrated(sample_in(1.0, true), true, {}).value();
+  const auto adult = calibrated_in_units(sample_in(1.0, true), true, {}).value();
   for (const double scale : {0.6, 0.8, 0.9, 1.1}) {
     const Clip clip = sample_in(scale, true);
-    const auto found = calibrated(clip, true, {});
+    const auto found = calibrated_in_units(clip, true, {});
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "cm");
     EXPECT_NEAR(found->height, 1.75 * scale, 0.035 * scale) << scale;
@@ -199,7 +199,7 @@ TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
   }
   // Heights within the variation of one data set keep the published height.
   for (const double scale : {0.995, 1.0, 1.01}) {
-    const auto found = calibrated(sample_in(scale, true), true, {}).value();
+    const auto found = calibrated_in_units(sample_in(scale, true), true, {}).value();
     EXPECT_EQ(found.height, 1.75) << scale;
     EXPECT_EQ(found.rest_pose, "lafan1") << scale;
   }

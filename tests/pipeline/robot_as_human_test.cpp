@@ -56,7 +56,7 @@ RobotClip random_motion(const std::shared_ptr<const Robot>& robot, int frames) {
   return motion;
 }
 
-double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+double turn_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return 2.0 * std::atan2((a.conjugate() * b).vec().norm(), std::abs((a.conjugate() * b).w()));
 }
 
@@ -88,7 +88,7 @@ TEST_P(EveryRobot, IsAskedForItsOwnMotion) {
     for (std::size_t i = 0; i < followed.size(); ++i) {
       const ConfigTask& task = *some.config.find_task(followed[i]);
       const Pose& body = world_from_body[task.body];
-      EXPECT_LT(angle_between(world_from_target[i].rotation, body.rotation), 1e-4)
+      EXPECT_LT(turn_between(world_from_target[i].rotation, body.rotation), 1e-4)
           << bone_name(followed[i]) << " in frame " << frame;
       const auto part = limb_bone(followed[i]);
       if (part != LimbBone::kFootMod && part != LimbBone::kHand) continue;

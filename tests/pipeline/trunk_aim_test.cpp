@@ -25,7 +25,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-double between(const Vector3d& a, const Vector3d& b) {
+double trunk_between(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
@@ -105,7 +105,7 @@ TEST_P(TrunkOf, LeansAsTheHumanForAnyWaist) {
     const auto aimed = of.aim.aim(human(kStill, exp_so3(bend)));
     ASSERT_TRUE(aimed);
     // A rigid trunk lets the pelvis, which did not move, rotate a little.
-    EXPECT_LT(between(aimed->chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
+    EXPECT_LT(trunk_between(aimed->chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
   }
 }
 
@@ -219,7 +219,7 @@ TEST(RobotTrunk, RespectsTheLimitSet) {
   const Quaterniond bend = exp_so3({0.0, 0.8, 0.5});
   const auto aimed = aim.aim(human(kStill, bend));
   ASSERT_TRUE(aimed && upright);
-  EXPECT_LT(between(aimed->chord, bend * upright->chord), 4.0);
+  EXPECT_LT(trunk_between(aimed->chord, bend * upright->chord), 4.0);
   EXPECT_NEAR(waist_pose(*aimed).yaw_roll_pitch.z(), 0.28, 1e-9);
 }
 

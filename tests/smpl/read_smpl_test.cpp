@@ -61,14 +61,14 @@ struct Amass {
   }
 };
 
-SmplMotion motion_of(const Amass& amass, const SmplReadOptions& options = {}) {
+SmplMotion amass_motion(const Amass& amass, const SmplReadOptions& options = {}) {
   Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
   if (motion) return *motion;
   ADD_FAILURE() << describe(motion.error());
   return {Clip(smpl_skeleton(generic_smpl_rest_body(1)), FrameRate{}, 0), {}, {}, {}, {}, {}, {}};
 }
 
-std::string error_of(const Amass& amass, const SmplReadOptions& options = {}) {
+std::string amass_error(const Amass& amass, const SmplReadOptions& options = {}) {
   const Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
   if (motion) return "no error";
   EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
@@ -128,7 +128,7 @@ void expect_kinematics(const Amass& amass, const SmplMotion& motion, const SmplR
 
 TEST(ReadSmpl, ReadsAnAmassMotion) {
   const Amass amass;
-  const SmplMotion motion = motion_of(amass);
+  const SmplMotion motion = amass_motion(amass);
   EXPECT_EQ(motion.clip.frame_count(), static_cast<int>(kFrames));
   EXPECT_EQ(motion.clip.rate(), (FrameRate{120, 1}));
   EXPECT_EQ(motion.gender, "male");
@@ -144,7 +144,7 @@ TEST(ReadSmpl, SmallAndFullRotationsAreExact) {
   Amass amass;
   for (const double angle : {0.0, 5e-324, 1e-160, 1e-9, 1e-5, 1e-4, 3.1, 3.15, 6.5, -12.0}) {
     for (std::size_t i = 0; i < amass.poses.size(); ++i) amass.poses[i] = i % 3 == 1 ? angle : 0.0;
-    const SmplMotion motion = motion_of(amass);
+    const SmplMotion motion = amass_motion(amass);
     for (const Eigen::Quaterniond& rotation : motion.clip.rotations(1)) {
       EXPECT_NEAR(rotation.w(), std::cos(angle / 2), 1e-15);
       EXPECT_NEAR(rotation.y(), std::sin(angle / 2), 1e-15 * std::max(1.0, std::abs(angle)));
@@ -163,7 +163,7 @@ TEST(ReadSmpl, UsesJointsOfTheUsersModel) {
   Amass amass;
   const std::vector<double> betas = {0.5, -1.0, 2.0};
   amass.with("betas", npy_doubles({3}, betas));
-  const SmplMotion motion = motion_of(amass, options);
+  const SmplMotion motion = amass_motion(amass, options);
   EXPECT_FALSE(motion.approximate_body);
   EXPECT_NEAR(motion.height, model.shaped(0, 1, betas) - model.shaped(5, 1, betas), 1e-12);
   EXPECT_THAT(motion.warnings, IsEmpty());
@@ -182,24 +182,24 @@ TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   options.body = &*smpl;
 
   // Additional zeros cause no warning.
-  EXPECT_THAT(motion_of(Amass(), options).warnings, IsEmpty());
+  EXPECT_THAT(amass_motion(Amass(), options).warnings, IsEmpty());
   const std::string betas = npy_doubles({5}, {1, 0, 0, 0, 2});
-  const SmplMotion more = motion_of(Amass().with("betas", betas), options);
+  const SmplMotion more = amass_motion(Amass().with("betas", betas), options);
   EXPECT_THAT(warnings_of(more), HasSubstr("has 3 betas, the motion 5"));
   EXPECT_NE(more.clip.skeleton().joint(5).offset,
-            motion_of(Amass(), options).clip.skeleton().joint(5).offset);
+            amass_motion(Amass(), options).clip.skeleton().joint(5).offset);
 
   // SMPL-X has other shapes: the mean shape is used.
   options.body = &*smplx;
-  const SmplMotion other = motion_of(Amass().with("betas", betas), options);
+  const SmplMotion other = amass_motion(Amass().with("betas", betas), options);
   EXPECT_THAT(warnings_of(other), HasSubstr("betas belong to SMPL or SMPL+H"));
   EXPECT_EQ(other.clip.skeleton().joint(5).offset,
-            motion_of(Amass(), options).clip.skeleton().joint(5).offset);
+            amass_motion(Amass(), options).clip.skeleton().joint(5).offset);
 }
 
 TEST(ReadSmpl, DropsHandsAndFace) {
   const Amass whole;
-  const Clip expected = motion_of(whole).clip;
+  const Clip expected = amass_motion(whole).clip;
   for (const std::size_t width : {66, 72, 165}) {
     Amass other;
     other.width = width;
@@ -211,20 +211,20 @@ TEST(ReadSmpl, DropsHandsAndFace) {
                                      : std::numeric_limits<double>::quiet_NaN());
       }
     }
-    const SmplMotion motion = motion_of(other);
+    const SmplMotion motion = amass_motion(other);
     expect_same_clip(motion.clip, expected);
     EXPECT_EQ(motion.family, width == 165  ? SmplFamily::kSmplx
                              : width == 72 ? SmplFamily::kSmpl
                                            : SmplFamily::kUnknown);
     Amass cubed = other;
     cubed.with("poses", npy_doubles({kFrames, width / 3, 3}, other.poses));
-    expect_same_clip(motion_of(cubed).clip, expected);
+    expect_same_clip(amass_motion(cubed).clip, expected);
   }
 }
 
 TEST(ReadSmpl, ReadsSmplxSpellings) {
   const Amass whole;
-  const Clip expected = motion_of(whole).clip;
+  const Clip expected = amass_motion(whole).clip;
   std::vector<double> root, body, with_hands;
   for (std::size_t frame = 0; frame < kFrames; ++frame) {
     const auto row = whole.poses.begin() + static_cast<long>(frame * 156);
@@ -239,41 +239,41 @@ TEST(ReadSmpl, ReadsSmplxSpellings) {
   smplx.with("root_orient", npy_doubles({kFrames, 3}, root));
   smplx.with("pose_body", npy_doubles({kFrames, 63}, body));
   smplx.with("pose_jaw", npy_doubles({kFrames, 3}, std::vector<double>(kFrames * 3)));
-  SmplMotion motion = motion_of(smplx);
+  SmplMotion motion = amass_motion(smplx);
   expect_same_clip(motion.clip, expected);
   EXPECT_EQ(motion.family, SmplFamily::kSmplx);
 
   smplx.without("poses").without("pose_jaw");
-  EXPECT_EQ(motion_of(smplx).family, SmplFamily::kUnknown);
+  EXPECT_EQ(amass_motion(smplx).family, SmplFamily::kUnknown);
   smplx.with("surface_model_type", npy_text("smplx_locked_head"));
-  EXPECT_EQ(motion_of(smplx).family, SmplFamily::kSmplx);
+  EXPECT_EQ(amass_motion(smplx).family, SmplFamily::kSmplx);
   smplx.with("surface_model_type", npy_text("smplh"));
-  EXPECT_EQ(motion_of(smplx).family, SmplFamily::kSmpl);
+  EXPECT_EQ(amass_motion(smplx).family, SmplFamily::kSmpl);
 
   smplx.with("pose_body", npy_doubles({kFrames, 21, 3}, body));
-  expect_same_clip(motion_of(smplx).clip, expected);
+  expect_same_clip(amass_motion(smplx).clip, expected);
   smplx.with("pose_body", npy_doubles({kFrames, 69}, with_hands));
-  expect_same_clip(motion_of(smplx).clip, expected);
+  expect_same_clip(amass_motion(smplx).clip, expected);
 }
 
 TEST(ReadSmpl, ReadsEveryFormOfTheFrameRate) {
   const auto rate = [](const std::string& name, const std::string& bytes) {
-    return motion_of(Amass().without("mocap_framerate").with(name, bytes)).clip.rate();
+    return amass_motion(Amass().without("mocap_framerate").with(name, bytes)).clip.rate();
   };
   EXPECT_EQ(rate("mocap_framerate", number(59.94)), (FrameRate{2997, 50}));
   EXPECT_EQ(rate("mocap_frame_rate", npy_doubles({1}, {120.00001})), (FrameRate{120, 1}));
   EXPECT_EQ(rate("fps", npy("<i8", "()", element_bytes<std::int64_t>({30}))), (FrameRate{30, 1}));
   EXPECT_EQ(rate("fps", npy("|u1", "(1, 1)", "\x64")), (FrameRate{100, 1}));
-  EXPECT_EQ(motion_of(Amass().with("fps", number(120))).clip.rate(), (FrameRate{120, 1}));
+  EXPECT_EQ(amass_motion(Amass().with("fps", number(120))).clip.rate(), (FrameRate{120, 1}));
 }
 
 TEST(ReadSmpl, RequiresARateOrOverride) {
   SmplReadOptions given;
   given.source_fps = 50.0;
   const auto both = [&](const Amass& amass, const std::string& words) {
-    EXPECT_THAT(error_of(amass), HasSubstr(words));
-    EXPECT_THAT(error_of(amass), HasSubstr("hint: give the frame rate with source_fps"));
-    EXPECT_EQ(motion_of(amass, given).clip.rate(), (FrameRate{50, 1}));
+    EXPECT_THAT(amass_error(amass), HasSubstr(words));
+    EXPECT_THAT(amass_error(amass), HasSubstr("hint: give the frame rate with source_fps"));
+    EXPECT_EQ(amass_motion(amass, given).clip.rate(), (FrameRate{50, 1}));
   };
   both(Amass().without("mocap_framerate"), "no frame rate: found none of mocap_framerate");
   both(Amass().with("mocap_framerate", number(0)), "above 0, found 0");
@@ -281,7 +281,7 @@ TEST(ReadSmpl, RequiresARateOrOverride) {
   both(Amass().with("mocap_framerate", npy_text("30")), "expected one number, found text");
   both(Amass().with("mocap_framerate", npy_doubles({2}, {30, 30})), "found numbers of shape (2,)");
   both(Amass().with("fps", number(30)), "30 frames per second, but mocap_framerate says 120");
-  EXPECT_EQ(motion_of(Amass(), given).clip.rate(), (FrameRate{50, 1}));
+  EXPECT_EQ(amass_motion(Amass(), given).clip.rate(), (FrameRate{50, 1}));
 
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     given.source_fps = wrong;
@@ -293,7 +293,7 @@ TEST(ReadSmpl, RequiresARateOrOverride) {
 
 TEST(ReadSmpl, ReadsEveryFormOfTheGender) {
   const auto gender = [](const std::string& bytes) {
-    const SmplMotion motion = motion_of(Amass().with("gender", bytes));
+    const SmplMotion motion = amass_motion(Amass().with("gender", bytes));
     EXPECT_EQ(motion.warnings.empty(), !motion.gender.empty());
     return motion.gender;
   };
@@ -309,31 +309,32 @@ TEST(ReadSmpl, ReadsEveryFormOfTheGender) {
             "");
   EXPECT_EQ(gender(number(1)), "");
   EXPECT_EQ(gender(npy("<U4", "(0,)", "")), "");
-  EXPECT_THAT(warnings_of(motion_of(Amass().without("gender"))), HasSubstr("no gender"));
+  EXPECT_THAT(warnings_of(amass_motion(Amass().without("gender"))), HasSubstr("no gender"));
 }
 
 TEST(ReadSmpl, ReadsHeightFromBetas) {
   const auto height = [](const std::string& betas) {
-    return motion_of(Amass().with("betas", betas)).height;
+    return amass_motion(Amass().with("betas", betas)).height;
   };
   EXPECT_DOUBLE_EQ(height(npy_doubles({10}, {2, 9, 9, 9, 9, 9, 9, 9, 9, 9})), 1.86);
   EXPECT_DOUBLE_EQ(height(npy_doubles({1, 2}, {-1, 5})), 1.56);
   EXPECT_DOUBLE_EQ(height(npy_doubles({0}, {})), 1.66);
-  const SmplMotion without = motion_of(Amass().without("betas"));
+  const SmplMotion without = amass_motion(Amass().without("betas"));
   EXPECT_DOUBLE_EQ(without.height, 1.66);
   EXPECT_THAT(warnings_of(without), HasSubstr("no betas"));
 
-  const SmplMotion changing = motion_of(Amass().with("betas", npy_doubles({2, 2}, {1, 0, 2, 0})));
+  const SmplMotion changing =
+      amass_motion(Amass().with("betas", npy_doubles({2, 2}, {1, 0, 2, 0})));
   EXPECT_DOUBLE_EQ(changing.height, 1.76);
   EXPECT_THAT(warnings_of(changing), HasSubstr("vary over time"));
 
   SmplReadOptions options;
   options.height = 1.9;
-  EXPECT_DOUBLE_EQ(motion_of(Amass(), options).height, 1.9);
+  EXPECT_DOUBLE_EQ(amass_motion(Amass(), options).height, 1.9);
   const Amass absurd = Amass().with("betas", npy_doubles({1}, {40}));
-  EXPECT_THAT(error_of(absurd), HasSubstr("would give a body height of 5.66"));
-  EXPECT_THAT(error_of(absurd), HasSubstr("hint: give the height with height"));
-  EXPECT_DOUBLE_EQ(motion_of(absurd, options).height, 1.9);
+  EXPECT_THAT(amass_error(absurd), HasSubstr("would give a body height of 5.66"));
+  EXPECT_THAT(amass_error(absurd), HasSubstr("hint: give the height with height"));
+  EXPECT_DOUBLE_EQ(amass_motion(absurd, options).height, 1.9);
   options.height = -1.0;
   EXPECT_EQ(read_smpl(Amass().bytes(), "walk.npz", options).error().kind, ErrorKind::kUsage);
 }
@@ -341,32 +342,32 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
 TEST(ReadSmpl, ClipStaysWithinTheMemoryLimit) {
   SmplReadOptions options;
   options.max_clip_bytes = 500;
-  EXPECT_THAT(error_of(Amass{}, options), HasSubstr("of memory, at most 500 are allowed"));
+  EXPECT_THAT(amass_error(Amass{}, options), HasSubstr("of memory, at most 500 are allowed"));
   Amass narrow;
   narrow.width = 66;
   narrow.poses.resize(kFrames * 66);
   options.max_clip_bytes = kFrames * (22 * 32 + 24);
-  EXPECT_EQ(motion_of(narrow, options).clip.frame_count(), kFrames);
+  EXPECT_EQ(amass_motion(narrow, options).clip.frame_count(), kFrames);
   --options.max_clip_bytes;
-  EXPECT_THAT(error_of(narrow, options), HasSubstr("4 frames take 0 MB of memory"));
+  EXPECT_THAT(amass_error(narrow, options), HasSubstr("4 frames take 0 MB of memory"));
 }
 
 TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Amass amass;
   amass.poses[2 * 156 + 65] = nan;
-  EXPECT_THAT(error_of(amass), HasSubstr("array \"poses\": NaN in frame 2, column 65"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("array \"poses\": NaN in frame 2, column 65"));
   amass.poses[2 * 156 + 65] = 0;
   amass.poses[156 + 3] = -HUGE_VAL;
-  EXPECT_THAT(error_of(amass), HasSubstr("array \"poses\": infinity in frame 1, column 3"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("array \"poses\": infinity in frame 1, column 3"));
   amass.poses[156 + 3] = 180;
-  EXPECT_THAT(error_of(amass), HasSubstr("in radians, found 180.000000 in frame 1, column 3"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("in radians, found 180.000000 in frame 1, column 3"));
   amass = Amass();
   amass.trans[10] = nan;
-  EXPECT_THAT(error_of(amass), HasSubstr("array \"trans\": NaN in frame 3, column 1"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("array \"trans\": NaN in frame 3, column 1"));
 
   const auto with = [](const std::string& name, const std::string& bytes) {
-    return error_of(Amass().with(name, bytes));
+    return amass_error(Amass().with(name, bytes));
   };
   EXPECT_THAT(with("betas", npy_doubles({2}, {0, nan})), HasSubstr("betas\": number 1 is not fin"));
   EXPECT_THAT(with("betas", npy_text("x")), HasSubstr("betas\": expected a row of numbers"));
@@ -383,19 +384,19 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
   EXPECT_THAT(with("poses", npy("|O", "(4, 72)", "pickled")),
               HasSubstr("array \"poses\": it contains Python objects"));
   EXPECT_THAT(with("poses", npy_text("none")), HasSubstr("found text of ()"));
-  EXPECT_THAT(error_of(Amass().without("trans")), HasSubstr("no array \"trans\""));
+  EXPECT_THAT(amass_error(Amass().without("trans")), HasSubstr("no array \"trans\""));
 }
 
 TEST(ReadSmpl, RejectsInconsistentParts) {
   Amass amass;
   amass.without("poses").with("root_orient", npy_doubles({4, 3}, std::vector<double>(12)));
-  EXPECT_THAT(error_of(amass), HasSubstr("joint positions as \"joint_positions\"; found trans"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("joint positions as \"joint_positions\"; found trans"));
   amass.with("pose_body", npy_doubles({3, 63}, std::vector<double>(189)));
-  EXPECT_THAT(error_of(amass), HasSubstr("pose_body\": it has 3 frames, root_orient has 4"));
+  EXPECT_THAT(amass_error(amass), HasSubstr("pose_body\": it has 3 frames, root_orient has 4"));
 }
 
 TEST(ReadSmpl, NamesOtherFileTypes) {
-  EXPECT_THAT(error_of(Amass().without("poses")), HasSubstr("motions are *_poses.npz"));
+  EXPECT_THAT(amass_error(Amass().without("poses")), HasSubstr("motions are *_poses.npz"));
   const auto model = read_smpl(MadeUpModel(24, 3).bytes(), "model.npz");
   ASSERT_FALSE(model.has_value());
   EXPECT_THAT(model.error().hint, HasSubstr("this is a body model"));
@@ -408,9 +409,9 @@ TEST(ReadSmpl, FloatTypeAndOrderDoNotMatter) {
   Amass amass;
   std::vector<float> floats(amass.poses.begin(), amass.poses.end());
   amass.poses.assign(floats.begin(), floats.end());
-  const Clip expected = motion_of(amass).clip;
-  expect_same_clip(motion_of(Amass(amass).with("poses", npy_floats({kFrames, 156}, floats))).clip,
-                   expected);
+  const Clip expected = amass_motion(amass).clip;
+  expect_same_clip(
+      amass_motion(Amass(amass).with("poses", npy_floats({kFrames, 156}, floats))).clip, expected);
   std::vector<float> fortran;
   for (std::size_t column = 0; column < 156; ++column) {
     for (std::size_t frame = 0; frame < kFrames; ++frame) {
@@ -418,7 +419,7 @@ TEST(ReadSmpl, FloatTypeAndOrderDoNotMatter) {
     }
   }
   const std::string columns = npy("<f4", "(4, 156)", element_bytes(fortran), true);
-  expect_same_clip(motion_of(Amass(amass).with("poses", columns)).clip, expected);
+  expect_same_clip(amass_motion(Amass(amass).with("poses", columns)).clip, expected);
 }
 
 TEST(ReadSmpl, ReadsOrRejectsEveryTruncationAndChange) {

@@ -30,8 +30,8 @@ std::string file_of(Arrays arrays) {
   return builder.build();
 }
 
-SmplMotion motion_of(const std::string& bytes, bool fingers = true,
-                     const SmplBody* body = nullptr) {
+SmplMotion motion_with_hands(const std::string& bytes, bool fingers = true,
+                             const SmplBody* body = nullptr) {
   SmplReadOptions options;
   options.fingers = fingers;
   options.body = body;
@@ -81,7 +81,8 @@ void expect_fingers(const SmplMotion& motion, const std::vector<double>& hands) 
 
 TEST(SmplFingersTest, AreTheLastColumnsOfWholePoses) {
   const std::vector<double> hands = Numbers(1).list(kHandFrames * 90);
-  for (const std::size_t width : {156, 165}) expect_fingers(motion_of(whole(width, hands)), hands);
+  for (const std::size_t width : {156, 165})
+    expect_fingers(motion_with_hands(whole(width, hands)), hands);
 }
 
 TEST(SmplFingersTest, MayHaveSeparateArrays) {
@@ -91,7 +92,7 @@ TEST(SmplFingersTest, MayHaveSeparateArrays) {
       {"pose_body", npy_doubles({kHandFrames, 63}, std::vector<double>(63 * kHandFrames))}};
   Arrays together = body;
   together.emplace_back("pose_hand", npy_doubles({kHandFrames, 90}, hands));
-  expect_fingers(motion_of(file_of(together)), hands);
+  expect_fingers(motion_with_hands(file_of(together)), hands);
   std::vector<double> left, right;
   for (std::size_t frame = 0; frame < kHandFrames; ++frame) {
     const auto row = hands.begin() + static_cast<std::ptrdiff_t>(90 * frame);
@@ -101,12 +102,12 @@ TEST(SmplFingersTest, MayHaveSeparateArrays) {
   Arrays apart = body;
   apart.emplace_back("left_hand_pose", npy_doubles({kHandFrames, 45}, left));
   apart.emplace_back("right_hand_pose", npy_doubles({kHandFrames, 45}, right));
-  expect_fingers(motion_of(file_of(apart)), hands);
+  expect_fingers(motion_with_hands(file_of(apart)), hands);
 }
 
 TEST(SmplFingersTest, IgnoresOtherColumns) {
   const auto joints = [](const std::string& bytes, bool fingers = true) {
-    return motion_of(bytes, fingers).clip.skeleton().joint_count();
+    return motion_with_hands(bytes, fingers).clip.skeleton().joint_count();
   };
   std::vector<double> hands = Numbers(3).list(kHandFrames * 90);
   EXPECT_EQ(joints(whole(156, hands), false), 22) << "without the option";
@@ -123,7 +124,7 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
       {"right_hand_pose", npy_doubles({kHandFrames, 12}, Numbers(5).list(12 * kHandFrames))}};
   EXPECT_EQ(joints(file_of(components)), 22) << "principal components";
   hands[7] = std::nan("");
-  const SmplMotion odd = motion_of(whole(156, hands));
+  const SmplMotion odd = motion_with_hands(whole(156, hands));
   EXPECT_EQ(odd.clip.skeleton().joint_count(), 22);
   ASSERT_FALSE(odd.warnings.empty());
   EXPECT_NE(odd.warnings.back().message.find("fingers"), std::string::npos);
@@ -131,8 +132,8 @@ TEST(SmplFingersTest, IgnoresOtherColumns) {
 
 TEST(SmplFingersTest, DoNotChangeTheBody) {
   const std::vector<double> hands = Numbers(6).list(kHandFrames * 90);
-  const SmplMotion with = motion_of(whole(156, hands));
-  const SmplMotion without = motion_of(whole(156, hands), false);
+  const SmplMotion with = motion_with_hands(whole(156, hands));
+  const SmplMotion without = motion_with_hands(whole(156, hands), false);
   for (int joint = 0; joint < without.clip.skeleton().joint_count(); ++joint) {
     const Joint& plain = without.clip.skeleton().joint(joint);
     const auto same = with.clip.skeleton().find(plain.name);
@@ -148,7 +149,8 @@ TEST(SmplFingersTest, UseTheBonesOfAModel) {
   ASSERT_TRUE(body.has_value());
   const SmplRestBody rest = smpl_rest_body(*body, {});
   ASSERT_EQ(rest.hands.size(), 30U);
-  const SmplMotion motion = motion_of(whole(165, Numbers(7).list(kHandFrames * 90)), true, &*body);
+  const SmplMotion motion =
+      motion_with_hands(whole(165, Numbers(7).list(kHandFrames * 90)), true, &*body);
   const Skeleton& skeleton = motion.clip.skeleton();
   const Joint& index = skeleton.joint(*skeleton.find("left_index2"));
   EXPECT_LT((index.offset - (rest.hands[1] - rest.hands[0])).norm(), 1e-12);

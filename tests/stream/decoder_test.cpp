@@ -46,7 +46,7 @@ Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sin
   return {};
 }
 
-std::string refusal(Decoder& decoder, std::string_view line) {
+std::string refused_line(Decoder& decoder, std::string_view line) {
   Kept kept;
   const auto taken = decoder.take(line, kept);
   EXPECT_FALSE(taken) << line;
@@ -123,42 +123,43 @@ TEST(Lines, ReportTheirProperties) {
 
 TEST(Lines, AreRejectedWithAReason) {
   const auto decoder = make_line_decoder({});
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
-  EXPECT_THAT(refusal(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
-  EXPECT_THAT(refusal(*decoder, "[1, 2]"), HasSubstr("object"));
-  EXPECT_THAT(refusal(*decoder, R"({"skeleton": 3})"), HasSubstr("joints"));
-  EXPECT_THAT(refusal(*decoder, R"({"skeleton": {"joints": [{"name": "a"}, {"name": "a"}]}})"),
+  EXPECT_THAT(refused_line(*decoder, R"({"joints": {}})"), HasSubstr("before the skeleton"));
+  EXPECT_THAT(refused_line(*decoder, "nonsense"), testing::Not(testing::IsEmpty()));
+  EXPECT_THAT(refused_line(*decoder, "[1, 2]"), HasSubstr("object"));
+  EXPECT_THAT(refused_line(*decoder, R"({"skeleton": 3})"), HasSubstr("joints"));
+  EXPECT_THAT(refused_line(*decoder, R"({"skeleton": {"joints": [{"name": "a"}, {"name": "a"}]}})"),
               HasSubstr("duplicated"));
-  EXPECT_THAT(refusal(*decoder,
-                      R"({"skeleton": {"joints": [{"name": "a"}, {"name": "b", "parent": "c"}]}})"),
-              HasSubstr("before it"));
-  EXPECT_THAT(refusal(*decoder, R"({"skeleton": {"up": "w", "joints": [{"name": "a"}]}})"),
+  EXPECT_THAT(
+      refused_line(*decoder,
+                   R"({"skeleton": {"joints": [{"name": "a"}, {"name": "b", "parent": "c"}]}})"),
+      HasSubstr("before it"));
+  EXPECT_THAT(refused_line(*decoder, R"({"skeleton": {"up": "w", "joints": [{"name": "a"}]}})"),
               HasSubstr("up"));
   Kept kept;
   ASSERT_TRUE(decoder->take(R"({"skeleton": {"joints": [{"name": "a"}]}})", kept));
   EXPECT_FALSE(kept.rests[0]);
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {}})"), HasSubstr("missing"));
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3]}})"), HasSubstr("seven"));
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1, 2, 3, 0, 0, 0, 0]}})"),
+  EXPECT_THAT(refused_line(*decoder, R"({"joints": {}})"), HasSubstr("missing"));
+  EXPECT_THAT(refused_line(*decoder, R"({"joints": {"a": [1, 2, 3]}})"), HasSubstr("seven"));
+  EXPECT_THAT(refused_line(*decoder, R"({"joints": {"a": [1, 2, 3, 0, 0, 0, 0]}})"),
               HasSubstr("the rotation is zero"));
-  EXPECT_THAT(refusal(*decoder, R"({"joints": {"a": [1e99, 2, 3, 1, 0, 0, 0]}})"),
+  EXPECT_THAT(refused_line(*decoder, R"({"joints": {"a": [1e99, 2, 3, 1, 0, 0, 0]}})"),
               HasSubstr("seven"));
-  EXPECT_THAT(refusal(*decoder, R"({"time": "now", "joints": {"a": [1, 2, 3, 1, 0, 0, 0]}})"),
+  EXPECT_THAT(refused_line(*decoder, R"({"time": "now", "joints": {"a": [1, 2, 3, 1, 0, 0, 0]}})"),
               HasSubstr("time"));
 }
 
 TEST(BvhRows, RequireASkeleton) {
   const auto decoder = make_bvh_row_decoder({});
-  EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("skeleton"));
+  EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("skeleton"));
   decoder->know_skeleton(walk().shared_skeleton());
-  EXPECT_THAT(refusal(*decoder, "1 2 3"), HasSubstr("numbers"));
+  EXPECT_THAT(refused_line(*decoder, "1 2 3"), HasSubstr("numbers"));
   std::string row;
   for (int i = 0; i < walk().skeleton().channel_count(); ++i) row += i == 0 ? "0" : " 0";
   Kept kept;
   ASSERT_TRUE(decoder->take(row + "\r\n", kept));
   EXPECT_TRUE(std::isnan(kept.frames.at(0).time));
-  EXPECT_THAT(refusal(*decoder, row + " 0"), HasSubstr("numbers"));
-  EXPECT_THAT(refusal(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
+  EXPECT_THAT(refused_line(*decoder, row + " 0"), HasSubstr("numbers"));
+  EXPECT_THAT(refused_line(*decoder, row.substr(1) + " nan"), HasSubstr("numbers"));
 }
 
 TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {

@@ -60,8 +60,8 @@ struct StreamRun {
 };
 
 // Plays a sample to a run.
-void play_to(StreamRun& run, const Clip& clip, const char* format, double begin = 0.0,
-             bool ticks = false) {
+void play_clip_to(StreamRun& run, const Clip& clip, const char* format, double begin = 0.0,
+                  bool ticks = false) {
   const auto encoder = (*find_stream_format(format))->encoder();
   run.lines(encoder->begin(clip), begin);
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -74,7 +74,7 @@ void play_to(StreamRun& run, const Clip& clip, const char* format, double begin 
 TEST(LivePipeline, FollowsAStreamWithItsSkeleton) {
   for (const char* format : {"lines", "bvh"}) {
     StreamRun run({}, format);
-    play_to(run, sample("walk"), format);
+    play_clip_to(run, sample("walk"), format);
     run.pipeline.finish(6.0);
     EXPECT_GT(run.frames.size(), 400U) << format;
     EXPECT_EQ(run.pipeline.packets().skeletons, 1);
@@ -106,8 +106,8 @@ TEST(LivePipeline, RecognisesABodyByItsFirstFrame) {
 
 TEST(LivePipeline, IsIndependentOfThePollingRate) {
   StreamRun seldom, often;
-  play_to(seldom, sample("wave"), "lines");
-  play_to(often, sample("wave"), "lines", 0.0, true);
+  play_clip_to(seldom, sample("wave"), "lines");
+  play_clip_to(often, sample("wave"), "lines", 0.0, true);
   EXPECT_EQ(seldom.frames, often.frames);
 }
 
@@ -132,7 +132,7 @@ TEST(LivePipeline, SkipsMalformedPackets) {
 
 TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
   StreamRun run;
-  play_to(run, sample("squat"), "lines");
+  play_clip_to(run, sample("squat"), "lines");
   const std::size_t first = run.frames.size();
   // The same joints, a smaller body, and a restarted clock.
   Clip small = sample("walk");
@@ -145,7 +145,7 @@ TEST(LivePipeline, AcceptsAnotherSkeletonDuringTheStream) {
       other.translations(frame)[i] = 0.9 * small.translations(frame)[i];
     }
   }
-  play_to(run, other, "lines", 20.0);
+  play_clip_to(run, other, "lines", 20.0);
   EXPECT_EQ(run.pipeline.packets().skeletons, 2);
   EXPECT_GT(run.frames.size(), first + 400);
   EXPECT_EQ(run.states.back(), LiveState::kFollowing);
@@ -180,7 +180,7 @@ TEST(LivePipeline, CalibratesFromThePerformersPose) {
   options.calibrate_after_s = 1.0;
   const Clip clip = sample("wave"), pose = t_pose_of(clip);
   StreamRun known, posed(options);
-  play_to(known, clip, "lines");
+  play_clip_to(known, clip, "lines");
   const auto encoder = make_line_encoder();
   posed.lines(encoder->begin(clip), 0.0);
   for (int frame = 0; frame < 29; ++frame) {
@@ -213,7 +213,7 @@ TEST(LivePipeline, WaitsForAHuman) {
       std::ranges::count_if(
           run.told, [](const std::string& line) { return line.starts_with("body: waiting"); }),
       1);
-  play_to(run, sample("wave"), "lines", 1.0);
+  play_clip_to(run, sample("wave"), "lines", 1.0);
   EXPECT_GT(run.frames.size(), 100U);
 }
 

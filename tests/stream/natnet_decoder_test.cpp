@@ -38,7 +38,7 @@ std::string text(const std::string& value) {
   return value + '\0';
 }
 
-std::string message(int type, const std::string& payload) {
+std::string natnet_message(int type, const std::string& payload) {
   return little_endian(static_cast<std::uint64_t>(type), 2) + little_endian(payload.size(), 2) +
          payload;
 }
@@ -55,10 +55,10 @@ constexpr Version kVersions[] = {{3, 0}, {3, 1}, {4, 0}, {4, 1}, {4, 2}};
 std::string server_info(Version version) {
   std::string payload = text("Motive");
   payload.resize(256);
-  return message(1, payload + std::string("\3\1\0\0", 4) +
-                        little_endian(static_cast<std::uint64_t>(version.major), 1) +
-                        little_endian(static_cast<std::uint64_t>(version.minor), 1) +
-                        little_endian(0, 2) + std::string(15, '\0'));
+  return natnet_message(1, payload + std::string("\3\1\0\0", 4) +
+                               little_endian(static_cast<std::uint64_t>(version.major), 1) +
+                               little_endian(static_cast<std::uint64_t>(version.minor), 1) +
+                               little_endian(0, 2) + std::string(15, '\0'));
 }
 
 struct Bone {
@@ -112,7 +112,7 @@ std::string models(Version version, const std::vector<Bone>& bones = kBones) {
   sets += described(version, 5, text("Prime 13") + std::string(28, '\2'));
   sets += skeleton_description(version, 3, bones);
   sets += skeleton_description(version, 6, bones);
-  return message(5, little_endian(7, 4) + sets);
+  return natnet_message(5, little_endian(7, 4) + sets);
 }
 
 std::string body(int id, const Pose& pose, bool is_tracked = true) {
@@ -159,7 +159,7 @@ std::string frame(Version version, const std::vector<Pose>& poses, double time,
   bytes += little_endian(0, 8) + little_endian(std::bit_cast<std::uint64_t>(time), 8) +
            std::string(24, '\6');
   if (version.is_from(4, 1)) bytes += little_endian(0, 8);
-  return message(7, bytes + little_endian(models_changed ? 2 : 0, 2) + little_endian(0, 4));
+  return natnet_message(7, bytes + little_endian(models_changed ? 2 : 0, 2) + little_endian(0, 4));
 }
 
 Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
@@ -304,7 +304,7 @@ TEST(NatNet, UsesTheBonesOfAFileWithoutDescriptions) {
     std::string bytes = little_endian(1, 4) + std::string(12, '\0') + little_endian(1, 4) + bones;
     bytes += std::string(12, '\0') + little_endian(0, 8) +
              little_endian(std::bit_cast<std::uint64_t>(2.0), 8) + std::string(30, '\0');
-    return message(7, bytes);
+    return natnet_message(7, bytes);
   };
   for (const bool local : {false, true}) {
     const auto decoder = natnet_decoder("&version=3.1");
@@ -338,13 +338,13 @@ TEST(NatNet, RejectsMalformedPackets) {
   const auto decoder = natnet_decoder();
   KeptStream kept;
   EXPECT_THAT(natnet_refusal(*decoder, "abc"), HasSubstr("not a NatNet message"));
-  EXPECT_THAT(natnet_refusal(*decoder, message(55, "")), HasSubstr("not a NatNet message"));
+  EXPECT_THAT(natnet_refusal(*decoder, natnet_message(55, "")), HasSubstr("not a NatNet message"));
   EXPECT_THAT(natnet_refusal(*decoder, frame({4, 1}, world_poses(), 1)), HasSubstr("version"));
   EXPECT_THAT(natnet_refusal(*decoder, models({4, 1})), HasSubstr("version"));
   EXPECT_THAT(natnet_refusal(*decoder, server_info({2, 10})), HasSubstr("3.0"));
   EXPECT_THAT(natnet_refusal(*decoder, server_info({4, 1}).substr(0, 200)), HasSubstr("truncated"));
   ASSERT_TRUE(decoder->take(server_info({4, 1}), kept));
-  EXPECT_THAT(natnet_refusal(*decoder, message(5, little_endian(0, 4))),
+  EXPECT_THAT(natnet_refusal(*decoder, natnet_message(5, little_endian(0, 4))),
               HasSubstr("no skeleton: enable"));
   const auto with = [](int bone, int id, int parent) {
     auto bones = kBones;
@@ -423,8 +423,9 @@ TEST(NatNetPlayer, RepliesToItsReceivers) {
   }
   EXPECT_EQ(kept.skeletons.size(), 1U);
   EXPECT_EQ(encoder->answer(decoder->request()), "");
-  EXPECT_EQ(encoder->answer(message(2, text("Bitstream"))), message(3, "Bitstream,4.1"));
-  EXPECT_EQ(encoder->answer(message(2, text("FrameRate"))), message(100, ""));
+  EXPECT_EQ(encoder->answer(natnet_message(2, text("Bitstream"))),
+            natnet_message(3, "Bitstream,4.1"));
+  EXPECT_EQ(encoder->answer(natnet_message(2, text("FrameRate"))), natnet_message(100, ""));
   EXPECT_EQ(encoder->answer("?"), "");
 }
 

@@ -148,7 +148,7 @@ std::string padded_text(std::string text) {
   return text;
 }
 
-std::string bundle_of(const std::string& message) {
+std::string repeated_bundle(const std::string& message) {
   std::string item = std::string(3, '\0') + static_cast<char>(message.size()) + message;
   return std::string("#bundle\0\0\0\0\0\0\0\0\1", 16) + repeated(item, kDatagram);
 }
@@ -159,11 +159,11 @@ TEST(PacketBounds, RejectOscBundlesEarly) {
                            padded_text("Hips") + std::string(24, '\0') + "\x3F\x80" +
                            std::string(2, '\0');
   Counted counted;
-  const auto refused = decoder->take(bundle_of(hips), counted);
+  const auto refused = decoder->take(repeated_bundle(hips), counted);
   ASSERT_FALSE(refused);
   EXPECT_LE(counted.frames, 8);
-  expect_cheap(*decoder, bundle_of(hips), "the same bone again and again");
-  expect_cheap(*decoder, bundle_of(padded_text("/a")), "short messages");
+  expect_cheap(*decoder, repeated_bundle(hips), "the same bone again and again");
+  expect_cheap(*decoder, repeated_bundle(padded_text("/a")), "short messages");
 }
 
 TEST(PacketBounds, RejectHierarchiesEarly) {

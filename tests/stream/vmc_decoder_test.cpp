@@ -19,7 +19,7 @@
 namespace retarget {
 namespace {
 
-std::string big_endian(std::uint32_t value) {
+std::string big_endian_word(std::uint32_t value) {
   std::string bytes;
   for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
   return bytes;
@@ -35,14 +35,14 @@ std::string osc_message(const std::string& address, const std::string& name,
   std::string bytes = osc_text(address);
   bytes += osc_text("," + std::string(name.empty() ? "" : "s") + std::string(numbers.size(), 'f'));
   if (!name.empty()) bytes += osc_text(name);
-  for (const float number : numbers) bytes += big_endian(std::bit_cast<std::uint32_t>(number));
+  for (const float number : numbers) bytes += big_endian_word(std::bit_cast<std::uint32_t>(number));
   return bytes;
 }
 
 std::string bundle_of(const std::vector<std::string>& messages) {
   std::string bytes("#bundle\0\0\0\0\0\0\0\0\1", 16);
   for (const std::string& message : messages) {
-    bytes += big_endian(static_cast<std::uint32_t>(message.size())) + message;
+    bytes += big_endian_word(static_cast<std::uint32_t>(message.size())) + message;
   }
   return bytes;
 }
@@ -91,7 +91,7 @@ std::vector<std::string> messages_of(const std::vector<VmcBone>& bones, float ti
 }
 
 // The robot's last frame after two seconds of a pose, with one bundle per frame or single messages.
-std::vector<double> followed(const std::vector<VmcBone>& bones, bool bundles, int* frames) {
+std::vector<double> followed_bones(const std::vector<VmcBone>& bones, bool bundles, int* frames) {
   const LoadedRobot robot =
       load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
   LivePipelineOptions options;
@@ -127,7 +127,7 @@ TEST(Vmc, LeftArmDrivesTheLeftArm) {
   }
   for (const bool bundles : {true, false}) {
     int frames = 0;
-    const std::vector<double> qpos = followed(bones, bundles, &frames);
+    const std::vector<double> qpos = followed_bones(bones, bundles, &frames);
     EXPECT_NEAR(frames, 97, 4) << bundles;
     const LoadedRobot loaded =
         load_robot({"unitree_g1", {}, {}, {}}, DataFolder{RETARGET_SOURCE_DIR}).value();
@@ -150,7 +150,7 @@ TEST(Vmc, RejectsMalformedPackets) {
         osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, 0, 0, 0, 0, 0, 0}),
         osc_message("/VMC/Ext/Bone/Pos", "Hips", {0, NAN, 0, 0, 0, 0, 1}),
         bundle_of({bundle_of({bundle_of({bundle_of({bundle_of({bone})})})})}),
-        osc_text("/a") + osc_text(",b") + big_endian(0xFFFFFFFF)}) {
+        osc_text("/a") + osc_text(",b") + big_endian_word(0xFFFFFFFF)}) {
     EXPECT_FALSE(decoder->take(bad, nothing));
   }
   EXPECT_TRUE(decoder->take(osc_message("/VMC/Ext/Blend/Val", "Joy", {0.5F}), nothing));
@@ -158,9 +158,9 @@ TEST(Vmc, RejectsMalformedPackets) {
 }
 
 TEST(Osc, KeepsTheOrderOfTextsAndNumbers) {
-  const std::string bytes = osc_text("/a") + osc_text(",ihsTfd") + big_endian(0xFFFFFFFEU) +
+  const std::string bytes = osc_text("/a") + osc_text(",ihsTfd") + big_endian_word(0xFFFFFFFEU) +
                             std::string(8, '\1') + osc_text("word") +
-                            big_endian(std::bit_cast<std::uint32_t>(0.5F)) +
+                            big_endian_word(std::bit_cast<std::uint32_t>(0.5F)) +
                             std::string("\x40\x00\0\0\0\0\0\0", 8);
   // The messages point into the bundle.
   const std::string bundle = bundle_of({bytes, osc_text("/b")});
