@@ -109,7 +109,8 @@ double source_clearance(const SourceFeet& source, const ContactPlan& contacts, i
 
 void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const SourceFeet& source, const ContactPlan& contacts,
-                      const std::vector<SourceFlight>& flights, double scale) {
+                      const std::vector<SourceFlight>& flights,
+                      const std::vector<char>& touches_scene, double scale) {
   const int frames = std::min(source.frame_count(), static_cast<int>(tracks.lowest.size()));
   if (frames == 0) return;
   const std::vector<char> in_flight = frames_in_flight(flights, frames);
@@ -119,6 +120,9 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
     const auto& [height, body] = tracks.lowest[static_cast<std::size_t>(frame)];
     if (!std::isfinite(height)) return;  // No part of the robot can touch the floor.
     if (in_flight[static_cast<std::size_t>(frame)] != 0) continue;
+    const bool on_scene = frame < static_cast<int>(touches_scene.size()) &&
+                          touches_scene[static_cast<std::size_t>(frame)] != 0;
+    if (on_scene) continue;
     const double over = height - scale * source_clearance(source, contacts, frame);
     if (over <= kHovers) continue;
     ++hovering;

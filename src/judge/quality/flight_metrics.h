@@ -33,7 +33,8 @@ struct SourceFlight {
 /// Measures the height of the robot's soles during the source's flights.
 /// @param scale  of the robot's foot paths relative to the source's.
 void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
-                     const std::vector<SourceFlight>& flights, double scale);
+                     const std::vector<SourceFlight>& flights,
+                     const std::vector<char>& touches_scene, double scale);
 
 /// Height of the lowest part of the source above the height at which such a part supports a body:
 /// feet above their standing heights; knees, elbows, hands, seat and back above the heights at
@@ -43,9 +44,12 @@ void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
 
 /// Measures in how many frames the robot hovers: its lowest point is more than 2 cm above the
 /// source's clearance times the scale, while the source is not in flight.
+/// @param touches_scene  by frame: the robot touches a body of its scene and does not hover; empty:
+///     no scene.
 /// @param scale  of the robot's foot paths relative to the source's.
 void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const SourceFeet& source, const ContactPlan& contacts,
-                      const std::vector<SourceFlight>& flights, double scale);
+                      const std::vector<SourceFlight>& flights,
+                      const std::vector<char>& touches_scene, double scale);
 
 }  // namespace retarget

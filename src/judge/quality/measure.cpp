@@ -116,12 +116,14 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   measure_stances(draft, tracks, contacts, posture);
   const auto scale = tracked ? foot_scale(source, draft.clip.robot()) : std::nullopt;
   if (tracked) measure_supports(draft, *source.config, feet, contacts, scale.value_or(1.0));
+  std::vector<char> touches_scene;
   if (tracked && scale && source.scene != nullptr) {
-    measure_scene(draft, *source.config, {*source.scene, human, feet, contacts, *scale}, frames);
+    touches_scene = measure_scene(draft, *source.config,
+                                  {*source.scene, human, feet, contacts, *scale}, frames);
   }
   const std::vector<SourceFlight> flights = find_flights(human, contacts, frames);
   if (scale) measure_flights(draft, tracks, flights, *scale);
-  measure_hovering(draft, tracks, feet, contacts, flights, scale.value_or(1.0));
+  measure_hovering(draft, tracks, feet, contacts, flights, touches_scene, scale.value_or(1.0));
 }
 
 }  // namespace

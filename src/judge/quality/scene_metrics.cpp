@@ -63,6 +63,7 @@ class SceneMeter {
         supports_(support_bodies(robot_, config)),
         frames_(std::min({frames, draft.clip.frame_count(), world_.clip.frame_count})),
         state_(robot_.tree()),
+        normals_(world_.body_count()),
         deep_("scene_pen_1cm_pct", "m"),
         away_("scene_contact_kept_pct", "m"),
         slipping_("scene_slip_mean", "m/s") {
@@ -70,7 +71,7 @@ class SceneMeter {
     collect_contacts();
   }
 
-  void measure() {
+  [[nodiscard]] std::vector<char> measure() {
     for (int frame = 0; frame < frames_; ++frame) {
       state_.update(draft_.clip.qpos(frame));
       measure_penetration(frame);
@@ -78,6 +79,7 @@ class SceneMeter {
     }
     measure_feet();
     write();
+    return std::move(touches_);
   }
 
  private:
@@ -85,8 +87,9 @@ class SceneMeter {
     return support * world_.body_count() + body;
   }
   [[nodiscard]] const std::string& link_name(int link) const {
-    return robot_.bodies()[static_cast<std::size_t>(
-                               robot_.tree().links()[static_cast<std::size_t>(link)].body)]
+    return robot_
+        .bodies()[static_cast<std::size_t>(
+            robot_.tree().links()[static_cast<std::size_t>(link)].body)]
         .name;
   }
 
@@ -141,25 +144,26 @@ class SceneMeter {
   }
 
   void measure_penetration(int frame) {
-    double deepest = 0.0;
+    double deepest = -HUGE_VAL;
     int where = 0;
     for (std::size_t link = 0; link < probes_.size(); ++link) {
       if (probes_[link].empty()) continue;
       const Pose& world_from_link = state_.world_from_link[link];
       for (std::size_t body = 0; body < world_.body_count(); ++body) {
-        if (world_.distance(frame, body, world_from_link.translation).distance > spheres_[link]) {
+        if (world_.distance(frame, body, world_from_link.translation).distance >
+            spheres_[link] + kTouch) {
           continue;
         }
         for (const Probe& probe : probes_[link]) {
           const double depth =
-              probe.radius -
-              world_.distance(frame, body, world_from_link * probe.in_link).distance;
+              probe.radius - world_.distance(frame, body, world_from_link * probe.in_link).distance;
           if (depth <= deepest) continue;
           deepest = depth;
           where = static_cast<int>(link);
         }
       }
     }
+    touches_.push_back(deepest > -kTouch ? 1 : 0);
     deepest_ = std::max(deepest_, deepest);
     if (deepest <= kPenetration) return;
     ++deep_frames_;
@@ -175,8 +179,10 @@ class SceneMeter {
         for (const SupportBody::Point& point : body.points) {
           const Vector3d place =
               state_.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
-          distance = std::min(distance,
-                              world_.distance(frame, of_scene, place).distance - point.radius);
+          const SurfaceDistance found = world_.distance(frame, of_scene, place);
+          if (found.distance - point.radius >= distance) continue;
+          distance = found.distance - point.radius;
+          normals_[of_scene] = found.normal;
         }
         const std::size_t pair = index(support, of_scene);
         const auto at_frame = static_cast<std::size_t>(frame);
@@ -185,13 +191,20 @@ class SceneMeter {
         if (human_touches_[pair][at_frame] == 0) continue;
         add_kept(link_name(body.link), frame, distance);
         if (sticks_[pair][at_frame] == 0 || last_places_.empty()) continue;
-        const double slip =
-            (places[pair] - last_places_[pair]).norm() * draft_.clip.rate().fps();
+        const double slip = slip_of(frame, of_scene, places[pair] - last_places_[pair]);
         slips_.push_back(slip);
         if (slip > 0.1) slipping_.add(link_name(body.link), frame, slip);
       }
     }
     last_places_ = std::move(places);
+  }
+
+  // Speed over the surface, m/s. @param step  in the frame of the body.
+  [[nodiscard]] double slip_of(int frame, std::size_t body, const Vector3d& step) const {
+    const Pose& pose = world_.clip.pose(frame, body);
+    const Vector3d in_world = pose.rotation * step;
+    const Vector3d normal = normals_[body];
+    return (in_world - normal * normal.dot(in_world)).norm() * draft_.clip.rate().fps();
   }
 
   void add_kept(const std::string& name, int frame, double distance) {
@@ -280,16 +293,18 @@ class SceneMeter {
   // By support body and body of the scene, then by frame.
   std::vector<std::vector<char>> human_touches_, robot_touches_, sticks_;
   std::vector<Vector3d> last_places_;
+  std::vector<Vector3d> normals_;  // By body: at the nearest point of the part at hand.
   std::vector<double> gaps_, slips_;
+  std::vector<char> touches_;  // By frame: any part of the robot.
   double deepest_ = 0.0, deep_frames_ = 0.0, kept_ = 0.0;
   FaultList deep_, away_, slipping_;
 };
 
 }  // namespace
 
-void measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
-                   const SceneSource& source, int frames) {
-  SceneMeter(draft, config, source, frames).measure();
+std::vector<char> measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
+                                const SceneSource& source, int frames) {
+  return SceneMeter(draft, config, source, frames).measure();
 }
 
 }  // namespace retarget

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "judge/quality/report_parts.h"
@@ -20,7 +22,8 @@ struct SceneSource {
 
 /// Measures how a robot touches and penetrates its scene, which is the human's scaled
 /// (scaled_world), over the first `frames` frames.
-void measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
-                   const SceneSource& source, int frames);
+/// @return by frame: whether the robot is within 2 cm of a body of the scene.
+std::vector<char> measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
+                                const SceneSource& source, int frames);
 
 }  // namespace retarget

@@ -136,6 +136,7 @@ class Fit {
   [[nodiscard]] Result<void> check_finite() const;
   Result<void> recover_limbs(FitReport& report);
   void hold_joints();
+  Result<void> hold_scene_contacts(const FitWindows& plan, int threads);
   void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                               FitResult& result);
   void keep_bounds(FitReport& report);
@@ -250,12 +251,25 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   result.steps = first.steps;
   windows.starts_are_there(clip_.frame_count);
   if (!windows.finish(run_.keep_going)) return interrupted_failure();
+  TRY(hold_scene_contacts(plan, threads));
   TRY(recover_limbs(result.report));
   TRY(check_finite());
   keep_bounds(result.report);
   const std::vector<TermCosts> costs = windows.costs_now();
   report_terms(windows.costs_before(), costs, result.report);
   report_status(windows.statuses(), windows.costs_before(), costs, result.report);
+  return {};
+}
+
+// Solves once more, with the contacts with the scene where the first solve has them.
+Result<void> Fit::hold_scene_contacts(const FitWindows& plan, int threads) {
+  if (!clip_.scene) return {};
+  auto held = std::make_shared<FitScene>(*clip_.scene);
+  if (!hold_contacts(model_, clip_.qpos, *held)) return {};
+  clip_.scene = std::move(held);
+  WindowSolver windows(model_, options_, plan, clip_, threads);
+  windows.starts_are_there(clip_.frame_count);
+  if (!windows.finish(run_.keep_going)) return interrupted_failure();
   return {};
 }
 
@@ -368,8 +382,8 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
       make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time));
   SolvedScene& solved = result.scene.emplace(SolvedScene{scene->world.clip, {}, scale, {}});
   for (const SurfacePhase& phase : phases) {
-    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body),
-                               phase.begin, phase.end, phase.slides});
+    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body), phase.begin,
+                               phase.end, phase.slides});
   }
   clip_.scene = std::move(scene);
 }

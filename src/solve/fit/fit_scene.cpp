@@ -46,7 +46,8 @@ void cover(const FitShape& shape, std::vector<FloorPoint>& points) {
   for (int axis = 0; axis < axes; ++axis) {
     const double length = 2.0 * half_axes[at(axis)].norm();
     if (length < 1e-6) continue;
-    counts[at(axis)] = std::min(kMostAlongAxis, 2 + static_cast<int>(length / std::max(radius, 0.01)));
+    counts[at(axis)] =
+        std::min(kMostAlongAxis, 2 + static_cast<int>(length / std::max(radius, 0.01)));
   }
   const auto along = [&](int axis, int i) -> Vector3d {
     if (counts[at(axis)] == 1) return Vector3d::Zero();
@@ -96,13 +97,17 @@ class GoalPlanner {
       const int inside = std::clamp(frame, phase.begin, phase.end - 1);
       const Pose& pose = world_.clip.pose(frame, phase.body);
       SceneGoal goal{support, static_cast<int>(phase.body)};
-      goal.share = 1.0 - static_cast<double>(away) / (blend_ + 1);
+      const double ramp = 1.0 - static_cast<double>(away) / (blend_ + 1);
+      goal.share = ramp * ramp * (3.0 - 2.0 * ramp);
+      goal.phase = phases_;
+      goal.sticks = !phase.slides;
       const Vector3d in_body = phase.places[at(inside - phase.begin)];
       goal.place = pose * (size * in_body);
       goal.normal = world_.distance(frame, phase.body, goal.place).normal;
       if (away > 0) approach(phase, frame, inside, goal);
       merge(goal, by_frame_[at(frame)]);
     }
+    ++phases_;
   }
 
   void write(FitScene& scene) const {
@@ -114,7 +119,7 @@ class GoalPlanner {
   }
 
  private:
-  static constexpr double kBlendTime = 0.15;  // Seconds.
+  static constexpr double kBlendTime = 0.25;  // Seconds.
 
   // Moves the goal by how far the human's part is from where it touches.
   void approach(const SurfacePhase& phase, int frame, int inside, SceneGoal& goal) const {
@@ -143,6 +148,7 @@ class GoalPlanner {
   const SurfaceParts& parts_;
   double scale_;
   int blend_;
+  int phases_ = 0;
   std::vector<std::vector<SceneGoal>> by_frame_;
 };
 
@@ -179,7 +185,8 @@ double add_contact(const FitModel& model, const FitOptions& options, const FitSc
   // Along the surface: the middle of the body over the place.
   const Vector3d middle = body.world_middle(pose);
   const Vector3d off = middle - goal.place;
-  const double place_weight = square(goal.share * options.scene_place_weight);
+  const double place_weight =
+      square(goal.share * (goal.held ? options.scene_hold_weight : options.scene_place_weight));
   const Vector3d first = goal.normal.unitOrthogonal();
   for (const Vector3d& tangent : {first, Vector3d(goal.normal.cross(first))}) {
     const double error = tangent.dot(off);
@@ -226,8 +233,8 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
     if (box.isEmpty()) continue;
     sphere.centre = box.center();
     for (const FloorPoint& point : scene.points[link]) {
-      sphere.radius = std::max(sphere.radius,
-                               (point.position - sphere.centre).norm() + std::max(0.0, point.radius));
+      sphere.radius = std::max(
+          sphere.radius, (point.position - sphere.centre).norm() + std::max(0.0, point.radius));
     }
   }
   GoalPlanner planner(human_world, scene.world, parts, scale, frame_time);
@@ -240,6 +247,46 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
   }
   planner.write(scene);
   return scene;
+}
+
+bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene) {
+  struct Place {
+    Vector3d goals = Vector3d::Zero(),
+             robot = Vector3d::Zero();  // Sums, frame of the scene's body.
+    int frames = 0;
+  };
+  std::vector<Place> places;
+  TreeState pose(model.tree);
+  const auto in_body = [&](int frame, const SceneGoal& goal, const Vector3d& point) -> Vector3d {
+    return scene.world.clip.pose(frame, at(goal.body)).inverse() * point;
+  };
+  for (int frame = 0; frame < scene.world.clip.frame_count; ++frame) {
+    if (scene.goals_of(frame).empty()) continue;
+    pose.update(
+        qpos.subspan(at(frame) * at(model.configuration_size), at(model.configuration_size)));
+    for (const SceneGoal& goal : scene.goals_of(frame)) {
+      if (!goal.sticks || goal.share < 1.0) continue;
+      if (at(goal.phase) >= places.size()) places.resize(at(goal.phase) + 1);
+      Place& place = places[at(goal.phase)];
+      const Vector3d middle = model.supports[at(goal.support)].world_middle(pose);
+      place.goals += in_body(frame, goal, goal.place);
+      place.robot += in_body(frame, goal, middle);
+      ++place.frames;
+    }
+  }
+  for (int frame = 0; frame < scene.world.clip.frame_count; ++frame) {
+    for (std::uint32_t i = scene.first_goal[at(frame)]; i < scene.first_goal[at(frame) + 1]; ++i) {
+      SceneGoal& goal = scene.goals[i];
+      if (!goal.sticks || at(goal.phase) >= places.size()) continue;
+      const Place& place = places[at(goal.phase)];
+      if (place.frames == 0) continue;
+      const Pose& world_from_body = scene.world.clip.pose(frame, at(goal.body));
+      goal.place += world_from_body.rotation * ((place.robot - place.goals) / place.frames);
+      goal.normal = scene.world.distance(frame, at(goal.body), goal.place).normal;
+      goal.held = true;
+    }
+  }
+  return std::ranges::any_of(places, [](const Place& place) { return place.frames > 0; });
 }
 
 SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
@@ -258,12 +305,13 @@ SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, con
     const BoundingSphere& sphere = scene.spheres[link];
     const Vector3d centre = world_from_link * sphere.centre;
     for (std::size_t body = 0; body < scene.world.body_count(); ++body) {
-      if (scene.world.distance(frame, body, centre).distance > sphere.radius + margin + kSceneBand) {
+      if (scene.world.distance(frame, body, centre).distance >
+          sphere.radius + margin + kSceneBand) {
         continue;
       }
       for (const FloorPoint& point : scene.points[link]) {
-        costs.penetration += keep_outside(scene, frame, body, point, world_from_link, origin, margin,
-                                          weight, composites[link]);
+        costs.penetration += keep_outside(scene, frame, body, point, world_from_link, origin,
+                                          margin, weight, composites[link]);
       }
     }
   }

@@ -17,18 +17,21 @@ namespace retarget {
 
 /// A support body that touches, approaches or leaves a surface of the scene in a frame.
 struct SceneGoal {
-  int support = 0;  ///< Index into FitModel::supports.
-  int body = 0;     ///< Of the scene.
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();     ///< Point of the surface, world, metres.
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< Of the surface there, world.
+  int support = 0;                                    ///< Index into FitModel::supports.
+  int body = 0;                                       ///< Of the scene.
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< Point of the surface, world, metres.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Of the surface there, world.
   double distance = 0.0;  ///< From the surface, metres; not 0 before and after the contact.
   double share = 0.0;     ///< Factor for the weights, 0 to 1.
+  int phase = -1;         ///< Index of the contact.
+  bool sticks = false;    ///< The contact does not slide.
+  bool held = false;      ///< `place` is that of the robot (hold_contacts).
 };
 
 /// The world of a robot: the scaled scene, the points of the robot that must stay outside of it, and
 /// the contacts with it. Immutable during a fit.
 struct FitScene {
-  SceneWorld world;  ///< Frames of the fit, robot's world.
+  SceneWorld world;                             ///< Frames of the fit, robot's world.
   std::vector<std::vector<FloorPoint>> points;  ///< Spheres that cover the shapes, by link.
   std::vector<BoundingSphere> spheres;          ///< By link, around its points.
   std::vector<SceneGoal> goals;                 ///< By frame.
@@ -46,6 +49,13 @@ struct FitScene {
                                       const SurfaceParts& parts,
                                       std::span<const SurfacePhase> phases, double scale,
                                       double frame_time);
+
+/// Moves the places of contacts that stick to where a solved clip has them, on average over the frames
+/// of each contact, and holds them there. The first solve follows the human's places only loosely,
+/// because robots have other arms; the second one holds what it found.
+/// @param qpos  frame-major, laid out as in RobotClip.
+/// @return whether there is any such contact.
+bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene);
 
 /// Costs of a frame's scene terms.
 struct SceneCosts {
