@@ -252,4 +252,31 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   }
 }
 
+std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,
+                                                  const ContactPlan& contacts) {
+  constexpr double kOnSurface = 0.05;  // Metres.
+  const SourceContacts ends = contacts.of_ends();
+  std::array<std::vector<int>, 4> bodies;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const int foot = static_cast<int>(i) / 2, end = static_cast<int>(i) % 2;
+    for (const ContactPhase& phase : ends[i]) {
+      const int frame = (phase.begin + phase.end - 1) / 2;
+      Vector3d place = feet.at(frame, foot).end(end);
+      place.z() = phase.support;
+      // The floor is nearest unless a body is nearer.
+      double nearest = std::min(phase.support, kOnSurface * contacts.scale);
+      int under = -1;
+      for (std::size_t body = 0; body < world.body_count(); ++body) {
+        if (world.moves(body)) continue;
+        const double distance = std::abs(world.distance(frame, body, place).distance);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        under = static_cast<int>(body);
+      }
+      bodies[i].push_back(under);
+    }
+  }
+  return bodies;
+}
+
 }  // namespace retarget

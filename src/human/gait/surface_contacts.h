@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -76,5 +77,12 @@ struct SurfacePhase {
 /// Sets the heights of the surfaces on which feet stand; contacts found over the ground have none.
 /// Removes contacts of other parts with the floor where something else is under them.
 void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts);
+
+/// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
+/// something that the scene does not have.
+/// @param contacts  after add_ground.
+[[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
+                                                                const SourceFeet& feet,
+                                                                const ContactPlan& contacts);
 
 }  // namespace retarget
