@@ -22,7 +22,7 @@ struct SceneShape {
   Type type = Type::kBox;
   Pose body_from_shape;
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
-  double radius = 0.0;       ///< Sphere, capsule and cylinder, metres.
+  double radius = 0.0;                                  ///< Sphere, capsule and cylinder, metres.
   double half_length = 0.0;  ///< Capsule (between the centres of its ends) and cylinder, along z,
                              ///< metres.
   std::shared_ptr<const TriangleMesh> mesh;  ///< Mesh and height field, in the shape's frame.
@@ -48,8 +48,8 @@ struct Scene {
 
 /// The path of one moving body.
 struct ObjectTrack {
-  std::string body;                 ///< Empty: the only moving body.
-  std::optional<FrameRate> rate;    ///< Empty: the rate of the clip.
+  std::string body;                   ///< Empty: the only moving body.
+  std::optional<FrameRate> rate;      ///< Empty: the rate of the clip.
   std::vector<Pose> world_from_body;  ///< By frame; metres, Z up.
 };
 
@@ -89,15 +89,21 @@ struct ClipTimes {
 /// Places all bodies of a scene in every frame of a clip. Positions are interpolated by cubic
 /// splines and rotations by slerp.
 ///
-/// Errors (kInput): a track of a body that the scene does not have, or of a static one; a track that
-/// is shorter than the clip; two tracks of a body.
+/// A track may move any body, except an infinite plane: the scene of the result marks it as moving.
+/// A track without a body's name moves the only moving body, or the only body. Moving bodies without
+/// a track stay where the file places them. A track with its own rate starts when the clip as read
+/// starts.
+///
+/// Errors (kInput): a track of a body that the scene does not have, or of a plane; a track that is
+/// shorter than the clip; two tracks of a body.
 [[nodiscard]] Result<SceneClip> place_scene(std::shared_ptr<const Scene> scene,
                                             std::span<const ObjectTrack> tracks,
                                             const ClipTimes& times);
 
-/// The nearest surface of a body.
+/// The nearest surface of a body. Inside solids that consist of several shapes, the distance is that
+/// to the nearest surface of any shape that contains the point.
 struct SurfaceDistance {
-  double distance = 0.0;  ///< Signed, metres; negative inside.
+  double distance = 0.0;                              ///< Signed, metres; negative inside.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Gradient of the distance, unit length.
 };
 

@@ -73,8 +73,7 @@ double support_below(const SceneShape& shape, const Vector3d& up) {
 Result<DistanceGrid> grid_of(const TriangleMesh& mesh, const std::string& cache) {
   TRY_ASSIGN(const GridLayout layout, grid_layout(mesh));
   if (cache.empty()) return DistanceGrid(layout, sample_distance(mesh, layout));
-  const std::string file =
-      (std::filesystem::path(cache) / grid_file_name(mesh, layout)).string();
+  const std::string file = (std::filesystem::path(cache) / grid_file_name(mesh, layout)).string();
   if (auto grid = read_grid(file, layout)) return std::move(*grid);
   DistanceGrid grid(layout, sample_distance(mesh, layout));
   write_grid(file, grid);
@@ -151,8 +150,7 @@ Result<DistanceField> make_distance_field(const SceneBody& body, const std::stri
       }
       part->grid = std::move(*grid);
     }
-    field.reach_ =
-        std::max(field.reach_, shape.body_from_shape.translation.norm() + part->radius);
+    field.reach_ = std::max(field.reach_, shape.body_from_shape.translation.norm() + part->radius);
     field.parts_.push_back(std::move(part));
   }
   return field;

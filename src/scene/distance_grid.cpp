@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCells = 72.0;       // Along the longest side.
-constexpr double kMaxSpacing = 0.02;  // Metres, unless the grid becomes too large.
-constexpr double kCoarsest = 0.25;    // Metres.
-constexpr double kMargin = 0.08;      // Metres.
+constexpr double kCells = 72.0;                        // Along the longest side.
+constexpr double kMaxSpacing = 0.02;                   // Metres, unless the grid becomes too large.
+constexpr double kCoarsest = 0.25;                     // Metres.
+constexpr double kMargin = 0.08;                       // Metres.
 constexpr double kMinMargin = 4.0, kMaxMargin = 16.0;  // Cells.
 constexpr double kMaxNodes = 2e6;
 constexpr double kMaxNodesOfAxis = 1e6;  // Before the product is compared with the limit.
@@ -97,10 +97,9 @@ Result<GridLayout> grid_layout(const TriangleMesh& mesh) {
     const GridLayout layout = with_spacing(spacing);
     if (static_cast<double>(layout.count()) <= kMaxNodes) return layout;
   }
-  return input_failure("",
-                       "a mesh of " + number_text(longest, 1) +
-                           " m is too large for a grid of distances",
-                       "split it into smaller parts, or check its unit: lengths are metres");
+  return input_failure(
+      "", "a mesh of " + number_text(longest, 1) + " m is too large for a grid of distances",
+      "split it into smaller parts, or check its unit: lengths are metres");
 }
 
 DistanceGrid::DistanceGrid(const GridLayout& layout, const std::vector<float>& values)

@@ -60,8 +60,8 @@ class NearestTriangles {
   }
 
   void consider(std::size_t node, const Vector3d& point, int triangle) {
-    const Vector3d nearest = nearest_on_triangle(point, corner(triangle, 0), corner(triangle, 1),
-                                                 corner(triangle, 2));
+    const Vector3d nearest =
+        nearest_on_triangle(point, corner(triangle, 0), corner(triangle, 1), corner(triangle, 2));
     const double square = (nearest - point).squaredNorm();
     if (square >= squares_[node]) return;
     squares_[node] = square;
@@ -77,12 +77,12 @@ class NearestTriangles {
           std::minmax({corner(triangle, 0)[a], corner(triangle, 1)[a], corner(triangle, 2)[a]});
       const auto cell = [&](double value) { return (value - layout_.origin[a]) / layout_.spacing; };
       first[axis] = std::max(0, static_cast<int>(std::floor(cell(low))) - 1);
-      last[axis] =
-          std::min(layout_.nodes[axis] - 1, static_cast<int>(std::ceil(cell(high))) + 1);
+      last[axis] = std::min(layout_.nodes[axis] - 1, static_cast<int>(std::ceil(cell(high))) + 1);
     }
     for (int k = first[2]; k <= last[2]; ++k) {
       for (int j = first[1]; j <= last[1]; ++j) {
-        for (int i = first[0]; i <= last[0]; ++i) consider(index(i, j, k), place(i, j, k), triangle);
+        for (int i = first[0]; i <= last[0]; ++i)
+          consider(index(i, j, k), place(i, j, k), triangle);
       }
     }
   }

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/try.h"
 #include "formats/containers/npy.h"
 #include "formats/containers/npy_stream.h"
@@ -257,6 +259,35 @@ Result<NpyLayout> npy_layout(const NpyHeader& header) {
   layout.data_size = *size;
   layout.big_endian = type.big_endian;
   return layout;
+}
+
+Result<NpyHeader> take_npy_header(std::string_view& bytes) {
+  return read_npy_header([&bytes](std::size_t size) -> Result<std::string> {
+    if (size > bytes.size()) {
+      return format_failure("the array is cut off within its header",
+                            "the file was cut off: download or copy it again");
+    }
+    std::string taken(bytes.substr(0, size));
+    bytes.remove_prefix(size);
+    return taken;
+  });
+}
+
+Result<NpyArray> read_npy_rest(const NpyHeader& header, std::string_view bytes,
+                               std::size_t max_number_bytes) {
+  TRY_ASSIGN(auto layout, npy_layout(header));
+  if (layout.data_size != bytes.size()) {
+    return format_failure(
+        fmt::format("its shape {} of {} needs {}, found {}", shape_text(header.shape), header.type,
+                    count_text(layout.data_size, "byte"), bytes.size()),
+        "the file was cut off: download or copy it again");
+  }
+  if (layout.data_size / layout.array.item_size > max_number_bytes / sizeof(double)) {
+    return format_failure(
+        fmt::format("its shape {} needs more memory than is allowed", shape_text(header.shape)),
+        "split the motion");
+  }
+  return npy_with_data(std::move(layout), std::string(bytes), header.fortran_order);
 }
 
 }  // namespace retarget

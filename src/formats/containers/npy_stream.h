@@ -42,6 +42,14 @@ struct NpyLayout {
 /// @pre data.size() == layout.data_size
 [[nodiscard]] NpyArray npy_with_data(NpyLayout layout, std::string data, bool fortran_order);
 
+/// Reads the header of an NPY file in memory and removes it from `bytes`.
+[[nodiscard]] Result<NpyHeader> take_npy_header(std::string_view& bytes);
+
+/// Reads the array that fills the rest of an NPY file.
+/// @param max_number_bytes  limit on the memory of the array after conversion to double.
+[[nodiscard]] Result<NpyArray> read_npy_rest(const NpyHeader& header, std::string_view bytes,
+                                             std::size_t max_number_bytes);
+
 /// An error without a file name.
 [[nodiscard]] Failure format_failure(std::string message, std::string hint = {});
 

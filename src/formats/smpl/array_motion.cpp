@@ -37,37 +37,6 @@ Failure at_file(Error error, const std::string& file_name) {
   return failure(std::move(error));
 }
 
-// Reads the header of an array and removes it from `bytes`.
-Result<NpyHeader> take_header(std::string_view& bytes) {
-  return read_npy_header([&bytes](std::size_t size) -> Result<std::string> {
-    if (size > bytes.size()) {
-      return format_failure("the array is cut off within its header",
-                            "the file was cut off: download or copy it again");
-    }
-    std::string taken(bytes.substr(0, size));
-    bytes.remove_prefix(size);
-    return taken;
-  });
-}
-
-// Reads the array that fills the rest of the file.
-Result<NpyArray> read_array(const NpyHeader& header, std::string_view bytes,
-                            std::size_t max_number_bytes) {
-  TRY_ASSIGN(auto layout, npy_layout(header));
-  if (layout.data_size != bytes.size()) {
-    return format_failure(
-        fmt::format("its shape {} of {} needs {}, found {}", shape_text(header.shape), header.type,
-                    count_text(layout.data_size, "byte"), bytes.size()),
-        "the file was cut off: download or copy it again");
-  }
-  if (layout.data_size / layout.array.item_size > max_number_bytes / sizeof(double)) {
-    return format_failure(
-        fmt::format("its shape {} needs more memory than is allowed", shape_text(header.shape)),
-        "split the motion");
-  }
-  return npy_with_data(std::move(layout), std::string(bytes), header.fortran_order);
-}
-
 NpyArray columns_of(const std::vector<double>& values, std::size_t width, std::size_t first,
                     std::size_t count) {
   const std::size_t rows = values.size() / width;
@@ -113,11 +82,11 @@ Failure no_motion(const NpyArray& array, const std::string& file_name) {
 
 Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& file_name,
                                      const OpenOptions& options) {
-  const Result<NpyHeader> header = take_header(bytes);
+  const Result<NpyHeader> header = take_npy_header(bytes);
   if (!header) return at_file(header.error(), file_name);
   // numpy.save pickles a dictionary, as MDM does with its results.
   if (header->type.ends_with('O')) return open_pickled_motion(bytes, file_name, options);
-  const Result<NpyArray> array = read_array(*header, bytes, options.max_number_bytes);
+  const Result<NpyArray> array = read_npy_rest(*header, bytes, options.max_number_bytes);
   if (!array) return at_file(array.error(), file_name);
   const std::size_t dimensions = array->shape.size();
   const bool may_be_places = dimensions == 3 || dimensions == 4;

@@ -35,25 +35,45 @@ bool is_named(const mjString* text) {
   return *mjs_getString(text) != '\0';
 }
 
-// The remaining elements have the same kinematics and need no files other than the MJCF.
-void keep_kinematics(mjSpec* spec, bool keep_meshes) {
+// Whether a height field needs no file.
+bool is_inline_height_field(mjSpec* spec, const mjsGeom& geom) {
+  mjsElement* field = mjs_findElement(spec, mjOBJ_HFIELD, mjs_getString(geom.hfieldname));
+  return geom.type == mjGEOM_HFIELD && field != nullptr && !is_named(mjs_asHField(field)->file);
+}
+
+// Deletes the geoms that need files. @return the names of the bodies that lose a geom with contacts
+std::vector<std::string> drop_geoms(mjSpec* spec, const ModelChanges& changes) {
+  std::vector<std::string> bodies;
   for (mjsElement* element : elements_of(spec, mjOBJ_GEOM)) {
     const mjsGeom* geom = mjs_asGeom(element);
     mjs_setString(geom->material, "");
-    if (keep_meshes && geom->type == mjGEOM_MESH) continue;
+    if (changes.keep_meshes && geom->type == mjGEOM_MESH) continue;
+    if (changes.keep_heights && is_inline_height_field(spec, *geom)) continue;
     if (is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
         geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF) {
+      if (geom->contype != 0 || geom->conaffinity != 0) {
+        bodies.emplace_back(mjs_getString(mjs_getName(mjs_getParent(element)->element)));
+      }
       mjs_delete(spec, element);
     }
   }
+  return bodies;
+}
+
+// The remaining elements have the same kinematics and need no files other than the MJCF.
+void keep_kinematics(mjSpec* spec, const ModelChanges& changes) {
   for (mjsElement* e : elements_of(spec, mjOBJ_SITE)) mjs_setString(mjs_asSite(e)->material, "");
   constexpr std::array kDropped = {mjOBJ_SENSOR,   mjOBJ_ACTUATOR, mjOBJ_TENDON,  mjOBJ_EQUALITY,
                                    mjOBJ_KEY,      mjOBJ_PAIR,     mjOBJ_EXCLUDE, mjOBJ_SKIN,
                                    mjOBJ_FLEX,     mjOBJ_TUPLE,    mjOBJ_MESH,    mjOBJ_HFIELD,
                                    mjOBJ_MATERIAL, mjOBJ_TEXTURE};
   for (const mjtObj kind : kDropped) {
-    if (keep_meshes && kind == mjOBJ_MESH) continue;
-    for (mjsElement* element : elements_of(spec, kind)) mjs_delete(spec, element);
+    if (changes.keep_meshes && kind == mjOBJ_MESH) continue;
+    for (mjsElement* element : elements_of(spec, kind)) {
+      const bool kept =
+          kind == mjOBJ_HFIELD && changes.keep_heights && !is_named(mjs_asHField(element)->file);
+      if (!kept) mjs_delete(spec, element);
+    }
   }
   // Retargeting configurations may name bodies that are fixed to their parent.
   spec->compiler.fusestatic = 0;
@@ -250,7 +270,8 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   note_couplings(spec.get(), loaded);
   MeshGeoms mesh_geoms;
   if (changes.find_meshes) mesh_geoms.replace(spec.get());
-  keep_kinematics(spec.get(), changes.keep_meshes);
+  loaded.dropped = drop_geoms(spec.get(), changes);
+  keep_kinematics(spec.get(), changes);
   if (changes.float_base) {
     loaded.held = hold_loose_balls(spec.get());
     float_base(spec.get(), loaded);

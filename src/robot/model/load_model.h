@@ -29,7 +29,8 @@ struct LoadedModel {
   std::map<std::string, JointCoupling> couplings;
   /// Body pairs excluded from contact (`<exclude>`), by name.
   std::vector<std::pair<std::string, std::string>> excluded;
-  std::vector<ModelMesh> meshes;  ///< Meshes of the bodies, if requested.
+  std::vector<ModelMesh> meshes;     ///< Meshes of the bodies, if requested.
+  std::vector<std::string> dropped;  ///< Bodies of deleted geoms that may take part in contacts.
 };
 
 /// Changes to make to a model, beyond dropping elements without effect on kinematics.
@@ -45,6 +46,8 @@ struct ModelChanges {
   /// Find the meshes and their poses (LoadedModel::meshes) without reading the files. The compiled
   /// model has small spheres in their place.
   bool find_meshes = false;
+  /// Compile height fields whose elevations are in the model itself.
+  bool keep_heights = false;
 };
 
 /// Compiles an MJCF (or URDF) file without its meshes and other assets, for kinematics.

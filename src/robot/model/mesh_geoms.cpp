@@ -93,6 +93,7 @@ std::vector<ModelMesh> MeshGeoms::find(const mjModel& model) const {
     if (geom < 0 || geom >= model.ngeom) continue;
     meshes.push_back(mesh);
     meshes.back().carriers = carriers_of(model, geom);
+    meshes.back().geom = geom;
   }
   return meshes;
 }

@@ -23,6 +23,7 @@ struct ModelMesh {
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< Metres per file unit.
   bool is_visual = false;                           ///< True if it takes no part in contacts.
   std::vector<Carrier> carriers;
+  int geom = -1;  ///< Index of the geom in its place, in LoadedModel; -1: not known.
 };
 
 /// Lists the meshes of an MJCF or URDF file without reading them; the mesh files need not exist.

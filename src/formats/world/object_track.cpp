@@ -1,0 +1,226 @@
+// Tracks of objects: NPZ, NPY, CSV and InterMimic's tensors.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/located.h"
+#include "base/try.h"
+#include "formats/containers/file_kind.h"
+#include "formats/containers/npy_stream.h"
+#include "formats/containers/npz.h"
+#include "formats/containers/torch_file.h"
+#include "formats/smpl/motion_file.h"
+#include "retarget/csv_table.h"
+#include "retarget/file.h"
+#include "retarget/scene.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Poses = std::vector<Pose>;
+
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30U;
+constexpr double kMaxPlace = 1e5;  // Metres.
+
+/// Order of seven numbers: index of x, y, z, qw, qx, qy, qz.
+using Order = std::array<std::size_t, 7>;
+constexpr Order kScalarFirst = {0, 1, 2, 3, 4, 5, 6};
+constexpr Order kScalarLast = {0, 1, 2, 6, 3, 4, 5};
+
+// Reads poses from a table with one row per frame, which starts at its first column.
+Result<Poses> poses_of(const std::vector<double>& values, std::size_t width, const Order& order) {
+  Poses poses;
+  if (values.empty()) return input_failure("", "the track has no frames");
+  poses.reserve(values.size() / width);
+  for (std::size_t at = 0; at + width <= values.size(); at += width) {
+    const auto value = [&](std::size_t which) { return values[at + order[which]]; };
+    const Eigen::Vector3d position(value(0), value(1), value(2));
+    // Negated comparisons also reject NaN.
+    if (!(position.cwiseAbs().maxCoeff() <= kMaxPlace)) {
+      return input_failure(
+          "", fmt::format("frame {}: the position is not a place in metres", poses.size()));
+    }
+    const Eigen::Quaterniond rotation(value(3), value(4), value(5), value(6));
+    constexpr double kMinNorm = 1e-6, kMaxNorm = 1e6;
+    const double norm = rotation.norm();
+    if (!(norm >= kMinNorm && norm <= kMaxNorm)) {
+      return input_failure("", fmt::format("frame {}: the quaternion is {}", poses.size(),
+                                           norm < kMinNorm ? "zero" : "not a rotation"));
+    }
+    poses.push_back({rotation.normalized(), position});
+  }
+  return poses;
+}
+
+// The array under the first of these names that the file has; with a wrong shape, an error.
+Result<std::optional<std::vector<double>>> find_table(const NpzFile& file,
+                                                      std::span<const std::string_view> names,
+                                                      std::size_t width) {
+  for (const std::string_view name : names) {
+    if (!file.has(name)) continue;
+    TRY_ASSIGN(const NpyArray array, file.read(name));
+    if (!array.is_number() || array.shape.size() != 2 || array.shape[1] != width) {
+      return file.array_failure(name, fmt::format("expected the shape (frames, {}), found {}",
+                                                  width, shape_text(array.shape)));
+    }
+    return array.numbers();
+  }
+  return std::optional<std::vector<double>>();
+}
+
+Result<std::optional<FrameRate>> rate_of(const NpzFile& file) {
+  if (!file.has("fps")) return std::optional<FrameRate>();
+  TRY_ASSIGN(const NpyArray array, file.read("fps"));
+  const double fps = array.is_number() && array.element_count() == 1 ? array.numbers()[0] : 0.0;
+  constexpr double kMaxFps = 1e5;
+  if (!(fps > 0.0 && fps <= kMaxFps)) {
+    return file.array_failure("fps", "expected a positive number of frames per second");
+  }
+  return std::optional(frame_rate_from_fps(fps));
+}
+
+Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& file_name) {
+  constexpr std::array<std::string_view, 5> kPositions = {"position", "pos", "obj_pos",
+                                                          "object_pos_w", "trans"};
+  constexpr std::array<std::string_view, 4> kQuaternions = {"quaternion", "quat", "obj_quat",
+                                                            "object_quat_w"};
+  constexpr std::array<std::string_view, 1> kPoses = {"pose"};
+  TRY_ASSIGN(const NpzFile file, NpzFile::open(bytes, file_name));
+  ObjectTrack track;
+  TRY_ASSIGN(track.rate, rate_of(file));
+  TRY_ASSIGN(auto table, find_table(file, kPoses, 7));
+  if (!table) {
+    TRY_ASSIGN(const auto positions, find_table(file, kPositions, 3));
+    TRY_ASSIGN(const auto quaternions, find_table(file, kQuaternions, 4));
+    if (!positions || !quaternions) {
+      return file.file_failure(fmt::format("the file has no track of an object: its arrays are {}",
+                                           list_names(file.names(), 12)),
+                               "a track has the arrays \"position\" (frames, 3) and \"quaternion\" "
+                               "(frames, 4; w first), "
+                               "or \"pose\" (frames, 7)");
+    }
+    const std::size_t frames = positions->size() / 3;
+    if (quaternions->size() / 4 != frames) {
+      return file.file_failure(fmt::format("the file has {} but {}", count_text(frames, "position"),
+                                           count_text(quaternions->size() / 4, "quaternion")));
+    }
+    table.emplace();
+    for (std::size_t i = 0; i < frames; ++i) {
+      table->insert(table->end(), positions->begin() + 3 * i, positions->begin() + 3 * i + 3);
+      table->insert(table->end(), quaternions->begin() + 4 * i, quaternions->begin() + 4 * i + 4);
+    }
+  }
+  TRY_ASSIGN(track.world_from_body, poses_of(*table, 7, kScalarFirst));
+  return track;
+}
+
+Result<ObjectTrack> read_npy_track(std::string_view bytes) {
+  TRY_ASSIGN(const NpyHeader header, take_npy_header(bytes));
+  TRY_ASSIGN(const NpyArray array, read_npy_rest(header, bytes, kMaxBytes));
+  if (!array.is_number() || array.shape.size() != 2 || array.shape[1] != 7) {
+    return input_failure(
+        "", "expected the shape (frames, 7): x y z qw qx qy qz; found " + shape_text(array.shape));
+  }
+  ObjectTrack track;
+  TRY_ASSIGN(track.world_from_body, poses_of(array.numbers(), 7, kScalarFirst));
+  return track;
+}
+
+// Finds the columns by their names, or takes the usual order if there are none.
+Result<Order> order_of(const std::vector<std::string>& names) {
+  constexpr std::array<std::string_view, 7> kNames = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  if (names.empty()) return kScalarFirst;
+  Order order{};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto found = std::ranges::find_if(
+        names, [&](const std::string& name) { return lower_case(name) == kNames[i]; });
+    if (found == names.end()) {
+      return input_failure(
+          "",
+          fmt::format("no column is named \"{}\": the columns are {}", kNames[i],
+                      list_names(names, 12)),
+          "name the columns x, y, z, qw, qx, qy, qz in any order, or leave out the "
+          "header");
+    }
+    order[i] = static_cast<std::size_t>(found - names.begin());
+  }
+  return order;
+}
+
+Result<ObjectTrack> read_csv_track(std::string_view bytes, const std::string& file) {
+  TRY_ASSIGN(const CsvTable table, read_csv_table(bytes, file));
+  TRY_ASSIGN(const Order order, order_of(table.header));
+  if (table.header.empty() && table.columns != 7) {
+    return input_failure(
+        file, fmt::format("expected 7 columns (x y z qw qx qy qz), found {}", table.columns));
+  }
+  ObjectTrack track;
+  TRY_ASSIGN(track.world_from_body, poses_of(table.values, table.columns, order));
+  return track;
+}
+
+Result<ObjectTrack> read_intermimic_track(std::string_view bytes, const std::string& file) {
+  // Position of the object and its quaternion, x first (docs/smpl.md).
+  constexpr std::size_t kFirst = 318;
+  TRY_ASSIGN(const TorchFile torch, TorchFile::open(bytes, file, {.max_number_bytes = kMaxBytes}));
+  const PickleNode& root = torch.document().root();
+  const bool is_tensor = root.kind == PickleNode::Kind::kTensor;
+  if (!is_tensor || torch.document().tensor(root).shape.size() != 2 ||
+      torch.document().tensor(root).shape[1] != kInterMimicColumns) {
+    return input_failure(file, fmt::format("the file is not a tensor of InterMimic: expected the "
+                                           "shape (frames, {})",
+                                           kInterMimicColumns));
+  }
+  TRY_ASSIGN(const NpyArray table, torch.read(root, "data"));
+  Order order = kScalarLast;
+  for (std::size_t& column : order) column += kFirst;
+  ObjectTrack track;
+  TRY_ASSIGN(track.world_from_body, poses_of(table.numbers(), kInterMimicColumns, order));
+  track.rate = FrameRate{30, 1};
+  return track;
+}
+
+Result<ObjectTrack> read_track(const std::string& file) {
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxBytes));
+  const std::string_view bytes = content.view();
+  const FileType type = file_type(bytes);
+  switch (type.kind) {
+    case FileKind::kNpz:
+      return read_npz_track(bytes, file);
+    case FileKind::kNpy:
+      return read_npy_track(bytes);
+    case FileKind::kTorch:
+      return read_intermimic_track(bytes, file);
+    case FileKind::kOther:
+      return read_csv_track(bytes, file);
+    default:
+      return input_failure(file, "found " + std::string(type.what) + ": expected a track",
+                           "tracks are NPZ, NPY, CSV, or tensors of InterMimic (.pt)");
+  }
+}
+
+}  // namespace
+
+Result<ObjectTrack> load_object_track(const std::string& spec) {
+  std::string body, file = spec;
+  // A file may have such a name itself.
+  if (const std::size_t equals = spec.find('='); equals != spec.npos && !is_file(spec)) {
+    body = spec.substr(0, equals);
+    file = spec.substr(equals + 1);
+    if (body.empty() || file.empty()) {
+      return input_failure("", "a track must be FILE or BODY=FILE, found \"" + spec + "\"");
+    }
+  }
+  auto track = located(read_track(file), file);
+  if (track) track->body = body;
+  return track;
+}
+
+}  // namespace retarget

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/scene.h"
+
+namespace retarget {
+
+/// A body of a scene as a file describes it, in a tree.
+struct SceneLink {
+  SceneBody body;   ///< Without its pose in the world.
+  int parent = -1;  ///< Index of an earlier link; -1: the world.
+  Pose parent_from_link;
+};
+
+/// Makes bodies of links: links that carry shapes, at rest. A link that hangs on a moving one is
+/// part of it, whatever its joint.
+[[nodiscard]] std::vector<SceneBody> bodies_of_links(const std::vector<SceneLink>& links);
+
+/// Readers of scenes; the bodies may have names that are empty or not unique, and floors.
+/// @param file  the scene's file, which also names it in errors (of any kind).
+[[nodiscard]] Result<std::vector<SceneBody>> read_json_scene(const std::string& file);
+[[nodiscard]] Result<std::vector<SceneBody>> read_mjcf_scene(const std::string& file);
+[[nodiscard]] Result<std::vector<SceneBody>> read_urdf_scene(const std::string& file);
+
+}  // namespace retarget

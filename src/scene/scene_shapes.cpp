@@ -1,0 +1,125 @@
+#include "scene/scene_shapes.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "base/try.h"
+#include "retarget/text.h"
+#include "robot/model/mesh_files.h"
+#include "robot/model/read_mesh.h"
+
+namespace retarget {
+
+using Eigen::Vector3d;
+
+Result<TriangleMesh> load_scene_mesh(const std::string& file, const Vector3d& scale,
+                                     const Pose& file_from_mesh) {
+  TRY_ASSIGN(const auto content, read_mesh_file(file));
+  TRY_ASSIGN(TriangleMesh mesh, read_mesh_as_written(content.view(), file));
+  if (mesh.triangles.size() > kMaxSceneTriangles) {
+    return input_failure(file,
+                         "the mesh has " + std::to_string(mesh.triangles.size()) +
+                             " triangles: at most " + std::to_string(kMaxSceneTriangles) +
+                             " are supported",
+                         "simplify the mesh");
+  }
+  const Pose mesh_from_file = file_from_mesh.inverse();
+  for (Vector3d& vertex : mesh.vertices) {
+    vertex = scale.cwiseProduct(mesh_from_file * vertex);
+    if (!(vertex.cwiseAbs().maxCoeff() <= kMaxSceneReach)) {
+      return input_failure(
+          file, "a vertex is more than " + number_text(kMaxSceneReach, 0) + " m from the origin",
+          "lengths are metres; give a mesh in millimetres the scale 0.001");
+    }
+  }
+  return mesh;
+}
+
+Result<TriangleMesh> find_scene_mesh(const std::string& named, const std::string& scene_file,
+                                     const Vector3d& scale, const Pose& file_from_mesh) {
+  const auto file = find_mesh_file(named, scene_file, {});
+  if (!file) {
+    return input_failure(scene_file, "the mesh file \"" + named + "\" does not exist",
+                         "meshes are searched next to the scene's file and one folder up");
+  }
+  return load_scene_mesh(file->string(), scale, file_from_mesh);
+}
+
+TriangleMesh height_mesh(const std::vector<double>& heights, std::size_t columns,
+                         const Eigen::Vector2d& spacing, double bottom) {
+  TriangleMesh mesh;
+  const std::size_t rows = heights.size() / columns;
+  for (const bool top : {true, false}) {
+    for (std::size_t r = 0; r < rows; ++r) {
+      for (std::size_t c = 0; c < columns; ++c) {
+        mesh.vertices.emplace_back(static_cast<double>(c) * spacing.x(),
+                                   static_cast<double>(r) * spacing.y(),
+                                   top ? heights[r * columns + c] : bottom);
+      }
+    }
+  }
+  const auto below = static_cast<int>(rows * columns);
+  // Corners in anticlockwise order, seen from outside.
+  const auto add = [&](int a, int b, int c, int d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  const auto node = [&](std::size_t r, std::size_t c) { return static_cast<int>(r * columns + c); };
+  for (std::size_t r = 0; r + 1 < rows; ++r) {
+    for (std::size_t c = 0; c + 1 < columns; ++c) {
+      const std::array<int, 4> cell = {node(r, c), node(r, c + 1), node(r + 1, c + 1),
+                                       node(r + 1, c)};
+      add(cell[0], cell[1], cell[2], cell[3]);
+      add(below + cell[3], below + cell[2], below + cell[1], below + cell[0]);
+    }
+  }
+  const auto wall = [&](int from, int to) { add(below + from, below + to, to, from); };
+  for (std::size_t c = 0; c + 1 < columns; ++c) {
+    wall(node(0, c), node(0, c + 1));
+    wall(node(rows - 1, c + 1), node(rows - 1, c));
+  }
+  for (std::size_t r = 0; r + 1 < rows; ++r) {
+    wall(node(r, columns - 1), node(r + 1, columns - 1));
+    wall(node(r + 1, 0), node(r, 0));
+  }
+  return mesh;
+}
+
+TriangleMesh ellipsoid_mesh(const Vector3d& radii) {
+  constexpr int kRounds = 4;
+  TriangleMesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    mesh.vertices.emplace_back(Vector3d::Unit(axis));
+    mesh.vertices.emplace_back(-Vector3d::Unit(axis));
+  }
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int round = 0; round < kRounds; ++round) {
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+      const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), 0);
+      if (is_new) {
+        found->second = static_cast<int>(mesh.vertices.size());
+        const Vector3d sum =
+            mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)];
+        mesh.vertices.push_back(sum.normalized());
+      }
+      return found->second;
+    };
+    std::vector<std::array<int, 3>> finer;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      for (const auto& part : {std::array{a, ab, ca}, std::array{b, bc, ab}, std::array{c, ca, bc},
+                               std::array{ab, bc, ca}}) {
+        finer.push_back(part);
+      }
+    }
+    mesh.triangles = std::move(finer);
+  }
+  for (Vector3d& vertex : mesh.vertices) vertex = vertex.cwiseProduct(radii);
+  return mesh;
+}
+
+}  // namespace retarget

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/scene.h"
+#include "retarget/triangle_mesh.h"
+
+namespace retarget {
+
+/// Maximum number of triangles of a mesh.
+inline constexpr std::size_t kMaxSceneTriangles = 2'000'000;
+/// Maximum size of a shape, and distance of a shape or body from the origin of its frame, metres.
+inline constexpr double kMaxSceneReach = 1000.0;
+/// The bottom of a height field is at least this far below its heights, metres.
+inline constexpr double kHeightDepth = 1.0;
+
+/// Reads a mesh file of a scene. A vertex v becomes scale * (file_from_mesh^-1 * v), metres.
+/// Errors: those of read_file and read_mesh_as_written; more than kMaxSceneTriangles triangles;
+/// vertices beyond kMaxSceneReach.
+[[nodiscard]] Result<TriangleMesh> load_scene_mesh(
+    const std::string& file, const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
+    const Pose& file_from_mesh = {});
+
+/// The same for a mesh that a scene names: next to the scene's file or one folder up.
+[[nodiscard]] Result<TriangleMesh> find_scene_mesh(
+    const std::string& named, const std::string& scene_file,
+    const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
+
+/// Shapes with the surface of a mesh: a box for each of its components (sets of triangles that
+/// share corners) that is exactly a box, up to 0.001 % of its size, and one mesh for all others.
+[[nodiscard]] std::vector<SceneShape> shapes_of_mesh(const TriangleMesh& mesh,
+                                                     const Pose& body_from_mesh);
+
+/// The solid below a height field, with side walls and a bottom.
+/// @param heights  by row, metres; row r and column c lie at (c * spacing.x, r * spacing.y)
+/// @param columns  at least 2; the rows must be complete, and at least 2.
+/// @param bottom   z of the bottom, below all heights, metres.
+[[nodiscard]] TriangleMesh height_mesh(const std::vector<double>& heights, std::size_t columns,
+                                       const Eigen::Vector2d& spacing, double bottom);
+
+/// An ellipsoid about the origin whose surface is 0.2 % of its size inside the exact one.
+[[nodiscard]] TriangleMesh ellipsoid_mesh(const Eigen::Vector3d& radii);
+
+}  // namespace retarget
