@@ -74,7 +74,7 @@ Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
                                const std::optional<SceneClip>& scene) {
   if (!scene) {
     return usage_failure("the motion has no scene for " OPTION("scene-out"),
-                         "add " OPTION("scene") " FILE");
+                         "retarget a clip with " OPTION("scene") " FILE");
   }
   TRY_ASSIGN(const std::string text, format_scene(path, motion, *scene));
   TRY_ASSIGN(OutputFile file, OutputFile::create(path));
