@@ -167,7 +167,7 @@ struct FitOptions {
 
   double scene_contact_weight = 500.0;  ///< Body in contact to a surface of the scene, per metre.
   double scene_place_weight = 100.0;    ///< The same along the surface, per metre.
-  double scene_margin = 0.004;          ///< Metres; bodies stay this far from surfaces of the scene.
+  double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
 
   double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Metres; shapes closer than this count as overlapping.
@@ -307,8 +307,8 @@ struct SolveOptions {
   /// Names of options of `fit` (fit_table) that a preset leaves as they are. It also leaves those
   /// that differ from their defaults.
   std::vector<std::string> fit_given;
-  double fit_window_s = 0.0;         ///< Overrides FitOptions::window, seconds; 0: no override.
-  std::string scene;                 ///< File of the scene around the human; empty: only a floor.
+  double fit_window_s = 0.0;  ///< Overrides FitOptions::window, seconds; 0: no override.
+  std::string scene;          ///< File of the scene around the human; empty: only a floor.
   /// Tracks of moving bodies of the scene: FILE or BODY=FILE.
   std::vector<std::string> object_tracks;
   std::vector<std::string> with;     ///< Terms of the fit to enable.
@@ -344,7 +344,7 @@ struct SaveOptions {
   int npz_fps = 50;                       ///< NPZ: frames per second.
   std::optional<BodyPoint> npz_velocity;  ///< NPZ: point of the body velocities; empty: by format.
   std::string motion_name;                ///< PBHC: name of the motion; empty: from the file name.
-  std::string contacts;  ///< Also write the planted feet to this CSV file; empty: do not.
+  std::string contacts;   ///< Also write the planted feet to this CSV file; empty: do not.
   std::string scene_out;  ///< Also write the robot's scene to this file; empty: do not.
 };
 

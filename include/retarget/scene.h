@@ -37,7 +37,7 @@ struct SceneBody {
   double mass = 0.0;     ///< kg; 0: unknown.
 };
 
-/// What surrounds a human or a robot, besides the floor z = 0.
+/// The surroundings of a human or a robot, without the floor z = 0.
 struct Scene {
   std::string name;  ///< File name, for messages.
   std::vector<SceneBody> bodies;

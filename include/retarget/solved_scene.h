@@ -27,9 +27,9 @@ struct SceneContact {
 
 /// The scene of a robot's motion.
 struct SolvedScene {
-  SceneClip clip;      ///< Static bodies and all paths scaled about the origin; objects of their size.
-  SceneClip human;     ///< Around the human, in the frames of the motion.
-  double scale = 1.0;  ///< From the human's world to the robot's.
+  SceneClip clip;   ///< Static bodies and all paths scaled about the origin; objects of their size.
+  SceneClip human;  ///< Around the human, in the frames of the motion.
+  double scale = 1.0;                  ///< From the human's world to the robot's.
   std::vector<SceneContact> contacts;  ///< Of the human; those of feet are in Motion::contacts.
   std::vector<SceneContact> on_floor;  ///< Of the same parts with the floor.
   /// For each phase of Motion::contacts, the body of the scene under the foot, or kFloorBody.
@@ -38,9 +38,9 @@ struct SolvedScene {
 
 /// A contact of a robot's body with a surface, which the fit holds because the human has it.
 struct SurfaceTouch {
-  std::string part;     ///< Of the human: `left_hand`, `left_heel`, `seat`, ...
-  std::string link;     ///< Body of the robot.
-  std::string surface;  ///< Body of the scene, or kFloorName.
+  std::string part;        ///< Of the human: `left_hand`, `left_heel`, `seat`, ...
+  std::string link;        ///< Body of the robot.
+  std::string surface;     ///< Body of the scene, or kFloorName.
   int begin = 0, end = 0;  ///< Frames [begin, end) of the motion.
   bool slides = false;     ///< It moves over the surface.
 };

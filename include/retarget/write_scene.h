@@ -26,11 +26,11 @@ inline constexpr double kObjectDensity = 200.0;
 /// The robot is as loaded: primitives, no actuators, with the torque limits and rotor inertias of
 /// its profile. Static bodies follow as bodies without joints, moving ones with a free joint, so a
 /// configuration is the robot's, then position (metres) and quaternion wxyz of each object in the
-/// order of the scene. Names of the scene are kept, but for a number where the robot has the same.
+/// order of the scene. Names of the scene are kept, with a number added where the robot has the same name.
 /// Moving bodies have their mass, or that of kObjectDensity. There is a floor z = 0 unless the
 /// robot's model has a plane. Keyframes `start` and `end`: first and last frame.
 ///
-/// Errors (kRun): what MuJoCo says about a shape, such as a mesh without volume.
+/// Errors (kRun): a shape that MuJoCo rejects, such as a mesh without volume.
 [[nodiscard]] Result<std::string> format_scene_mjcf(const RobotClip& motion,
                                                     const SceneClip& scene);
 

@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 using Type = SceneShape::Type;
 
 constexpr std::size_t kMaxHeights = 1'000'000;
+constexpr double kMaxMass = 1e6;  // kg.
 
 class JsonSceneReader {
  public:
@@ -58,7 +59,7 @@ class JsonSceneReader {
     if (!body.name.empty()) where = fmt::format("body \"{}\": ", body.name);
     body.world_from_body = pose_of(members, where);
     body.moves = members.flag("moves");
-    if (members.find("mass") != nullptr) body.mass = size_of(members, "mass", where);
+    if (members.find("mass") != nullptr) body.mass = size_of(members, "mass", where, kMaxMass);
     const Json* shapes = members.list("shapes");
     if (shapes == nullptr || shapes->empty())
       faults_.add(where + "\"shapes\" must list its shapes");
@@ -157,15 +158,15 @@ class JsonSceneReader {
     for (std::size_t i = 0; triangles != nullptr && i < triangles->size(); ++i) {
       const auto corners = value_from<std::vector<int>>((*triangles)[i]);
       if (!corners || corners->size() != 3 || !std::ranges::all_of(*corners, is_vertex)) {
-        faults_.add(fmt::format("{}triangle {} must be three indices of \"vertices\", from 0", where,
-                                i));
+        faults_.add(
+            fmt::format("{}triangle {} must be three indices of \"vertices\", from 0", where, i));
         return;
       }
       mesh.triangles.push_back({(*corners)[0], (*corners)[1], (*corners)[2]});
     }
     if (mesh.triangles.empty() || mesh.triangles.size() > kMaxSceneTriangles) {
-      faults_.add(fmt::format("{}\"triangles\" must list 1 to {} triangles", where,
-                              kMaxSceneTriangles));
+      faults_.add(
+          fmt::format("{}\"triangles\" must list 1 to {} triangles", where, kMaxSceneTriangles));
       return;
     }
     for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
@@ -228,11 +229,12 @@ class JsonSceneReader {
     return pose;
   }
 
-  double size_of(const JsonMembers& members, const std::string& key, const std::string& where) {
+  double size_of(const JsonMembers& members, const std::string& key, const std::string& where,
+                 double at_most = kMaxSceneReach) {
     const Json* found = members.find(key);
     const auto size = found == nullptr ? std::nullopt : value_from<double>(*found);
-    if (size && *size > 0.0 && *size <= kMaxSceneReach) return *size;
-    add_size_fault(found, key, where, "a positive number");
+    if (size && *size > 0.0 && *size <= at_most) return *size;
+    add_size_fault(found, key, where, "a positive number", at_most);
     return 1.0;
   }
 
@@ -240,14 +242,13 @@ class JsonSceneReader {
     const Json* found = members.find(key);
     const auto sizes = found == nullptr ? std::nullopt : vector_from(*found);
     if (sizes && sizes->minCoeff() > 0.0 && sizes->maxCoeff() <= kMaxSceneReach) return *sizes;
-    add_size_fault(found, key, where, "three positive numbers");
+    add_size_fault(found, key, where, "three positive numbers", kMaxSceneReach);
     return Vector3d::Ones();
   }
 
   void add_size_fault(const Json* found, const std::string& key, const std::string& where,
-                      const char* wanted) {
-    faults_.add(fmt::format("{}\"{}\" must be {} of at most {}, {}", where, key, wanted,
-                            kMaxSceneReach,
+                      const char* wanted, double at_most) {
+    faults_.add(fmt::format("{}\"{}\" must be {} of at most {}, {}", where, key, wanted, at_most,
                             found == nullptr ? "but is missing" : "found " + short_text(*found)));
   }
 

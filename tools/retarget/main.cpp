@@ -44,7 +44,8 @@ constexpr std::array<std::pair<const char*, const char*>, 9> kExamples = {{
      "  retarget batch clips/ -o out/ --robot g1\n"
      "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
     {"inspect", "  retarget inspect walk.bvh\n  retarget inspect walk.bvh --json"},
-    {"contacts", "  retarget contacts carry.bvh --robot g1 --scene box.json --object-track box.csv"},
+    {"contacts",
+     "  retarget contacts carry.bvh --robot g1 --scene box.json --object-track box.csv"},
     {"evaluate",
      "  retarget evaluate walk.csv --robot g1 --bvh walk.bvh\n"
      "  retarget evaluate a.csv b.csv --robot g1 --json report.json"},

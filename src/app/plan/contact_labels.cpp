@@ -19,8 +19,7 @@ constexpr std::array<std::string_view, kSupportBones.size()> kPartNames = {
 
 class LabelMaker {
  public:
-  explicit LabelMaker(const Motion& motion)
-      : motion_(motion), robot_(motion.clip.robot()) {
+  explicit LabelMaker(const Motion& motion) : motion_(motion), robot_(motion.clip.robot()) {
     labels_.frame_count = motion.clip.frame_count();
   }
 

@@ -72,8 +72,7 @@ Result<void> save(const RobotClip& clip, const std::string& output, const SaveOp
 
 Result<void> save(const Motion& motion, const std::string& output,
                   const std::optional<SaveOptions>& options) {
-  SavedMotion saved{motion.clip,
-                    human_in_world(*motion.source, motion.plan.human.calibration),
+  SavedMotion saved{motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
                     contacts_of(motion), std::nullopt, std::nullopt};
   if (motion.scene) {
     saved.scene = motion.scene->clip;

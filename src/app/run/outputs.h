@@ -83,11 +83,11 @@ class CsvSink {
 
 /// A motion to write.
 struct OutputMotion {
-  const RobotClip* clip = nullptr;       ///< Must outlive the writing.
-  std::optional<HumanInWorld> human;     ///< The source motion, for formats that show it.
-  std::optional<FootContacts> contacts;  ///< Empty if unknown.
-  std::optional<SceneClip> scene = std::nullopt;        ///< Of the robot; empty: none.
-  std::optional<ContactLabels> labels = std::nullopt;   ///< Contacts in the scene.
+  const RobotClip* clip = nullptr;                ///< Must outlive the writing.
+  std::optional<HumanInWorld> human;              ///< The source motion, for formats that show it.
+  std::optional<FootContacts> contacts;           ///< Empty if unknown.
+  std::optional<SceneClip> scene = std::nullopt;  ///< Of the robot; empty: none.
+  std::optional<ContactLabels> labels = std::nullopt;  ///< Contacts in the scene.
 };
 
 /// Formats the sidecar of a file.

@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 // Seconds before and after a contact.
 constexpr double kBlendTime = 0.15;
 
-void append(std::vector<double>& values, const Vector3d& v) {
+void append_vector(std::vector<double>& values, const Vector3d& v) {
   values.insert(values.end(), {v.x(), v.y(), v.z()});
 }
 
@@ -48,12 +48,12 @@ void add_sample(const std::vector<Pose>& poses, std::size_t i, double frame_time
   const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, poses.size() - 1);
   const std::size_t middle = std::clamp<std::size_t>(i, 1, poses.size() - 2);
   const Quaterniond& q = poses[i].rotation;
-  append(objects.pos, poses[i].translation);
+  append_vector(objects.pos, poses[i].translation);
   objects.quat.insert(objects.quat.end(), {q.w(), q.x(), q.y(), q.z()});
-  append(objects.lin_vel, (poses[after].translation - poses[before].translation) /
-                              (static_cast<double>(after - before) * frame_time));
+  append_vector(objects.lin_vel, (poses[after].translation - poses[before].translation) /
+                                     (static_cast<double>(after - before) * frame_time));
   const Quaterniond turn = poses[middle + 1].rotation * poses[middle - 1].rotation.conjugate();
-  append(objects.ang_vel, log_so3(turn) / (2.0 * frame_time));
+  append_vector(objects.ang_vel, log_so3(turn) / (2.0 * frame_time));
 }
 
 // Contacts of the same part, or of the same body, with one surface.
@@ -161,7 +161,8 @@ std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& r
     for (std::size_t end = 0; end < kContactNames.size(); ++end) {
       bool planted =
           contacts.planted[kContactNames.size() * static_cast<std::size_t>(frame) + end] != 0;
-      if (labels != nullptr) planted = on_floor[end] != nullptr && touches_in(*on_floor[end], frame);
+      if (labels != nullptr)
+        planted = on_floor[end] != nullptr && touches_in(*on_floor[end], frame);
       text += planted ? ",1" : ",0";
     }
     for (const Column& column : columns) text += touches_in(column, frame) ? ",1" : ",0";

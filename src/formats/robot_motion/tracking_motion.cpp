@@ -40,8 +40,8 @@ Samples sample(const RobotClip& clip, const TrackingOptions& options) {
   const SampleTimes times(clip.rate(), options.rate);
   const int last = clip.frame_count() - 1;
   Samples samples;
-  for (WideFrames i = 0;
-       times.is_before(i, last) || (options.until_last && times.is_at(i, last)); ++i) {
+  for (WideFrames i = 0; times.is_before(i, last) || (options.until_last && times.is_at(i, last));
+       ++i) {
     const auto [frame, s] = times.at(i);
     const auto a = clip.qpos(frame), b = clip.qpos(std::min(frame + 1, clip.frame_count() - 1));
     std::vector<double> qpos(a.size());

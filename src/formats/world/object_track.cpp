@@ -253,9 +253,10 @@ Result<ObjectTrack> load_object_track(const std::string& spec) {
       return input_failure("", "a track must be FILE or BODY=FILE, found \"" + spec + "\"");
     }
   }
-  auto track = located(read_track(file, body), file);
+  auto track = read_track(file, body);
+  if (!track) track.error().kind = ErrorKind::kInput;
   if (track) track->body = body;
-  return track;
+  return located(std::move(track), file);
 }
 
 }  // namespace retarget

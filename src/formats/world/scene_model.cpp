@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <mutex>
-#include <cmath>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -51,7 +51,8 @@ void put_linear(Member& member, double value) {
 // Writes a compiled robot into an empty model.
 class RobotCopy {
  public:
-  RobotCopy(const Robot& robot, mjSpec* spec) : robot_(robot), model_(*robot.model()), spec_(spec) {}
+  RobotCopy(const Robot& robot, mjSpec* spec)
+      : robot_(robot), model_(*robot.model()), spec_(spec) {}
 
   void write() {
     bodies_.push_back(mjs_findBody(spec_, "world"));
@@ -292,9 +293,9 @@ void add_key(const char* name, const RobotClip& motion, int frame, const SceneCo
 
 Failure scene_failure(mjSpec* spec, const MessageGuard& guard) {
   const std::string said = mjs_getError(spec);
-  return run_failure("", "MuJoCo cannot compile the scene: " +
-                             one_line(said.empty() && !guard.errors().empty() ? guard.errors()[0]
-                                                                              : said));
+  return run_failure(
+      "", "MuJoCo cannot compile the scene: " +
+              one_line(said.empty() && !guard.errors().empty() ? guard.errors()[0] : said));
 }
 
 Result<ModelPtr> compile(mjSpec* spec, const MessageGuard& guard) {
@@ -307,8 +308,8 @@ Result<std::string> xml_of(const mjSpec* spec) {
   std::array<char, 1000> error{};
   std::string xml(1U << 16U, '\0');
   while (true) {
-    const int needed = mj_saveXMLString(spec, xml.data(), static_cast<int>(xml.size()), error.data(),
-                                        static_cast<int>(error.size()));
+    const int needed = mj_saveXMLString(spec, xml.data(), static_cast<int>(xml.size()),
+                                        error.data(), static_cast<int>(error.size()));
     if (needed < 0) {
       return run_failure("", "MuJoCo cannot write the scene: " + one_line(error.data()));
     }

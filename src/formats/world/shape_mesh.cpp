@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 using Type = SceneShape::Type;
 
 constexpr int kSides = 32;
-constexpr int kArcs = 8;  // Of a quarter circle.
+constexpr int kArcs = 8;                 // Of a quarter circle.
 constexpr double kPlaneHalfSize = 50.0;  // Metres.
 
 // A circle about the z axis; a point if the radius is 0.

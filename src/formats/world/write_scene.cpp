@@ -54,7 +54,7 @@ Json json_of(const SceneShape& shape) {
     case Type::kCapsule:
     case Type::kCylinder:
       // A capsule without length is a sphere.
-      put_round(shape.half_length == 0.0          ? "sphere"
+      put_round(shape.half_length == 0.0       ? "sphere"
                 : shape.type == Type::kCapsule ? "capsule"
                                                : "cylinder");
       if (shape.half_length > 0.0) json["length"] = 2.0 * shape.half_length;
@@ -123,8 +123,9 @@ std::string format_scene_obj(const SceneClip& scene) {
 Result<void> check_scene_ending(const std::string& file) {
   const std::string ending = ending_of_scene(file);
   if (ending == ".xml" || ending == ".json" || ending == ".obj") return {};
-  return usage_failure(OPTION("scene-out") " must end in .xml, .json or .obj, found \"" + file + "\"",
-                       ".xml: robot and scene as MJCF; .json: the scene; .obj: its static bodies");
+  return usage_failure(
+      OPTION("scene-out") " must end in .xml, .json or .obj, found \"" + file + "\"",
+      ".xml: robot and scene as MJCF; .json: the scene; .obj: its static bodies");
 }
 
 Result<std::string> format_scene(const std::string& file, const RobotClip& motion,

@@ -95,7 +95,8 @@ class SurfaceContactFinder {
     if (from == to) return 0.0;
     const double over = (places_[to] - places_[from]).norm();
     const double towards = distances_[to] - distances_[from];
-    return std::sqrt(over * over + towards * towards) / (frame_time_ * static_cast<double>(to - from));
+    return std::sqrt(over * over + towards * towards) /
+           (frame_time_ * static_cast<double>(to - from));
   }
 
   // A part that stays near the surface between two contacts does not leave it.
@@ -229,9 +230,8 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   };
   for (std::size_t foot = 0; foot < contacts.ends.size(); ++foot) {
     const auto end_at = [&](int end) {
-      return [&feet, foot, end](int frame) {
-        return feet.at(frame, static_cast<int>(foot)).end(end);
-      };
+      return
+          [&feet, foot, end](int frame) { return feet.at(frame, static_cast<int>(foot)).end(end); };
     };
     for (const int end : {kHeelEnd, kToeEnd}) {
       for (ContactPhase& phase : contacts.ends[foot][static_cast<std::size_t>(end)].phases) {
@@ -246,8 +246,8 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   }
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
     std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
-      return ground(phase.begin, phase.end,
-                    [&](int frame) { return feet.support(frame, part); }) > kRaised;
+      return ground(phase.begin, phase.end, [&](int frame) { return feet.support(frame, part); }) >
+             kRaised;
     });
   }
 }

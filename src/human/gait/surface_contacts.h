@@ -32,7 +32,7 @@ class SurfaceParts {
   /// `point` belong to the nearest point of the part.
   struct Nearest {
     double distance = 0.0;
-    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< World axes.
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     ///< World axes.
     Eigen::Vector3d on_surface = Eigen::Vector3d::Zero();  ///< World, metres.
   };
   [[nodiscard]] Nearest nearest(const SceneWorld& world, int frame, std::size_t part,

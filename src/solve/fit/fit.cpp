@@ -370,8 +370,8 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
   solved.clip = scene->world.clip;
   solved.scale = scale;
   for (const SurfacePhase& phase : phases) {
-    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body),
-                               phase.begin, phase.end, phase.slides});
+    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body), phase.begin,
+                               phase.end, phase.slides});
   }
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
     for (const ContactPhase& phase : result.contacts.bodies[part]) {
