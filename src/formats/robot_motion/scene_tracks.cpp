@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/containers/npz_writer.h"
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"
@@ -99,7 +100,51 @@ double label_at(const Column& column, double time, double frame_time) {
   return label;
 }
 
+// Appends `width` numbers of an array.
+void append_numbers(std::vector<double>& to, const std::vector<double>& from, std::size_t begin,
+                    std::size_t width) {
+  const auto first = from.begin() + static_cast<std::ptrdiff_t>(begin);
+  to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(width));
+}
+
+// holosoma's configurations of robot and objects.
+void add_qpos(const TrackingMotion& motion, NpzWriter& npz) {
+  const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();
+  const std::size_t objects = motion.objects->names.size();
+  std::vector<double> qpos;
+  for (std::size_t frame = 0; frame < motion.frames; ++frame) {
+    append_numbers(qpos, motion.body_pos, 3 * frame * bodies, 3);
+    append_numbers(qpos, motion.body_quat, 4 * frame * bodies, 4);
+    append_numbers(qpos, motion.joint_pos, frame * joints, joints);
+    for (std::size_t object = 0; object < objects; ++object) {
+      append_numbers(qpos, motion.objects->pos, 3 * (frame * objects + object), 3);
+      append_numbers(qpos, motion.objects->quat, 4 * (frame * objects + object), 4);
+    }
+  }
+  npz.add("qpos", float32_array(qpos, {motion.frames, 7 + joints + 7 * objects}));
+}
+
 }  // namespace
+
+void add_scene_arrays(const TrackingMotion& motion, NpzWriter& npz) {
+  const std::size_t frames = motion.frames;
+  if (motion.objects) {
+    const TrackedObjects& objects = *motion.objects;
+    const std::size_t count = objects.names.size();
+    npz.add("object_names", text_array(objects.names));
+    npz.add("object_pos_w", float32_array(objects.pos, {frames, count, 3}));
+    npz.add("object_quat_w", float32_array(objects.quat, {frames, count, 4}));
+    npz.add("object_lin_vel_w", float32_array(objects.lin_vel, {frames, count, 3}));
+    npz.add("object_ang_vel_w", float32_array(objects.ang_vel, {frames, count, 3}));
+    if (motion.format == MotionFormat::kNpzHolosoma) add_qpos(motion, npz);
+  }
+  if (motion.touches) {
+    const TrackedContacts& touches = *motion.touches;
+    npz.add("contact_labels", float32_array(touches.labels, {frames, touches.links.size()}));
+    npz.add("contact_links", text_array(touches.links));
+    npz.add("contact_surfaces", text_array(touches.surfaces));
+  }
+}
 
 std::optional<TrackedObjects> tracked_objects(const SceneClip& scene,
                                               const TrackingMotion& motion) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "formats/containers/npz_writer.h"
 #include "retarget/clip.h"
 #include "retarget/motion_io.h"
 #include "retarget/scene.h"
@@ -19,5 +20,8 @@ namespace retarget {
 /// linearly to 0 in the 0.15 s before and after, in which the fit approaches and leaves surfaces.
 [[nodiscard]] TrackedContacts tracked_contacts(const ContactLabels& labels, const FrameRate& clip,
                                                const TrackingMotion& motion);
+
+/// Adds the arrays that only motions in scenes have; see format_tracking_npz.
+void add_scene_arrays(const TrackingMotion& motion, NpzWriter& npz);
 
 }  // namespace retarget

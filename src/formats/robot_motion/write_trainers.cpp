@@ -150,44 +150,6 @@ void add_joints_behind_root(const TrackingMotion& motion, NpzWriter& npz) {
   npz.add("joint_vel", float32_array(velocities, {motion.frames, 6 + joints}));
 }
 
-// holosoma's configurations of robot and objects.
-void add_qpos(const TrackingMotion& motion, NpzWriter& npz) {
-  const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();
-  const std::size_t objects = motion.objects->names.size();
-  std::vector<double> qpos;
-  for (std::size_t frame = 0; frame < motion.frames; ++frame) {
-    append_row(qpos, motion.body_pos, 3 * frame * bodies, 3);
-    append_row(qpos, motion.body_quat, 4 * frame * bodies, 4);
-    append_row(qpos, motion.joint_pos, frame * joints, joints);
-    for (std::size_t object = 0; object < objects; ++object) {
-      append_row(qpos, motion.objects->pos, 3 * (frame * objects + object), 3);
-      append_row(qpos, motion.objects->quat, 4 * (frame * objects + object), 4);
-    }
-  }
-  npz.add("qpos", float32_array(qpos, {motion.frames, 7 + joints + 7 * objects}));
-}
-
-// Arrays that only motions in scenes have.
-void add_scene_arrays(const TrackingMotion& motion, NpzWriter& npz) {
-  const std::size_t frames = motion.frames;
-  if (motion.objects) {
-    const TrackedObjects& objects = *motion.objects;
-    const std::size_t count = objects.names.size();
-    npz.add("object_names", text_array(objects.names));
-    npz.add("object_pos_w", float32_array(objects.pos, {frames, count, 3}));
-    npz.add("object_quat_w", float32_array(objects.quat, {frames, count, 4}));
-    npz.add("object_lin_vel_w", float32_array(objects.lin_vel, {frames, count, 3}));
-    npz.add("object_ang_vel_w", float32_array(objects.ang_vel, {frames, count, 3}));
-    if (motion.format == MotionFormat::kNpzHolosoma) add_qpos(motion, npz);
-  }
-  if (motion.touches) {
-    const TrackedContacts& touches = *motion.touches;
-    npz.add("contact_labels", float32_array(touches.labels, {frames, touches.links.size()}));
-    npz.add("contact_links", text_array(touches.links));
-    npz.add("contact_surfaces", text_array(touches.surfaces));
-  }
-}
-
 constexpr std::string_view kEnumModule = "protomotions.simulator.base_simulator.simulator_state";
 constexpr std::array<std::string_view, 2> kSides = {"left", "right"};
 
