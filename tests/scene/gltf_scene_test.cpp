@@ -60,7 +60,7 @@ struct Animated {
   }
 };
 
-Scene read(const std::string& text) {
+SceneGraph read(const std::string& text) {
   auto scene = read_gltf(text, "test.gltf", kMemory);
   EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
   return *std::move(scene);
@@ -75,7 +75,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   Animated moved;
   moved.times = {1, 2};
   moved.values = {0, 0, 0, 8, 0, 4};
-  const Scene linear = read(moved.text());
+  const SceneGraph linear = read(moved.text());
   EXPECT_EQ(linear.motion->at(0, 0, 1.25).translation, Vector3d(2, 0, 1));
   EXPECT_EQ(linear.motion->at(0, 0, 0.0).translation, Vector3d(0, 0, 0));
   EXPECT_EQ(linear.motion->at(0, 0, 9.0).translation, Vector3d(8, 0, 4));
@@ -140,7 +140,7 @@ TEST(GltfSceneTest, ReplacesSparseElementsAndScalesWholeNumbers) {
 {{"sampler": 1, "target": {{"node": 0, "path": "rotation"}}}}],
 "samplers": [{{"input": 0, "output": 1}}, {{"input": 2, "output": 3}}]}}]}})",
       bytes.size(), base64_text(bytes));
-  const Scene scene = read(text);
+  const SceneGraph scene = read(text);
   EXPECT_EQ(scene.motion->at(0, 0, 0.0).translation, Vector3d::Zero());
   EXPECT_EQ(scene.motion->at(0, 0, 1.0).translation, Vector3d(7, 8, 9));
   EXPECT_EQ(scene.motion->at(0, 0, 0.0).rotation.w(), 1.0);
@@ -158,7 +158,7 @@ TEST(GltfSceneTest, NamesBonesAsVrmDoes) {
       R"(, "extensions": {"VRM": {"humanoid": {"humanBones": [{"bone": "hips", "node": 0}, {"bone": "spine", "node": 1}]}}})";
   for (const char* extension : {newer, older}) {
     moved.more = extension;
-    const Scene scene = read(moved.text());
+    const SceneGraph scene = read(moved.text());
     EXPECT_EQ(scene.format, "VRM");
     EXPECT_EQ(scene.nodes[0].name, "hips");
     EXPECT_EQ(scene.nodes[1].name, "spine");

@@ -76,7 +76,8 @@ struct Sampling {
 
 class SceneSampler {
  public:
-  SceneSampler(const Scene& scene, const std::string& file_name, const SceneReadOptions& options)
+  SceneSampler(const SceneGraph& scene, const std::string& file_name,
+               const SceneReadOptions& options)
       : scene_(scene), file_name_(file_name), options_(options) {}
 
   Result<Clip> run(std::size_t file_bytes) {
@@ -356,7 +357,7 @@ class SceneSampler {
     return origin;
   }
 
-  const Scene& scene_;
+  const SceneGraph& scene_;
   const std::string& file_name_;
   const SceneReadOptions& options_;
   int take_ = -1;
@@ -373,8 +374,8 @@ class SceneSampler {
 
 }  // namespace
 
-Result<Clip> clip_of_scene(const Scene& scene, const std::string& file_name, std::size_t file_bytes,
-                           const SceneReadOptions& options) {
+Result<Clip> clip_of_scene(const SceneGraph& scene, const std::string& file_name,
+                           std::size_t file_bytes, const SceneReadOptions& options) {
   return SceneSampler(scene, file_name, options).run(file_bytes);
 }
 
@@ -382,9 +383,9 @@ Result<Clip> read_scene(std::string_view bytes, const std::string& file_name,
                         const SceneReadOptions& options) {
   const FileKind kind = file_type(bytes).kind;
   if (kind == FileKind::kMvnx) return read_mvnx(bytes, file_name, options);
-  TRY_ASSIGN(const Scene scene, kind == FileKind::kFbx
-                                    ? read_fbx(bytes, file_name, options.max_clip_bytes)
-                                    : read_gltf(bytes, file_name, options.max_clip_bytes));
+  TRY_ASSIGN(const SceneGraph scene, kind == FileKind::kFbx
+                                         ? read_fbx(bytes, file_name, options.max_clip_bytes)
+                                         : read_gltf(bytes, file_name, options.max_clip_bytes));
   return clip_of_scene(scene, file_name, bytes.size(), options);
 }
 
