@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 // Half-width of the band in which the penetration term sets in, metres.
 constexpr double kBand = 0.003;
 // Depth by which a foot's shapes may extend below its sole, metres.
-constexpr double kShapeBelowSole = 0.005;
+constexpr double kFootBelowSole = 0.005;
 // Depth at which the term sets in for soles, which stand on surfaces, metres.
 constexpr double kSoleDepth = 0.002;
 // Largest number of spheres along one axis of a shape.
@@ -215,7 +215,7 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
     for (const FitFoot::End& end : foot.ends) {
       for (const Vector3d& point : end.points) {
         // Together with the margin of a foot: the sole may penetrate by kSoleDepth.
-        scene.points[at(foot.link)].push_back({point, kShapeBelowSole - kSoleDepth});
+        scene.points[at(foot.link)].push_back({point, kFootBelowSole - kSoleDepth});
       }
     }
   }
@@ -252,7 +252,7 @@ SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, con
   for (std::size_t link = 0; link < scene.points.size(); ++link) {
     if (scene.points[link].empty()) continue;
     const bool is_foot = model.is_foot[link] != 0;
-    const double margin = is_foot ? -kShapeBelowSole : options.scene_margin;
+    const double margin = is_foot ? -kFootBelowSole : options.scene_margin;
     const double weight = square(is_foot ? options.sole_floor_weight : options.body_floor_weight);
     const Pose& world_from_link = pose.world_from_link[link];
     const BoundingSphere& sphere = scene.spheres[link];
