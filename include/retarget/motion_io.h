@@ -17,6 +17,8 @@
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "retarget/scene.h"
+#include "retarget/solved_scene.h"
 
 namespace RETARGET_API retarget {
 
@@ -129,7 +131,10 @@ struct FootContacts {
 
 /// Formats contacts as CSV: a header, then per frame its number, its time in seconds and 0 or 1 for
 /// each of kContactNames.
-[[nodiscard]] std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& rate);
+/// @param labels  contacts in a scene; null: no scene. The columns of kContactNames are then contacts
+///     with the floor, and a column `part:surface` follows for each part and surface that touch.
+[[nodiscard]] std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& rate,
+                                              const ContactLabels* labels = nullptr);
 
 /// Order of joints and bodies in the arrays of a tracking file.
 ///
@@ -154,6 +159,19 @@ struct TrackingOptions {
   bool until_last = false;               ///< Include a sample that coincides with the last frame.
 };
 
+/// Moving objects of a TrackingMotion; arrays alike, frames x objects x 3 or 4.
+struct TrackedObjects {
+  std::vector<std::string> names;
+  std::vector<double> pos, quat;
+  std::vector<double> lin_vel, ang_vel;  ///< Of the origins of the objects' frames.
+};
+
+/// Contacts of a TrackingMotion with surfaces, one column per body of the robot and surface.
+struct TrackedContacts {
+  std::vector<std::string> links, surfaces;
+  std::vector<double> labels;  ///< Frames x columns: 1 in contact, falling to 0 in 0.15 s.
+};
+
 /// Training data of motion trackers: row-major arrays; world frame, Z up, SI units, quaternions
 /// wxyz.
 struct TrackingMotion {
@@ -165,6 +183,8 @@ struct TrackingMotion {
   std::vector<double> body_pos, body_quat;         ///< frames x bodies x 3 and x 4.
   std::vector<double> body_lin_vel, body_ang_vel;  ///< frames x bodies x 3.
   std::optional<FootContacts> contacts;            ///< One per sample; empty: unknown.
+  std::optional<TrackedObjects> objects;           ///< Empty: nothing moves but the robot.
+  std::optional<TrackedContacts> touches;          ///< Empty: no scene.
 };
 
 /// Computes the arrays that csv_to_npz of BeyondMimic and mjlab get by replaying a CSV in a
@@ -183,10 +203,14 @@ struct TrackingMotion {
 
 /// Formats an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
 /// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which trainers ignore: `flavour`,
-/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`.
+/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`. With
+/// moving objects: `object_names`, `object_pos_w`, `object_quat_w`, `object_lin_vel_w` and
+/// `object_ang_vel_w`. With a scene: `contact_labels` (frames, columns), `contact_links` and
+/// `contact_surfaces`.
 ///
 /// kNpzHolosoma: `joint_pos` starts with the root's position and quaternion wxyz, `joint_vel` with
-/// its linear and angular velocity in the world frame.
+/// its linear and angular velocity in the world frame. With moving objects also `qpos`: position and
+/// quaternion wxyz of the root, joints, position and quaternion of each object.
 /// Errors (kRun): a size of 4 GiB or more; a rate that is not an integer.
 [[nodiscard]] Result<std::string> format_tracking_npz(const TrackingMotion& motion);
 
@@ -211,6 +235,9 @@ struct WriteMotionOptions {
   std::optional<HumanInWorld> human = std::nullopt;  ///< Source motion, shown in a kGlb file.
   /// Contacts per frame of the clip, for formats that store them; empty: unknown.
   std::optional<FootContacts> contacts = std::nullopt;
+  /// The robot's scene in the frames of the clip, and its contacts; for the NPZ formats.
+  std::optional<SceneClip> scene = std::nullopt;
+  std::optional<ContactLabels> labels = std::nullopt;
 };
 
 /// A formatted output file.

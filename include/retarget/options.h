@@ -345,7 +345,8 @@ struct SaveOptions {
   int npz_fps = 50;                       ///< NPZ: frames per second.
   std::optional<BodyPoint> npz_velocity;  ///< NPZ: point of the body velocities; empty: by format.
   std::string motion_name;                ///< PBHC: name of the motion; empty: from the file name.
-  std::string contacts;  ///< Also write the planted feet to this CSV file; empty: do not.
+  std::string contacts;   ///< Also write the planted feet to this CSV file; empty: do not.
+  std::string scene_out;  ///< Also write the robot's scene to this file; empty: do not.
 };
 
 /// All inputs of a motion other than the clip and the robot.

@@ -64,6 +64,11 @@ struct Motion {
 /// non-finite values (kConfig); a stop by SolveControl::keep_going (kInterrupted).
 [[nodiscard]] Result<Motion> solve(Plan plan, const SolveControl& control = {});
 
+/// The contacts of a motion with surfaces, by the robot's bodies: those of feet and, in a scene, those
+/// of knees, elbows, hands, seat and back. Empty if the motion was not fitted. Without a scene, every
+/// surface under a foot is called the floor.
+[[nodiscard]] ContactLabels contact_labels(const Motion& motion);
+
 /// Measures a motion, with values rounded as in the output file, and checks it against the default
 /// gates of the data folder (docs/quality.md).
 [[nodiscard]] Result<QualityReport> evaluate(const Motion& motion);

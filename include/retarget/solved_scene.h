@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -9,10 +10,15 @@
 
 namespace RETARGET_API retarget {
 
+/// SceneContact::body of a contact with the floor z = 0.
+inline constexpr int kFloorBody = -1;
+/// Name of the floor among the surfaces of contacts.
+inline constexpr const char* kFloorName = "floor";
+
 /// A contact of a human's body part with a body of the scene.
 struct SceneContact {
   Bone part = Bone::kHips;  ///< One of kSupportBones.
-  int body = 0;             ///< Of the scene.
+  int body = 0;             ///< Of the scene, or kFloorBody.
   int begin = 0, end = 0;   ///< Frames [begin, end).
   bool slides = false;      ///< It moves over the surface.
 
@@ -21,10 +27,28 @@ struct SceneContact {
 
 /// The scene of a robot's motion.
 struct SolvedScene {
-  SceneClip clip;      ///< Static bodies and all paths scaled about the origin; objects of their size.
-  SceneClip human;     ///< Around the human, in the frames of the motion.
-  double scale = 1.0;  ///< From the human's world to the robot's.
+  SceneClip clip;   ///< Static bodies and all paths scaled about the origin; objects of their size.
+  SceneClip human;  ///< Around the human, in the frames of the motion.
+  double scale = 1.0;                  ///< From the human's world to the robot's.
   std::vector<SceneContact> contacts;  ///< Of the human; those of feet are in Motion::contacts.
+  std::vector<SceneContact> on_floor;  ///< Of the same parts with the floor.
+  /// For each phase of Motion::contacts, the body of the scene under the foot, or kFloorBody.
+  std::array<std::vector<int>, 4> under_feet;
+};
+
+/// A contact of a robot's body with a surface, which the fit holds because the human has it.
+struct SurfaceTouch {
+  std::string part;        ///< Of the human: `left_hand`, `left_heel`, `seat`, ...
+  std::string link;        ///< Body of the robot.
+  std::string surface;     ///< Body of the scene, or kFloorName.
+  int begin = 0, end = 0;  ///< Frames [begin, end) of the motion.
+  bool slides = false;     ///< It moves over the surface.
+};
+
+/// All contacts of a motion, sorted by part and surface.
+struct ContactLabels {
+  int frame_count = 0;  ///< Of the motion.
+  std::vector<SurfaceTouch> touches;
 };
 
 }  // namespace retarget

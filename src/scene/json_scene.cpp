@@ -85,6 +85,11 @@ class JsonSceneReader {
     SceneShape shape;
     shape.body_from_shape = pose_of(members, where);
     if (type == "mesh") {
+      if (members.find("file") == nullptr && members.find("vertices") != nullptr) {
+        known({"vertices", "triangles"});
+        read_triangles(members, where, shape.body_from_shape, shapes);
+        return {};
+      }
       known({"file", "scale"});
       return read_mesh(members, where, shape.body_from_shape, shapes);
     }
@@ -131,6 +136,40 @@ class JsonSceneReader {
     TRY_ASSIGN(const TriangleMesh mesh, find_scene_mesh(named, file_, scale));
     for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
     return {};
+  }
+
+  // Reads a mesh whose triangles are in the scene's file itself.
+  void read_triangles(const JsonMembers& members, const std::string& where, const Pose& pose,
+                      std::vector<SceneShape>& shapes) {
+    TriangleMesh mesh;
+    const Json* vertices = members.list("vertices");
+    const Json* triangles = members.list("triangles");
+    for (std::size_t i = 0; vertices != nullptr && i < vertices->size(); ++i) {
+      const auto vertex = vector_from((*vertices)[i]);
+      if (!vertex || !(vertex->cwiseAbs().maxCoeff() <= kMaxSceneReach)) {
+        faults_.add(fmt::format("{}vertex {} must be [x, y, z] in metres, within {} m", where, i,
+                                kMaxSceneReach));
+        return;
+      }
+      mesh.vertices.push_back(*vertex);
+    }
+    const auto count = static_cast<int>(mesh.vertices.size());
+    const auto is_vertex = [count](int index) { return index >= 0 && index < count; };
+    for (std::size_t i = 0; triangles != nullptr && i < triangles->size(); ++i) {
+      const auto corners = value_from<std::vector<int>>((*triangles)[i]);
+      if (!corners || corners->size() != 3 || !std::ranges::all_of(*corners, is_vertex)) {
+        faults_.add(
+            fmt::format("{}triangle {} must be three indices of \"vertices\", from 0", where, i));
+        return;
+      }
+      mesh.triangles.push_back({(*corners)[0], (*corners)[1], (*corners)[2]});
+    }
+    if (mesh.triangles.empty() || mesh.triangles.size() > kMaxSceneTriangles) {
+      faults_.add(
+          fmt::format("{}\"triangles\" must list 1 to {} triangles", where, kMaxSceneTriangles));
+      return;
+    }
+    for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));
   }
 
   void read_heights(const JsonMembers& members, const std::string& where, SceneShape& shape) {

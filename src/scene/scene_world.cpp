@@ -75,11 +75,10 @@ SceneWorld scaled_world(const SceneWorld& world, double scale) {
   }
   for (int frame = 0; frame < world.clip.frame_count; ++frame) {
     for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
-      Pose& pose = result.clip.world_from_body[static_cast<std::size_t>(frame) *
-                                                   scene.bodies.size() + body];
+      Pose& pose =
+          result.clip.world_from_body[static_cast<std::size_t>(frame) * scene.bodies.size() + body];
       // Of a static body the lowest point scales with its shapes.
-      const double low =
-          scene.bodies[body].moves ? world.fields[body].lowest(pose.rotation) : 0.0;
+      const double low = scene.bodies[body].moves ? world.fields[body].lowest(pose.rotation) : 0.0;
       pose.translation *= scale;
       pose.translation.z() += (scale - 1.0) * low;
     }

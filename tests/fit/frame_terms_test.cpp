@@ -120,9 +120,10 @@ class FrameTermsTest : public testing::Test {
     gradient_.assign(dofs_, 0.0);
     hessian_.assign(dofs_ * dofs_, 1e30);
     costs_ = {};
-    terms.assemble(pose, {targets_, ends_, upright_, anchors_, 1.0, supports_, lying_,
-                          scene_ ? &*scene_ : nullptr, 0}, pairs,
-                   gradient_.data(), hessian_.data(), static_cast<int>(dofs_), costs_);
+    terms.assemble(pose,
+                   {targets_, ends_, upright_, anchors_, 1.0, supports_, lying_,
+                    scene_ ? &*scene_ : nullptr, 0},
+                   pairs, gradient_.data(), hessian_.data(), static_cast<int>(dofs_), costs_);
     return std::accumulate(costs_.begin(), costs_.end(), 0.0);
   }
 

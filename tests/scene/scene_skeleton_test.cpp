@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // Adds a chain of nodes below a node.
-int add_chain(AnimationScene& scene, const std::string& name, int parent, int count, bool are_bones,
+int add_chain(SceneGraph& scene, const std::string& name, int parent, int count, bool are_bones,
               bool move) {
   for (int i = 0; i < count; ++i) {
     SceneNode node;
@@ -29,14 +29,14 @@ int add_chain(AnimationScene& scene, const std::string& name, int parent, int co
   return static_cast<int>(scene.nodes.size()) - count;
 }
 
-AnimationScene scene_of_one_take() {
-  AnimationScene scene;
+SceneGraph scene_of_one_take() {
+  SceneGraph scene;
   scene.takes.push_back({"take", 0.0, 1.0, {}, {}});
   return scene;
 }
 
 TEST(SceneSkeletonTest, ChoosesTheMovingSkeleton) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   add_chain(scene, "statue", -1, 20, true, false);
   const int dancer = add_chain(scene, "dancer", -1, 12, true, true);
   const auto chosen = choose_skeleton(scene, 0, "", "a.fbx");
@@ -50,7 +50,7 @@ TEST(SceneSkeletonTest, ChoosesTheMovingSkeleton) {
 }
 
 TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   const int first = add_chain(scene, "Armature", -1, 1, false, false);
   add_chain(scene, "hips", first, 15, true, true);
   const int second = add_chain(scene, "Armature.001", -1, 1, false, false);
@@ -63,14 +63,14 @@ TEST(SceneSkeletonTest, RequiresAChoiceBetweenTwoDancers) {
 }
 
 // The part of the warning about a choice that names the alternatives.
-std::string told_of_others(const AnimationScene& scene, int take, const std::string& root = {}) {
+std::string told_of_others(const SceneGraph& scene, int take, const std::string& root = {}) {
   const auto chosen = choose_skeleton(scene, take, root, "a.fbx");
   EXPECT_TRUE(chosen);
   return other_actors_text(scene, *chosen, take);
 }
 
 TEST(SceneSkeletonTest, WarnsAboutASecondActorWithLessMovement) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 60, true, true);
   add_chain(scene, "Bob", -1, 20, true, true);
   const std::string text = told_of_others(scene, 0);
@@ -80,7 +80,7 @@ TEST(SceneSkeletonTest, WarnsAboutASecondActorWithLessMovement) {
 }
 
 TEST(SceneSkeletonTest, WarnsAboutASecondActorInAnotherTake) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 20, true, true);
   add_chain(scene, "Bob", -1, 20, true, false);
   SceneTake take{"Bob|walk", 0.0, 1.0, {}, {}};
@@ -95,7 +95,7 @@ TEST(SceneSkeletonTest, WarnsAboutASecondActorInAnotherTake) {
 }
 
 TEST(SceneSkeletonTest, NamesActorsWithEqualRootsByANodeAbove) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   const int first = add_chain(scene, "Armature", -1, 1, false, false);
   add_chain(scene, "hips", first, 60, true, true);
   const int second = add_chain(scene, "Armature.001", -1, 1, false, false);
@@ -104,7 +104,7 @@ TEST(SceneSkeletonTest, NamesActorsWithEqualRootsByANodeAbove) {
 }
 
 TEST(SceneSkeletonTest, IgnoresStatuesAndProps) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   add_chain(scene, "Alice", -1, 60, true, true);
   add_chain(scene, "statue", -1, 40, true, false);
   add_chain(scene, "sword", -1, 4, true, true);
@@ -112,7 +112,7 @@ TEST(SceneSkeletonTest, IgnoresStatuesAndProps) {
 }
 
 TEST(SceneSkeletonTest, KeepsHelpersBetweenJoints) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   const int hips = add_chain(scene, "hips", -1, 11, true, true);
   const int helper = add_chain(scene, "helper", hips + 10, 1, false, false);
   add_chain(scene, "foot", helper, 1, true, false);
@@ -123,7 +123,7 @@ TEST(SceneSkeletonTest, KeepsHelpersBetweenJoints) {
 }
 
 TEST(SceneSkeletonTest, UsesPlainNodesWithoutLimbs) {
-  AnimationScene scene = scene_of_one_take();
+  SceneGraph scene = scene_of_one_take();
   add_chain(scene, "world", -1, 1, false, false);
   const int hips = add_chain(scene, "hips", 0, 10, false, true);
   add_chain(scene, "toe", hips + 9, 2, false, false);

@@ -108,8 +108,23 @@ OptionTable convert_table(ConvertArguments& arguments) {
   append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));
   append(table, time_table(arguments.time));
   table.push_back(output_row(arguments.output));
-  append(table, save_table(arguments.save));
+  append(table, without(save_table(arguments.save), {"scene-out"}));
   append(table, common_table(arguments.common));
+  return table;
+}
+
+OptionTable contacts_table(ContactsArguments& arguments) {
+  Run& run = arguments.run.run;
+  OptionTable table = source_table(run.options.source);
+  append(table, human_table(run.options.human));
+  append(table, part_table(run.options.part));
+  append(table, robot_table(run.robot));
+  append(table, solve_table(run.options.solve));
+  append(table, time_table(run.options.time));
+  table.push_back(row("json", arguments.json, kOutputGroup, "FILE",
+                      "Write the contacts as JSON; - writes standard output instead of the table",
+                      {.basic = true}));
+  append(table, common_table(arguments.run.common));
   return table;
 }
 
@@ -169,6 +184,7 @@ std::set<std::string> advanced_option_names() {
   InspectArguments inspect;
   ConvertArguments convert;
   CompareArguments compare;
+  ContactsArguments contacts;
   ViewArguments view;
   LiveArguments live;
   OptionTable all = run_command_table(run);
@@ -177,6 +193,7 @@ std::set<std::string> advanced_option_names() {
   append(all, inspect_table(inspect));
   append(all, convert_table(convert));
   append(all, compare_table(compare));
+  append(all, contacts_table(contacts));
   append(all, view_table(view));
   append(all, live_command_table(live));
   std::set<std::string> names;

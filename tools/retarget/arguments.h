@@ -95,6 +95,12 @@ struct InspectArguments {
   std::string html;       ///< Page to write instead of the text; empty: none.
 };
 
+/// Arguments of `retarget contacts`, which lists the contacts that a run holds.
+struct ContactsArguments {
+  RunArguments run;  ///< Motion, robot, and how the run solves.
+  std::string json;  ///< File to write; empty: none, `-`: standard output instead of the table.
+};
+
 /// Arguments of `retarget view`: a picture of a robot motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
   std::vector<std::string> labels;  ///< One per motion of a page; empty: file names.

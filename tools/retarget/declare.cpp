@@ -206,6 +206,15 @@ CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
   return command;
 }
 
+CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("contacts", "List the contacts that a run holds (docs/world.md)");
+  declare(*command, {word("motion", arguments.run.run.motion, "MOTION", "Motion to retarget")});
+  declare(*command, contacts_table(arguments));
+  for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
+  return command;
+}
+
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command = app.add_subcommand("convert", "Convert a robot motion to other file formats");
   declare(*command,

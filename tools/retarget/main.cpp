@@ -39,11 +39,13 @@ Examples:
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
 // Example calls by command.
-constexpr std::array<std::pair<const char*, const char*>, 8> kExamples = {{
+constexpr std::array<std::pair<const char*, const char*>, 9> kExamples = {{
     {"batch",
      "  retarget batch clips/ -o out/ --robot g1\n"
      "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
     {"inspect", "  retarget inspect walk.bvh\n  retarget inspect walk.bvh --json"},
+    {"contacts",
+     "  retarget contacts carry.bvh --robot g1 --scene box.json --object-track box.csv"},
     {"evaluate",
      "  retarget evaluate walk.csv --robot g1 --bvh walk.bvh\n"
      "  retarget evaluate a.csv b.csv --robot g1 --json report.json"},
@@ -140,6 +142,9 @@ int main_with(int argc, char** argv) {
   commands.add(add_batch_command(app, batch_of), batch_of, batch_of.run.common, batch);
   InspectArguments inspect_of;
   commands.add(add_inspect_command(app, inspect_of), inspect_of, inspect_of.run.common, inspect);
+  ContactsArguments contacts_of;
+  commands.add(add_contacts_command(app, contacts_of), contacts_of, contacts_of.run.common,
+               contacts);
   EditArguments edit_of;
   commands.add(add_edit_command(app, edit_of), edit_of, edit_of.common, edit);
   EvaluateArguments evaluate_of;

@@ -362,7 +362,12 @@ OptionTable save_table(SaveOptions& options) {
       option("motion-name", options.motion_name, kOutputGroup, "NAME",
              "pkl-pbhc and pkl-motion-lib: name of the motion (default: the file's)"),
       option("contacts", options.contacts, kOutputGroup, "FILE",
-             "Also write heel and toe contacts: CSV with a header and one row per frame")};
+             "Also write heel and toe contacts, and with " OPTION(
+                 "scene") " those of other parts: CSV with a header and one row per frame"),
+      option("scene-out", options.scene_out, kOutputGroup, "FILE",
+             "Also write the scene scaled to the robot: .xml is the robot with its scene as MJCF, "
+             ".json the scene alone, .obj its static bodies",
+             {.uses = OptionUse::kOneClip})};
 }
 
 OptionTable run_table(Run& run) {

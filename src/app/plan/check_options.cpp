@@ -8,6 +8,7 @@
 #include "retarget/file.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/write_scene.h"
 
 namespace retarget {
 namespace {
@@ -56,8 +57,13 @@ Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& o
 
 namespace {
 
-Result<void> check_scene_options(const SolveOptions& solve) {
+Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& save) {
+  if (!save.scene_out.empty()) TRY(check_scene_ending(save.scene_out));
   if (solve.scene.empty()) {
+    if (!save.scene_out.empty()) {
+      return usage_failure(OPTION("scene-out") " requires " OPTION("scene"),
+                           "add " OPTION("scene") " FILE");
+    }
     if (solve.object_tracks.empty()) return {};
     return usage_failure(OPTION("object-track") " requires " OPTION("scene"),
                          "add " OPTION("scene") " FILE with the shape of the object");
@@ -77,7 +83,7 @@ Result<void> check_scene_options(const SolveOptions& solve) {
 
 Result<void> check_solving_options(const Options& options) {
   const SolveOptions& solve = options.solve;
-  TRY(check_scene_options(solve));
+  TRY(check_scene_options(solve, options.save));
   if (solve.method != Method::kFit && (!solve.fit_config.empty() || !solve.with.empty() ||
                                        !solve.without.empty() || solve.fit_window_s > 0.0)) {
     return usage_failure(

@@ -70,7 +70,8 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
   const HumanClip* human = &source->human;
   MotionMeasure measure{measure_beside(motion, limits, *source, *human, source->scene.get())};
   if (const auto& whole = source->human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole, source->scene_with_lead_in.get());
+    QualityReport with_lead_in =
+        measure_beside(motion, limits, *source, *whole, source->scene_with_lead_in.get());
     const bool needs_it = motion.frame_count() > human->frame_count;
     if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
         (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {

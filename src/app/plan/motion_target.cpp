@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -13,6 +14,8 @@
 #include "retarget/motion.h"
 #include "retarget/normalize_start.h"
 #include "retarget/plan.h"
+#include "retarget/scene.h"
+#include "retarget/write_scene.h"
 
 namespace retarget {
 
@@ -55,14 +58,27 @@ std::optional<FootContacts> contacts_of(const Motion& motion) {
 
 Result<OutputFile> write_contacts(const std::string& path,
                                   const std::optional<FootContacts>& contacts,
-                                  const FrameRate& rate) {
+                                  const FrameRate& rate,
+                                  const std::optional<ContactLabels>& labels) {
   if (!contacts) {
     return usage_failure("the motion has no contacts for " OPTION("contacts"),
                          "the fit determines contacts, " OPTION("method") " gmr does not; NPZ, "
                          "pkl-pbhc, protomotions and csv-sonic files can contain them");
   }
   TRY_ASSIGN(OutputFile file, OutputFile::create(path));
-  TRY(file.write(format_contacts_csv(*contacts, rate)));
+  TRY(file.write(format_contacts_csv(*contacts, rate, labels ? &*labels : nullptr)));
+  return file;
+}
+
+Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
+                               const std::optional<SceneClip>& scene) {
+  if (!scene) {
+    return usage_failure("the motion has no scene for " OPTION("scene-out"),
+                         "retarget a clip with " OPTION("scene") " FILE");
+  }
+  TRY_ASSIGN(const std::string text, format_scene(path, motion, *scene));
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(text));
   return file;
 }
 
@@ -75,15 +91,28 @@ HumanInWorld human_in_world(const Clip& clip, const Calibration& calibration) {
   return human;
 }
 
-void normalize_start(RobotClip& clip, WriteMotionOptions& write) {
-  if (clip.frame_count() == 0) return;
-  if (!write.human) return normalize_start(clip);
-  Pose& pose = write.human->world_from_clip;
+namespace {
+
+void normalize(const StartNormalizer& normalizer, Pose& pose) {
   std::array<double, 7> place = {pose.translation.x(), pose.translation.y(), pose.translation.z(),
                                  pose.rotation.w(),    pose.rotation.x(),    pose.rotation.y(),
                                  pose.rotation.z()};
-  StartNormalizer(clip.qpos(0)).apply(place);
+  normalizer.apply(place);
   pose = {{place[3], place[4], place[5], place[6]}, {place[0], place[1], place[2]}};
+}
+
+}  // namespace
+
+void normalize_start(RobotClip& clip, WriteMotionOptions& write) {
+  if (clip.frame_count() == 0) return;
+  const StartNormalizer normalizer(clip.qpos(0));
+  if (write.human) normalize(normalizer, write.human->world_from_clip);
+  if (write.scene) {
+    Scene scene = *write.scene->scene;
+    for (SceneBody& body : scene.bodies) normalize(normalizer, body.world_from_body);
+    write.scene->scene = std::make_shared<const Scene>(std::move(scene));
+    for (Pose& pose : write.scene->world_from_body) normalize(normalizer, pose);
+  }
   normalize_start(clip);
 }
 

@@ -12,7 +12,9 @@
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/run.h"
+#include "retarget/scene.h"
 #include "retarget/solve.h"
+#include "retarget/solved_scene.h"
 
 namespace retarget {
 
@@ -36,11 +38,19 @@ class MotionTarget {
 
 /// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
 /// unknown.
+/// @param labels  contacts in a scene; empty: no scene.
 [[nodiscard]] Result<OutputFile> write_contacts(const std::string& path,
                                                 const std::optional<FootContacts>& contacts,
-                                                const FrameRate& rate);
+                                                const FrameRate& rate,
+                                                const std::optional<ContactLabels>& labels);
 
-/// Applies normalize_start to a motion before writing; the human shown with it moves along.
+/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene; the
+/// motion has no scene (kUsage).
+[[nodiscard]] Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
+                                             const std::optional<SceneClip>& scene);
+
+/// Applies normalize_start to a motion before writing; the human shown with it and its scene move
+/// along.
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
 }  // namespace retarget

@@ -15,7 +15,9 @@
 #include "retarget/normalize_start.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
+#include "retarget/scene.h"
 #include "retarget/solve.h"
+#include "retarget/solved_scene.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -26,6 +28,8 @@ struct SavedMotion {
   const RobotClip& clip;
   std::optional<HumanInWorld> human;
   std::optional<FootContacts> contacts;
+  std::optional<SceneClip> scene;
+  std::optional<ContactLabels> labels;
 };
 
 Result<void> save_with(SavedMotion motion, const std::string& output, const SaveOptions& options) {
@@ -33,6 +37,8 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
   WriteMotionOptions write = write_options(output, options);
   write.human = std::move(motion.human);
   write.contacts = std::move(motion.contacts);
+  write.scene = std::move(motion.scene);
+  write.labels = std::move(motion.labels);
   RobotClip moved = motion.clip;
   if (options.normalize_start) normalize_start(moved, write);
   std::vector<MotionTarget> targets;
@@ -42,27 +48,37 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
     TRY(target.write(files));
     targets.push_back(std::move(target));
   }
-  std::optional<OutputFile> contacts;
+  std::vector<OutputFile> others;
   if (!options.contacts.empty()) {
-    TRY_ASSIGN(contacts, write_contacts(options.contacts, write.contacts, moved.rate()));
+    TRY_ASSIGN(auto file,
+               write_contacts(options.contacts, write.contacts, moved.rate(), write.labels));
+    others.push_back(std::move(file));
+  }
+  if (!options.scene_out.empty()) {
+    TRY_ASSIGN(auto file, write_scene(options.scene_out, moved, write.scene));
+    others.push_back(std::move(file));
   }
   // Commit all files together after they are written.
   for (MotionTarget& target : targets) TRY(target.commit());
-  if (contacts) TRY(contacts->commit());
+  for (OutputFile& file : others) TRY(file.commit());
   return {};
 }
 
 }  // namespace
 
 Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
-  return save_with({clip, std::nullopt, std::nullopt}, output, options);
+  return save_with({clip, std::nullopt, std::nullopt, std::nullopt, std::nullopt}, output, options);
 }
 
 Result<void> save(const Motion& motion, const std::string& output,
                   const std::optional<SaveOptions>& options) {
-  return save_with({motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
-                    contacts_of(motion)},
-                   output, options.value_or(motion.plan.options.save));
+  SavedMotion saved{motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                    contacts_of(motion), std::nullopt, std::nullopt};
+  if (motion.scene) {
+    saved.scene = motion.scene->clip;
+    saved.labels = contact_labels(motion);
+  }
+  return save_with(std::move(saved), output, options.value_or(motion.plan.options.save));
 }
 
 namespace fs = std::filesystem;

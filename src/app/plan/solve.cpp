@@ -160,8 +160,7 @@ Result<Motion> solve(Plan plan, const SolveControl& control) {
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, scene.get(), control, motion)
-             : solve_frames(plan, control, motion));
+  TRY(is_fit ? solve_fit(plan, scene.get(), control, motion) : solve_frames(plan, control, motion));
   motion.plan = std::move(plan);
   return motion;
 }

@@ -19,6 +19,14 @@ bool is_csv(MotionFormat format) {
   return format == MotionFormat::kCsv || format == MotionFormat::kCsvSoma;
 }
 
+WriteMotionOptions with_surroundings(WriteMotionOptions write, const OutputMotion& motion) {
+  write.human = motion.human;
+  write.contacts = motion.contacts;
+  write.scene = motion.scene;
+  write.labels = motion.labels;
+  return write;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CsvSink>> CsvSink::open(const std::string& path,
@@ -178,19 +186,16 @@ void MotionOutputs::add(std::span<const double> qpos) {
 Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
                                          std::vector<Error>* left_out) {
   std::vector<RobotClip> moved;
-  std::vector<std::optional<HumanInWorld>> humans;
+  std::vector<WriteMotionOptions> writes;
   for (const OutputMotion& motion : motions) {
     moved.push_back(*motion.clip);
-    write_options_.human = motion.human;
-    if (options_.normalize_start) normalize_start(moved.back(), write_options_);
-    humans.push_back(std::move(write_options_.human));
+    writes.push_back(with_surroundings(write_options_, motion));
+    if (options_.normalize_start) normalize_start(moved.back(), writes.back());
   }
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (sinks_[i]) continue;
     const std::size_t chosen = motion_of_format(items_[i].format, options_, motions);
-    write_options_.human = humans[chosen];
-    write_options_.contacts = motions[chosen].contacts;
-    auto files = format_motion_files(moved[chosen], items_[i].format, write_options_);
+    auto files = format_motion_files(moved[chosen], items_[i].format, writes[chosen]);
     if (!files) {
       if (files.error().location.file.empty()) files.error().location.file = items_[i].path;
       const bool may_lack = left_out != nullptr && files.error().kind == ErrorKind::kInput;
@@ -227,13 +232,25 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMot
       sidecars_.push_back(std::move(file));
     }
   }
-  if (!options_.contacts.empty()) {
-    TRY_ASSIGN(auto file, write_contacts(options_.contacts, motions.front().contacts,
-                                         motions.front().clip->rate()));
-    sidecars_.push_back(std::move(file));
-  }
+  TRY(write_beside(motions.front()));
   TRY(commit());
   return written_;
+}
+
+Result<void> MotionOutputs::write_beside(const OutputMotion& motion) {
+  if (!options_.contacts.empty()) {
+    TRY_ASSIGN(auto file, write_contacts(options_.contacts, motion.contacts, motion.clip->rate(),
+                                         motion.labels));
+    sidecars_.push_back(std::move(file));
+  }
+  if (!options_.scene_out.empty()) {
+    RobotClip moved = *motion.clip;
+    WriteMotionOptions write = with_surroundings(write_options_, motion);
+    if (options_.normalize_start) normalize_start(moved, write);
+    TRY_ASSIGN(auto file, write_scene(options_.scene_out, moved, write.scene));
+    sidecars_.push_back(std::move(file));
+  }
+  return {};
 }
 
 Result<void> MotionOutputs::commit() {

@@ -21,6 +21,8 @@
 #include "retarget/options.h"
 #include "retarget/robot.h"
 #include "retarget/run.h"
+#include "retarget/scene.h"
+#include "retarget/solved_scene.h"
 
 namespace retarget {
 
@@ -81,9 +83,11 @@ class CsvSink {
 
 /// A motion to write.
 struct OutputMotion {
-  const RobotClip* clip = nullptr;       ///< Must outlive the writing.
-  std::optional<HumanInWorld> human;     ///< The source motion, for formats that show it.
-  std::optional<FootContacts> contacts;  ///< Empty if unknown.
+  const RobotClip* clip = nullptr;                ///< Must outlive the writing.
+  std::optional<HumanInWorld> human;              ///< The source motion, for formats that show it.
+  std::optional<FootContacts> contacts;           ///< Empty if unknown.
+  std::optional<SceneClip> scene = std::nullopt;  ///< Of the robot; empty: none.
+  std::optional<ContactLabels> labels = std::nullopt;  ///< Contacts in the scene.
 };
 
 /// Formats the sidecar of a file.
@@ -118,6 +122,7 @@ class MotionOutputs {
  private:
   MotionOutputs() = default;
   Result<void> write_others(std::span<const OutputMotion> motions, std::vector<Error>* left_out);
+  Result<void> write_beside(const OutputMotion& motion);
   Result<void> commit();
 
   SaveOptions options_;
@@ -126,7 +131,7 @@ class MotionOutputs {
   std::vector<OutputItem> items_;
   std::vector<std::unique_ptr<CsvSink>> sinks_;      // By item; null: not a CSV.
   std::vector<std::optional<MotionTarget>> others_;  // By item; nothing: a CSV.
-  std::vector<OutputFile> sidecars_;                 // Includes the contacts file.
+  std::vector<OutputFile> sidecars_;                 // Includes the files of contacts and scene.
   std::vector<WrittenFile> written_;
 };
 

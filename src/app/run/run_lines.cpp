@@ -324,6 +324,7 @@ Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::
     return usage_failure(OPTION("contacts") " needs a file", "name one that ends in .csv");
   }
   TRY(written.take(run.options.save.contacts));
+  TRY(written.take(run.options.save.scene_out));
   for (const OutputItem& item : items) {
     TRY(written.take(item.path));
     if (!sidecar) continue;

@@ -134,6 +134,9 @@ std::vector<OutputMotion> output_motions(const std::vector<SolvedMotion>& solved
   for (const auto& [motion, quality] : solved) {
     motions.push_back({&motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
                        contacts_of(motion)});
+    if (!motion.scene) continue;
+    motions.back().scene = motion.scene->clip;
+    motions.back().labels = contact_labels(motion);
   }
   return motions;
 }
@@ -190,8 +193,9 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
   for (const WrittenFile& file : outcome.motions) {
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }
-  const std::string& contacts = run.options.save.contacts;
-  if (!contacts.empty()) outcome.others.push_back(contacts);
+  for (const std::string& file : {run.options.save.contacts, run.options.save.scene_out}) {
+    if (!file.empty()) outcome.others.push_back(file);
+  }
   if (report) TRY(report->commit());
   for (OutputFile& drawing : drawings) TRY(drawing.commit());
   return outcome;

@@ -47,7 +47,7 @@ using MotionFiles = Result<std::vector<FormattedFile>>;
   return files;
 }
 
-/// make_tracking_motion with the motion's contacts, if they are known.
+/// make_tracking_motion with the motion's contacts and scene, if they are known.
 [[nodiscard]] Result<TrackingMotion> tracking_with_contacts(const RobotClip& clip,
                                                             MotionFormat format,
                                                             const WriteMotionOptions& options,

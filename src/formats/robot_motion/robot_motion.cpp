@@ -361,20 +361,4 @@ FootContacts resample_contacts(const FootContacts& contacts, const FrameRate& fr
   return resampled;
 }
 
-std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& rate) {
-  std::string text = "frame,time";
-  for (const std::string_view name : kContactNames) text += fmt::format(",{}", name);
-  text += '\n';
-  for (int frame = 0; frame < contacts.frame_count(); ++frame) {
-    text += fmt::format("{},{:.6f}", frame, rate.time_of(frame));
-    for (std::size_t end = 0; end < kContactNames.size(); ++end) {
-      text += contacts.planted[kContactNames.size() * static_cast<std::size_t>(frame) + end] != 0
-                  ? ",1"
-                  : ",0";
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 }  // namespace retarget

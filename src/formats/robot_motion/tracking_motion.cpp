@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/option_name.h"
+#include "formats/robot_motion/sample_times.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/kinematic_tree.h"
@@ -26,9 +27,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// The product of a frame number and the terms of two rates can exceed 64 bits.
-__extension__ using Int128 = __int128;
-
 constexpr std::size_t kMinSamples = 3;
 
 // Root and joints at the sample times.
@@ -39,17 +37,12 @@ struct Samples {
 };
 
 Samples sample(const RobotClip& clip, const TrackingOptions& options) {
-  const FrameRate& rate = options.rate;
-  const Int128 numerator = Int128{clip.rate().frames} * rate.seconds;
-  const Int128 denominator = Int128{clip.rate().seconds} * rate.frames;
-  const Int128 last = clip.frame_count() - 1;
+  const SampleTimes times(clip.rate(), options.rate);
+  const int last = clip.frame_count() - 1;
   Samples samples;
-  for (Int128 i = 0; options.until_last ? i * numerator <= last * denominator
-                                        : i * numerator < last * denominator;
+  for (WideFrames i = 0; times.is_before(i, last) || (options.until_last && times.is_at(i, last));
        ++i) {
-    const auto frame = static_cast<int>(i * numerator / denominator);
-    const double s =
-        static_cast<double>(i * numerator % denominator) / static_cast<double>(denominator);
+    const auto [frame, s] = times.at(i);
     const auto a = clip.qpos(frame), b = clip.qpos(std::min(frame + 1, clip.frame_count() - 1));
     std::vector<double> qpos(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) qpos[k] = a[k] * (1.0 - s) + b[k] * s;

@@ -15,6 +15,7 @@
 #include "formats/containers/pickle.h"
 #include "formats/containers/torch_file.h"
 #include "formats/robot_motion/motion_writers.h"
+#include "formats/robot_motion/scene_tracks.h"
 #include "formats/robot_motion/trainer_arrays.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -314,6 +315,7 @@ Result<std::string> format_tracking_npz(const TrackingMotion& motion) {
     npz.add("contacts", bool_array(motion.contacts->planted, {frames, names.size()}));
     npz.add("contact_names", text_array(names));
   }
+  add_scene_arrays(motion, npz);
   return npz.finish();
 }
 
@@ -325,6 +327,8 @@ Result<TrackingMotion> tracking_with_contacts(const RobotClip& clip, MotionForma
     motion.contacts = resample_contacts(*options.contacts, clip.rate(), motion.rate,
                                         static_cast<int>(motion.frames));
   }
+  if (options.scene) motion.objects = tracked_objects(*options.scene, motion);
+  if (options.labels) motion.touches = tracked_contacts(*options.labels, clip.rate(), motion);
   return motion;
 }
 

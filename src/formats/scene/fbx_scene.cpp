@@ -160,14 +160,14 @@ SceneNode node_of(const ufbx_node& node) {
   return result;
 }
 
-void bind(AnimationScene& scene, const ufbx_node* node, const ufbx_matrix& world_from_bone) {
+void bind(SceneGraph& scene, const ufbx_node* node, const ufbx_matrix& world_from_bone) {
   if (node == nullptr) return;
   SceneNode& bone = scene.nodes[node->typed_id];
   if (!bone.world_from_bind) bone.world_from_bind = usable_bind(affine_of(world_from_bone));
 }
 
 // Adds the bone poses at which skins were bound.
-void add_bind_poses(const ufbx_scene& file, AnimationScene& scene) {
+void add_bind_poses(const ufbx_scene& file, SceneGraph& scene) {
   for (const ufbx_skin_deformer* skin : file.skin_deformers) {
     for (const ufbx_skin_cluster* cluster : skin->clusters) {
       if (cluster->bone_node == nullptr) continue;
@@ -220,14 +220,14 @@ Failure load_failure(const ufbx_error& error, const std::string& file_name) {
 
 }  // namespace
 
-Result<AnimationScene> read_fbx(std::string_view bytes, const std::string& file_name,
-                                std::size_t max_bytes) {
+Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
+                            std::size_t max_bytes) {
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   const ufbx_load_opts options = load_options(bytes.size(), max_bytes);
   ufbx_error error;
   FbxFile file(ufbx_load_memory(bytes.data(), bytes.size(), &options, &error));
   if (file == nullptr) return load_failure(error, file_name);
-  AnimationScene scene;
+  SceneGraph scene;
   scene.format = "FBX";
   scene.nodes.reserve(file->nodes.count);
   for (const ufbx_node* node : file->nodes) {

@@ -17,7 +17,7 @@ namespace retarget {
 ///
 /// @param max_bytes  memory limit for files of any size; a file that needs more is refused.
 /// @return kInput errors.
-[[nodiscard]] Result<AnimationScene> read_fbx(std::string_view bytes, const std::string& file_name,
-                                              std::size_t max_bytes);
+[[nodiscard]] Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
+                                          std::size_t max_bytes);
 
 }  // namespace retarget

@@ -51,7 +51,7 @@ class GltfReader {
  public:
   explicit GltfReader(GltfDocument& document) : document_(document) {}
 
-  Result<AnimationScene> read() {
+  Result<SceneGraph> read() {
     scene_.format = "glTF";
     scene_.up = Eigen::Vector3d::UnitY();
     TRY(find_parents());
@@ -227,15 +227,15 @@ class GltfReader {
   }
 
   GltfDocument& document_;
-  AnimationScene scene_;
+  SceneGraph scene_;
   std::vector<int> parent_;  // Parent of each node of the document; -1: none.
   std::vector<int> place_;   // Index in the scene of each node of the document.
 };
 
 }  // namespace
 
-Result<AnimationScene> read_gltf(std::string_view bytes, const std::string& file_name,
-                                 std::size_t max_bytes) {
+Result<SceneGraph> read_gltf(std::string_view bytes, const std::string& file_name,
+                             std::size_t max_bytes) {
   TRY_ASSIGN(GltfDocument document, GltfDocument::open(bytes, file_name, max_bytes));
   return GltfReader(document).read();
 }

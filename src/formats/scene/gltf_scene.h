@@ -17,7 +17,7 @@ namespace retarget {
 ///
 /// @param max_bytes  limit on external files and numbers together; see GltfDocument.
 /// @return kInput errors; see GltfDocument.
-[[nodiscard]] Result<AnimationScene> read_gltf(std::string_view bytes, const std::string& file_name,
-                                               std::size_t max_bytes);
+[[nodiscard]] Result<SceneGraph> read_gltf(std::string_view bytes, const std::string& file_name,
+                                           std::size_t max_bytes);
 
 }  // namespace retarget

@@ -33,7 +33,7 @@ struct SceneReadOptions {
 
 /// Samples the motion of a scene's skeleton in a take; see read_scene.
 /// @param file_bytes  size of the file; the memory of the clip is limited in proportion to it.
-[[nodiscard]] Result<Clip> clip_of_scene(const AnimationScene& scene, const std::string& file_name,
+[[nodiscard]] Result<Clip> clip_of_scene(const SceneGraph& scene, const std::string& file_name,
                                          std::size_t file_bytes, const SceneReadOptions& options);
 
 }  // namespace retarget

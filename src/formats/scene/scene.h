@@ -61,7 +61,7 @@ class SceneMotion {
 };
 
 /// The content of a scene file: a tree of nodes and their motion.
-struct AnimationScene {
+struct SceneGraph {
   std::string format;            ///< `FBX`, `glTF`, `VRM`.
   std::vector<SceneNode> nodes;  ///< Parents precede children.
   std::vector<SceneTake> takes;

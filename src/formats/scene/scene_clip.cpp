@@ -76,7 +76,7 @@ struct Sampling {
 
 class SceneSampler {
  public:
-  SceneSampler(const AnimationScene& scene, const std::string& file_name,
+  SceneSampler(const SceneGraph& scene, const std::string& file_name,
                const SceneReadOptions& options)
       : scene_(scene), file_name_(file_name), options_(options) {}
 
@@ -357,7 +357,7 @@ class SceneSampler {
     return origin;
   }
 
-  const AnimationScene& scene_;
+  const SceneGraph& scene_;
   const std::string& file_name_;
   const SceneReadOptions& options_;
   int take_ = -1;
@@ -374,7 +374,7 @@ class SceneSampler {
 
 }  // namespace
 
-Result<Clip> clip_of_scene(const AnimationScene& scene, const std::string& file_name,
+Result<Clip> clip_of_scene(const SceneGraph& scene, const std::string& file_name,
                            std::size_t file_bytes, const SceneReadOptions& options) {
   return SceneSampler(scene, file_name, options).run(file_bytes);
 }
@@ -383,9 +383,9 @@ Result<Clip> read_scene(std::string_view bytes, const std::string& file_name,
                         const SceneReadOptions& options) {
   const FileKind kind = file_type(bytes).kind;
   if (kind == FileKind::kMvnx) return read_mvnx(bytes, file_name, options);
-  TRY_ASSIGN(const AnimationScene scene, kind == FileKind::kFbx
-                                             ? read_fbx(bytes, file_name, options.max_clip_bytes)
-                                             : read_gltf(bytes, file_name, options.max_clip_bytes));
+  TRY_ASSIGN(const SceneGraph scene, kind == FileKind::kFbx
+                                         ? read_fbx(bytes, file_name, options.max_clip_bytes)
+                                         : read_gltf(bytes, file_name, options.max_clip_bytes));
   return clip_of_scene(scene, file_name, bytes.size(), options);
 }
 

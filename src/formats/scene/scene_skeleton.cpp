@@ -23,7 +23,7 @@ constexpr double kRival = 0.5;
 using Marks = std::vector<bool>;
 
 // Marks the nodes between marked nodes.
-void close_gaps(const AnimationScene& scene, Marks& marks) {
+void close_gaps(const SceneGraph& scene, Marks& marks) {
   // The nearest marked ancestor of each node, or the node itself.
   std::vector<int> above(scene.nodes.size(), -1);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -36,7 +36,7 @@ void close_gaps(const AnimationScene& scene, Marks& marks) {
   }
 }
 
-Marks bones_of(const AnimationScene& scene) {
+Marks bones_of(const SceneGraph& scene) {
   Marks marks(scene.nodes.size());
   for (std::size_t i = 0; i < marks.size(); ++i) marks[i] = scene.nodes[i].is_bone;
   close_gaps(scene, marks);
@@ -44,7 +44,7 @@ Marks bones_of(const AnimationScene& scene) {
 }
 
 // Nodes with keys and their descendants other than objects: hands and feet often have no keys.
-Marks moving_nodes(const AnimationScene& scene, int take) {
+Marks moving_nodes(const SceneGraph& scene, int take) {
   Marks marks(scene.nodes.size());
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const SceneNode& node = scene.nodes[i];
@@ -61,7 +61,7 @@ struct Candidate {
   std::size_t moving = 0;
 };
 
-std::vector<Candidate> candidates_of(const AnimationScene& scene, const Marks& marks, int take) {
+std::vector<Candidate> candidates_of(const SceneGraph& scene, const Marks& marks, int take) {
   std::vector<std::vector<int>> children(scene.nodes.size());
   std::vector<int> roots;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -97,11 +97,11 @@ bool is_body(const Candidate& candidate) {
   return candidate.skeleton.joints.size() >= kMinJoints;
 }
 
-std::string root_name(const AnimationScene& scene, const Candidate& candidate) {
+std::string root_name(const SceneGraph& scene, const Candidate& candidate) {
   return printable(scene.nodes[as_size(candidate.skeleton.joints.front())].name);
 }
 
-std::vector<std::string> root_names(const AnimationScene& scene,
+std::vector<std::string> root_names(const SceneGraph& scene,
                                     const std::vector<Candidate>& candidates) {
   std::vector<std::string> names;
   for (const Candidate& each : candidates) {
@@ -111,7 +111,7 @@ std::vector<std::string> root_names(const AnimationScene& scene,
 }
 
 // Whether the root or a node above it has this name.
-bool is_below(const AnimationScene& scene, const Candidate& candidate, const std::string& name) {
+bool is_below(const SceneGraph& scene, const Candidate& candidate, const std::string& name) {
   for (int node = candidate.skeleton.joints.front(); node >= 0;
        node = scene.nodes[as_size(node)].parent) {
     if (scene.nodes[as_size(node)].name == name) return true;
@@ -128,7 +128,7 @@ std::vector<int> body_roots(const std::vector<Candidate>& candidates) {
 }
 
 // Skeletons of bones, or of moving nodes if the bones do not form a body.
-std::vector<Candidate> skeletons_of(const AnimationScene& scene, int take) {
+std::vector<Candidate> skeletons_of(const SceneGraph& scene, int take) {
   auto candidates = candidates_of(scene, bones_of(scene), take);
   if (std::ranges::any_of(candidates, is_body)) return candidates;
   auto plain = candidates_of(scene, moving_nodes(scene, take), take);
@@ -137,7 +137,7 @@ std::vector<Candidate> skeletons_of(const AnimationScene& scene, int take) {
 }
 
 // The name of a root or of a node above it that distinguishes it from another root.
-std::string name_unlike(const AnimationScene& scene, int root, int other) {
+std::string name_unlike(const SceneGraph& scene, int root, int other) {
   std::set<std::string> taken;
   for (int node = other; node >= 0; node = scene.nodes[as_size(node)].parent) {
     taken.insert(scene.nodes[as_size(node)].name);
@@ -155,8 +155,8 @@ bool is_larger(const Candidate& a, const Candidate& b) {
 
 }  // namespace
 
-Result<SceneSkeleton> choose_skeleton(const AnimationScene& scene, int take,
-                                      const std::string& root, const std::string& file_name) {
+Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take, const std::string& root,
+                                      const std::string& file_name) {
   auto candidates = skeletons_of(scene, take);
   if (candidates.empty()) {
     return input_failure(file_name,
@@ -192,7 +192,7 @@ Result<SceneSkeleton> choose_skeleton(const AnimationScene& scene, int take,
   return chosen;
 }
 
-std::string other_actors_text(const AnimationScene& scene, const SceneSkeleton& chosen, int take) {
+std::string other_actors_text(const SceneGraph& scene, const SceneSkeleton& chosen, int take) {
   // This take comes first, because an actor may move in several.
   std::vector<int> takes(scene.takes.size());
   std::iota(takes.begin(), takes.end(), 0);
@@ -220,7 +220,7 @@ std::string other_actors_text(const AnimationScene& scene, const SceneSkeleton& 
                                     : OPTION("root") " NAME");
 }
 
-std::vector<bool> nodes_of_chain(const AnimationScene& scene, const SceneSkeleton& skeleton) {
+std::vector<bool> nodes_of_chain(const SceneGraph& scene, const SceneSkeleton& skeleton) {
   std::vector<bool> marks(scene.nodes.size(), false);
   for (const int joint : skeleton.joints) marks[as_size(joint)] = true;
   for (int node = skeleton.joints.front(); node >= 0; node = scene.nodes[as_size(node)].parent) {
@@ -248,7 +248,7 @@ struct TakeUse {
 };
 
 // Sets the interval from the first to the last key of the chain, clipped to the take.
-void set_extent(const AnimationScene& scene, const Marks& chain, SceneMotionChoice& choice) {
+void set_extent(const SceneGraph& scene, const Marks& chain, SceneMotionChoice& choice) {
   const SceneTake& take = scene.takes[as_size(choice.take)];
   std::vector<double> times = scene.motion->key_times(choice.take, chain);
   std::erase_if(times, [](double time) { return !std::isfinite(time); });
@@ -263,7 +263,7 @@ void set_extent(const AnimationScene& scene, const Marks& chain, SceneMotionChoi
   }
 }
 
-TakeUse use_of(const AnimationScene& scene, int take, const std::string& root,
+TakeUse use_of(const SceneGraph& scene, int take, const std::string& root,
                const std::string& file_name) {
   const SceneTake& its = scene.takes[as_size(take)];
   if (std::ranges::find(its.has_keys, true) == its.has_keys.end()) {
@@ -297,7 +297,7 @@ bool is_better(const TakeUse& a, const TakeUse& b) {
   return a.length() > b.length() + 1e-6;
 }
 
-std::string take_names(const AnimationScene& scene, const std::vector<TakeUse>* uses) {
+std::string take_names(const SceneGraph& scene, const std::vector<TakeUse>* uses) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.takes.size(); ++i) {
     if (uses == nullptr || (*uses)[i].moves()) names.push_back(printable(scene.takes[i].name));
@@ -305,7 +305,7 @@ std::string take_names(const AnimationScene& scene, const std::vector<TakeUse>* 
   return names.empty() ? "none" : list_names(names, 8);
 }
 
-Result<int> find_take(const AnimationScene& scene, const std::string& wanted,
+Result<int> find_take(const SceneGraph& scene, const std::string& wanted,
                       const std::string& file_name) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.takes.size(); ++i) {
@@ -323,7 +323,7 @@ Result<int> find_take(const AnimationScene& scene, const std::string& wanted,
 
 }  // namespace
 
-Result<SceneMotionChoice> choose_motion(const AnimationScene& scene, const std::string& wanted_take,
+Result<SceneMotionChoice> choose_motion(const SceneGraph& scene, const std::string& wanted_take,
                                         const std::string& root, bool skeleton_only,
                                         const std::string& file_name) {
   int wanted = -1;

@@ -26,19 +26,19 @@ struct SceneSkeleton {
 /// @param root  name of the root or of a node above it; empty: none.
 /// @return kInput errors: no joints; several skeletons without a clear choice. kUsage: no skeleton
 ///     of that name.
-[[nodiscard]] Result<SceneSkeleton> choose_skeleton(const AnimationScene& scene, int take,
+[[nodiscard]] Result<SceneSkeleton> choose_skeleton(const SceneGraph& scene, int take,
                                                     const std::string& root,
                                                     const std::string& file_name);
 
 /// A sentence that names the other skeletons of a body's size that move, in this take or in
 /// another, and the options that select them; empty if there are none. It uses the names of the
 /// roots, or of nodes above them where the roots' names are equal.
-[[nodiscard]] std::string other_actors_text(const AnimationScene& scene,
-                                            const SceneSkeleton& chosen, int take);
+[[nodiscard]] std::string other_actors_text(const SceneGraph& scene, const SceneSkeleton& chosen,
+                                            int take);
 
 /// By node: whether it affects the positions of a skeleton's joints, as the joints and all nodes
 /// above the root do.
-[[nodiscard]] std::vector<bool> nodes_of_chain(const AnimationScene& scene,
+[[nodiscard]] std::vector<bool> nodes_of_chain(const SceneGraph& scene,
                                                const SceneSkeleton& skeleton);
 
 /// A skeleton, and the take that moves it.
@@ -60,7 +60,7 @@ struct SceneMotionChoice {
 /// @param skeleton_only  accept a requested take without keys of the skeleton.
 /// @return the errors of choose_skeleton(); kUsage: no such take, or a take without keys of the
 ///     skeleton.
-[[nodiscard]] Result<SceneMotionChoice> choose_motion(const AnimationScene& scene,
+[[nodiscard]] Result<SceneMotionChoice> choose_motion(const SceneGraph& scene,
                                                       const std::string& wanted_take,
                                                       const std::string& root, bool skeleton_only,
                                                       const std::string& file_name);

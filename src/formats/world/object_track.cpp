@@ -59,13 +59,30 @@ Result<Poses> poses_of(const std::vector<double>& values, std::size_t width, con
   return poses;
 }
 
+// Rows of one object of an array (frames, objects, width).
+std::vector<double> rows_of_object(const NpyArray& array, std::size_t object) {
+  const std::vector<double> all = array.numbers();
+  const std::size_t width = array.shape[2];
+  std::vector<double> rows;
+  for (std::size_t row = object * width; row < all.size(); row += array.shape[1] * width) {
+    rows.insert(rows.end(), all.begin() + static_cast<std::ptrdiff_t>(row),
+                all.begin() + static_cast<std::ptrdiff_t>(row + width));
+  }
+  return rows;
+}
+
 // The array under the first of these names that the file has; with a wrong shape, an error.
+// @param object  of files with several (object_names).
 Result<std::optional<std::vector<double>>> find_table(const NpzFile& file,
                                                       std::span<const std::string_view> names,
-                                                      std::size_t width) {
+                                                      std::size_t width, std::size_t object) {
   for (const std::string_view name : names) {
     if (!file.has(name)) continue;
     TRY_ASSIGN(const NpyArray array, file.read(name));
+    if (array.is_number() && array.shape.size() == 3 && array.shape[1] > object &&
+        array.shape[2] == width) {
+      return rows_of_object(array, object);
+    }
     if (!array.is_number() || array.shape.size() != 2 || array.shape[1] != width) {
       return file.array_failure(name, fmt::format("expected the shape (frames, {}), found {}",
                                                   width, shape_text(array.shape)));
@@ -86,7 +103,24 @@ Result<std::optional<FrameRate>> rate_of(const NpzFile& file) {
   return std::optional(frame_rate_from_fps(fps));
 }
 
-Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& file_name) {
+// Index of an object in the file of a robot's motion, which may have several.
+// @param body  name; empty: the only one.
+Result<std::size_t> object_of(const NpzFile& file, const std::string& body) {
+  if (!file.has("object_names")) return std::size_t{0};
+  TRY_ASSIGN(const NpyArray array, file.read("object_names"));
+  if (!array.is_text()) return file.array_failure("object_names", "expected names");
+  const std::vector<std::string> names = array.texts();
+  if (names.size() == 1) return std::size_t{0};
+  const auto found = std::ranges::find(names, body);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  return file.file_failure(
+      (body.empty() ? "the file has several objects" : "the file has no object \"" + body + "\"") +
+          std::string(": ") + list_names(names, 12),
+      "give BODY=FILE with the name of one of them");
+}
+
+Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& file_name,
+                                   const std::string& body) {
   constexpr std::array<std::string_view, 5> kPositions = {"position", "pos", "obj_pos",
                                                           "object_pos_w", "trans"};
   constexpr std::array<std::string_view, 4> kQuaternions = {"quaternion", "quat", "obj_quat",
@@ -95,10 +129,11 @@ Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& fi
   TRY_ASSIGN(const NpzFile file, NpzFile::open(bytes, file_name));
   ObjectTrack track;
   TRY_ASSIGN(track.rate, rate_of(file));
-  TRY_ASSIGN(auto table, find_table(file, kPoses, 7));
+  TRY_ASSIGN(const std::size_t object, object_of(file, body));
+  TRY_ASSIGN(auto table, find_table(file, kPoses, 7, object));
   if (!table) {
-    TRY_ASSIGN(const auto positions, find_table(file, kPositions, 3));
-    TRY_ASSIGN(const auto quaternions, find_table(file, kQuaternions, 4));
+    TRY_ASSIGN(const auto positions, find_table(file, kPositions, 3, object));
+    TRY_ASSIGN(const auto quaternions, find_table(file, kQuaternions, 4, object));
     if (!positions || !quaternions) {
       return file.file_failure(fmt::format("the file has no track of an object: its arrays are {}",
                                            list_names(file.names(), 12)),
@@ -187,13 +222,13 @@ Result<ObjectTrack> read_intermimic_track(std::string_view bytes, const std::str
   return track;
 }
 
-Result<ObjectTrack> read_track(const std::string& file) {
+Result<ObjectTrack> read_track(const std::string& file, const std::string& body) {
   TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxBytes));
   const std::string_view bytes = content.view();
   const FileType type = file_type(bytes);
   switch (type.kind) {
     case FileKind::kNpz:
-      return read_npz_track(bytes, file);
+      return read_npz_track(bytes, file, body);
     case FileKind::kNpy:
       return read_npy_track(bytes);
     case FileKind::kTorch:
@@ -218,7 +253,7 @@ Result<ObjectTrack> load_object_track(const std::string& spec) {
       return input_failure("", "a track must be FILE or BODY=FILE, found \"" + spec + "\"");
     }
   }
-  auto track = read_track(file);
+  auto track = read_track(file, body);
   if (!track) track.error().kind = ErrorKind::kInput;
   if (track) track->body = body;
   return located(std::move(track), file);

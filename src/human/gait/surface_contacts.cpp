@@ -95,7 +95,8 @@ class SurfaceContactFinder {
     if (from == to) return 0.0;
     const double over = (places_[to] - places_[from]).norm();
     const double towards = distances_[to] - distances_[from];
-    return std::sqrt(over * over + towards * towards) / (frame_time_ * static_cast<double>(to - from));
+    return std::sqrt(over * over + towards * towards) /
+           (frame_time_ * static_cast<double>(to - from));
   }
 
   // A part that stays near the surface between two contacts does not leave it.
@@ -229,9 +230,8 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   };
   for (std::size_t foot = 0; foot < contacts.ends.size(); ++foot) {
     const auto end_at = [&](int end) {
-      return [&feet, foot, end](int frame) {
-        return feet.at(frame, static_cast<int>(foot)).end(end);
-      };
+      return
+          [&feet, foot, end](int frame) { return feet.at(frame, static_cast<int>(foot)).end(end); };
     };
     for (const int end : {kHeelEnd, kToeEnd}) {
       for (ContactPhase& phase : contacts.ends[foot][static_cast<std::size_t>(end)].phases) {
@@ -246,10 +246,37 @@ void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& co
   }
   for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
     std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
-      return ground(phase.begin, phase.end,
-                    [&](int frame) { return feet.support(frame, part); }) > kRaised;
+      return ground(phase.begin, phase.end, [&](int frame) { return feet.support(frame, part); }) >
+             kRaised;
     });
   }
+}
+
+std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,
+                                                  const ContactPlan& contacts) {
+  constexpr double kOnSurface = 0.05;  // Metres.
+  const SourceContacts ends = contacts.of_ends();
+  std::array<std::vector<int>, 4> bodies;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const int foot = static_cast<int>(i) / 2, end = static_cast<int>(i) % 2;
+    for (const ContactPhase& phase : ends[i]) {
+      const int frame = (phase.begin + phase.end - 1) / 2;
+      Vector3d place = feet.at(frame, foot).end(end);
+      place.z() = phase.support;
+      // The floor is nearest unless a body is nearer.
+      double nearest = std::min(phase.support, kOnSurface * contacts.scale);
+      int under = -1;
+      for (std::size_t body = 0; body < world.body_count(); ++body) {
+        if (world.moves(body)) continue;
+        const double distance = std::abs(world.distance(frame, body, place).distance);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        under = static_cast<int>(body);
+      }
+      bodies[i].push_back(under);
+    }
+  }
+  return bodies;
 }
 
 }  // namespace retarget

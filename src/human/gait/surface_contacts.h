@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -31,7 +32,7 @@ class SurfaceParts {
   /// `point` belong to the nearest point of the part.
   struct Nearest {
     double distance = 0.0;
-    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< World axes.
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     ///< World axes.
     Eigen::Vector3d on_surface = Eigen::Vector3d::Zero();  ///< World, metres.
   };
   [[nodiscard]] Nearest nearest(const SceneWorld& world, int frame, std::size_t part,
@@ -76,5 +77,12 @@ struct SurfacePhase {
 /// Sets the heights of the surfaces on which feet stand; contacts found over the ground have none.
 /// Removes contacts of other parts with the floor where something else is under them.
 void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts);
+
+/// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
+/// something that the scene does not have.
+/// @param contacts  after add_ground.
+[[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
+                                                                const SourceFeet& feet,
+                                                                const ContactPlan& contacts);
 
 }  // namespace retarget

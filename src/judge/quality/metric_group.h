@@ -20,9 +20,10 @@ enum class MetricGroup : unsigned char {
 };
 
 /// All groups, in report order.
-inline constexpr std::array kMetricGroups = {
-    MetricGroup::kLimits,     MetricGroup::kSmoothness, MetricGroup::kFeet,    MetricGroup::kFloor,
-    MetricGroup::kCollisions, MetricGroup::kScene, MetricGroup::kSimilarity, MetricGroup::kDynamics};
+inline constexpr std::array kMetricGroups = {MetricGroup::kLimits,     MetricGroup::kSmoothness,
+                                             MetricGroup::kFeet,       MetricGroup::kFloor,
+                                             MetricGroup::kCollisions, MetricGroup::kScene,
+                                             MetricGroup::kSimilarity, MetricGroup::kDynamics};
 
 /// Name of a group: `limits`, `smoothness`, ...
 [[nodiscard]] std::string_view group_name(MetricGroup group);

@@ -31,9 +31,6 @@ struct SpecDeleter {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
 };
 
-// MuJoCo reports through process-wide handlers and keeps the last XML in a global.
-std::mutex load_mutex;
-
 bool is_named(const mjString* text) {
   return *mjs_getString(text) != '\0';
 }
@@ -256,7 +253,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   TRY(check_file(path));
   TRY(check_model(path, changes.keep_meshes || changes.find_meshes));
 
-  const std::lock_guard lock(load_mutex);
+  const std::lock_guard lock(mujoco_mutex());
   const MessageGuard guard;
   TRY_ASSIGN(const SpecPtr spec, parse_model(path));
   LoadedModel loaded;

@@ -54,6 +54,11 @@ std::string parser_message(const std::string& text) {
 
 }  // namespace
 
+std::mutex& mujoco_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 MessageGuard::MessageGuard() : old_error_(mju_user_error), old_warning_(mju_user_warning) {
   messages = {&errors_, &warnings_};
   mju_user_error = [](const char* text) {

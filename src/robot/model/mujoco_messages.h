@@ -1,11 +1,16 @@
 #pragma once
 
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// Held while MuJoCo reads, compiles or writes a model: it reports through process-wide handlers and
+/// keeps the last XML in a global.
+[[nodiscard]] std::mutex& mujoco_mutex();
 
 /// While alive, captures the messages that MuJoCo would print, log to a file or end the process
 /// with.

@@ -25,8 +25,8 @@ namespace retarget {
 struct FitResult {
   RobotClip clip;
   FitReport report;
-  ContactPlan contacts;  ///< Of the source.
-  long steps = 0;        ///< IK steps of the first stage.
+  ContactPlan contacts;              ///< Of the source.
+  long steps = 0;                    ///< IK steps of the first stage.
   std::optional<SolvedScene> scene;  ///< Set if the fit had a scene.
 };
 

@@ -17,8 +17,8 @@ struct FitClip {
   int frame_count = 0;
   std::vector<TaskTarget> targets;  ///< Frame-major, one per task of the model.
   FootPlan feet;
-  std::vector<Eigen::Vector2d> anchors;  ///< By contact phase.
-  std::vector<double> qpos;              ///< Frame-major, laid out as in RobotClip.
+  std::vector<Eigen::Vector2d> anchors;   ///< By contact phase.
+  std::vector<double> qpos;               ///< Frame-major, laid out as in RobotClip.
   std::shared_ptr<const FitScene> scene;  ///< Null: none.
 
   [[nodiscard]] std::span<double> frame(int t, int size) {

@@ -72,8 +72,8 @@ struct FrameGoals {
                                           ///< metres.
   double anchor_hold = 1.0;               ///< Factor for the weight of the anchors.
   std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.
-  std::span<const double> lying;  ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
-                                  ///< empty.
+  std::span<const double> lying;    ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
+                                    ///< empty.
   const FitScene* scene = nullptr;  ///< Null: none.
   int frame = 0;                    ///< Of the scene.
 };
