@@ -284,7 +284,7 @@ OptionTable solve_table(SolveOptions& options) {
              "look-ahead (default: 20)",
              {.min = 0.1, .max = 1e6}),
       option("scene", options.scene, kRobotGroup, "FILE",
-             "What surrounds the human, besides the floor: boxes, terrain, furniture, objects, as "
+             "Scene around the human, besides the floor: boxes, terrain, furniture, objects, as "
              "MJCF, URDF, OBJ, STL or a JSON list of primitives, in metres with z up "
              "(docs/world.md)",
              {.file = OptionFile::kContent, .uses = kJudged}),

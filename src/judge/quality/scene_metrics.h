@@ -11,7 +11,7 @@
 
 namespace retarget {
 
-/// What scene metrics compare.
+/// Input of the scene metrics.
 struct SceneSource {
   const SceneWorld& world;  ///< Around the human, in the frames of the motion.
   const HumanClip& human;

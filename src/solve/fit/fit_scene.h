@@ -50,9 +50,9 @@ struct FitScene {
                                       std::span<const SurfacePhase> phases, double scale,
                                       double frame_time);
 
-/// Moves the places of contacts that stick to where a solved clip has them, on average over the frames
-/// of each contact, and holds them there. The first solve follows the human's places only loosely,
-/// because robots have other arms; the second one holds what it found.
+/// Moves the positions of sticking contacts to their means in a solved clip, and holds them there. The
+/// first solve follows the human's positions only loosely, because robots have other arms; the
+/// second one holds what it found.
 /// @param qpos  frame-major, laid out as in RobotClip.
 /// @return whether there is any such contact.
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene);

@@ -1,0 +1,93 @@
+"""Fits in a scene, and the judge of scenes, which must notice a robot that is moved."""
+
+import json
+import os
+import pathlib
+import unittest
+
+from scene_outputs_test import FRAMES, SCENE, raised_clip
+from tool import SOURCE, ToolTest, read_rows, sample
+
+SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared")) / "data"
+SCENES, FORMATS = SHARED / "scenes", SHARED / "formats"
+
+
+class SceneTest(ToolTest):
+    def report(self, *arguments):
+        """The report of a run that keeps all gates, and its motion."""
+        result = self.run_tool(*arguments, "--robot", "unitree_g1", "-o", "out.csv", "--report",
+                               "out.json")
+        self.assert_done(result)
+        return json.loads((self.folder / "out.json").read_text())["motions"][0]
+
+    def missed_when_moved(self, x, z, *source):
+        """The missed gates of the motion moved by x and z metres."""
+        rows = read_rows((self.folder / "out.csv").read_text())
+        for row in rows:
+            row[0] += x
+            row[2] += z
+        self.write("moved.csv", "\n".join(",".join(f"{v:.6f}" for v in row) for row in rows) + "\n")
+        result = self.run_tool("evaluate", "moved.csv", "--robot", "unitree_g1", *source, "--json",
+                               "moved.json")
+        self.assertEqual(result.returncode, 1, result.stdout)
+        motion = json.loads((self.folder / "moved.json").read_text())["motions"][0]
+        return {gate["metric"] for gate in motion["gates"] if not gate["passed"]}
+
+    def need_shared(self):
+        if not SCENES.is_dir():
+            self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
+
+    def assert_in_scene(self, motion, limb_angle):
+        missed = [gate["metric"] for gate in motion["gates"] if gate["passed"] is False]
+        self.assertEqual(missed, [])
+        self.assertEqual(motion["scene_pen_1cm_pct"], 0.0)
+        self.assertGreaterEqual(motion["scene_contact_kept_pct"], 97.0)
+        self.assertLessEqual(motion["root_jerk_mean"], 30.0)
+        angle = motion["limb_angle_deg"]
+        self.assertLess(angle[0] if isinstance(angle, list) else angle, limb_angle)
+
+    def test_stands_on_a_step(self):
+        self.write("raised.bvh", raised_clip())
+        self.write("room.json", json.dumps(SCENE))
+        source = ("--bvh", "raised.bvh", "--scene", "room.json")
+        motion = self.report(*source)
+        self.assertGreater(motion["scene_contact_pct"], 50.0)
+        self.assertEqual(motion["scene_contact_kept_pct"], 100.0)
+        self.assertEqual(motion["scene_pen_1cm_pct"], 0.0)
+        self.assertIn("scene_pen_1cm_pct", self.missed_when_moved(0.0, -0.05, *source))
+        self.assertIn("scene_contact_kept_pct", self.missed_when_moved(0.0, 0.05, *source))
+
+    def test_climbs(self):
+        self.need_shared()
+        source = (SCENES / "climb_seq_1__mocap_climb_seq_1_joint_positions_f0-2422.npy", "--scene",
+                  SCENES / "climb_seq_1__multi_boxes.obj")
+        self.assert_in_scene(self.report(*source), 5.5)
+        judged = ("--bvh", *source)
+        for x, z in ((0.0, -0.05), (0.0, 0.05)):
+            missed = self.missed_when_moved(x, z, *judged)
+            self.assertTrue({name for name in missed if name.startswith("scene_")}, (x, z, missed))
+
+    def test_carries_a_box(self):
+        self.need_shared()
+        carry = FORMATS / "omomo_sub3_largebox_003.pt"
+        motion = self.report(carry, "--scene", SCENES / "largebox__largebox.obj", "--object-track",
+                             carry)
+        self.assert_in_scene(motion, 6.5)
+        self.assertLess(motion["scene_gap_p95_cm"], 1.0)
+
+    def test_contradictions(self):
+        self.write("room.json", json.dumps(SCENE))
+        self.assert_fails(self.retarget("--scene", "room.json", "--method", "gmr",
+                                        bvh=sample("walk")), 2, "--method")
+        self.assert_fails(self.retarget("--object-track", "crate.csv", bvh=sample("walk")), 2,
+                          "--scene")
+        self.assert_fails(self.retarget("--scene", "room.json", "--travel", "0.9",
+                                        bvh=sample("walk")), 2, "--travel")
+        self.assert_fails(self.retarget("--scene", "absent.json", bvh=sample("walk")), 3,
+                          "absent.json")
+        self.write("broken.json", '{"bodies": [{"shapes": [{"type": "box", "size": [1, 1]}]}]}')
+        self.assert_fails(self.retarget("--scene", "broken.json", bvh=sample("walk")), 3, "size")
+
+
+if __name__ == "__main__":
+    unittest.main()
