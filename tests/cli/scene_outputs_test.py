@@ -71,7 +71,7 @@ class SceneOutputs(ToolTest):
         self.run_in_scene("-o", "squat.csv", "--scene-out", "world.xml")
         text = self.path("world.xml").read_text()
         self.assertIn('name="crate"', text)
-        self.assertIn("<freejoint", text)
+        self.assertIn('type="free"', text)
         self.assertNotIn(str(self.folder), text)
         self.run_in_scene("-o", "squat.csv", "--scene-out", "world.obj")
         lines = self.path("world.obj").read_text().splitlines()

@@ -1,15 +1,30 @@
 """Fits in a scene, and the judge of scenes, which must notice a robot that is moved."""
 
+import array
 import json
 import os
 import pathlib
 import unittest
+import zipfile
 
 from scene_outputs_test import FRAMES, SCENE, raised_clip
 from tool import SOURCE, ToolTest, read_rows, sample
 
 SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared")) / "data"
 SCENES, FORMATS = SHARED / "scenes", SHARED / "formats"
+
+
+def tensor_rows(path, columns):
+    """The rows of the only tensor of a PyTorch file, float32."""
+    with zipfile.ZipFile(path) as file:
+        name = next(name for name in file.namelist() if name.endswith("data/0"))
+        values = array.array("f", file.read(name))
+    return [values[i:i + columns] for i in range(0, len(values), columns)]
+
+
+def share_near(frames, others, reach=2):
+    """The share of frames that have one of the others within `reach` frames."""
+    return sum(any(frame + i in others for i in range(-reach, reach + 1)) for frame in frames) / len(frames)
 
 
 class SceneTest(ToolTest):
@@ -74,6 +89,25 @@ class SceneTest(ToolTest):
                              carry)
         self.assert_in_scene(motion, 6.5)
         self.assertLess(motion["scene_gap_p95_cm"], 1.0)
+
+    def test_contacts_agree_with_the_labels_of_a_carried_box(self):
+        self.need_shared()
+        carry = FORMATS / "omomo_sub3_largebox_003.pt"
+        self.assert_done(self.run_tool(
+            "contacts", carry, "--robot", "unitree_g1", "--scene", SCENES / "largebox__largebox.obj",
+            "--object-track", carry, "--json", "contacts.json"))
+        found = json.loads((self.folder / "contacts.json").read_text())["contacts"]
+        rows = tensor_rows(carry, 591)
+        # Columns 331 to 382 label 52 bodies of SMPL-X; hands and fingers are these.
+        for part, bodies in (("left_hand", range(17, 33)), ("right_hand", range(36, 52))):
+            labels = {frame for frame, row in enumerate(rows)
+                      if any(row[331 + body] > 0.5 for body in bodies)}
+            touches = {frame for contact in found
+                       if contact["part"] == part and contact["surface"] != "floor"
+                       for frame in range(contact["first"], contact["last"] + 1)}
+            precision, recall = share_near(touches, labels), share_near(labels, touches)
+            score = 2 * precision * recall / (precision + recall)
+            self.assertGreaterEqual(score, 0.95, (part, precision, recall))
 
     def test_contradictions(self):
         self.write("room.json", json.dumps(SCENE))

@@ -119,7 +119,7 @@ class GoalPlanner {
   }
 
  private:
-  static constexpr double kBlendTime = 0.4;  // Seconds.
+  static constexpr double kBlendTime = 0.25;  // Seconds.
 
   // Moves the goal by how far the human's part is from where it touches.
   void approach(const SurfacePhase& phase, int frame, int inside, SceneGoal& goal) const {
