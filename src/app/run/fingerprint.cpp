@@ -120,6 +120,18 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
   return {};
 }
 
+// Adds the files of object tracks, which options name as FILE or BODY=FILE.
+Result<void> add_object_tracks(const Run& run, Fingerprint& print) {
+  std::error_code ignored;
+  int number = 0;
+  for (const std::string& track : run.options.solve.object_tracks) {
+    const bool is_file = fs::is_regular_file(track, ignored);
+    const std::string file = is_file ? track : track.substr(track.find('=') + 1);
+    TRY(print.add_file("object-track " + std::to_string(++number), file));
+  }
+  return {};
+}
+
 // Adds the robot of the source motions.
 Result<void> add_source_robot(const Run& run, const RobotSetup& setup, Fingerprint& print) {
   const std::string& name = run.options.source.from_robot;
@@ -164,6 +176,7 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   Fingerprint print;
   print.hashed["tool"] = version_text();
   TRY(add_options(run, setup, print));
+  TRY(add_object_tracks(run, print));
   print.hashed["options"]["sidecar"] = request.sidecar;
   print.hashed["options"]["measured"] = request.measure;
   if (request.dynamics) print.hashed["options"]["dynamics"] = true;
