@@ -100,7 +100,7 @@ TEST(Flights, DoNotCountAsHovering) {
   ASSERT_EQ(flights.size(), 1U);
   QualityReport report;
   const QualityOptions options;
-  measure_hovering({clip, options, report}, tracks, feet, contacts, flights, 0.8);
+  measure_hovering({clip, options, report}, tracks, feet, contacts, flights, {}, 0.8);
   ASSERT_NE(report.find("hover_pct"), nullptr);
   const int aloft = flights[0].end - flights[0].begin;
   EXPECT_NEAR(report.find("hover_pct")->value, 100.0 * (90 - aloft) / 90.0, 1e-9);

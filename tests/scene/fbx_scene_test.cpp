@@ -33,7 +33,7 @@ Matrix3d in_order(const std::string& order, const Vector3d& degrees) {
   return rotation;
 }
 
-SceneGraph read(const FbxText& file) {
+SceneGraph fbx_scene(const FbxText& file) {
   auto scene = read_fbx(file.text(), "test.fbx", kMemory);
   EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
   return *std::move(scene);
@@ -54,7 +54,7 @@ TEST(FbxSceneTest, AppliesEveryRotationOrder) {
     const int limb = file.node("limb", 0, {1, 2, 3}, {}, order);
     file.take("turn", 0, 1);
     file.keys(limb, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {40, 60, -100}}});
-    const SceneGraph scene = read(file);
+    const SceneGraph scene = fbx_scene(file);
     ASSERT_EQ(scene.takes.size(), 1U);
     const NodeTransform half = scene.motion->at(0, node_of(scene, "limb"), 0.5);
     const Matrix3d expected = in_order(orders[order], {20, 30, -50});
@@ -78,7 +78,7 @@ TEST(FbxSceneTest, AppliesPivotsAndPreAndPostRotations) {
                              4);
   file.take("turn", 0, 1);
   file.keys(limb, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {80, -60, 30}}});
-  const SceneGraph scene = read(file);
+  const SceneGraph scene = fbx_scene(file);
   const NodeTransform found = scene.motion->at(0, node_of(scene, "limb"), 0.25);
 
   const auto moved = [](double x, double y, double z) {
@@ -101,14 +101,14 @@ TEST(FbxSceneTest, AppliesPivotsAndPreAndPostRotations) {
 }
 
 TEST(FbxSceneTest, ReadsUnitAxesAndRate) {
-  const SceneGraph maya = read(FbxText({1, 1, 1.0, 11}));
+  const SceneGraph maya = fbx_scene(FbxText({1, 1, 1.0, 11}));
   EXPECT_DOUBLE_EQ(maya.metres_per_unit, 0.01);
   EXPECT_EQ(*maya.up, Vector3d::UnitY());
   EXPECT_DOUBLE_EQ(maya.fps, 24.0);
-  const SceneGraph unreal = read(FbxText({2, 1, 1.0, 6}));
+  const SceneGraph unreal = fbx_scene(FbxText({2, 1, 1.0, 6}));
   EXPECT_EQ(*unreal.up, Vector3d::UnitZ());
   EXPECT_DOUBLE_EQ(unreal.fps, 30.0);
-  const SceneGraph metres = read(FbxText({2, 1, 100.0, 6}));
+  const SceneGraph metres = fbx_scene(FbxText({2, 1, 100.0, 6}));
   EXPECT_DOUBLE_EQ(metres.metres_per_unit, 1.0);
 }
 

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-constexpr std::size_t kMemory = std::size_t{1} << 30U;
+constexpr std::size_t kGltfMemory = std::size_t{1} << 30U;
 
 template <typename Number>
 std::string packed(const std::vector<Number>& numbers) {
@@ -60,8 +60,8 @@ struct Animated {
   }
 };
 
-SceneGraph read(const std::string& text) {
-  auto scene = read_gltf(text, "test.gltf", kMemory);
+SceneGraph gltf_scene(const std::string& text) {
+  auto scene = read_gltf(text, "test.gltf", kGltfMemory);
   EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
   return *std::move(scene);
 }
@@ -75,7 +75,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   Animated moved;
   moved.times = {1, 2};
   moved.values = {0, 0, 0, 8, 0, 4};
-  const SceneGraph linear = read(moved.text());
+  const SceneGraph linear = gltf_scene(moved.text());
   EXPECT_EQ(linear.motion->at(0, 0, 1.25).translation, Vector3d(2, 0, 1));
   EXPECT_EQ(linear.motion->at(0, 0, 0.0).translation, Vector3d(0, 0, 0));
   EXPECT_EQ(linear.motion->at(0, 0, 9.0).translation, Vector3d(8, 0, 4));
@@ -83,7 +83,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   EXPECT_EQ(linear.takes[0].end, 2.0);
 
   moved.interpolation = "STEP";
-  EXPECT_EQ(read(moved.text()).motion->at(0, 0, 1.99).translation, Vector3d(0, 0, 0));
+  EXPECT_EQ(gltf_scene(moved.text()).motion->at(0, 0, 1.99).translation, Vector3d(0, 0, 0));
 
   // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart.
   moved.interpolation = "CUBICSPLINE";
@@ -93,7 +93,7 @@ TEST(GltfSceneTest, UsesTheInterpolationOfTheSampler) {
   const double expected = (2 * t * t * t - 3 * t * t + 1) * 1 +
                           2 * (t * t * t - 2 * t * t + t) * 3 + (3 * t * t - 2 * t * t * t) * 5 +
                           2 * (t * t * t - t * t) * -1;
-  EXPECT_NEAR(read(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
+  EXPECT_NEAR(gltf_scene(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
 }
 
 // A float does not equal the frame time exactly, but the jump is still at the frame.
@@ -117,7 +117,7 @@ TEST(GltfSceneTest, InterpolatesRotationsTheShortWay) {
   turned.times = {0, 1};
   const auto half = static_cast<float>(std::sqrt(0.5));
   turned.values = {0, 0, 0, 1, 0, -half, 0, -half};  // a quarter turn about y, of the other sign
-  const Eigen::Quaterniond found = read(turned.text()).motion->at(0, 0, 0.5).rotation;
+  const Eigen::Quaterniond found = gltf_scene(turned.text()).motion->at(0, 0, 0.5).rotation;
   const Eigen::Quaterniond expected(Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitY()));
   EXPECT_LT(found.angularDistance(expected), 1e-6);
 }
@@ -140,7 +140,7 @@ TEST(GltfSceneTest, ReplacesSparseElementsAndScalesWholeNumbers) {
 {{"sampler": 1, "target": {{"node": 0, "path": "rotation"}}}}],
 "samplers": [{{"input": 0, "output": 1}}, {{"input": 2, "output": 3}}]}}]}})",
       bytes.size(), base64_text(bytes));
-  const SceneGraph scene = read(text);
+  const SceneGraph scene = gltf_scene(text);
   EXPECT_EQ(scene.motion->at(0, 0, 0.0).translation, Vector3d::Zero());
   EXPECT_EQ(scene.motion->at(0, 0, 1.0).translation, Vector3d(7, 8, 9));
   EXPECT_EQ(scene.motion->at(0, 0, 0.0).rotation.w(), 1.0);
@@ -158,7 +158,7 @@ TEST(GltfSceneTest, NamesBonesAsVrmDoes) {
       R"(, "extensions": {"VRM": {"humanoid": {"humanBones": [{"bone": "hips", "node": 0}, {"bone": "spine", "node": 1}]}}})";
   for (const char* extension : {newer, older}) {
     moved.more = extension;
-    const SceneGraph scene = read(moved.text());
+    const SceneGraph scene = gltf_scene(moved.text());
     EXPECT_EQ(scene.format, "VRM");
     EXPECT_EQ(scene.nodes[0].name, "hips");
     EXPECT_EQ(scene.nodes[1].name, "spine");
@@ -261,7 +261,7 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   ASSERT_FALSE(too_large);
   ASSERT_EQ(::mkfifo((folder.path() / "pipe.bin").c_str(), 0600), 0);
   for (const char* uri : {"pipe.bin", "missing.bin"}) {
-    const auto refused = read_gltf(text(uri), name, kMemory);
+    const auto refused = read_gltf(text(uri), name, kGltfMemory);
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().message, HasSubstr("is missing or not a regular file"));
     EXPECT_THAT(refused.error().location.file, HasSubstr("test.gltf"));

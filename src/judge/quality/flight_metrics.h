@@ -33,8 +33,7 @@ struct SourceFlight {
 /// Measures the height of the robot's soles during the source's flights.
 /// @param scale  of the robot's foot paths relative to the source's.
 void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
-                     const std::vector<SourceFlight>& flights,
-                     const std::vector<char>& touches_scene, double scale);
+                     const std::vector<SourceFlight>& flights, double scale);
 
 /// Height of the lowest part of the source above the height at which such a part supports a body:
 /// feet above their standing heights; knees, elbows, hands, seat and back above the heights at
