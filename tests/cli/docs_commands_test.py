@@ -109,6 +109,16 @@ class Commands(ToolTest):
         shutil.copytree(SOURCE / "data", self.folder / "data")
         shutil.copytree(SOURCE / "robots/unverified", self.folder / "SOURCE/robots/unverified")
         self.write_places()
+        self.write_room()
+
+    def write_room(self):
+        """Writes a scene beside the walk, and a crate that moves through it."""
+        box = [{"type": "box", "size": [0.3, 0.3, 0.3]}]
+        bodies = [{"name": "step", "position": [0, 3, 0.1], "shapes": box},
+                  {"name": "crate", "moves": True, "position": [0, -3, 1], "shapes": box}]
+        self.write("room.json", json.dumps({"bodies": bodies}))
+        frames = (self.folder / "walk.bvh").read_text().count("\n")
+        self.write("crate.csv", "".join(f"{0.001 * i},-3,1,1,0,0,0\n" for i in range(frames)))
 
     def write_places(self):
         """Writes joint positions of a swaying body: HumanML3D's array, MDM's, one with names."""
