@@ -206,18 +206,20 @@ std::optional<FitScene> scene_around(const FitModel& model) {
 
 TEST_F(FrameTermsTest, GradientOfTheSceneMatchesTheCost) {
   FitOptions options;
-  options.tracking = options.floor = options.contact = options.foot_height = false;
+  options.tracking = options.floor = options.foot_height = false;
   options.self_collision = false;
   use(options);
   scene_ = scene_around(model_);
   ASSERT_TRUE(scene_);
+  int penetrations = 0;
   for (int round = 0; round < 8; ++round) {
     const auto qpos = random_configuration(0.3, 0.75);
     set_goals(qpos, 0.05);
     EXPECT_LT(gradient_error(qpos), 1e-5) << round;
-    EXPECT_GT(costs_[kTermScene], 0.0);
     EXPECT_GT(costs_[kTermSceneContact], 0.0);
+    if (costs_[kTermScene] > 0.0) ++penetrations;
   }
+  EXPECT_GT(penetrations, 4);
 }
 
 TEST_F(FrameTermsTest, OverlapGradientMatchesTheCost) {

@@ -183,7 +183,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
   CLI::App* command =
-      app.add_subcommand("verify", "Check that a recorded run still gives identical output");
+      app.add_subcommand("verify", "Check that a recorded run gives the same output");
   declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
   declare(*command, common_table(arguments.common));
   return command;

@@ -303,9 +303,9 @@ constexpr auto kGroupStarts = std::to_array<GroupStart>({
 
 constexpr auto kHeadlines = std::to_array<std::string_view>(
     {"limit_pct", "joint_at_limit_pct", "peak_speed", "jumps", "acc_p99", "root_jerk_mean",
-     "flat_slip_p95", "stance_slip_mean", "foot_pen_max_cm", "self_max_cm", "limb_angle_deg",
-     "worst_limb_angle_deg", "trunk_lean_error_deg", "finger_angle_deg", "touch_gap_cm",
-     "dynamics_bad_pct", "torque_over_pct"});
+     "flat_slip_p95", "stance_slip_mean", "foot_pen_max_cm", "self_max_cm", "scene_pen_max_cm",
+     "limb_angle_deg", "worst_limb_angle_deg", "trunk_lean_error_deg", "finger_angle_deg",
+     "touch_gap_cm", "dynamics_bad_pct", "torque_over_pct"});
 
 }  // namespace
 
