@@ -10,7 +10,9 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
     continue()
   endif()
   if(RETARGET_PRECOMPILE_HEADERS)
-    if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
+    # With fuzzers, the libraries have a flag that the tool lacks.
+    if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$"
+        OR (RETARGET_BUILD_FUZZERS AND target STREQUAL retarget_cli))
       # Each of the first two takes more than a second to parse.
       target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm>
         <filesystem> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
