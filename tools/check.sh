@@ -55,7 +55,7 @@ check_asan() {
 # The part of asan that CI runs, because compiling the tests of the numerical modules takes longest.
 # Uses clang so that these tests and the fuzzing share one library.
 check_asan-input() {
-  local modules=(base batch bvh fuzz human io motion robot smpl stream) compiler
+  local modules=(base batch bvh fuzz human io motion robot scene_world smpl stream) compiler
   # The tests of the streams use third-party clients.
   "$root/tools/setup.sh" --python
   compiler=$(tools/find_clang.sh)
@@ -65,7 +65,7 @@ check_asan-input() {
   # Run only command line tests with unusual input; the others solve ordinary clips, slowly. Sweeps over
   # generated motions, and edits of clips, take minutes under sanitizers. check_asan runs all of them.
   ctest --preset fuzz --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
-    -E '^(cli\.(human|run|travel|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_processes|configuration_choice|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|setup)$|human\.LyingBodies\.)'
+    -E '^(cli\.(human|run|travel|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_processes|configuration_choice|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|setup)$|human\.LyingBodies\.|scene_world\.(DistanceField|SampleDistance)\.)'
 }
 
 check_tsan() {
