@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,11 +26,13 @@ struct SceneContact {
   friend bool operator==(const SceneContact&, const SceneContact&) = default;
 };
 
+struct SceneWorld;
+
 /// The scene of a robot's motion.
 struct SolvedScene {
-  SceneClip clip;   ///< Static bodies and all paths scaled about the origin; objects of their size.
-  SceneClip human;  ///< Around the human, in the frames of the motion.
-  double scale = 1.0;                  ///< From the human's world to the robot's.
+  SceneClip clip;  ///< Static bodies and all paths scaled about the origin; objects of their size.
+  std::shared_ptr<const SceneWorld> human;  ///< Around the human, in the same frames.
+  double scale = 1.0;                       ///< From the human's world to the robot's.
   std::vector<SceneContact> contacts;  ///< Of the human; those of feet are in Motion::contacts.
   std::vector<SceneContact> on_floor;  ///< Of the same parts with the floor.
   /// For each phase of Motion::contacts, the body of the scene under the foot, or kFloorBody.

@@ -43,7 +43,7 @@ class UrdfSceneReader {
     TRY(parse_xml(text.view(), document));
     const XMLElement& robot = *document.RootElement();
     TRY(read_joints(robot));
-    // A file without collisions is described by what it shows.
+    // Without collisions, the visuals describe the bodies.
     kind_ = has_collisions(robot) ? "collision" : "visual";
     for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
          link = link->NextSiblingElement("link")) {

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -106,11 +105,8 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   if (plan.options.save.normalize_start) normalize_start(moved);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
-  std::optional<SceneWorld> scene;
-  if (motion.scene) {
-    TRY_ASSIGN(scene, make_scene_world(motion.scene->human));
-  }
-  const QualitySource source{&human, &plan.config, plan.scale, scene ? &*scene : nullptr};
+  const QualitySource source{&human, &plan.config, plan.scale,
+                             motion.scene ? motion.scene->human.get() : nullptr};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
   if (dynamics) add_dynamics(printed, report);

@@ -76,8 +76,8 @@ void write_hands(const HandTrack& hands, Motion& motion) {
   std::ranges::copy(hands.failures(), std::back_inserter(motion.solver_failures));
 }
 
-Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveControl& control,
-                       Motion& motion) {
+Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>& scene,
+                       const SolveControl& control, Motion& motion) {
   FitOptions options = plan.fit;
   if (options.threads == 0) {
     options.threads = control.threads > 0 ? control.threads : usable_cores();
@@ -89,7 +89,7 @@ Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveCon
       return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
     };
   }
-  run.scene = scene;
+  run.scene = scene.get();
   const HandTrack hands = hand_track(plan, *motion.source);
   if (!hands.empty() && motion.source->frame_count() > 0) {
     run.held = plan.robot.robot->zero_configuration();
@@ -102,7 +102,7 @@ Result<void> solve_fit(const Plan& plan, const SceneWorld* scene, const SolveCon
   motion.fit = std::move(fitted.report);
   motion.contacts = fitted.contacts.of_ends();
   motion.scene = std::move(fitted.scene);
-  if (motion.scene) motion.scene->human = scene->clip;
+  if (motion.scene) motion.scene->human = scene;
   motion.solver_failures = motion.fit->failures;
   write_hands(hands, motion);
   if (!control.frame_solved) return {};
@@ -160,7 +160,7 @@ Result<Motion> solve(Plan plan, const SolveControl& control) {
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, scene.get(), control, motion) : solve_frames(plan, control, motion));
+  TRY(is_fit ? solve_fit(plan, scene, control, motion) : solve_frames(plan, control, motion));
   motion.plan = std::move(plan);
   return motion;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "human/gait/contact_plan.h"
 #include "human/gait/frame_runs.h"
 #include "retarget/statistics.h"
 
@@ -15,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Distances and speeds for a body with legs of kUsualSourceLeg. The radius of a part is the distance
-// of its points from the skin, which no skeleton knows; the thresholds cover what it is off.
+// of its points from the skin, which no skeleton knows; the thresholds cover its error.
 constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
 constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
 // A contact slides if its place on the surface moves farther than this, metres.
@@ -138,6 +139,58 @@ class SurfaceContactFinder {
   std::vector<Vector3d> places_;   // By frame, in the frame of the body.
 };
 
+// The feet above the ground under them instead of above z = 0.
+SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale) {
+  for (int frame = 0; frame < feet.frame_count(); ++frame) {
+    for (int foot = 0; foot < feet.foot_count; ++foot) {
+      SourceFoot& of_frame = feet.feet[static_cast<std::size_t>(frame * feet.foot_count + foot)];
+      const auto lower = [&](Vector3d& end) {
+        const Vector3d above = end + kAboveFoot * scale * Vector3d::UnitZ();
+        end.z() -= world.ground_below(frame, above);
+      };
+      lower(of_frame.ankle);
+      lower(of_frame.toe);
+      if (of_frame.heel) lower(*of_frame.heel);
+    }
+  }
+  return feet;
+}
+
+// Sets the heights of the surfaces on which feet stand; contacts found over the ground have none.
+void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts) {
+  std::vector<double> heights;
+  const auto ground = [&](int begin, int end, const auto& place_at) {
+    heights.clear();
+    for (int frame = begin; frame < end; ++frame) {
+      heights.push_back(world.ground_below(
+          frame, place_at(frame) + kAboveFoot * contacts.scale * Vector3d::UnitZ()));
+    }
+    return median_in_place(heights);
+  };
+  for (std::size_t foot = 0; foot < contacts.ends.size(); ++foot) {
+    const auto end_at = [&](int end) {
+      return
+          [&feet, foot, end](int frame) { return feet.at(frame, static_cast<int>(foot)).end(end); };
+    };
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      for (ContactPhase& phase : contacts.ends[foot][static_cast<std::size_t>(end)].phases) {
+        phase.support += ground(phase.begin, phase.end, end_at(end));
+      }
+    }
+    for (auto* phases : {&contacts.phases[foot], &contacts.soles[foot]}) {
+      for (ContactPhase& phase : *phases) {
+        phase.support += ground(phase.begin, phase.end, end_at(kToeEnd));
+      }
+    }
+  }
+  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
+    std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
+      return ground(phase.begin, phase.end, [&](int frame) { return feet.support(frame, part); }) >
+             kRaised;
+    });
+  }
+}
+
 }  // namespace
 
 SurfaceParts::SurfaceParts(const HumanClipInfo& human, double scale) : scale_(scale) {
@@ -202,54 +255,12 @@ std::vector<SurfacePhase> find_surface_contacts(const SceneWorld& world, const S
   return phases;
 }
 
-SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale) {
-  for (int frame = 0; frame < feet.frame_count(); ++frame) {
-    for (int foot = 0; foot < feet.foot_count; ++foot) {
-      SourceFoot& of_frame = feet.feet[static_cast<std::size_t>(frame * feet.foot_count + foot)];
-      const auto lower = [&](Vector3d& end) {
-        const Vector3d above = end + kAboveFoot * scale * Vector3d::UnitZ();
-        end.z() -= world.ground_below(frame, above);
-      };
-      lower(of_frame.ankle);
-      lower(of_frame.toe);
-      if (of_frame.heel) lower(*of_frame.heel);
-    }
-  }
-  return feet;
-}
-
-void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts) {
-  std::vector<double> heights;
-  const auto ground = [&](int begin, int end, const auto& place_at) {
-    heights.clear();
-    for (int frame = begin; frame < end; ++frame) {
-      heights.push_back(world.ground_below(
-          frame, place_at(frame) + kAboveFoot * contacts.scale * Vector3d::UnitZ()));
-    }
-    return median_in_place(heights);
-  };
-  for (std::size_t foot = 0; foot < contacts.ends.size(); ++foot) {
-    const auto end_at = [&](int end) {
-      return
-          [&feet, foot, end](int frame) { return feet.at(frame, static_cast<int>(foot)).end(end); };
-    };
-    for (const int end : {kHeelEnd, kToeEnd}) {
-      for (ContactPhase& phase : contacts.ends[foot][static_cast<std::size_t>(end)].phases) {
-        phase.support += ground(phase.begin, phase.end, end_at(end));
-      }
-    }
-    for (auto* phases : {&contacts.phases[foot], &contacts.soles[foot]}) {
-      for (ContactPhase& phase : *phases) {
-        phase.support += ground(phase.begin, phase.end, end_at(kToeEnd));
-      }
-    }
-  }
-  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
-    std::erase_if(contacts.bodies[part], [&](const ContactPhase& phase) {
-      return ground(phase.begin, phase.end, [&](int frame) { return feet.support(frame, part); }) >
-             kRaised;
-    });
-  }
+ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
+                                    const ContactOptions& options) {
+  const double size = feet.leg_length() / kUsualSourceLeg;
+  ContactPlan contacts = find_contacts(feet_over_ground(world, feet, size), options);
+  add_ground(world, feet, contacts);
+  return contacts;
 }
 
 std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const SourceFeet& feet,

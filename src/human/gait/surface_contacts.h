@@ -70,17 +70,15 @@ struct SurfacePhase {
                                                               const ContactOptions& options,
                                                               double frame_time);
 
-/// The feet of a source above the ground under them instead of above z = 0, so that a foot on a step
-/// stands as one on the floor.
-[[nodiscard]] SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double scale);
-
-/// Sets the heights of the surfaces on which feet stand; contacts found over the ground have none.
-/// Removes contacts of other parts with the floor where something else is under them.
-void add_ground(const SceneWorld& world, const SourceFeet& feet, ContactPlan& contacts);
+/// find_contacts() in a scene: feet stand on the ground under them, so that a foot on a step stands as
+/// one on the floor, and its phases have the height of the step. Contacts of other parts with the
+/// floor are left out where something else is under them.
+[[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
+                                                  const ContactOptions& options = {});
 
 /// The static bodies on which feet stand, for each phase of ContactPlan::of_ends; -1: the floor, or
 /// something that the scene does not have.
-/// @param contacts  after add_ground.
+/// @param contacts  of find_contacts_on_ground.
 [[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
                                                                 const SourceFeet& feet,
                                                                 const ContactPlan& contacts);

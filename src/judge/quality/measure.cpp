@@ -95,14 +95,6 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
   measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
 }
 
-ContactPlan contacts_of(const QualitySource& source, const SourceFeet& feet) {
-  if (source.scene == nullptr) return find_contacts(feet);
-  const double size = feet.leg_length() / kUsualSourceLeg;
-  ContactPlan contacts = find_contacts(feet_over_ground(*source.scene, feet, size), {});
-  add_ground(*source.scene, feet, contacts);
-  return contacts;
-}
-
 // Measures the robot's contacts with the floor against those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const Posture& posture, int frames) {
@@ -110,7 +102,8 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   const bool tracked = source.config != nullptr;
   const SourceFeet feet(human, frames);
   // Find contacts in the compared frames only.
-  const ContactPlan contacts = contacts_of(source, feet);
+  const ContactPlan contacts =
+      source.scene == nullptr ? find_contacts(feet) : find_contacts_on_ground(*source.scene, feet);
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);

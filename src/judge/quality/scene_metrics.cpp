@@ -63,7 +63,6 @@ class SceneMeter {
         supports_(support_bodies(robot_, config)),
         frames_(std::min({frames, draft.clip.frame_count(), world_.clip.frame_count})),
         state_(robot_.tree()),
-        normals_(world_.body_count()),
         deep_("scene_pen_1cm_pct", "m"),
         away_("scene_contact_kept_pct", "m"),
         slipping_("scene_slip_mean", "m/s") {
@@ -175,23 +174,16 @@ class SceneMeter {
     for (std::size_t support = 0; support < supports_.size(); ++support) {
       const SupportBody& body = supports_[support];
       for (std::size_t of_scene = 0; of_scene < world_.body_count(); ++of_scene) {
-        double distance = HUGE_VAL;
-        for (const SupportBody::Point& point : body.points) {
-          const Vector3d place =
-              state_.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
-          const SurfaceDistance found = world_.distance(frame, of_scene, place);
-          if (found.distance - point.radius >= distance) continue;
-          distance = found.distance - point.radius;
-          normals_[of_scene] = found.normal;
-        }
+        const SupportBody::SceneTouch touch = body.nearest(state_, world_, frame, of_scene);
         const std::size_t pair = index(support, of_scene);
         const auto at_frame = static_cast<std::size_t>(frame);
-        robot_touches_[pair][at_frame] = distance < kTouch ? 1 : 0;
+        robot_touches_[pair][at_frame] = touch.distance < kTouch ? 1 : 0;
         places[pair] = world_.clip.pose(frame, of_scene).inverse() * body.world_middle(state_);
         if (human_touches_[pair][at_frame] == 0) continue;
-        add_kept(link_name(body.link), frame, distance);
+        add_kept(link_name(body.link), frame, touch.distance);
         if (sticks_[pair][at_frame] == 0 || last_places_.empty()) continue;
-        const double slip = slip_of(frame, of_scene, places[pair] - last_places_[pair]);
+        const double slip =
+            slip_of(frame, of_scene, places[pair] - last_places_[pair], touch.normal);
         slips_.push_back(slip);
         if (slip > 0.1) slipping_.add(link_name(body.link), frame, slip);
       }
@@ -199,11 +191,10 @@ class SceneMeter {
     last_places_ = std::move(places);
   }
 
-  // Speed over the surface, m/s. @param step  in the frame of the body.
-  [[nodiscard]] double slip_of(int frame, std::size_t body, const Vector3d& step) const {
-    const Pose& pose = world_.clip.pose(frame, body);
-    const Vector3d in_world = pose.rotation * step;
-    const Vector3d normal = normals_[body];
+  // Speed over the surface, m/s. @param step  in the frame of the body. @param normal  world.
+  [[nodiscard]] double slip_of(int frame, std::size_t body, const Vector3d& step,
+                               const Vector3d& normal) const {
+    const Vector3d in_world = world_.clip.pose(frame, body).rotation * step;
     return (in_world - normal * normal.dot(in_world)).norm() * draft_.clip.rate().fps();
   }
 
@@ -293,7 +284,6 @@ class SceneMeter {
   // By support body and body of the scene, then by frame.
   std::vector<std::vector<char>> human_touches_, robot_touches_, sticks_;
   std::vector<Vector3d> last_places_;
-  std::vector<Vector3d> normals_;  // By body: at the nearest point of the part at hand.
   std::vector<double> gaps_, slips_;
   std::vector<char> touches_;  // By frame: any part of the robot.
   double deepest_ = 0.0, deep_frames_ = 0.0, kept_ = 0.0;

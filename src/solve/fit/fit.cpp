@@ -367,10 +367,8 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
                                  FitResult& result) {
   const SceneWorld& world = *run_.scene;
   const ContactOptions options = contact_options(options_);
-  const double size = feet_.leg_length() / kUsualSourceLeg;
-  result.contacts = find_contacts(feet_over_ground(world, feet_, size), options);
-  add_ground(world, feet_, result.contacts);
-  SurfaceParts parts(info, size);
+  result.contacts = find_contacts_on_ground(world, feet_, options);
+  SurfaceParts parts(info, result.contacts.scale);
   HumanPose bones;
   for (int frame = 0; frame < info.frame_count; ++frame) {
     poser.pose(frame, bones);

@@ -152,32 +152,12 @@ class GoalPlanner {
   std::vector<std::vector<SceneGoal>> by_frame_;
 };
 
-// The point of a support body that is nearest to a body of the scene.
-struct Touch {
-  int link = 0;
-  Vector3d place = Vector3d::Zero();  // World, metres.
-  Vector3d normal = Vector3d::UnitZ();
-  double distance = std::numeric_limits<double>::infinity();
-};
-
-Touch nearest_point(const SupportBody& body, const SceneWorld& world, int frame, int scene_body,
-                    const TreeState& pose) {
-  Touch nearest;
-  for (const SupportBody::Point& point : body.points) {
-    const Vector3d place = pose.world_from_link[at(point.link)] * point.in_link;
-    const SurfaceDistance found = world.distance(frame, at(scene_body), place);
-    if (found.distance - point.radius >= nearest.distance) continue;
-    nearest = {point.link, place, found.normal, found.distance - point.radius};
-  }
-  return nearest;
-}
-
 double add_contact(const FitModel& model, const FitOptions& options, const FitScene& scene,
                    int frame, const SceneGoal& goal, const TreeState& pose,
                    std::span<Composite> composites) {
   const SupportBody& body = model.supports[at(goal.support)];
   const Vector3d& origin = pose.origin();
-  const Touch touch = nearest_point(body, scene.world, frame, goal.body, pose);
+  const SupportBody::SceneTouch touch = body.nearest(pose, scene.world, frame, at(goal.body));
   const double apart = touch.distance - goal.distance;
   const double normal_weight = square(goal.share * options.scene_contact_weight);
   add_row(composites[at(touch.link)], touch.normal, touch.place - origin, normal_weight, apart);

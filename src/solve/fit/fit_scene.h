@@ -52,7 +52,7 @@ struct FitScene {
 
 /// Moves the positions of sticking contacts to their means in a solved clip, and holds them there. The
 /// first solve follows the human's positions only loosely, because robots have other arms; the
-/// second one holds what it found.
+/// second one holds these positions.
 /// @param qpos  frame-major, laid out as in RobotClip.
 /// @return whether there is any such contact.
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene);

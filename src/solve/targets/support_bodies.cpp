@@ -145,6 +145,19 @@ SupportBody::Touch SupportBody::lowest(const TreeState& pose) const {
   return lowest;
 }
 
+SupportBody::SceneTouch SupportBody::nearest(const TreeState& pose, const SceneWorld& world,
+                                             int frame, std::size_t scene_body) const {
+  SceneTouch nearest{link, Vector3d::Zero(), Vector3d::UnitZ(), HUGE_VAL};
+  for (const Point& point : points) {
+    const Vector3d place =
+        pose.world_from_link[static_cast<std::size_t>(point.link)] * point.in_link;
+    const SurfaceDistance found = world.distance(frame, scene_body, place);
+    if (found.distance - point.radius >= nearest.distance) continue;
+    nearest = {point.link, place, found.normal, found.distance - point.radius};
+  }
+  return nearest;
+}
+
 std::vector<SupportBody> support_bodies(const Robot& robot, const ResolvedConfig& config) {
   const SupportFinder finder(robot, config);
   std::vector<SupportBody> bodies;

@@ -8,6 +8,7 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
+#include "scene/scene_world.h"
 
 namespace retarget {
 
@@ -34,6 +35,16 @@ struct SupportBody {
     double height = 0.0;                              ///< Height of the surface below it, metres.
   };
   [[nodiscard]] Touch lowest(const TreeState& pose) const;
+
+  /// The point that is nearest to a body of a scene.
+  struct SceneTouch {
+    int link = 0;
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< The end of the shape, world, metres.
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Of the surface, world.
+    double distance = 0.0;  ///< Between the surfaces, metres; infinite without points.
+  };
+  [[nodiscard]] SceneTouch nearest(const TreeState& pose, const SceneWorld& world, int frame,
+                                   std::size_t scene_body) const;
   /// Position of `middle`, world, metres.
   [[nodiscard]] Eigen::Vector3d world_middle(const TreeState& pose) const {
     return pose.world_from_link[static_cast<std::size_t>(link)] * middle;
