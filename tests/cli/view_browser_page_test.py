@@ -15,7 +15,6 @@ from tool import SOURCE
 
 ROBOT = SOURCE / "robots/unitree_g1/model.xml"
 PICTURES = pathlib.Path(__file__).resolve().parent / "view_browser_pictures"
-MOST_FRAME_TIME = 2.0  # of the time of the arithmetic: twice what it takes
 
 
 def box_stl(low, high):
@@ -257,38 +256,6 @@ class PageInABrowser(PagesInABrowser):
             ).returncode,
             2,
         )
-
-    def test_a_picture_takes_little_time(self):
-        # Of the script alone: a small picture, because the processor paints it here. A fixed amount of
-        # arithmetic in the same page tells how fast the machine is at the moment.
-        self.open("two.html", size=(400, 300))
-        ratios = []
-        for _ in range(3):
-            ratios.append(self.frame_time() / self.arithmetic_time())
-            if ratios[-1] < MOST_FRAME_TIME:
-                break
-        self.assertLess(min(ratios), MOST_FRAME_TIME)
-
-    def frame_time(self):
-        """Returns the median time of the frame callback, milliseconds."""
-        self.run_script("retarget.frameTimes.length = 0; retarget.player.play()")
-        self.browser.wait_for("retarget.frameTimes.length >= 25", wait=150)
-        self.run_script("retarget.player.pause()")
-        return float(np.median(self.run_script("retarget.frameTimes")))
-
-    def arithmetic_time(self):
-        """The median time of 100,000 sines, milliseconds."""
-        return float(np.median(self.run_script("""(() => {
-            const times = [];
-            let sum = 0;
-            for (let round = 0; round < 25; ++round) {
-                const begin = performance.now();
-                for (let i = 0; i < 100000; ++i) sum += Math.sin(sum + i);
-                times.push(performance.now() - begin);
-            }
-            document.body.dataset.sum = sum;
-            return times;
-        })()""")))
 
     def test_pictures(self):
         """Compares coarse pictures with the committed ones.

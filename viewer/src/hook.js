@@ -9,7 +9,6 @@ export function addTestHook(viewer) {
   window.retarget = {
     player,
     motions: motions.map(({ label, frames, fps }) => ({ label, frames, fps })),
-    frameTimes: viewer.frameTimes,
     picked: () => viewer.picked ?? null,
     /** Shows a frame at once. */
     show(frame) {

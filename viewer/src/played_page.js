@@ -15,7 +15,6 @@ export class PlayedPage {
   constructor(duration, frameTime) {
     this.player = new Player(duration, frameTime);
     this.scheduled = false;
-    this.frameTimes = [];
     this.redraw = () => this.schedule();
     this.stage = new Stage(byId('canvas'), this.redraw);
     this.player.addEventListener('time', this.redraw);
@@ -72,7 +71,6 @@ export class PlayedPage {
   }
 
   frame(now) {
-    const begin = performance.now();
     this.scheduled = false;
     this.player.advance(now);
     const passed = this.lastFrame === undefined ? 0 : Math.min(0.1, (now - this.lastFrame) / 1000);
@@ -81,8 +79,6 @@ export class PlayedPage {
     this.stage.turn(passed);
     this.stage.render();
     this.updateTags();
-    this.frameTimes.push(performance.now() - begin);
-    if (this.frameTimes.length > 240) this.frameTimes.shift();
     if (this.player.playing || this.stage.turns) this.schedule();
   }
 }

@@ -328,7 +328,6 @@ export class SkeletonViewer extends PlayedPage {
 export function addSkeletonHook(viewer) {
   window.retarget = {
     player: viewer.player,
-    frameTimes: viewer.frameTimes,
     show(frame) {
       viewer.player.pause();
       viewer.player.seekFrame(frame);
