@@ -169,6 +169,14 @@ TEST(LoadModelTest, ModelErrorsHaveALine) {
   EXPECT_THAT(axis.message, AllOf(HasSubstr("axis"), HasSubstr("knee")));
 }
 
+TEST(LoadModelTest, RepeatedNamesInUrdfAreNamed) {
+  const Error twice = error_of(
+      "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n<link name=\"b\"/>\n"
+      "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n</robot>");
+  EXPECT_EQ(twice.location.line, 4U);
+  EXPECT_THAT(twice.message, HasSubstr("repeated name 'b': two elements of kind link"));
+}
+
 TEST(LoadModelTest, RejectsEndlessNesting) {
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<body>";

@@ -12,23 +12,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the candidate paths of a file below a folder: its name without the scheme, with and
-// without the package.
-std::vector<fs::path> names_of(std::string_view named) {
+// A file as a model names it.
+struct NamedMesh {
+  std::string package;          // Empty: none.
+  std::vector<fs::path> names;  // Candidate paths below a folder, most specific first.
+};
+
+// The name of a file in a package, without the scheme: nothing for other names.
+std::optional<std::string_view> name_in_package(std::string_view named) {
   // MuJoCo collapses a double slash.
-  constexpr std::array<std::string_view, 4> kSchemes = {"package://", "package:/", "model://",
-                                                        "file://"};
+  constexpr std::array<std::string_view, 3> kSchemes = {"package://", "package:/", "model://"};
   for (const std::string_view scheme : kSchemes) {
-    if (!named.starts_with(scheme)) continue;
-    named.remove_prefix(scheme.size());
-    std::vector<fs::path> names = {fs::path(named)};
-    const std::size_t slash = named.find('/');
-    if (scheme != kSchemes.back() && slash != std::string_view::npos) {
-      names.emplace_back(named.substr(slash + 1));
-    }
-    return names;
+    if (named.starts_with(scheme)) return named.substr(scheme.size());
   }
-  return {fs::path(named)};
+  return std::nullopt;
+}
+
+// Replaces `$(find PACKAGE)` of ROS by PACKAGE.
+std::optional<std::string> found_package(std::string_view named) {
+  constexpr std::string_view kFile = "file://", kFind = "$(find ";
+  if (named.starts_with(kFile)) named.remove_prefix(kFile.size());
+  const std::size_t end = named.find(')');
+  if (!named.starts_with(kFind) || end == std::string_view::npos) return std::nullopt;
+  return std::string(named.substr(kFind.size(), end - kFind.size())) +
+         std::string(named.substr(end + 1));
+}
+
+// Packages lie in other folders on other machines, so leading folders of the name may be missing.
+NamedMesh named_mesh(std::string_view named) {
+  constexpr std::string_view kFile = "file://";
+  const auto found = found_package(named);
+  const auto in_package = found ? std::optional<std::string_view>(*found) : name_in_package(named);
+  if (!in_package) {
+    if (named.starts_with(kFile)) named.remove_prefix(kFile.size());
+    return {{}, {fs::path(named)}};
+  }
+  NamedMesh mesh;
+  std::string_view rest = *in_package;
+  mesh.package = rest.substr(0, rest.find('/'));
+  while (true) {
+    if (!rest.empty()) mesh.names.emplace_back(rest);
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string_view::npos) return mesh;
+    rest.remove_prefix(slash + 1);
+  }
+}
+
+// The folder that a model's package may extend to: one above the model's, or two if that is the
+// package itself.
+fs::path package_folder(const fs::path& model_folder, const std::string& package) {
+  const fs::path above = model_folder.parent_path(), two_above = above.parent_path();
+  const bool is_package = !package.empty() && above != two_above &&
+                          (two_above.filename() == package || is_file(two_above / "package.xml"));
+  return is_package ? two_above : above;
 }
 
 std::optional<fs::path> first_below(const std::vector<fs::path>& folders,
@@ -74,9 +110,9 @@ std::optional<fs::path> file_of_body(const std::vector<MeshFile>& files, const s
 
 std::optional<fs::path> find_mesh_file(const std::string& named, const fs::path& model,
                                        const std::string& folder) {
-  std::vector<fs::path> names = names_of(named);
+  const NamedMesh mesh = named_mesh(named);
   if (!folder.empty()) {
-    std::vector<fs::path> in_folder = names;
+    std::vector<fs::path> in_folder = mesh.names;
     in_folder.push_back(fs::path(named).filename());
     if (auto found = first_below({folder}, in_folder, folder)) return found;
     // Vendors may supply the same mesh as STL and in another format.
@@ -88,7 +124,10 @@ std::optional<fs::path> find_mesh_file(const std::string& named, const fs::path&
   std::error_code error;
   const fs::path root = fs::canonical(fs::absolute(model, error).parent_path(), error);
   if (error) return std::nullopt;
-  return first_below({root, root.parent_path()}, names, root.parent_path());
+  const fs::path package = package_folder(root, mesh.package);
+  std::vector<fs::path> folders = {root, root.parent_path()};
+  if (package != folders.back()) folders.push_back(package);
+  return first_below(folders, mesh.names, package);
 }
 
 Result<FileContent> read_mesh_file(const std::string& path) {

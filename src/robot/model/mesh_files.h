@@ -25,8 +25,10 @@ struct MeshFile {
                                                                 const std::string& body);
 
 /// Finds the mesh file that a model names: first in the folder, if given, under its full or last
-/// name; then next to the model or one folder up, the extent of a model's package. `package://`
-/// names are searched with and without the package name.
+/// name; then next to the model or one folder up, the extent of a model's package, or two folders up
+/// if that folder has the package's name or a package.xml. Names with `package://` or `$(find PACKAGE)/`
+/// are searched whole, then without their leading folders, one by one. No file outside these folders
+/// is found.
 [[nodiscard]] std::optional<std::filesystem::path> find_mesh_file(
     const std::string& named, const std::filesystem::path& model, const std::string& folder);
 

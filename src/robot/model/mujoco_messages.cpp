@@ -1,11 +1,18 @@
 #include "robot/model/mujoco_messages.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
+#include <tinyxml2.h>
 
 #include <array>
 #include <cctype>
 #include <cstdlib>
+#include <set>
 #include <utility>
+
+#include "base/parse_xml.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -88,6 +95,30 @@ std::string one_line(const std::string& text) {
   return line;
 }
 
+namespace {
+
+// MuJoCo does not name the link or joint that a URDF repeats. Sets its name and line.
+void name_repeated(const std::string& path, Error& error) {
+  const auto text = read_file(path, ErrorKind::kConfig, kMaxTextBytes);
+  tinyxml2::XMLDocument document;
+  if (!text || !parse_xml(text->view(), document) || document.RootElement() == nullptr) return;
+  for (const char* kind : {"link", "joint"}) {
+    std::set<std::string> names;
+    const auto* element = document.RootElement()->FirstChildElement(kind);
+    for (; element != nullptr; element = element->NextSiblingElement(kind)) {
+      const char* name = element->Attribute("name");
+      if (name == nullptr || names.insert(name).second) continue;
+      error.location.line = static_cast<std::size_t>(element->GetLineNum());
+      error.message =
+          fmt::format("repeated name '{}': two elements of kind {} have it", name, kind);
+      error.hint = "give one of them another name";
+      return;
+    }
+  }
+}
+
+}  // namespace
+
 Failure model_failure(const std::string& path, const std::string& text) {
   std::string line = one_line(text);
   Error error;
@@ -116,6 +147,7 @@ Failure model_failure(const std::string& path, const std::string& text) {
     error.message = line.substr(0, name_end + 1) + ": two elements of kind " + kind + " have it";
     error.hint = "give one of them another name";
   }
+  if (line.starts_with("repeated URDF name")) name_repeated(path, error);
   return failure(std::move(error));
 }
 
