@@ -67,6 +67,8 @@ void fuzz_line(std::string_view bytes);
 void fuzz_fbx(std::string_view bytes);
 void fuzz_gltf(std::string_view bytes);
 void fuzz_mvnx(std::string_view bytes);
+void fuzz_scene(std::string_view bytes);
+void fuzz_object_track(std::string_view bytes);
 void fuzz_stream_lines(std::string_view bytes);
 void fuzz_stream_bvh(std::string_view bytes);
 void fuzz_stream_vmc(std::string_view bytes);

@@ -41,6 +41,8 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"fbx", fuzz_fbx},
     {"gltf", fuzz_gltf},
     {"mvnx", fuzz_mvnx},
+    {"scene", fuzz_scene},
+    {"object_track", fuzz_object_track},
     {"stream_lines", fuzz_stream_lines},
     {"stream_bvh", fuzz_stream_bvh},
     {"stream_vmc", fuzz_stream_vmc},
