@@ -35,6 +35,8 @@ struct BatchRequest {
   std::vector<std::string> gates;    ///< Quality gates for the motions: changed_gates().
   std::string clips;                 ///< Table of parts of the files (docs/batch.md); empty: none.
   bool mirror = false;               ///< Add the mirror image of every clip.
+  int variants = 0;                  ///< Add every clip in so many changed scenes.
+  int seed = 0;                      ///< Of these changes.
   bool dedupe = false;               ///< Leave out duplicate clips.
   std::string split;         ///< `SHARES:SEED` (docs/batch.md); empty: no lists for training.
   bool contacts = false;     ///< Write CLIP.contacts.csv next to each motion.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "batch/clip_memory.h"
+#include "batch/clip_variations.h"
 #include "batch/process_pool.h"
 #include "batch/signature_pass.h"
 #include "batch/summary.h"
@@ -130,8 +131,8 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   request.mirror = task.input->variant.is_mirrored();
   request.partial = true;
   // Every manifest line has a signature, so that lists can be split later without reading the clips
-  // again. A mirror image shares its original's.
-  ClipNotes notes(context_.observer, entry.signature.empty() && !request.mirror);
+  // again. Mirror images and variations share those of their originals.
+  ClipNotes notes(context_.observer, entry.signature.empty() && !task.input->variant.is_derived());
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
   if (!notes.signature.empty()) entry.signature = std::move(notes.signature);
   entry.taken_as = std::move(notes.taken_as);
@@ -371,6 +372,7 @@ Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_g
     run.options.part = part_options(clip.variant.part);
     run.options.part.lead_in = lead_in;
   }
+  apply_changes(clip.variant.changes, run.options.solve);
   return run;
 }
 

@@ -51,6 +51,12 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
                 "seconds, f120 a frame"),
       batch_row("mirror", request.mirror, kInputGroup, "",
                 "Also retarget the mirror image of each clip, NAME_mirrored"),
+      batch_row("variants", request.variants, kInputGroup, "N",
+                "Also retarget each clip in N changed scenes, NAME_v1, ...: other sizes of terrain "
+                "or of objects, other positions of objects (docs/batch.md)",
+                {.min = 0, .max = 1000}),
+      batch_row("seed", request.seed, kInputGroup, "S", "Seed of the changes of the scenes",
+                {.min = 0, .max = 1e9}),
       batch_row("dedupe", request.dedupe, kInputGroup, "",
                 "Skip clips with the same motion as another clip, or its mirror image"),
       batch_row("robot", request.robots, kRobotGroup, "NAME,...",

@@ -39,22 +39,22 @@ void judge_again(ClipQuality& quality, const Gates& gates) {
   quality.worst_ratio = judged.worst_ratio;
 }
 
-// Searches original clips only: a mirror image created by the batch is left out with its original.
+// Searches original clips only: a mirror image or variation created by the batch is left out with its original.
 void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::string>* asked) {
   const auto counts = [asked](const ManifestEntry& entry) {
     return asked == nullptr || asked->contains(entry.relative);
   };
   std::vector<std::pair<std::string, std::string>> clips;
   for (const ManifestEntry& entry : entries) {
-    if (counts(entry) && !entry.has_failed() && !entry.variant.is_mirrored()) {
+    if (counts(entry) && !entry.has_failed() && !entry.variant.is_derived()) {
       clips.emplace_back(entry.relative, entry.signature);
     }
   }
   const auto repeated = repeated_clips(clips);
   for (ManifestEntry& entry : entries) {
     if (!counts(entry)) continue;
-    const bool is_image = entry.variant.is_mirrored();
-    const auto of = repeated.find(is_image ? entry.variant.mirror_of : entry.relative);
+    const bool is_derived = entry.variant.is_derived();
+    const auto of = repeated.find(is_derived ? entry.variant.original() : entry.relative);
     if (of != repeated.end()) {
       entry.repeated = of->second;
     } else if (entry.done) {
@@ -152,7 +152,7 @@ std::string rule_text(const SplitGroups& groups) {
 // Without signatures, mirror images under other names are not recognised.
 void note_unsigned(const std::vector<const ManifestEntry*>& passed, Observer& observer) {
   const auto count = std::ranges::count_if(passed, [](const ManifestEntry* entry) {
-    return !entry->variant.is_mirrored() && entry->signature.empty();
+    return !entry->variant.is_derived() && entry->signature.empty();
   });
   if (count == 0) return;
   observer.line("", "mirror images of " + count_text(count, "clip") +

@@ -10,8 +10,8 @@
 
 namespace retarget {
 
-/// The content of a clip relative to its file: the whole file, a part, or the mirror image of
-/// either.
+/// The content of a clip relative to its file: the whole file, a part, the mirror image of either, or
+/// one of these in a changed scene.
 struct ClipVariant {
   /// BatchInput::relative of the whole file; empty: the clip is the whole file.
   std::string source = {};
@@ -20,7 +20,18 @@ struct ClipVariant {
   /// BatchInput::relative of the clip that is mirrored; empty: not mirrored.
   std::string mirror_of = {};
 
+  /// BatchInput::relative of the clip whose scene is changed; empty: not changed.
+  std::string varied_of = {};
+  /// The changes of the scene (clip_variations.h), such as `terrain-scale=z=1.07`.
+  std::string changes = {};
+
   [[nodiscard]] bool is_mirrored() const { return !mirror_of.empty(); }
+  [[nodiscard]] bool is_varied() const { return !varied_of.empty(); }
+  /// Whether the batch made the clip from another one, and BatchInput::relative of that.
+  [[nodiscard]] bool is_derived() const { return is_mirrored() || is_varied(); }
+  [[nodiscard]] const std::string& original() const {
+    return is_mirrored() ? mirror_of : varied_of;
+  }
   friend bool operator==(const ClipVariant&, const ClipVariant&) = default;
 };
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "batch/clip_variations.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
@@ -164,6 +165,7 @@ ShownEntry show_entry(const BatchFolder& batch, const ManifestEntry& entry,
     shown.lacks = "the source has changed since: " + entry.input.file;
   }
   if (!entry.variant.part.empty()) run.options.part = part_options(entry.variant.part);
+  apply_changes(entry.variant.changes, run.options.solve);
   request.of_source.mirror = entry.variant.is_mirrored();
   if (run.motion.empty()) forget_source(run);
   if (entry.fps > 0.0) request.fps = to_text(frame_rate_from_fps(entry.fps));

@@ -28,7 +28,8 @@ Failure manifest_failure(const std::string& path, int error_number) {
 // The first name of an entry that leads out of its folder.
 std::optional<std::string> name_outside(const ManifestEntry& entry) {
   if (!is_plain_path(entry.relative)) return entry.relative;
-  for (const std::string* name : {&entry.variant.source, &entry.variant.mirror_of}) {
+  for (const std::string* name :
+       {&entry.variant.source, &entry.variant.mirror_of, &entry.variant.varied_of}) {
     if (!name->empty() && !is_plain_path(*name)) return *name;
   }
   if (!entry.robot.empty() && !is_plain_name(entry.robot)) return entry.robot;

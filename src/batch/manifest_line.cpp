@@ -108,6 +108,8 @@ void put_variant(Json& json, const ClipVariant& variant) {
   if (!variant.source.empty()) put_name(json, "source", variant.source);
   if (!variant.part.empty()) json["part"] = variant.part;
   if (variant.is_mirrored()) put_name(json, "mirror_of", variant.mirror_of);
+  if (variant.is_varied()) put_name(json, "varied_of", variant.varied_of);
+  if (variant.is_varied()) json["changes"] = variant.changes;
 }
 
 // Reads optional members; members that are missing or of another type keep their defaults.
@@ -213,6 +215,8 @@ void read_variant(const EntryReader& reader, ManifestEntry& entry) {
   reader.name("source", entry.variant.source);
   reader.read("part", entry.variant.part);
   reader.name("mirror_of", entry.variant.mirror_of);
+  reader.name("varied_of", entry.variant.varied_of);
+  reader.read("changes", entry.variant.changes);
   if (const Json* repeated = reader.member("repeats")) {
     const EntryReader of(*repeated);
     RepeatedClip& clip = entry.repeated.emplace();

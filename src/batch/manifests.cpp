@@ -107,7 +107,7 @@ Result<void> write_summary(const std::string& folder, const std::vector<Manifest
 void warn_of_unsigned(const std::vector<ManifestEntry>& entries, const std::string& path,
                       Observer& observer) {
   const auto count = std::ranges::count_if(entries, [](const ManifestEntry& entry) {
-    return entry.done && !entry.variant.is_mirrored() && entry.signature.empty();
+    return entry.done && !entry.variant.is_derived() && entry.signature.empty();
   });
   if (count == 0) return;
   observer.warn(

@@ -14,6 +14,7 @@
 
 #include "batch/batch_runner.h"
 #include "batch/clip_table.h"
+#include "batch/clip_variations.h"
 #include "batch/data_set.h"
 #include "batch/find_inputs.h"
 #include "batch/folder_lock.h"
@@ -198,7 +199,7 @@ Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
   return parts;
 }
 
-// Finds all clips: files or parts of them, and mirror images.
+// Finds all clips: files or parts of them, mirror images and variations.
 Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer& observer) {
   InputSearch search{request.inputs,      request.lists,
                      request.relative_to, request.exclude,
@@ -219,6 +220,10 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
     RETARGET_TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
   }
   if (request.mirror) inputs = with_mirror_images(std::move(inputs));
+  if (request.variants > 0) {
+    RETARGET_TRY_ASSIGN(inputs, with_variations(std::move(inputs), request.variants, request.seed,
+                                                request.run.options.solve));
+  }
   RETARGET_TRY(check_distinct_outputs(inputs));
   return inputs;
 }
@@ -406,6 +411,7 @@ Result<void> check_merge(const BatchRequest& request) {
   };
   if (!request.clips.empty()) return refused(RETARGET_OPTION("clips"));
   if (request.mirror) return refused(RETARGET_OPTION("mirror"));
+  if (request.variants > 0) return refused(RETARGET_OPTION("variants"));
   if (!request.exclude.empty()) return refused(RETARGET_OPTION("exclude"));
   if (!request.shard.empty()) return refused(RETARGET_OPTION("shard"));
   if (request.resume) return refused(RETARGET_OPTION("resume"));

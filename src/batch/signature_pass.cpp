@@ -33,11 +33,11 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
   }
 }
 
-// Clips without mirror images, in the order in which the first duplicate is kept.
+// Clips without mirror images and variations, in the order in which the first duplicate is kept.
 std::vector<BatchInput*> originals(std::vector<BatchInput>& inputs) {
   std::vector<BatchInput*> clips;
   for (BatchInput& input : inputs) {
-    if (!input.variant.is_mirrored()) clips.push_back(&input);
+    if (!input.variant.is_derived()) clips.push_back(&input);
   }
   std::ranges::sort(clips, {}, &BatchInput::relative);
   return clips;
@@ -81,14 +81,14 @@ Result<std::map<std::string, RepeatedClip>> repeated_inputs(const std::vector<Ba
   const auto interrupts = observer.hold_interrupts();
   std::vector<std::pair<std::string, std::string>> clips;
   for (const BatchInput& input : inputs) {
-    if (!input.variant.is_mirrored()) clips.emplace_back(input.relative, input.signature);
+    if (!input.variant.is_derived()) clips.emplace_back(input.relative, input.signature);
   }
   auto repeated = repeated_clips(clips, [&] { return !observer.is_stopped(); });
   if (observer.is_stopped()) return interrupted_failure();
-  // A mirror image shares the result of its original.
+  // A mirror image or variation shares the result of its original.
   for (const BatchInput& input : inputs) {
-    const auto of = repeated.find(input.variant.mirror_of);
-    if (input.variant.is_mirrored() && of != repeated.end()) repeated[input.relative] = of->second;
+    const auto of = repeated.find(input.variant.original());
+    if (input.variant.is_derived() && of != repeated.end()) repeated[input.relative] = of->second;
   }
   return repeated;
 }
