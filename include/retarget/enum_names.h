@@ -51,6 +51,9 @@ inline constexpr auto kEnumNames<RobotBase> = std::to_array<NamedValue<RobotBase
 template <>
 inline constexpr auto kEnumNames<Follow> =
     std::to_array<NamedValue<Follow>>({{Follow::kAll, "all"}, {Follow::kArms, "arms"}});
+template <>
+inline constexpr auto kEnumNames<SceneAxes> = std::to_array<NamedValue<SceneAxes>>(
+    {{SceneAxes::kHuman, "human"}, {SceneAxes::kClip, "clip"}});
 
 template <>
 inline constexpr auto kEnumNames<Purpose> = std::to_array<NamedValue<Purpose>>({{Purpose::kTracking,

@@ -294,6 +294,12 @@ enum class Purpose : unsigned char {
   kTracking,  ///< Training a policy that tracks the motion (docs/fit.md, "Motions for policies").
 };
 
+/// Unit and axes of a scene and of its tracks.
+enum class SceneAxes : unsigned char {
+  kHuman,  ///< Metres, Z up: the world of the canonical human.
+  kClip,   ///< Those of the clip's file.
+};
+
 /// How a motion is solved.
 struct SolveOptions {
   std::optional<Purpose> purpose;  ///< Empty: no preset.
@@ -312,6 +318,17 @@ struct SolveOptions {
   std::string scene;          ///< File of the scene around the human; empty: only a floor.
   /// Tracks of moving bodies of the scene: FILE or BODY=FILE.
   std::vector<std::string> object_tracks;
+  SceneAxes scene_axes = SceneAxes::kHuman;
+  /// Ground that is put under a clip recorded on a flat floor: `stairs:RISExTREAD`,
+  /// `stairs:RISExTREADxCOUNT` (metres, in the robot's world) or `slope:DEGREES`; empty: none.
+  std::string terrain;
+  /// Factor for static bodies of the scene, about the origin: `S`, or `z=S` for heights only. The
+  /// human's contacts follow. Empty: 1.
+  std::string terrain_scale;
+  /// Displacement of the moving bodies of the scene: `X,Y,Z`, metres. The hands that touch them
+  /// follow. Empty: none.
+  std::string object_shift;
+  double object_scale = 1.0;         ///< Size of the moving bodies; the hands follow.
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.
   IkEngine engine = IkEngine::kFast;

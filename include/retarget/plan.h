@@ -53,8 +53,9 @@ struct RobotSetup {
 /// All decisions for retargeting a clip to a robot. A plain value: every member may be read and
 /// replaced before solve().
 struct Plan {
-  /// The clip as read, cleaned and with scaled travel (HumanOptions::clean, SolveOptions::travel);
-  /// null after solve(Plan&&).
+  /// The clip as read, cleaned, with scaled travel and moved to a changed scene (HumanOptions::clean,
+  /// SolveOptions::travel, ::terrain, ::terrain_scale, ::object_shift, ::object_scale); null after
+  /// solve(Plan&&).
   std::shared_ptr<const Clip> clip;
   LoadedRobot robot;
   Options options;  ///< As given; the members below take precedence.
@@ -73,9 +74,12 @@ struct Plan {
   FitOptions fit;
   std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.
   std::vector<ObjectTrack> object_tracks;
+  std::vector<Warning> scene_doubts;      ///< Reasons why the scene may not belong to the clip.
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.
 
+  /// Reasons why the recognition of the human, or the scene, may be wrong.
+  [[nodiscard]] std::vector<Warning> doubts() const;
   /// The robot and its retargeting settings as summary lines.
   [[nodiscard]] std::vector<SummaryLine> robot_lines() const;
   /// All decisions as text, one line each.

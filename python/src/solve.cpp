@@ -42,7 +42,7 @@ struct Solved {
 Result<Solved> solve_clip(const Clip& clip, const LoadedRobot& robot, const Options& options,
                           const SolveControl& control) {
   RETARGET_TRY_ASSIGN(Plan plan, make_plan(clip, robot, options));
-  Solved solved{nullptr, plan.summary(), plan.human.doubts()};
+  Solved solved{nullptr, plan.summary(), plan.doubts()};
   RETARGET_TRY_ASSIGN(Motion motion, solve(std::move(plan), control));
   solved.motion = std::make_shared<const Motion>(std::move(motion));
   return solved;

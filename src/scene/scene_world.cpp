@@ -7,24 +7,8 @@
 #include "base/try.h"
 
 namespace retarget {
-namespace {
 
 using Eigen::Vector3d;
-
-SceneShape scaled_shape(SceneShape shape, double scale) {
-  shape.body_from_shape.translation *= scale;
-  shape.half_size *= scale;
-  shape.radius *= scale;
-  shape.half_length *= scale;
-  if (shape.mesh) {
-    auto mesh = std::make_shared<TriangleMesh>(*shape.mesh);
-    for (Vector3d& vertex : mesh->vertices) vertex *= scale;
-    shape.mesh = std::move(mesh);
-  }
-  return shape;
-}
-
-}  // namespace
 
 SurfaceDistance SceneWorld::distance(int frame, std::size_t body, const Vector3d& point) const {
   const Pose& pose = clip.pose(frame, body);
@@ -61,6 +45,19 @@ Result<SceneWorld> make_scene_world(SceneClip clip) {
   world.scales.assign(world.fields.size(), 1.0);
   world.clip = std::move(clip);
   return world;
+}
+
+SceneShape scaled_shape(SceneShape shape, double scale) {
+  shape.body_from_shape.translation *= scale;
+  shape.half_size *= scale;
+  shape.radius *= scale;
+  shape.half_length *= scale;
+  if (shape.mesh) {
+    auto mesh = std::make_shared<TriangleMesh>(*shape.mesh);
+    for (Vector3d& vertex : mesh->vertices) vertex *= scale;
+    shape.mesh = std::move(mesh);
+  }
+  return shape;
 }
 
 SceneWorld scaled_world(const SceneWorld& world, double scale) {

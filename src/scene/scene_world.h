@@ -20,6 +20,13 @@ struct SceneWorld {
   /// Signed distance of a point in the world to a body; the normal is in world axes.
   [[nodiscard]] SurfaceDistance distance(int frame, std::size_t body,
                                          const Eigen::Vector3d& point) const;
+  /// Whether a body is farther away from a point than `distance`, metres, by the sphere around it: a
+  /// fast test that is true only if distance() is greater.
+  [[nodiscard]] bool is_beyond(int frame, std::size_t body, const Eigen::Vector3d& point,
+                               double distance) const {
+    const double reach = scales[body] * fields[body].reach() + distance;
+    return (point - clip.pose(frame, body).translation).squaredNorm() > reach * reach;
+  }
   /// Height of the highest surface of the static bodies that is below a point, metres; 0 (the
   /// floor) if there is none.
   [[nodiscard]] double ground_below(int frame, const Eigen::Vector3d& point) const;
@@ -27,6 +34,9 @@ struct SceneWorld {
 
 /// Builds the distance fields of a scene. Errors: those of make_distance_field.
 [[nodiscard]] Result<SceneWorld> make_scene_world(SceneClip clip);
+
+/// The shape scaled about the origin of its body's frame.
+[[nodiscard]] SceneShape scaled_shape(SceneShape shape, double scale);
 
 /// The scene around a body of another size: static bodies and all paths are scaled about the origin
 /// of the world. Moving bodies keep their size, and their lowest points have scaled heights, so that

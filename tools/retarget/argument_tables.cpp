@@ -128,6 +128,19 @@ OptionTable contacts_table(ContactsArguments& arguments) {
   return table;
 }
 
+OptionTable scene_from_motion_table(SceneFromMotionArguments& arguments) {
+  Options& options = arguments.run.run.options;
+  OptionTable table = source_table(options.source);
+  append(table, human_table(options.human));
+  append(table, part_table(options.part));
+  table.push_back(row("output", arguments.output, kOutputGroup, "FILE",
+                      "Scene to write: .json or .obj; - writes JSON on standard output instead of "
+                      "the table",
+                      {.basic = true, .letter = "o"}));
+  append(table, common_table(arguments.run.common));
+  return table;
+}
+
 OptionTable compare_table(CompareArguments& arguments) {
   OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
                            "Maximum accepted difference, in the files' units",
@@ -185,6 +198,7 @@ std::set<std::string> advanced_option_names() {
   ConvertArguments convert;
   CompareArguments compare;
   ContactsArguments contacts;
+  SceneFromMotionArguments scene;
   ViewArguments view;
   LiveArguments live;
   OptionTable all = run_command_table(run);
@@ -194,6 +208,7 @@ std::set<std::string> advanced_option_names() {
   append(all, convert_table(convert));
   append(all, compare_table(compare));
   append(all, contacts_table(contacts));
+  append(all, scene_from_motion_table(scene));
   append(all, view_table(view));
   append(all, live_command_table(live));
   std::set<std::string> names;

@@ -20,6 +20,7 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable contacts_table(ContactsArguments& arguments);
+[[nodiscard]] OptionTable scene_from_motion_table(SceneFromMotionArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
 /// Returns the live options that a recording keeps; live_command_table has the others.
 [[nodiscard]] OptionTable live_run_table(LiveArguments& arguments);

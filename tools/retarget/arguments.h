@@ -101,6 +101,12 @@ struct ContactsArguments {
   std::string json;  ///< File to write; empty: none, `-`: standard output instead of the table.
 };
 
+/// Arguments of `retarget scene-from-motion`, which writes the boxes that a human rests on.
+struct SceneFromMotionArguments {
+  RunArguments run;    ///< The file, how to read it, and how to recognise the human in it.
+  std::string output;  ///< Scene to write; empty: none.
+};
+
 /// Arguments of `retarget view`: a picture of a robot motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
   std::vector<std::string> labels;  ///< One per motion of a page; empty: file names.

@@ -13,6 +13,7 @@ namespace retarget::cli {
 [[nodiscard]] Result<ExitCode> batch(const BatchArguments& arguments, Console& console);
 [[nodiscard]] Result<void> inspect(const InspectArguments& arguments, Console& console);
 [[nodiscard]] Result<void> contacts(const ContactsArguments& arguments, Console& console);
+[[nodiscard]] Result<void> find_scene(const SceneFromMotionArguments& arguments, Console& console);
 [[nodiscard]] Result<void> edit(const EditArguments& arguments, Console& console);
 [[nodiscard]] Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console);
 [[nodiscard]] Result<void> convert(const ConvertArguments& arguments, Console& console);

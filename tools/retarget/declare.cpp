@@ -215,6 +215,14 @@ CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments) {
   return command;
 }
 
+CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments& arguments) {
+  CLI::App* command = app.add_subcommand(
+      "scene-from-motion", "Find the boxes on which a human steps, sits or leans (docs/world.md)");
+  declare(*command, {word("motion", arguments.run.run.motion, "MOTION", "Motion of a human")});
+  declare(*command, scene_from_motion_table(arguments));
+  return command;
+}
+
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command = app.add_subcommand("convert", "Convert a robot motion to other file formats");
   declare(*command,

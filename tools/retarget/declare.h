@@ -16,6 +16,7 @@ void add_run_words(CLI::App& app, RunArguments& arguments);
 /// Declares each of the other commands with its options.
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments);
 CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments);
+CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments& arguments);
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments);
 CLI::App* add_edit_command(CLI::App& app, EditArguments& arguments);
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments);

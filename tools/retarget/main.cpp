@@ -39,13 +39,14 @@ Examples:
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
 // Example calls by command.
-constexpr std::array<std::pair<const char*, const char*>, 9> kExamples = {{
+constexpr std::array<std::pair<const char*, const char*>, 10> kExamples = {{
     {"batch",
      "  retarget batch clips/ -o out/ --robot g1\n"
      "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
     {"inspect", "  retarget inspect walk.bvh\n  retarget inspect walk.bvh --json"},
     {"contacts",
      "  retarget contacts carry.bvh --robot g1 --scene box.json --object-track box.csv"},
+    {"scene-from-motion", "  retarget scene-from-motion climb.bvh -o boxes.json"},
     {"evaluate",
      "  retarget evaluate walk.csv --robot g1 --bvh walk.bvh\n"
      "  retarget evaluate a.csv b.csv --robot g1 --json report.json"},
@@ -145,6 +146,9 @@ int main_with(int argc, char** argv) {
   ContactsArguments contacts_of;
   commands.add(add_contacts_command(app, contacts_of), contacts_of, contacts_of.run.common,
                contacts);
+  SceneFromMotionArguments scene_of;
+  commands.add(add_scene_from_motion_command(app, scene_of), scene_of, scene_of.run.common,
+               find_scene);
   EditArguments edit_of;
   commands.add(add_edit_command(app, edit_of), edit_of, edit_of.common, edit);
   EvaluateArguments evaluate_of;

@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "app/options/scene_options.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/option_table.h"
@@ -283,15 +284,6 @@ OptionTable solve_table(SolveOptions& options) {
              "Length of the windows that the fit solves at once, seconds; determines memory and "
              "look-ahead (default: 20)",
              {.min = 0.1, .max = 1e6}),
-      option("scene", options.scene, kRobotGroup, "FILE",
-             "Scene around the human, besides the floor: boxes, terrain, furniture, objects, as "
-             "MJCF, URDF, OBJ, STL or a JSON list of primitives, in metres with z up "
-             "(docs/world.md)",
-             {.file = OptionFile::kContent, .uses = kJudged}),
-      option("object-track", options.object_tracks, kRobotGroup, "[BODY=]FILE,...",
-             "Paths of moving bodies of " OPTION("scene") ": NPZ, NPY, CSV, or the tensor of "
-                                                          "InterMimic with human and object",
-             {.uses = kJudged}),
       option("with", options.with, kRobotGroup, "TERM,...",
              "Additional terms of the fit: dynamics moves the body so that its contacts can supply "
              "the required forces (docs/dynamics.md)"),
@@ -313,6 +305,7 @@ OptionTable solve_table(SolveOptions& options) {
                                                         "every body to one size "
                                                         "(default with " OPTION("height") ")",
              {.none = "auto", .uses = kJudged | OptionUse::kLive})};
+  append(table, scene_table(options));
   append(table, purpose_table(options));
   return table;
 }

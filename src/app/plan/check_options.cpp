@@ -57,22 +57,40 @@ Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& o
 
 namespace {
 
+// Options that change a scene, without a scene.
+Result<void> check_without_scene(const SolveOptions& solve) {
+  const bool changes = !solve.terrain_scale.empty() || !solve.object_shift.empty() ||
+                       solve.object_scale != 1.0 || solve.scene_axes != SceneAxes::kHuman;
+  if (changes) {
+    return usage_failure(
+        OPTION("scene-axes") ", " OPTION("terrain-scale") ", " OPTION(
+            "object-shift") " and " OPTION("object-scale") " require " OPTION("scene"),
+        "add " OPTION("scene") " FILE");
+  }
+  if (solve.object_tracks.empty()) return {};
+  return usage_failure(OPTION("object-track") " requires " OPTION("scene"),
+                       "add " OPTION("scene") " FILE with the shape of the object");
+}
+
 Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& save) {
   if (!save.scene_out.empty()) TRY(check_scene_ending(save.scene_out));
-  if (solve.scene.empty()) {
-    if (!save.scene_out.empty()) {
-      return usage_failure(OPTION("scene-out") " requires " OPTION("scene"),
-                           "add " OPTION("scene") " FILE");
-    }
-    if (solve.object_tracks.empty()) return {};
-    return usage_failure(OPTION("object-track") " requires " OPTION("scene"),
-                         "add " OPTION("scene") " FILE with the shape of the object");
+  if (solve.scene.empty()) TRY(check_without_scene(solve));
+  const bool has_scene = !solve.scene.empty(), has_terrain = !solve.terrain.empty();
+  if (!has_scene && !has_terrain) {
+    if (save.scene_out.empty()) return {};
+    return usage_failure(OPTION("scene-out") " requires " OPTION("scene"),
+                         "add " OPTION("scene") " FILE or " OPTION("terrain"));
+  }
+  const std::string given = has_scene ? OPTION("scene") : OPTION("terrain");
+  if (has_scene && has_terrain) {
+    return usage_failure(OPTION("terrain") " cannot be combined with " OPTION("scene"),
+                         "it needs a walk on a flat floor");
   }
   if (solve.method != Method::kFit) {
-    return usage_failure(OPTION("scene") " requires " OPTION("method") " fit",
+    return usage_failure(given + " requires " OPTION("method") " fit",
                          "the published method knows no surroundings");
   }
-  if (!solve.travel.empty() && solve.travel != "1") {
+  if (has_scene && !solve.travel.empty() && solve.travel != "1") {
     return usage_failure(OPTION("scene") " cannot be combined with " OPTION("travel"),
                          "the scene stays where it is");
   }

@@ -5,22 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "app/plan/path_scale.h"
 #include "app/plan/set_up_robot.h"
-#include "base/located.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
 #include "human/gait/clean_positions.h"
 #include "human/gait/travel.h"
-#include "human/skeleton/human_clip.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
-#include "solve/fit/fit_setup.h"
 #include "solve/fit/foot_plan.h"
 #include "solve/targets/limb_lengths.h"
-#include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {
@@ -50,12 +47,8 @@ constexpr TravelRule kAutomatic{1.0, 0.85, 0.7, 1.5};
 
 // The same by the speed of the human whose path the robot follows.
 Result<TravelRule> automatic_rule(const Clip& clip, const Plan& plan) {
-  const Robot& robot = *plan.robot.robot;
-  HumanPoser poser(clip, plan.human.calibration);
-  TRY_ASSIGN(const TargetBuilder targets,
-             make_targets(poser.info(), poses_of(poser), robot, plan.config, plan.scale));
-  const double scale = path_scales(targets).foot;
-  const double leg = robot_leg_length(robot, plan.config).value_or(kUsualLeg);
+  TRY_ASSIGN(const double scale, foot_path_scale(clip, plan));
+  const double leg = robot_leg_length(*plan.robot.robot, plan.config).value_or(kUsualLeg);
   TravelRule rule = kAutomatic;
   if (!(scale > 0.0)) return rule;
   const double faster = std::sqrt(leg / kUsualLeg) / scale;
@@ -100,7 +93,7 @@ Result<void> scale_source_travel(Clip& clip, Plan& plan) {
   if (factor) {
     rule.slow = rule.fast = *factor;
   } else {
-    TRY_ASSIGN(rule, located(automatic_rule(clip, plan), clip.name()));
+    TRY_ASSIGN(rule, automatic_rule(clip, plan));
   }
   plan.travel = scale_travel(clip, plan.lead_in_frames, plan.part, plan.human.calibration, rule,
                              contact_options(plan.fit));

@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "app/plan/check_scene_fit.h"
 #include "app/plan/clean_source.h"
 #include "app/plan/follow_arms.h"
 #include "app/plan/surroundings.h"
+#include "app/plan/vary_scene.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
@@ -168,7 +170,9 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   TRY(load_surroundings(plan));
+  TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));
+  TRY(vary_scene(clip, plan));
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));
   TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},
@@ -185,6 +189,12 @@ std::vector<SummaryLine> HumanInClip::lines() const {
   std::vector<SummaryLine> lines = {{"taken as", calibration.description}};
   for (const std::string& note : map.notes) lines.push_back({"", note});
   return lines;
+}
+
+std::vector<Warning> Plan::doubts() const {
+  std::vector<Warning> all = human.doubts();
+  all.insert(all.end(), scene_doubts.begin(), scene_doubts.end());
+  return all;
 }
 
 std::vector<SummaryLine> Plan::robot_lines() const {
@@ -207,7 +217,7 @@ std::string Plan::summary() const {
       text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
     }
   }
-  for (const Warning& doubt : human.doubts()) {
+  for (const Warning& doubt : doubts()) {
     text += describe(doubt, clip ? clip->name() : "") + "\n";
   }
   return text;

@@ -6,6 +6,7 @@
 
 #include "base/try.h"
 #include "retarget/text.h"
+#include "scene/change_scene.h"
 
 namespace retarget {
 
@@ -17,6 +18,11 @@ Result<void> load_surroundings(Plan& plan) {
     TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
     plan.object_tracks.push_back(std::move(track));
   }
+  if (solve.scene_axes == SceneAxes::kClip) {
+    const Calibration& calibration = plan.human.calibration;
+    bring_to_world(calibration.human_from_source, calibration.metres_per_unit, scene,
+                   plan.object_tracks);
+  }
   const std::size_t bodies = scene.bodies.size();
   plan.scene = std::make_shared<const Scene>(std::move(scene));
   plan.config_notes.push_back(
@@ -26,6 +32,7 @@ Result<void> load_surroundings(Plan& plan) {
   if (!plan.robot.robot->fixed_base()) return {};
   plan.config_notes.push_back({"", "ignored: the base of the robot is fixed"});
   plan.scene = nullptr;
+  plan.object_tracks.clear();
   return {};
 }
 

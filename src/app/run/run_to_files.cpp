@@ -221,7 +221,7 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   observer.line(read.label, read.text);
   TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
   observer.lines(plan.human.lines());
-  observer.warn(plan.human.doubts(), plan.clip->name());
+  observer.warn(plan.doubts(), plan.clip->name());
   observer.lines(plan.clip_notes);
   if (request.mirror) {
     // Use the calibration of the original, so that both are interpreted alike.

@@ -75,7 +75,7 @@ Json found_json(const Plan& plan) {
   found["fps"] = plan.rate.fps();
   found["lead_in_frames"] = plan.lead_in_frames;
   Json doubts = Json::array();
-  for (const Warning& doubt : plan.human.doubts()) {
+  for (const Warning& doubt : plan.doubts()) {
     doubts.push_back(spell_options(doubt.message, option_as_flag));
   }
   found["doubts"] = doubts;

@@ -7,8 +7,8 @@
 #include "base/json.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/world/shape_mesh.h"
 #include "retarget/text.h"
+#include "scene/shape_mesh.h"
 
 namespace retarget {
 namespace {

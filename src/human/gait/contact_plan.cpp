@@ -198,4 +198,23 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
   }
 }
 
+std::vector<FrameRange> foot_stances(const ContactPlan& contacts, int foot, int count,
+                                     double frame_time) {
+  constexpr double kSameStance = 0.1;  // Seconds.
+  const int same = std::max(1, static_cast<int>(std::lround(kSameStance / frame_time)));
+  std::vector<FrameRange> stances;
+  const auto stands = [&](int frame) {
+    return contacts.in_contact(foot, kHeelEnd, frame) || contacts.in_contact(foot, kToeEnd, frame);
+  };
+  for_each_run(0, count, stands, [&](int begin, int end) {
+    if (!stands(begin)) return;
+    if (!stances.empty() && begin - stances.back().end < same) {
+      stances.back().end = end;
+    } else {
+      stances.push_back({begin, end});
+    }
+  });
+  return stances;
+}
+
 }  // namespace retarget

@@ -40,4 +40,10 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
 void phases_on_sole(const SourceFeet& source, int foot, const std::vector<ContactPhase>& phases,
                     double shortest, std::vector<ContactPhase>& soles);
 
+/// The stances of a foot: frames [begin, end) in which its heel or its toe is in contact. Breaks of
+/// at most 0.1 s belong to the stance.
+/// @param count  number of frames of the clip
+[[nodiscard]] std::vector<FrameRange> foot_stances(const ContactPlan& contacts, int foot, int count,
+                                                   double frame_time);
+
 }  // namespace retarget

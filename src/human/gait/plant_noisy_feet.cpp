@@ -11,7 +11,7 @@
 
 #include "base/math/pentadiagonal.h"
 #include "human/gait/frame_runs.h"
-#include "human/gait/leg_mover.h"
+#include "human/gait/limb_mover.h"
 #include "human/gait/noisy_stances.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
@@ -221,7 +221,8 @@ class NoisyFootPlanter {
       offsets[static_cast<std::size_t>(end)] =
           interpolated(targets_[index], weights_[index], kCutoff, feet_.frame_time);
     }
-    const LegMover leg(clip_, calibration_, joints, kSides[static_cast<std::size_t>(foot)]);
+    const Side side = kSides[static_cast<std::size_t>(foot)];
+    const LimbMover leg(clip_, calibration_, joints, side_bone(side, LimbBone::kLeg));
     for (int i = 0; i < feet_.frame_count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       place_foot(foot, i, offsets[0][at], offsets[1][at], leg);
@@ -241,7 +242,7 @@ class NoisyFootPlanter {
   }
 
   void place_foot(int foot, int i, const Vector3d& heel_offset, const Vector3d& toe_offset,
-                  const LegMover& leg) {
+                  const LimbMover& leg) {
     const auto at = static_cast<std::size_t>(i);
     const SourceFoot& source = feet_.at(i, foot);
     const Vector3d heel = source.end(kHeelEnd), toe = source.end(kToeEnd);
@@ -255,7 +256,7 @@ class NoisyFootPlanter {
     const Vector3d ankle = on_toe ? Vector3d(new_toe - turn * (toe - source.ankle))
                                   : Vector3d(new_heel + turn * (source.ankle - heel));
     result_.farthest = std::max(result_.farthest, (ankle - source.ankle).norm());
-    leg.move_ankle(clip_, part_.begin + i, turn, ankle - source.ankle);
+    leg.move_end(clip_, part_.begin + i, turn, ankle - source.ankle);
   }
 
   Clip& clip_;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "human/gait/frame_runs.h"
-#include "human/gait/leg_mover.h"
+#include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
@@ -27,7 +27,6 @@ constexpr double kAverage = 1.5;     // Seconds over which a speed is averaged.
 constexpr double kSupported = 0.5;   // Seconds around contacts of hands, knees and the trunk.
 constexpr double kLongSwing = 1.0;   // Seconds; a longer swing follows the body.
 constexpr double kFade = 0.5;        // Seconds at either end of a long swing.
-constexpr double kSameStance = 0.1;  // Seconds; shorter swings belong to the stance.
 constexpr double kNoOffset = 1e-12;  // Metres.
 
 std::size_t at(int frame) {
@@ -83,25 +82,6 @@ std::vector<double> seconds_to_support(const ContactPlan& contacts, int count, d
     seconds[at(i)] = std::min(seconds[at(i)], seconds[at(i + 1)] + frame_time);
   }
   return seconds;
-}
-
-// Frames [begin, end) in which a heel or toe is in contact.
-std::vector<FrameRange> stances_of(const ContactPlan& contacts, int foot, int count,
-                                   double frame_time) {
-  const int same = frames_in(kSameStance, frame_time);
-  std::vector<FrameRange> stances;
-  const auto stands = [&](int frame) {
-    return contacts.in_contact(foot, kHeelEnd, frame) || contacts.in_contact(foot, kToeEnd, frame);
-  };
-  for_each_run(0, count, stands, [&](int begin, int end) {
-    if (!stands(begin)) return;
-    if (!stances.empty() && begin - stances.back().end < same) {
-      stances.back().end = end;
-    } else {
-      stances.push_back({begin, end});
-    }
-  });
-  return stances;
 }
 
 Vector2d mean_of(const GroundTrack& track, const FrameRange& range) {
@@ -201,15 +181,17 @@ class TravelScaler {
     for (Vector2d& offset : body_) offset -= start;
     for (int foot = 0; foot < 2; ++foot) {
       feet_[at(foot)] =
-          foot_offsets(body_, stances_of(contacts_, foot, count(), frame_time()), frame_time());
+          foot_offsets(body_, foot_stances(contacts_, foot, count(), frame_time()), frame_time());
     }
   }
 
   void move(int moved) {
     const auto legs = find_legs(clip_.skeleton(), calibration_);
-    std::array<std::optional<LegMover>, 2> movers;
+    std::array<std::optional<LimbMover>, 2> movers;
     for (std::size_t foot = 0; foot < 2; ++foot) {
-      if (legs[foot]) movers[foot].emplace(clip_, calibration_, *legs[foot], kSides[foot]);
+      if (!legs[foot]) continue;
+      movers[foot].emplace(clip_, calibration_, *legs[foot],
+                           side_bone(kSides[foot], LimbBone::kLeg));
     }
     for (int frame = first_; frame < clip_.frame_count(); ++frame) {
       const Vector2d& body = body_[at(frame - first_)];
@@ -219,8 +201,8 @@ class TravelScaler {
       for (std::size_t foot = 0; foot < 2; ++foot) {
         const Vector2d off = feet_[foot][at(frame - first_)] - body;
         if (!movers[foot] || !(off.norm() > kNoOffset)) continue;
-        movers[foot]->move_ankle(clip_, frame, Eigen::Quaterniond::Identity(),
-                                 {off.x(), off.y(), 0.0});
+        movers[foot]->move_end(clip_, frame, Eigen::Quaterniond::Identity(),
+                               {off.x(), off.y(), 0.0});
       }
     }
   }

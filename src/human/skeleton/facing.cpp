@@ -60,24 +60,38 @@ double left_is_left(const BodySource& source, const BoneMap& map) {
   return std::clamp(sum / (2.0 * static_cast<double>(source.poses.poses.size())), -1.0, 1.0);
 }
 
-std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                  const Calibration& calibration) {
-  std::array<std::optional<LegJoints>, 2> legs;
-  for (int foot = 0; foot < 2; ++foot) {
+namespace {
+
+std::array<std::optional<LegJoints>, 2> find_limbs(const Skeleton& skeleton,
+                                                   const Calibration& calibration,
+                                                   const std::array<LimbBone, 3>& parts) {
+  std::array<std::optional<LegJoints>, 2> limbs;
+  for (std::size_t side = 0; side < 2; ++side) {
     const auto joint_of = [&](LimbBone part) {
-      const auto& bone = calibration.bones[side_bone(kSides[foot], part)];
+      const auto& bone = calibration.bones[side_bone(kSides[side], part)];
       // Helper joints at the same position rotate with the joint.
       return is_above(skeleton, bone.position_joint, bone.rotation_joint) ? bone.position_joint
                                                                           : -1;
     };
-    const LegJoints leg{joint_of(LimbBone::kUpLeg), joint_of(LimbBone::kLeg),
-                        joint_of(LimbBone::kFoot)};
-    if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&
-        is_above(skeleton, leg.hip, leg.knee) && is_above(skeleton, leg.knee, leg.ankle)) {
-      legs[foot] = leg;
+    const LegJoints limb{joint_of(parts[0]), joint_of(parts[1]), joint_of(parts[2])};
+    if (limb.hip >= 0 && limb.knee > limb.hip && limb.ankle > limb.knee &&
+        is_above(skeleton, limb.hip, limb.knee) && is_above(skeleton, limb.knee, limb.ankle)) {
+      limbs[side] = limb;
     }
   }
-  return legs;
+  return limbs;
+}
+
+}  // namespace
+
+std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
+                                                  const Calibration& calibration) {
+  return find_limbs(skeleton, calibration, {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot});
+}
+
+std::array<std::optional<LegJoints>, 2> find_arms(const Skeleton& skeleton,
+                                                  const Calibration& calibration) {
+  return find_limbs(skeleton, calibration, {LimbBone::kArm, LimbBone::kForeArm, LimbBone::kHand});
 }
 
 }  // namespace retarget

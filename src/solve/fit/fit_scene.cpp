@@ -285,8 +285,9 @@ SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, con
     const BoundingSphere& sphere = scene.spheres[link];
     const Vector3d centre = world_from_link * sphere.centre;
     for (std::size_t body = 0; body < scene.world.body_count(); ++body) {
-      if (scene.world.distance(frame, body, centre).distance >
-          sphere.radius + margin + kSceneBand) {
+      const double reach = sphere.radius + margin + kSceneBand;
+      if (scene.world.is_beyond(frame, body, centre, reach) ||
+          scene.world.distance(frame, body, centre).distance > reach) {
         continue;
       }
       for (const FloorPoint& point : scene.points[link]) {

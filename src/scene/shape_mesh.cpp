@@ -1,4 +1,4 @@
-#include "formats/world/shape_mesh.h"
+#include "scene/shape_mesh.h"
 
 #include <numbers>
 #include <vector>

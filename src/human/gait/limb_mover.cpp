@@ -1,4 +1,4 @@
-#include "human/gait/leg_mover.h"
+#include "human/gait/limb_mover.h"
 
 #include <cstddef>
 #include <vector>
@@ -9,23 +9,23 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// The knee's axis in the knee joint: knees bend about -z of the canonical shin.
-Vector3d canonical_hinge(const Calibration& calibration, Side side) {
+// The axis of a knee or elbow in its joint: they bend about -z of the canonical shin or forearm.
+Vector3d canonical_hinge(const Calibration& calibration, Bone middle) {
   const Vector3d axis = -Vector3d::UnitZ();
-  const auto& bone_axes = calibration.bones[side_bone(side, LimbBone::kLeg)].joint_from_bone;
+  const auto& bone_axes = calibration.bones[middle].joint_from_bone;
   return bone_axes ? *bone_axes * axis : axis;
 }
 
 }  // namespace
 
-LegMover::LegMover(const Clip& clip, const Calibration& calibration, const LegJoints& joints,
-                   Side side)
+LimbMover::LimbMover(const Clip& clip, const Calibration& calibration, const LegJoints& joints,
+                     Bone middle)
     : human_from_source_(calibration.human_from_source),
       metres_per_unit_(calibration.metres_per_unit),
-      leg_(joints, learned_hinge(clip, joints, canonical_hinge(calibration, side))) {}
+      leg_(joints, learned_hinge(clip, joints, canonical_hinge(calibration, middle))) {}
 
-void LegMover::move_ankle(Clip& clip, int frame, const Quaterniond& turn,
-                          const Vector3d& shift) const {
+void LimbMover::move_end(Clip& clip, int frame, const Quaterniond& turn,
+                         const Vector3d& shift) const {
   // Shares of the leg's length. Legs may become nearly as straight as they can be.
   constexpr double kFree = 0.98, kFarthest = 0.999;
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));

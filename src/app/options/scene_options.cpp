@@ -1,0 +1,164 @@
+#include "app/options/scene_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// To judge or show a motion, its scene must be that of the run that made it.
+constexpr OptionUse kOfScene = OptionUse::kMeasure | OptionUse::kShow | OptionUse::kShowBatch;
+
+// Steps and slopes that legs can climb, metres and degrees.
+constexpr double kMinRise = 0.005, kMaxRise = 0.5, kMinTread = 0.1, kMaxTread = 2.0;
+constexpr double kMinSlope = 0.5, kMaxSlope = 30.0, kMaxSteps = 200.0;
+constexpr double kMinSceneScale = 0.5, kMaxSceneScale = 2.0;
+constexpr double kMaxShift = 2.0;  // Metres.
+
+std::string scene_text(const std::string& text) {
+  return text;
+}
+
+// Numbers separated by a character; nothing unless all are numbers.
+std::optional<std::vector<double>> numbers_in(std::string_view text, char separator) {
+  std::vector<double> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    const auto number = parse_number<double>(text.substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  return numbers;
+}
+
+bool is_within(double value, double min, double max) {
+  return value >= min && value <= max;
+}
+
+std::optional<TerrainShape> stairs_in(std::string_view text) {
+  const auto numbers = numbers_in(text, 'x');
+  if (!numbers || numbers->size() < 2 || numbers->size() > 3) return std::nullopt;
+  TerrainShape shape{(*numbers)[0], (*numbers)[1]};
+  if (!is_within(shape.rise, kMinRise, kMaxRise) || !is_within(shape.tread, kMinTread, kMaxTread)) {
+    return std::nullopt;
+  }
+  if (numbers->size() == 3) {
+    const double count = numbers->back();
+    if (!is_within(count, 1.0, kMaxSteps) || count != std::round(count)) return std::nullopt;
+    shape.count = static_cast<int>(count);
+  }
+  return shape;
+}
+
+Result<std::string> checked_terrain(const std::string& text) {
+  TRY(terrain_from_text(text));
+  return text;
+}
+
+Result<std::string> checked_terrain_scale(const std::string& text) {
+  TRY(terrain_scale_from_text(text));
+  return text;
+}
+
+Result<std::string> checked_object_shift(const std::string& text) {
+  TRY(object_shift_from_text(text));
+  return text;
+}
+
+}  // namespace
+
+Result<std::optional<TerrainShape>> terrain_from_text(const std::string& text) {
+  constexpr std::string_view kStairs = "stairs:", kSlope = "slope:";
+  const std::string_view view = text;
+  if (text.empty()) return std::optional<TerrainShape>();
+  if (view.starts_with(kStairs)) {
+    if (auto shape = stairs_in(view.substr(kStairs.size()))) return shape;
+  }
+  if (view.starts_with(kSlope)) {
+    const auto degrees = parse_number<double>(view.substr(kSlope.size()));
+    if (degrees && is_within(*degrees, kMinSlope, kMaxSlope)) {
+      TerrainShape shape;
+      shape.slope = *degrees * std::numbers::pi / 180.0;
+      return std::optional(shape);
+    }
+  }
+  return usage_failure(
+      fmt::format("expected stairs:RISExTREAD, stairs:RISExTREADxCOUNT or slope:DEGREES, found "
+                  "\"{}\"",
+                  text),
+      fmt::format("a rise is {} to {} m, a tread {} to {} m, a slope {} to {} degrees", kMinRise,
+                  kMaxRise, kMinTread, kMaxTread, kMinSlope, kMaxSlope));
+}
+
+Result<Vector3d> terrain_scale_from_text(const std::string& text) {
+  if (text.empty()) return Vector3d(1.0, 1.0, 1.0);
+  const bool heights = text.starts_with("z=");
+  const auto factor = parse_number<double>(std::string_view(text).substr(heights ? 2 : 0));
+  if (factor && is_within(*factor, kMinSceneScale, kMaxSceneScale)) {
+    return heights ? Vector3d(1.0, 1.0, *factor) : Vector3d(*factor, *factor, *factor);
+  }
+  return usage_failure(
+      fmt::format("expected a number from {} to {}, or z= and such a number, found "
+                  "\"{}\"",
+                  kMinSceneScale, kMaxSceneScale, text));
+}
+
+Result<Vector3d> object_shift_from_text(const std::string& text) {
+  if (text.empty()) return Vector3d(0.0, 0.0, 0.0);
+  const auto numbers = numbers_in(text, ',');
+  if (numbers && numbers->size() == 3) {
+    const Vector3d shift((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    if (shift.norm() <= kMaxShift) return shift;
+  }
+  return usage_failure(fmt::format("expected X,Y,Z in metres, at most {} m in total, found \"{}\"",
+                                   kMaxShift, text));
+}
+
+OptionTable scene_table(SolveOptions& options) {
+  const OptionInfo judged{.uses = kOfScene}, change{.uses = kOfScene, .recorded_if_given = true};
+  return {
+      option("scene", options.scene, kRobotGroup, "FILE",
+             "Scene around the human, besides the floor: boxes, terrain, furniture, objects, as "
+             "MJCF, URDF, OBJ, STL or a JSON list of primitives, in metres with z up "
+             "(docs/world.md)",
+             {.file = OptionFile::kContent, .uses = kOfScene}),
+      option("object-track", options.object_tracks, kRobotGroup, "[BODY=]FILE,...",
+             "Paths of moving bodies of " OPTION("scene") ": NPZ, NPY, CSV, or the tensor of "
+                                                          "InterMimic with human and object",
+             judged),
+      option("scene-axes", options.scene_axes, kRobotGroup, "",
+             "Unit and axes of the scene and its tracks: human: metres, z up; clip: those of the "
+             "clip's file",
+             change),
+      text_option("terrain", options.terrain, kRobotGroup, "stairs:RISExTREAD|slope:DEGREES",
+                  "Put stairs or a slope under a walk on a flat floor, along the way of the "
+                  "human; metres of the robot's world, xCOUNT limits the number of steps",
+                  scene_text, checked_terrain, change),
+      text_option("terrain-scale", options.terrain_scale, kRobotGroup, "S|z=S",
+                  "Scale the static bodies of the scene about the origin, or only their heights; "
+                  "the human's contacts follow (default: 1)",
+                  scene_text, checked_terrain_scale, change),
+      text_option("object-shift", options.object_shift, kRobotGroup, "X,Y,Z",
+                  "Move the moving bodies of the scene, metres; hands that touch them follow",
+                  scene_text, checked_object_shift, change),
+      option("object-scale", options.object_scale, kRobotGroup, "S",
+             "Scale the moving bodies of the scene; hands that touch them follow",
+             {.min = kMinSceneScale,
+              .max = kMaxSceneScale,
+              .uses = kOfScene,
+              .recorded_if_given = true})};
+}
+
+}  // namespace retarget
