@@ -202,8 +202,9 @@ class GalleryMaker {
       RETARGET_TRY_ASSIGN(meshes,
                           load_robot_meshes(*measures->robot, measures->model, request_.meshes));
     }
+    RETARGET_TRY_ASSIGN(const auto scene, measured_scene(motion, *measures));
     const PageMotion shown{shown_entry.label, &motion.clip, motion.human, &motion.report,
-                           &measures->limits, {},           &meshes};
+                           &measures->limits, {},           &meshes,      scene.get()};
     RETARGET_TRY_ASSIGN(
         const std::string page,
         view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks, task.links}));

@@ -1,4 +1,5 @@
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "retarget/appearance.h"
@@ -162,17 +163,15 @@ Json page_report(const QualityReport& report, const Robot& robot) {
           {"tracking", std::move(tracking)}};
 }
 
-namespace {
+Json page_pose(const Pose& pose) {
+  const auto& [q, p] = pose;
+  return Json::array({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+}
 
-using Json = nlohmann::ordered_json;
+namespace {
 
 Json vector_json(const Eigen::Vector3d& vector) {
   return Json::array({vector.x(), vector.y(), vector.z()});
-}
-
-Json pose_json(const Pose& pose) {
-  const auto& [q, p] = pose;
-  return Json::array({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
 }
 
 Json link_json(const KinematicTree::Link& link) {
@@ -181,12 +180,12 @@ Json link_json(const KinematicTree::Link& link) {
   json["joint"] = link.joint;
   if (link.slides) json["slides"] = true;
   if (link.reference != 0.0) json["reference"] = link.reference;
-  json["pose"] = pose_json(link.parent_from_link);
+  json["pose"] = page_pose(link.parent_from_link);
   return json;
 }
 
 Json shape_json(const CollisionShape& shape) {
-  Json json = {{"body", shape.body}, {"pose", pose_json(shape.body_from_shape)}};
+  Json json = {{"body", shape.body}, {"pose", page_pose(shape.body_from_shape)}};
   switch (shape.type) {
     case CollisionShape::Type::kSphere:
       json["sphere"] = shape.radius;
@@ -211,7 +210,7 @@ Json page_robot(const Robot& robot) {
     const RobotBody& body = robot.bodies()[i];
     const auto& [link, pose] = robot.tree().attachment(static_cast<int>(i));
     bodies.push_back(
-        {{"name", body.name}, {"parent", body.parent}, {"link", link}, {"pose", pose_json(pose)}});
+        {{"name", body.name}, {"parent", body.parent}, {"link", link}, {"pose", page_pose(pose)}});
   }
   for (std::size_t i = 0; i < robot.joints().size(); ++i) {
     const RobotJoint& joint = robot.joints()[i];
@@ -280,8 +279,10 @@ Result<std::string> view_page(const Motion& motion, const std::string& label,
     report = &measured;
   }
   const WrittenMotion written(motion);
-  const PageMotion shown{label, &written.clip, &written.human, report, &motion.plan.limits,
-                         {},    meshes};
+  const std::optional<MotionScene> scene = motion_scene(motion);
+  const PageMotion shown{
+      label, &written.clip, &written.human,           report, &motion.plan.limits,
+      {},    meshes,        scene ? &*scene : nullptr};
   return view_page({&shown, 1});
 }
 

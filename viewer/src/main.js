@@ -8,6 +8,7 @@ import { addHelp, addKeyboard } from './keyboard.js';
 import { Motion } from './motions.js';
 import { PlayedPage } from './played_page.js';
 import { qualityPanel, verdict } from './quality_panel.js';
+import { SceneData } from './scene_figure.js';
 import { SkeletonViewer, addSkeletonHook } from './skeleton_viewer.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
@@ -72,7 +73,8 @@ class Viewer extends PlayedPage {
       Math.min(...motions.map((motion) => motion.frameTime)),
     );
     this.motions = motions;
-    this.world = new World(this.motions, this.stage, page.figure);
+    const scenes = (page.scenes ?? []).map((scene) => new SceneData(scene, tracks));
+    this.world = new World(this.motions, this.stage, page.figure, scenes);
     this.tags = new Tags(this.world);
     showHeader(page, this.motions);
     this.links = page.links ?? null;

@@ -1,5 +1,6 @@
 import { byId, el, numberText, seconds } from './dom.js';
 import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
+import { touchRows } from './touches.js';
 
 /** Kinds of faults in the order of their lanes, with labels. */
 export const KINDS = new Map([
@@ -42,7 +43,7 @@ export function faultText(fault, motion) {
   return `${KINDS.get(fault.kind)}: ${where}, ${amount} at ${seconds(fault.worst * motion.frameTime)}`;
 }
 
-/** The scrubber, the lanes of faults by kind, and the stance phases. */
+/** The scrubber, the lanes of faults by kind, the stance phases, and contacts with a scene. */
 export class Timeline {
   constructor(player, motions, onFault) {
     this.player = player;
@@ -56,6 +57,7 @@ export class Timeline {
     this.addScrubber();
     this.addFaults();
     this.addContacts();
+    this.addTouches();
     this.overlay = el('div', { 'aria-hidden': 'true' }, this.loop, this.playhead);
     Object.assign(this.overlay.style, {
       position: 'absolute',
@@ -152,15 +154,24 @@ export class Timeline {
         if (robot.length > 0) bands.push({ colour: ROBOT_CONTACT, motion, phases: robot, alpha: 0.9 });
       }
       if (bands.length === 0) continue;
-      const canvas = el('canvas', { 'aria-hidden': 'true' });
-      Object.assign(canvas.style, { width: '100%', height: '100%', display: 'block' });
-      this.row(
-        name,
-        el('div', { class: 'lane' }, canvas),
-        'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below',
-      );
-      this.contacts.push({ canvas, bands });
+      this.bandRow(name, bands, 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below');
     }
+  }
+
+  bandRow(name, bands, title) {
+    const canvas = el('canvas', { 'aria-hidden': 'true' });
+    Object.assign(canvas.style, { width: '100%', height: '100%', display: 'block' });
+    this.row(name, el('div', { class: 'lane' }, canvas), title);
+    this.contacts.push({ canvas, bands });
+  }
+
+  addTouches() {
+    const { rows, others } = touchRows(this.motions);
+    for (const { name, keys, bands } of rows) {
+      const drawn = bands.map((band) => ({ ...band, colour: SOURCE_CONTACT, alpha: 0.9 }));
+      this.bandRow(name, drawn, `${name}. When the human touches it (${keys.join(', ')})`);
+    }
+    if (others.length > 0) this.row(`${others.length} more`, el('div', { class: 'lane thin' }), others.join(', '));
   }
 
   drawContacts({ canvas, bands }) {
