@@ -107,6 +107,10 @@ struct GalleryClip {
   std::vector<std::string> missed;                      ///< Metrics that missed their gates.
 };
 
+/// The group in which the index of a gallery opens with a clip: 0 all gates kept, 1 not measured,
+/// 2 a gate missed, 3 failed, which is folded. Clips of a group keep their order.
+[[nodiscard]] int opening_rank(const GalleryClip& clip);
+
 /// Size of thumbnails, pixels.
 inline constexpr double kThumbnailWidth = 320.0, kThumbnailHeight = 96.0;
 

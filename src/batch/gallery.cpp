@@ -131,7 +131,9 @@ class GalleryMaker {
       if (entry->done) RETARGET_TRY(add_page(*entry, clip));
       clips_.push_back(std::move(clip));
     }
-    // Pages have the same order as the index.
+    // Pages have the order in which the index opens.
+    std::ranges::stable_sort(
+        tasks_, {}, [this](const GalleryTask& task) { return opening_rank(clips_[task.clip]); });
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       PageLinks& links = tasks_[i].links;
       links.index = "../index.html";
@@ -304,7 +306,7 @@ class GalleryMaker {
   const fs::path folder_;
   Observer& observer_;
   std::vector<GalleryClip> clips_;              // Worst first.
-  std::vector<GalleryTask> tasks_;              // In the same order.
+  std::vector<GalleryTask> tasks_;              // By opening_rank.
   std::vector<std::string> missing_, sources_;  // Files that no longer exist.
   std::vector<double> memory_gb_;               // Memory limit of each page.
   std::size_t answered_ = 0;                    // Pages whose processes finished.

@@ -9,6 +9,7 @@
 #include "retarget/try.h"
 #include "retarget/view.h"
 #include "view/figure.h"
+#include "view/metric_labels.h"
 #include "view/page.h"
 #include "view/page_data.h"
 #include "view/written_motion.h"
@@ -59,7 +60,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKinds = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kKinds = {{
     {"jumps", "jump"},
     {"root_jumps", "jump"},
     {"foot_pen_1cm_pct", "penetration"},
@@ -73,10 +74,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKinds =
     {"trunk_lean_error_deg", "lean"},
     {"speed_limit_pct", "speed"},
     {"float_planted_pct", "floating"},
+    {"scene_pen_1cm_pct", "scene"},
+    {"scene_contact_kept_pct", "scene"},
+    {"scene_slip_mean", "scene"},
 }};
 
 Json figure_json(const MetricValue& value) {
   Json json = {{"key", value.metric->key},
+               {"label", metric_label(value.metric->key)},
                {"unit", value.metric->unit},
                {"definition", value.metric->definition},
                {"value", value.value}};
@@ -85,7 +90,11 @@ Json figure_json(const MetricValue& value) {
 }
 
 Json gate_json(const GateResult& gate) {
-  Json json = {{"metric", gate.metric}, {"passed", gate.passed}};
+  const Metric* metric = find_metric(gate.metric);
+  Json json = {{"metric", gate.metric},
+               {"label", metric_label(gate.metric)},
+               {"unit", metric == nullptr ? std::string_view() : metric->unit},
+               {"passed", gate.passed}};
   if (gate.min) json["min"] = *gate.min;
   if (gate.max) json["max"] = *gate.max;
   if (gate.value) json["value"] = *gate.value;
@@ -97,6 +106,7 @@ Json fault_json(const Fault& fault, const Robot& robot) {
   constexpr std::string_view kIn = " in ";
   Json json = {{"kind", fault_kind(fault.metric)},
                {"metric", fault.metric},
+               {"label", metric_label(fault.metric)},
                {"where", fault.where},
                {"begin", fault.begin},
                {"end", fault.end},

@@ -34,7 +34,7 @@ inline constexpr double kPageMeshStep = 4e-4;        ///< Metres.
 [[nodiscard]] nlohmann::ordered_json page_report(const QualityReport& report, const Robot& robot);
 
 /// Returns the kind of a metric's faults, as pages group them: `jump`, `penetration`, `slip`,
-/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `other`.
+/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `scene`, `other`.
 [[nodiscard]] std::string_view fault_kind(std::string_view metric);
 
 /// Placement that draws a human next to its robot: scaled to the robot's size, with its path on the

@@ -117,9 +117,9 @@ Frame Time: 0.1
                         ".find((button) => button.textContent === 'Orbit').click()")
             # An orbiting camera draws without end.
             browser.run("new Promise((done) => setTimeout(done, 500))")
-            frames = browser.run("window.retarget.frameTimes.length")
+            frames = browser.run("window.retarget.pictures()")
             browser.run("new Promise((done) => setTimeout(done, 500))")
-            self.assertEqual(browser.run("window.retarget.frameTimes.length"), frames)
+            self.assertEqual(browser.run("window.retarget.pictures()"), frames)
 
 
 if __name__ == "__main__":

@@ -37,6 +37,11 @@ export function addTestHook(viewer) {
       const shown = human?.group.visible && human.scene?.group.visible;
       return shown ? drawnBodies(human.scene) : [];
     },
+    /** Indices of the highlighted bodies of a motion. */
+    highlighted: (motion) =>
+      [...world.robots[motion].meshes]
+        .filter(([, mesh]) => mesh.material === world.robots[motion].pickedMaterial)
+        .map(([body]) => body),
     /** Joint positions in a frame by name. */
     joints(motion, frame) {
       const { robot } = motions[motion];

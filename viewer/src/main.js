@@ -184,7 +184,8 @@ class Viewer extends PlayedPage {
   /** Picks a body; null deselects. */
   pick(motion, body, bodies = body === null ? [] : [body], show = true) {
     this.picked = body === null ? null : { motion, body };
-    this.world.highlight(motion, bodies);
+    // A fault marks only its own motion, a chosen body all motions of its robot.
+    this.world.highlight(motion, bodies, !show);
     this.body.show(body === null ? null : motion, body);
     this.joints.showBody(body === null ? null : this.motions[motion].robot.bodies[body].name);
     if (show && body !== null) this.tabs.show('body');

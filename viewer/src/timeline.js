@@ -1,5 +1,5 @@
 import { byId, el, numberText, seconds } from './dom.js';
-import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
+import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour, motionColour } from './theme.js';
 import { touchRows } from './touches.js';
 
 /** Kinds of faults in the order of their lanes, with labels. */
@@ -12,6 +12,7 @@ export const KINDS = new Map([
   ['limit', 'Limits'],
   ['speed', 'Speed'],
   ['lean', 'Lean'],
+  ['scene', 'Scene'],
   ['other', 'Other'],
 ]);
 
@@ -39,7 +40,7 @@ export function countText(listed, total) {
 
 export function faultText(fault, motion) {
   const amount = `${numberText(fault.amount)} ${fault.unit}`;
-  const where = fault.where || fault.metric;
+  const where = fault.where || fault.label;
   return `${KINDS.get(fault.kind)}: ${where}, ${amount} at ${seconds(fault.worst * motion.frameTime)}`;
 }
 
@@ -148,13 +149,22 @@ export class Timeline {
             motion,
             phases: ends.map((end) => motion.human.contacts[end] ?? []),
             alpha: 0.5,
+            label: motion.report?.source || 'the human',
           });
         }
         const robot = motion.data.contacts.filter((each) => each.side === side).map((each) => each.phases);
-        if (robot.length > 0) bands.push({ colour: ROBOT_CONTACT, motion, phases: robot, alpha: 0.9 });
+        if (robot.length > 0) {
+          // Bands of several motions have the colours of their robots.
+          const colour = this.motions.length > 1 ? motionColour(motion.index) : ROBOT_CONTACT;
+          bands.push({ colour, motion, phases: robot, alpha: 0.9, label: motion.label });
+        }
       }
       if (bands.length === 0) continue;
-      this.bandRow(name, bands, 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below');
+      const title =
+        this.motions.length > 1
+          ? `When it stands, from top to bottom: ${bands.map(({ label }) => label).join(', ')}`
+          : 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below';
+      this.bandRow(name, bands, title);
     }
   }
 
@@ -169,7 +179,8 @@ export class Timeline {
     const { rows, others } = touchRows(this.motions);
     for (const { name, keys, bands } of rows) {
       const drawn = bands.map((band) => ({ ...band, colour: SOURCE_CONTACT, alpha: 0.9 }));
-      this.bandRow(name, drawn, `${name}. When the human touches it (${keys.join(', ')})`);
+      const whose = bands.length > 1 ? `, for ${bands.map(({ motion }) => motion.label).join(', ')}` : '';
+      this.bandRow(name, drawn, `${name}. When the human touches it${whose} (${keys.join(', ')})`);
     }
     if (others.length > 0) this.row(`${others.length} more`, el('div', { class: 'lane thin' }), others.join(', '));
   }

@@ -230,11 +230,12 @@ export class World {
     return hit ? { motion: hit.object.userData.motion, body: hit.object.userData.body } : null;
   }
 
-  /** Highlights a body in every motion of its robot. */
-  highlight(motion, bodies) {
-    this.robots.forEach((robot, i) =>
-      robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []),
-    );
+  /** Highlights bodies in every motion of their robot. @param {boolean} alone  only in this motion */
+  highlight(motion, bodies, alone = false) {
+    this.robots.forEach((robot, i) => {
+      const marked = alone ? i === motion : this.motions[i].robot === this.motions[motion]?.robot;
+      robot.highlight(marked ? bodies : []);
+    });
   }
 
   /** Name tags of the figures, in canvas pixels. */
