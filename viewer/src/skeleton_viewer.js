@@ -333,8 +333,8 @@ export function addSkeletonHook(viewer) {
       viewer.player.seekFrame(frame);
       viewer.frame(performance.now());
     },
-    /** Number of pictures drawn so far. */
-    pictures: () => viewer.stage.renderer.info.render.frame,
+    /** Whether another picture will be drawn. */
+    pictureDue: () => viewer.scheduled,
     /** Names and positions of joints and end sites as drawn, metres. */
     joints: () =>
       viewer.skeleton.points.map((point, i) => ({
