@@ -13,11 +13,13 @@
 #include "retarget/measure.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/motion_scene.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "retarget/run.h"
+#include "retarget/scene.h"
 
 // Link retarget::batch.
 namespace RETARGET_API retarget {
@@ -45,6 +47,9 @@ struct Measures {
   ReadMotionOptions reading;
   FrameRate rate;  ///< Frame rate of the source.
   std::optional<MeasuredSource> source;
+  /// Without a source: the scene of the options, taken as the robot's world; null: none.
+  std::shared_ptr<const Scene> scene;
+  std::vector<ObjectTrack> object_tracks;  ///< Of that scene.
   Gates gates;
   bool dynamics = false;
 };
@@ -53,7 +58,8 @@ struct Measures {
 /// sidecars of all motions record is used.
 /// @param source_rate  rate for the source if the request has none; it does not apply to motions
 ///   whose files state no rate.
-/// Errors: those of load_robot, changed_gates and read_and_plan; an invalid rate (kUsage).
+/// Errors: those of load_robot, changed_gates, read_and_plan, load_scene and load_object_track; an
+/// invalid rate, or tracks without a scene (kUsage).
 [[nodiscard]] Result<Measures> load_measures(
     const MeasureRequest& request, Observer& observer,
     const std::optional<FrameRate>& source_rate = std::nullopt);
@@ -72,5 +78,12 @@ struct MeasuredMotion {
 /// Errors: those of load_recorded_motion.
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
+
+/// The scene of a measured motion; null if there is none. With a source it is the robot's world that a
+/// fit makes of it; motions that show the same human share it. Without a source it is the scene as in
+/// its file, in the frames of the motion.
+/// Errors: those of motion_scene and place_scene.
+[[nodiscard]] Result<std::shared_ptr<const MotionScene>> measured_scene(
+    const MeasuredMotion& motion, const Measures& measures);
 
 }  // namespace retarget

@@ -10,10 +10,12 @@
 #include "retarget/export.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/motion_scene.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "retarget/robot_meshes.h"
 #include "retarget/run.h"
+#include "retarget/scene.h"
 #include "retarget/solve.h"
 
 namespace RETARGET_API retarget {
@@ -23,6 +25,10 @@ namespace RETARGET_API retarget {
 /// Number of bodies of a page with meshes and names of missing ones, as summary lines; empty if the
 /// robot has none.
 [[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
+
+/// Why a scene is too large for a page, which then leaves it out, as a summary line: more than 300,000
+/// triangles, 20,000 shapes, or a million poses of moving bodies. Empty if it is drawn, or null.
+[[nodiscard]] std::vector<SummaryLine> scene_lines(const SceneClip* scene);
 
 /// A motion on a page, with optional data. The pointees must outlive the call that makes the page.
 struct PageMotion {
@@ -36,6 +42,8 @@ struct PageMotion {
   /// Drawn instead of the collision primitives; null: none. For several motions of one robot, the
   /// first motion's meshes are used.
   const RobotMeshes* meshes = nullptr;
+  /// Drawn around the robot, and its human world around the human; null: none. Motions may share one.
+  const MotionScene* scene = nullptr;
 };
 
 /// Links of a page in a gallery: addresses relative to the page; empty: no link.
@@ -98,6 +106,10 @@ struct GalleryClip {
   std::vector<std::pair<std::string, double>> figures;  ///< Values by metric.
   std::vector<std::string> missed;                      ///< Metrics that missed their gates.
 };
+
+/// The group in which the index of a gallery opens with a clip: 0 all gates kept, 1 not measured,
+/// 2 a gate missed, 3 failed, which is folded. Clips of a group keep their order.
+[[nodiscard]] int opening_rank(const GalleryClip& clip);
 
 /// Size of thumbnails, pixels.
 inline constexpr double kThumbnailWidth = 320.0, kThumbnailHeight = 96.0;

@@ -131,7 +131,9 @@ class GalleryMaker {
       if (entry->done) RETARGET_TRY(add_page(*entry, clip));
       clips_.push_back(std::move(clip));
     }
-    // Pages have the same order as the index.
+    // Pages have the order in which the index opens.
+    std::ranges::stable_sort(
+        tasks_, {}, [this](const GalleryTask& task) { return opening_rank(clips_[task.clip]); });
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       PageLinks& links = tasks_[i].links;
       links.index = "../index.html";
@@ -202,8 +204,9 @@ class GalleryMaker {
       RETARGET_TRY_ASSIGN(meshes,
                           load_robot_meshes(*measures->robot, measures->model, request_.meshes));
     }
+    RETARGET_TRY_ASSIGN(const auto scene, measured_scene(motion, *measures));
     const PageMotion shown{shown_entry.label, &motion.clip, motion.human, &motion.report,
-                           &measures->limits, {},           &meshes};
+                           &measures->limits, {},           &meshes,      scene.get()};
     RETARGET_TRY_ASSIGN(
         const std::string page,
         view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks, task.links}));
@@ -303,7 +306,7 @@ class GalleryMaker {
   const fs::path folder_;
   Observer& observer_;
   std::vector<GalleryClip> clips_;              // Worst first.
-  std::vector<GalleryTask> tasks_;              // In the same order.
+  std::vector<GalleryTask> tasks_;              // By opening_rank.
   std::vector<std::string> missing_, sources_;  // Files that no longer exist.
   std::vector<double> memory_gb_;               // Memory limit of each page.
   std::size_t answered_ = 0;                    // Pages whose processes finished.

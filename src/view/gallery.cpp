@@ -9,6 +9,7 @@
 #include "retarget/report.h"
 #include "retarget/text.h"
 #include "view/figure.h"
+#include "view/metric_labels.h"
 #include "view/page.h"
 #include "view/page_data.h"
 
@@ -57,6 +58,7 @@ Json clip_json(const GalleryClip& clip, const std::vector<const Metric*>& metric
   if (!clip.page.empty()) json["page"] = clip.page;
   if (!clip.picture.empty()) json["picture"] = clip.picture;
   if (clip.failed) json["failed"] = true;
+  json["rank"] = opening_rank(clip);
   if (!clip.message.empty()) json["message"] = clip.message;
   if (clip.fps > 0.0 && !clip.failed) {
     json["seconds"] = short_number(std::max(0, clip.frames - 1) / clip.fps);
@@ -75,6 +77,12 @@ Json clip_json(const GalleryClip& clip, const std::vector<const Metric*>& metric
 
 }  // namespace
 
+int opening_rank(const GalleryClip& clip) {
+  if (clip.failed) return 3;
+  if (!clip.measured) return 1;
+  return clip.missed.empty() ? 0 : 2;
+}
+
 std::string gallery_page(const std::string& title, std::span<const GalleryClip> clips) {
   const std::vector<const Metric*> metrics = known_metrics(clips);
   Json header = {{"title", title},
@@ -82,8 +90,10 @@ std::string gallery_page(const std::string& title, std::span<const GalleryClip> 
                  {"metrics", Json::array()},
                  {"clips", Json::array()}};
   for (const Metric* metric : metrics) {
-    header["metrics"].push_back(
-        {{"key", metric->key}, {"unit", metric->unit}, {"definition", metric->definition}});
+    header["metrics"].push_back({{"key", metric->key},
+                                 {"label", metric_label(metric->key)},
+                                 {"unit", metric->unit},
+                                 {"definition", metric->definition}});
   }
   for (const GalleryClip& clip : clips) header["clips"].push_back(clip_json(clip, metrics));
   // Pictures are separate files next to the page, on disk or on a server.

@@ -1,4 +1,5 @@
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "retarget/appearance.h"
@@ -8,6 +9,7 @@
 #include "retarget/try.h"
 #include "retarget/view.h"
 #include "view/figure.h"
+#include "view/metric_labels.h"
 #include "view/page.h"
 #include "view/page_data.h"
 #include "view/written_motion.h"
@@ -58,7 +60,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKinds = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kKinds = {{
     {"jumps", "jump"},
     {"root_jumps", "jump"},
     {"foot_pen_1cm_pct", "penetration"},
@@ -72,10 +74,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKinds =
     {"trunk_lean_error_deg", "lean"},
     {"speed_limit_pct", "speed"},
     {"float_planted_pct", "floating"},
+    {"scene_pen_1cm_pct", "scene"},
+    {"scene_contact_kept_pct", "scene"},
+    {"scene_slip_mean", "scene"},
 }};
 
 Json figure_json(const MetricValue& value) {
   Json json = {{"key", value.metric->key},
+               {"label", metric_label(value.metric->key)},
                {"unit", value.metric->unit},
                {"definition", value.metric->definition},
                {"value", value.value}};
@@ -84,7 +90,11 @@ Json figure_json(const MetricValue& value) {
 }
 
 Json gate_json(const GateResult& gate) {
-  Json json = {{"metric", gate.metric}, {"passed", gate.passed}};
+  const Metric* metric = find_metric(gate.metric);
+  Json json = {{"metric", gate.metric},
+               {"label", metric_label(gate.metric)},
+               {"unit", metric == nullptr ? std::string_view() : metric->unit},
+               {"passed", gate.passed}};
   if (gate.min) json["min"] = *gate.min;
   if (gate.max) json["max"] = *gate.max;
   if (gate.value) json["value"] = *gate.value;
@@ -96,6 +106,7 @@ Json fault_json(const Fault& fault, const Robot& robot) {
   constexpr std::string_view kIn = " in ";
   Json json = {{"kind", fault_kind(fault.metric)},
                {"metric", fault.metric},
+               {"label", metric_label(fault.metric)},
                {"where", fault.where},
                {"begin", fault.begin},
                {"end", fault.end},
@@ -162,17 +173,15 @@ Json page_report(const QualityReport& report, const Robot& robot) {
           {"tracking", std::move(tracking)}};
 }
 
-namespace {
+Json page_pose(const Pose& pose) {
+  const auto& [q, p] = pose;
+  return Json::array({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+}
 
-using Json = nlohmann::ordered_json;
+namespace {
 
 Json vector_json(const Eigen::Vector3d& vector) {
   return Json::array({vector.x(), vector.y(), vector.z()});
-}
-
-Json pose_json(const Pose& pose) {
-  const auto& [q, p] = pose;
-  return Json::array({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
 }
 
 Json link_json(const KinematicTree::Link& link) {
@@ -181,12 +190,12 @@ Json link_json(const KinematicTree::Link& link) {
   json["joint"] = link.joint;
   if (link.slides) json["slides"] = true;
   if (link.reference != 0.0) json["reference"] = link.reference;
-  json["pose"] = pose_json(link.parent_from_link);
+  json["pose"] = page_pose(link.parent_from_link);
   return json;
 }
 
 Json shape_json(const CollisionShape& shape) {
-  Json json = {{"body", shape.body}, {"pose", pose_json(shape.body_from_shape)}};
+  Json json = {{"body", shape.body}, {"pose", page_pose(shape.body_from_shape)}};
   switch (shape.type) {
     case CollisionShape::Type::kSphere:
       json["sphere"] = shape.radius;
@@ -211,7 +220,7 @@ Json page_robot(const Robot& robot) {
     const RobotBody& body = robot.bodies()[i];
     const auto& [link, pose] = robot.tree().attachment(static_cast<int>(i));
     bodies.push_back(
-        {{"name", body.name}, {"parent", body.parent}, {"link", link}, {"pose", pose_json(pose)}});
+        {{"name", body.name}, {"parent", body.parent}, {"link", link}, {"pose", page_pose(pose)}});
   }
   for (std::size_t i = 0; i < robot.joints().size(); ++i) {
     const RobotJoint& joint = robot.joints()[i];
@@ -280,8 +289,10 @@ Result<std::string> view_page(const Motion& motion, const std::string& label,
     report = &measured;
   }
   const WrittenMotion written(motion);
-  const PageMotion shown{label, &written.clip, &written.human, report, &motion.plan.limits,
-                         {},    meshes};
+  const std::optional<MotionScene> scene = motion_scene(motion);
+  const PageMotion shown{
+      label, &written.clip, &written.human,           report, &motion.plan.limits,
+      {},    meshes,        scene ? &*scene : nullptr};
   return view_page({&shown, 1});
 }
 

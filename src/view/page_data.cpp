@@ -9,6 +9,7 @@
 #include "retarget/try.h"
 #include "retarget/version.h"
 #include "view/figure.h"
+#include "view/scene_data.h"
 
 namespace retarget {
 namespace {
@@ -16,11 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The error is half a step; over a chain of joints the errors sum to less than 0.2 mm.
-constexpr double kAngleStep = 1e-4;       // Radians; metres for slides.
-constexpr double kQuaternionStep = 2e-5;  // Per component.
-constexpr double kRootStep = 1e-4;        // Metres.
-constexpr double kBoneStep = 1.5e-4;
-constexpr double kMeshStep = 4e-4;
+constexpr double kAngleStep = 1e-4;                        // Radians; metres for slides.
+constexpr double kBoneStep = 1.5e-4;                       // Metres.
 constexpr double kErrorStepCm = 0.1, kErrorStepDeg = 0.5;  // Steps of tracking errors.
 constexpr double kErrorRate = 15.0;                        // Samples per second of tracking errors.
 
@@ -76,6 +74,7 @@ class PageWriter {
   Result<int> robot_of(const PageMotion& motion);
   Result<Json> meshes_of(const RobotMeshes& meshes);
   Result<int> human_of(const PageMotion& motion);
+  Result<int> scene_of(const MotionScene& scene);
   Result<Json> tracks_of(const RobotClip& clip);
   Result<Json> error_tracks_of(const QualityReport& report, int stride);
 
@@ -83,23 +82,19 @@ class PageWriter {
   TrackPacker packer_;
   std::vector<const Robot*> known_robots_;
   std::vector<const HumanClip*> known_humans_;
-  Json robots_ = Json::array(), humans_ = Json::array(), motions_ = Json::array();
+  std::vector<const MotionScene*> known_scenes_;
+  ScenePacker scene_packer_;
+  Json robots_ = Json::array(), humans_ = Json::array(), scenes_ = Json::array();
+  Json motions_ = Json::array();
 };
 
 // Meshes are stored as tracks whose frames are vertices and triangles.
 Result<Json> PageWriter::meshes_of(const RobotMeshes& meshes) {
   Json json = Json::array();
   for (const auto& [body, mesh] : meshes.bodies) {
-    std::vector<double> vertices, corners;
-    for (const Eigen::Vector3d& vertex : mesh.vertices) {
-      vertices.insert(vertices.end(), vertex.begin(), vertex.end());
-    }
-    for (const auto& triangle : mesh.triangles) {
-      corners.insert(corners.end(), triangle.begin(), triangle.end());
-    }
-    RETARGET_TRY_ASSIGN(const int vertex_track, packer_.add(3, kMeshStep, vertices));
-    RETARGET_TRY_ASSIGN(const int triangle_track, packer_.add(3, 1.0, corners));
-    json.push_back({{"body", body}, {"vertices", vertex_track}, {"triangles", triangle_track}});
+    Json packed = {{"body", body}};
+    RETARGET_TRY(pack_mesh(mesh, packer_, packed));
+    json.push_back(std::move(packed));
   }
   return json;
 }
@@ -155,6 +150,16 @@ Result<int> PageWriter::human_of(const PageMotion& motion) {
   return index;
 }
 
+Result<int> PageWriter::scene_of(const MotionScene& scene) {
+  const auto found = std::ranges::find(known_scenes_, &scene);
+  const auto index = static_cast<int>(found - known_scenes_.begin());
+  if (found != known_scenes_.end()) return index;
+  known_scenes_.push_back(&scene);
+  RETARGET_TRY_ASSIGN(Json json, scene_packer_.pack(scene, packer_));
+  scenes_.push_back(std::move(json));
+  return index;
+}
+
 Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
   std::vector<double> positions, rotations, joints;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -166,8 +171,8 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
     for (const RobotJoint& joint : clip.robot().joints())
       joints.push_back(qpos[joint.qpos_address]);
   }
-  RETARGET_TRY_ASSIGN(const int position, packer_.add(3, kRootStep, positions));
-  RETARGET_TRY_ASSIGN(const int rotation, packer_.add(4, kQuaternionStep, rotations));
+  RETARGET_TRY_ASSIGN(const int position, packer_.add(3, kPageRootStep, positions));
+  RETARGET_TRY_ASSIGN(const int rotation, packer_.add(4, kPageQuaternionStep, rotations));
   const auto count = static_cast<int>(clip.robot().joints().size());
   RETARGET_TRY_ASSIGN(const int joint, packer_.add(count, kAngleStep, joints));
   return Json{{"position", position}, {"rotation", rotation}, {"joints", joint}};
@@ -223,6 +228,12 @@ Result<void> PageWriter::add(const PageMotion& motion) {
     for (const auto& phases : contacts) feet.push_back(phases_json(phases));
     json["source_contacts"] = std::move(feet);
   }
+  if (motion.scene != nullptr) {
+    if (scene_excess(motion.scene->robot).empty()) {
+      RETARGET_TRY_ASSIGN(json["scene"], scene_of(*motion.scene));
+    }
+    json["touches"] = page_touches(motion.scene->contacts, clip.frame_count());
+  }
   if (motion.report != nullptr) {
     json["report"] = page_report(*motion.report, robot);
     const int stride = std::max(1, static_cast<int>(std::ceil(clip.rate().fps() / kErrorRate)));
@@ -247,8 +258,8 @@ Result<PageData> PageWriter::finish() const {
                  {"tool", "retarget " + version_number()},
                  {"precision",
                   {{"joint", 0.5 * kAngleStep},
-                   {"root_m", 0.5 * kRootStep},
-                   {"quaternion", 0.5 * kQuaternionStep},
+                   {"root_m", 0.5 * kPageRootStep},
+                   {"quaternion", 0.5 * kPageQuaternionStep},
                    {"bone_m", 0.5 * kBoneStep},
                    {"error_cm", 0.5 * kErrorStepCm},
                    {"error_deg", 0.5 * kErrorStepDeg}}},
@@ -257,6 +268,7 @@ Result<PageData> PageWriter::finish() const {
                  {"humans", humans_},
                  {"motions", motions_},
                  {"tracks", std::move(tracks)}};
+  if (!scenes_.empty()) header["scenes"] = scenes_;
   if (!options_.links.index.empty()) header["links"] = links_json(options_.links);
   RETARGET_TRY_ASSIGN(std::string packed_header, packed_json(header));
   RETARGET_TRY_ASSIGN(std::string packed_tracks, packer_.finish());

@@ -6,10 +6,19 @@
 #include <string>
 #include <string_view>
 
+#include "retarget/pose.h"
 #include "retarget/view.h"
 #include "view/track_packer.h"
 
 namespace retarget {
+
+// Steps of numbers on a page; the error is half a step.
+inline constexpr double kPageRootStep = 1e-4;        ///< Metres.
+inline constexpr double kPageQuaternionStep = 2e-5;  ///< Per component.
+inline constexpr double kPageMeshStep = 4e-4;        ///< Metres.
+
+/// A pose as [x, y, z, w, x, y, z], the quaternion last.
+[[nodiscard]] nlohmann::ordered_json page_pose(const Pose& pose);
 
 /// Returns the robot data of a page: links, bodies, joints, shapes, soles. Lengths in metres,
 /// quaternions wxyz, poses as [x, y, z, w, x, y, z] with the quaternion last.
@@ -25,7 +34,7 @@ namespace retarget {
 [[nodiscard]] nlohmann::ordered_json page_report(const QualityReport& report, const Robot& robot);
 
 /// Returns the kind of a metric's faults, as pages group them: `jump`, `penetration`, `slip`,
-/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `other`.
+/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `scene`, `other`.
 [[nodiscard]] std::string_view fault_kind(std::string_view metric);
 
 /// Placement that draws a human next to its robot: scaled to the robot's size, with its path on the

@@ -37,6 +37,7 @@ RunDrawing page_of_run(std::string path) {
                 const RobotMeshes meshes,
                 load_robot_meshes(*motion.plan.robot.robot, motion.plan.robot.model));
             observer.lines(mesh_lines(meshes));
+            observer.lines(scene_lines(motion.scene ? &motion.scene->clip : nullptr));
             const std::string label = std::filesystem::path(report->file).stem().string();
             RETARGET_TRY_ASSIGN(std::string page, view_page(motion, label, report, &meshes));
             const std::string size = number_text(static_cast<double>(page.size()) / 1e6, 2);

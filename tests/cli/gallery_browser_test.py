@@ -85,6 +85,45 @@ class GalleryInABrowser(GalleryTest):
             self.assertEqual(browser.complaints(), [])
             self.assertEqual(len(browser.requests()), 1)
 
+    def test_passed_clips_come_first_and_failures_are_folded(self):
+        self.write("clips/broken.bvh", b"HIERARCHY\n")
+        self.batch()
+        entries = self.entries()
+        done = [entry for entry in entries if entry["status"] == "done"]
+        self.assertEqual(len(done), 2)
+        done[0]["quality"]["gates_missed"] = ["jumps"]
+        done[1]["quality"]["gates_missed"] = []
+        self.write_entries(entries)
+        self.assert_done(self.gallery())
+        passed, missed = done[1]["relative"], done[0]["relative"]
+        with Browser(self.program) as browser:
+            browser.open(self.folder / "gallery/index.html")
+            self.assertEqual(self.names(browser), [passed, missed, "broken.bvh"])
+            failed = "document.getElementById('failed')"
+            self.assertEqual(browser.run(f"[{failed}.hidden, {failed}.open]"), [False, False])
+            self.assertEqual(browser.run("document.getElementById('failed-count').textContent"),
+                             "1 clip failed")
+            # The keys between pages follow this order.
+            pages = browser.run("[...document.querySelectorAll('a.clip')].map((node) => node.href)")
+            browser.run("document.querySelector('a.clip').click()")
+            self.follow(browser, f"window.retarget && location.href === {json.dumps(pages[0])}")
+            browser.press("]")
+            self.follow(browser, f"window.retarget && location.href === {json.dumps(pages[1])}")
+            browser.open(self.folder / "gallery/index.html")
+            self.choose(browser, "sort", "worst")
+            self.assertEqual(self.names(browser), ["broken.bvh", missed, passed])
+            self.assertTrue(browser.run(f"{failed}.hidden"))
+            # If only failures are shown, they are not folded.
+            self.choose(browser, "sort", "passed")
+            self.choose(browser, "filter", "failed")
+            self.assertEqual(self.names(browser), ["broken.bvh"])
+            self.assertTrue(browser.run(f"{failed}.hidden"))
+            # A gate has a plain label, its name is the tooltip.
+            options = browser.run("[...document.querySelectorAll('#filter option')]"
+                                  ".map((each) => [each.textContent, each.title])")
+            self.assertIn(["Joint jumps", "jumps"], options)
+            self.assertEqual(browser.complaints(), [])
+
     def test_pictures_links_keys_and_odd_names(self):
         self.write("clips/" + ODD, short_clip("wave", 30))
         self.batch()

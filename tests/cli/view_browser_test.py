@@ -149,6 +149,73 @@ class InABrowser(PagesInABrowser):
         self.assertAlmostEqual(self.time(), faults[-1]["worst"] / 30.0)
         self.assert_quiet("two.html")
 
+    def test_a_fault_marks_only_its_own_motion(self):
+        self.open("two.html")
+        header = data_of((self.pages / "two.html").read_text())[0]
+        faults = [
+            (i, fault)
+            for i, motion in enumerate(header["motions"])
+            for fault in motion["report"]["faults"]
+        ]
+        at, (motion, fault) = next(
+            (at, each) for at, each in enumerate(faults) if each[1]["bodies"] and each[0] == 1
+        )
+        self.run_script(f"document.querySelectorAll('.list button')[{at}].click()")
+        marked = [self.run_script(f"retarget.highlighted({i})") for i in (0, 1)]
+        self.assertEqual(marked[1 - motion], [])
+        self.assertNotEqual(marked[motion], [])
+        self.assertTrue(set(marked[motion]) <= set(fault["bodies"]))
+        # A chosen body is marked in all motions of its robot.
+        self.run_script(
+            "const select = document.querySelector('#panel-body select');"
+            f"select.value = {marked[motion][0]}; select.dispatchEvent(new Event('change'))"
+        )
+        self.assertEqual([self.run_script(f"retarget.highlighted({i})") for i in (0, 1)],
+                         [marked[motion][:1]] * 2)
+
+    def test_gates_and_figures_have_plain_labels(self):
+        self.open("two.html")
+        report = data_of((self.pages / "two.html").read_text())[0]["motions"][0]["report"]
+        gates, figures = self.run_script(
+            "[...document.querySelectorAll('#panel-quality table')].map((table) =>"
+            "[...table.querySelectorAll('tbody tr')].map((row) =>"
+            "[row.cells[0].textContent, row.cells[0].title || row.title]))"
+        )
+        self.assertIn(["Self-collision", "self_1cm_pct"], gates)
+        self.assertEqual(len(figures), len(report["figures"]))
+        self.assertEqual([text for text, _ in gates + figures if "_" in text], [])
+        keys = {each["key"] for each in report["figures"]}
+        self.assertEqual({title.split(":")[0] for _, title in figures}, keys)
+
+    def test_contact_rows_tell_motions_apart(self):
+        self.assert_done(
+            self.run_in_pages("view", "fit.csv", "fit.npz", "--robot", "unitree_g1",
+                              "--bvh", "walk.bvh", "-o", "same.html")
+        )
+        self.open("same.html")
+        titles = self.run_script(
+            "[...document.querySelectorAll('#lanes .name')]"
+            ".filter((each) => each.textContent === 'Left foot').map((each) => each.title)"
+        )
+        self.assertEqual(
+            titles, ["When it stands, from top to bottom: walk.bvh, fit.csv, fit.npz"]
+        )
+        # The first colour in the middle of each band.
+        colours = self.run_script("""(() => {
+            const canvas = [...document.querySelectorAll('#lanes .name')]
+              .find((each) => each.textContent === 'Left foot').nextSibling.firstChild;
+            const context = canvas.getContext('2d');
+            const found = [1, 3, 5].map((sixth) => {
+              const y = Math.floor((sixth / 6) * canvas.height);
+              const row = context.getImageData(0, y, canvas.width, 1).data;
+              const at = row.findIndex((value, i) => i % 4 === 3 && value > 100) - 3;
+              return at < 0 ? null : [...row.slice(at, at + 3)].join();
+            });
+            return found;
+        })()""")
+        self.assertNotIn(None, colours)
+        self.assertEqual(len(set(colours)), 3)
+
     def test_two_in_step_with_their_figures(self):
         self.open("two.html")
         self.run_script("retarget.show(60)")

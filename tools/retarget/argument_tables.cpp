@@ -50,7 +50,7 @@ OptionTable request_table(RunArguments& arguments) {
           "Write a quality report, JSON as in retarget evaluate", {.uses = OptionUse::kOneClip}),
       dynamics_row(request.dynamics),
       row("html", arguments.html, kOutputGroup, "FILE",
-          "Write a page that plays the motion next to its source (docs/viewing.md)",
+          "Write a page that plays the motion next to its source, in its scene (docs/viewing.md)",
           {.uses = OptionUse::kOneClip}),
       row("png", arguments.png, kOutputGroup, "FILE",
           "Also write a picture, a strip of poses, as PNG",

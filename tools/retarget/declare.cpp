@@ -263,6 +263,10 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   describe_as("--bvh", "Source of the motions, drawn next to them");
   describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
+  describe_as("--scene",
+              "Page: the scene around the human, drawn as the robot's world; without --bvh, the "
+              "robot's world itself (docs/viewing.md)");
+  describe_as("--object-track", "Page: paths of moving bodies of --scene (docs/world.md)");
   describe_as("--ik-config",
               "Page: retargeting configuration for tracking errors (default: as in a run)");
   describe_as(

@@ -1,9 +1,13 @@
 // `retarget view`: makes a page that plays robot motions, or a picture of one.
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "arguments.h"
 #include "commands.h"
@@ -15,7 +19,9 @@
 #include "retarget/gallery.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
+#include "retarget/measure_files.h"
 #include "retarget/motion_io.h"
+#include "retarget/motion_scene.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/run.h"
@@ -136,6 +142,28 @@ Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
   return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
 }
 
+using Scenes = std::vector<std::shared_ptr<const MotionScene>>;
+
+// The scenes of motions; null: none. Motions that show the same human share one.
+Result<Scenes> scenes_of(const std::vector<MeasuredMotion>& motions, const Measures& measures,
+                         Console& console) {
+  Scenes scenes;
+  for (const MeasuredMotion& motion : motions) {
+    const auto same = std::ranges::find_if(motions, [&](const MeasuredMotion& other) {
+      return other.human != nullptr && other.human == motion.human;
+    });
+    const auto known = static_cast<std::size_t>(same - motions.begin());
+    if (known < scenes.size()) {
+      scenes.push_back(scenes[known]);
+      continue;
+    }
+    RETARGET_TRY_ASSIGN(auto scene, measured_scene(motion, measures));
+    if (scene) console.lines(scene_lines(&scene->robot));
+    scenes.push_back(std::move(scene));
+  }
+  return scenes;
+}
+
 // Labels that distinguish the files: by name, or by folder and name if names coincide.
 std::vector<std::string> labels_of(const ViewArguments& arguments) {
   if (!arguments.labels.empty()) return arguments.labels;
@@ -172,10 +200,11 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   RETARGET_TRY_ASSIGN(const RobotMeshes meshes,
                       load_robot_meshes(*measures.robot, measures.model, arguments.meshes));
   console.lines(mesh_lines(meshes));
+  RETARGET_TRY_ASSIGN(const Scenes scenes, scenes_of(motions, measures, console));
   std::vector<PageMotion> shown;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     shown.push_back({labels[i], &motions[i].clip, motions[i].human, &motions[i].report,
-                     &measures.limits, motions[i].file_rate, &meshes});
+                     &measures.limits, motions[i].file_rate, &meshes, scenes[i].get()});
   }
   RETARGET_TRY_ASSIGN(const std::string page, view_page(shown));
   RETARGET_TRY(write_file(output, page));

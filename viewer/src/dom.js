@@ -31,11 +31,6 @@ export function icon(path) {
   return svg;
 }
 
-/** A name with line break opportunities after its underscores. */
-export function breakable(name) {
-  return name.split(/(?<=_)/).flatMap((part) => [part, el('wbr')]);
-}
-
 /** Formats a number with three significant digits, without an exponent if possible. */
 export function numberText(value, digits = 3) {
   if (!Number.isFinite(value)) return '\u2013';

@@ -45,12 +45,12 @@ export class FaultsPanel {
           : `frame ${fault.begin}`;
       const button = el(
         'button',
-        { type: 'button', on: { click: () => onFault(fault, motion) } },
+        { type: 'button', title: fault.metric, on: { click: () => onFault(fault, motion) } },
         el('span', { class: `dot ${fault.kind}`, 'aria-hidden': 'true' }),
         el(
           'span',
           { class: 'where' },
-          fault.where || fault.metric,
+          fault.where || fault.label,
           el('small', {
             text: `${KINDS.get(fault.kind)} \u00b7 ${frames}${this.many ? ` \u00b7 ${motion.label}` : ''}`,
           }),

@@ -14,6 +14,9 @@ function verdict(clip) {
     : ['bad', `${count(clip.missed.length, 'gate')} missed`];
 }
 
+const labels = new Map(gallery.metrics.map((metric) => [metric.key, metric.label]));
+const labelOf = (key) => labels.get(key) ?? key;
+
 /** Creates the card of a clip. */
 function card(clip) {
   const [kind, text] = verdict(clip);
@@ -34,7 +37,7 @@ function card(clip) {
       el(
         'div',
         { class: 'facts' },
-        el('span', { class: `badge ${kind}`, text, title: clip.missed?.join(', ') || null }),
+        el('span', { class: `badge ${kind}`, text, title: clip.missed?.map(labelOf).join(', ') || null }),
         clip.seconds === undefined ? null : el('span', { text: `${clip.seconds}\u202fs` }),
         robots.length > 1 ? el('span', { text: clip.robot }) : null,
         clip.shownFigure,
@@ -61,6 +64,7 @@ missedGates.sort((a, b) => metricKeys.indexOf(a) - metricKeys.indexOf(b));
 function addOptions() {
   const option = (value, text, title) => el('option', { value, text, title });
   byId('sort').append(
+    option('passed', 'Passed first'),
     option('worst', 'Worst first'),
     option('name', 'Name'),
     option('seconds', 'Length'),
@@ -70,8 +74,8 @@ function addOptions() {
       ...gallery.metrics.map((metric, i) =>
         option(
           `figure ${i}`,
-          metric.key + (unitText(metric.unit) && `,${unitText(metric.unit)}`),
-          metric.definition,
+          metric.label + (unitText(metric.unit) && `,${unitText(metric.unit)}`),
+          `${metric.key}: ${metric.definition}`,
         ),
       ),
     ),
@@ -81,7 +85,7 @@ function addOptions() {
     option('kept', 'all gates kept'),
     option('missed', 'a gate missed'),
     option('failed', 'failed, or something missing'),
-    el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, key))),
+    el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, labelOf(key), key))),
   );
   byId('robots').append(option('', 'all'), ...robots.map((robot) => option(`robot ${robot}`, robot)));
   byId('robots-label').hidden = robots.length < 2;
@@ -103,6 +107,7 @@ function isShown(clip, words, filter, robot) {
 /** Sorts clips by the selected key; clips without a value come last in both directions. */
 function sorted(clips, sort, turned) {
   const sign = turned ? -1 : 1;
+  if (sort === 'passed') return [...clips].sort((a, b) => sign * (a.rank - b.rank || a.order - b.order));
   if (sort === 'worst') return [...clips].sort((a, b) => sign * (a.order - b.order));
   if (sort === 'name')
     return [...clips].sort(
@@ -132,7 +137,15 @@ function show() {
     clip.shownFigure.textContent =
       value === undefined || value === null ? '' : `${value}${unitText(gallery.metrics[figure].unit)}`;
   }
-  byId('clips').replaceChildren(...shown.map((clip) => clip.card));
+  // In the order in which the page opens, failures are folded, unless nothing else is shown.
+  const failed = sort === 'passed' ? shown.filter((clip) => clip.failed) : [];
+  const folded = failed.length < shown.length ? failed : [];
+  byId('clips').replaceChildren(
+    ...shown.filter((clip) => !folded.includes(clip)).map((clip) => clip.card),
+  );
+  byId('failed').hidden = folded.length === 0;
+  byId('failed-count').textContent = `${count(folded.length, 'clip')} failed`;
+  byId('failed-clips').replaceChildren(...folded.map((clip) => clip.card));
   byId('nothing').hidden = shown.length > 0;
   const all = gallery.clips.length;
   byId('count').textContent =

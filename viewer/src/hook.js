@@ -1,4 +1,5 @@
 import { Vector3 } from 'three';
+import { drawnBodies } from './scene_figure.js';
 
 /**
  * `window.retarget`: interface for tests and consoles. Positions are read from the drawn scene, in
@@ -25,6 +26,22 @@ export function addTestHook(viewer) {
         return { name: body.name, position: place.toArray() };
       });
     },
+    /** The visible bodies of a motion's scene: name, position, quaternion w x y z, scale. */
+    scene(motion) {
+      const scene = world.scenes[motion];
+      return scene?.group.visible ? drawnBodies(scene) : [];
+    },
+    /** The same around its human, in the human's world. */
+    humanScene(motion) {
+      const human = world.humans.find((each) => each.motion.index === motion);
+      const shown = human?.group.visible && human.scene?.group.visible;
+      return shown ? drawnBodies(human.scene) : [];
+    },
+    /** Indices of the highlighted bodies of a motion. */
+    highlighted: (motion) =>
+      [...world.robots[motion].meshes]
+        .filter(([, mesh]) => mesh.material === world.robots[motion].pickedMaterial)
+        .map(([body]) => body),
     /** Joint positions in a frame by name. */
     joints(motion, frame) {
       const { robot } = motions[motion];

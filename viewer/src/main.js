@@ -8,6 +8,7 @@ import { addHelp, addKeyboard } from './keyboard.js';
 import { Motion } from './motions.js';
 import { PlayedPage } from './played_page.js';
 import { qualityPanel, verdict } from './quality_panel.js';
+import { SceneData } from './scene_figure.js';
 import { SkeletonViewer, addSkeletonHook } from './skeleton_viewer.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
@@ -72,7 +73,8 @@ class Viewer extends PlayedPage {
       Math.min(...motions.map((motion) => motion.frameTime)),
     );
     this.motions = motions;
-    this.world = new World(this.motions, this.stage, page.figure);
+    const scenes = (page.scenes ?? []).map((scene) => new SceneData(scene, tracks));
+    this.world = new World(this.motions, this.stage, page.figure, scenes);
     this.tags = new Tags(this.world);
     showHeader(page, this.motions);
     this.links = page.links ?? null;
@@ -182,7 +184,8 @@ class Viewer extends PlayedPage {
   /** Picks a body; null deselects. */
   pick(motion, body, bodies = body === null ? [] : [body], show = true) {
     this.picked = body === null ? null : { motion, body };
-    this.world.highlight(motion, bodies);
+    // A fault marks only its own motion, a chosen body all motions of its robot.
+    this.world.highlight(motion, bodies, !show);
     this.body.show(body === null ? null : motion, body);
     this.joints.showBody(body === null ? null : this.motions[motion].robot.bodies[body].name);
     if (show && body !== null) this.tabs.show('body');

@@ -50,6 +50,8 @@ export class Motion {
         { bone, position: tracks[position] ?? null, rotation: tracks[rotation] ?? null },
       ]),
     );
+    /** Contacts with bodies of the scene: part of the human, surface, phases. */
+    this.touches = data.touches ?? [];
     this.human = null;
     if (data.human !== undefined) {
       const human = page.humans[data.human];

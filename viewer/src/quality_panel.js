@@ -1,13 +1,19 @@
-import { breakable, el, numberText } from './dom.js';
+import { el, numberText } from './dom.js';
 
 const valueText = (figure) =>
   figure === undefined
     ? '\u2013'
     : numberText(figure.value) + (figure.p95 === undefined ? '' : ` (${numberText(figure.p95)})`);
 
-const boundText = ({ min, max }) =>
-  [min === undefined ? '' : `\u2265 ${numberText(min)}`, max === undefined ? '' : `\u2264 ${numberText(max)}`]
-    .filter(Boolean)
+const unitText = (unit) => (unit === '1' || unit === 'count' ? '' : unit);
+
+const boundText = ({ min, max, unit }) =>
+  [
+    ['\u2265', min],
+    ['\u2264', max],
+  ]
+    .filter(([, bound]) => bound !== undefined)
+    .map(([sign, bound]) => `${sign} ${numberText(bound)} ${unitText(unit)}`.trim())
     .join('\n');
 
 /**
@@ -56,7 +62,7 @@ function gateTable(motions) {
       row: el(
         'tr',
         {},
-        el('th', { scope: 'row' }, ...breakable(name)),
+        el('th', { scope: 'row', title: name, text: gates.find(Boolean).label }),
         el('td', {
           class: 'quiet bound',
           text: [...new Set(gates.filter(Boolean).map(boundText))].join(' / '),
@@ -74,12 +80,12 @@ function figureTable(motions) {
   const figures = new Map(
     motions.flatMap((motion) => motion.report.figures.map((figure) => [figure.key, figure])),
   );
-  const rows = [...figures].map(([key, { unit, definition }]) =>
+  const rows = [...figures].map(([key, { label, unit, definition }]) =>
     el(
       'tr',
-      { title: definition },
-      el('th', { scope: 'row' }, ...breakable(key)),
-      el('td', { class: 'quiet', text: unit === '1' || unit === 'count' ? '' : unit }),
+      { title: `${key}: ${definition}` },
+      el('th', { scope: 'row', text: label }),
+      el('td', { class: 'quiet', text: unitText(unit) }),
       ...motions.map((motion) =>
         el('td', {
           class: 'number',

@@ -1,47 +1,16 @@
 import {
-  BoxGeometry,
   BufferGeometry,
-  CapsuleGeometry,
   Color,
   Float32BufferAttribute,
   Group,
-  Matrix4,
   Mesh,
   MeshStandardMaterial,
-  Quaternion,
   SphereGeometry,
-  Vector3,
 } from 'three';
-import { mergeGeometries, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { meshGeometry, shapeGeometry } from './shapes.js';
 import { solePlate } from './sole_plate.js';
 import { PICKED, ROBOT_CONTACT } from './theme.js';
-
-function shapeGeometry(shape) {
-  let geometry;
-  if (shape.box) {
-    geometry = new BoxGeometry(...shape.box.map((half) => 2 * half));
-  } else if (shape.capsule) {
-    const [radius, half] = shape.capsule;
-    // Capsules of three.js extend along y, ours along z.
-    geometry = new CapsuleGeometry(radius, 2 * half, 6, 18).rotateX(Math.PI / 2);
-  } else {
-    geometry = new SphereGeometry(shape.sphere, 20, 14);
-  }
-  const [x, y, z, qw, qx, qy, qz] = shape.pose;
-  return geometry.applyMatrix4(
-    new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1)),
-  );
-}
-
-/** Minimum angle of an edge that is drawn sharp, rad. */
-const CREASE = 0.6;
-
-function meshGeometry(vertices, triangles) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new Float32BufferAttribute(vertices, 3));
-  geometry.setIndex(Array.from(triangles));
-  return toCreasedNormals(geometry, CREASE);
-}
 
 /** A thin plate along a sole's outline, in body coordinates. */
 function soleGeometry(points) {

@@ -333,6 +333,8 @@ export function addSkeletonHook(viewer) {
       viewer.player.seekFrame(frame);
       viewer.frame(performance.now());
     },
+    /** Whether another picture will be drawn. */
+    pictureDue: () => viewer.scheduled,
     /** Names and positions of joints and end sites as drawn, metres. */
     joints: () =>
       viewer.skeleton.points.map((point, i) => ({

@@ -23,6 +23,9 @@ const DARK = {
  * Robot colours by motion: muted, and distinguishable in both themes and by colour-blind readers.
  */
 export const MOTION_COLOURS = [0x7d9fcb, 0xdd9a63, 0x71b59b, 0xa78dcb, 0xcb7d8d, 0x9ca467];
+/** Fixed and moving bodies of scenes. */
+export const SCENE = 0xb5b1a8,
+  SCENE_OBJECT = 0x8d8578;
 export const PICKED = 0xe8364f;
 export const ROBOT_CONTACT = 0xf09a1a;
 export const SOURCE_CONTACT = 0x17a398;

@@ -1,5 +1,6 @@
 import { byId, el, numberText, seconds } from './dom.js';
-import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
+import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour, motionColour } from './theme.js';
+import { touchRows } from './touches.js';
 
 /** Kinds of faults in the order of their lanes, with labels. */
 export const KINDS = new Map([
@@ -11,6 +12,7 @@ export const KINDS = new Map([
   ['limit', 'Limits'],
   ['speed', 'Speed'],
   ['lean', 'Lean'],
+  ['scene', 'Scene'],
   ['other', 'Other'],
 ]);
 
@@ -38,11 +40,11 @@ export function countText(listed, total) {
 
 export function faultText(fault, motion) {
   const amount = `${numberText(fault.amount)} ${fault.unit}`;
-  const where = fault.where || fault.metric;
+  const where = fault.where || fault.label;
   return `${KINDS.get(fault.kind)}: ${where}, ${amount} at ${seconds(fault.worst * motion.frameTime)}`;
 }
 
-/** The scrubber, the lanes of faults by kind, and the stance phases. */
+/** The scrubber, the lanes of faults by kind, the stance phases, and contacts with a scene. */
 export class Timeline {
   constructor(player, motions, onFault) {
     this.player = player;
@@ -56,6 +58,7 @@ export class Timeline {
     this.addScrubber();
     this.addFaults();
     this.addContacts();
+    this.addTouches();
     this.overlay = el('div', { 'aria-hidden': 'true' }, this.loop, this.playhead);
     Object.assign(this.overlay.style, {
       position: 'absolute',
@@ -146,21 +149,40 @@ export class Timeline {
             motion,
             phases: ends.map((end) => motion.human.contacts[end] ?? []),
             alpha: 0.5,
+            label: motion.report?.source || 'the human',
           });
         }
         const robot = motion.data.contacts.filter((each) => each.side === side).map((each) => each.phases);
-        if (robot.length > 0) bands.push({ colour: ROBOT_CONTACT, motion, phases: robot, alpha: 0.9 });
+        if (robot.length > 0) {
+          // Bands of several motions have the colours of their robots.
+          const colour = this.motions.length > 1 ? motionColour(motion.index) : ROBOT_CONTACT;
+          bands.push({ colour, motion, phases: robot, alpha: 0.9, label: motion.label });
+        }
       }
       if (bands.length === 0) continue;
-      const canvas = el('canvas', { 'aria-hidden': 'true' });
-      Object.assign(canvas.style, { width: '100%', height: '100%', display: 'block' });
-      this.row(
-        name,
-        el('div', { class: 'lane' }, canvas),
-        'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below',
-      );
-      this.contacts.push({ canvas, bands });
+      const title =
+        this.motions.length > 1
+          ? `When it stands, from top to bottom: ${bands.map(({ label }) => label).join(', ')}`
+          : 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below';
+      this.bandRow(name, bands, title);
     }
+  }
+
+  bandRow(name, bands, title) {
+    const canvas = el('canvas', { 'aria-hidden': 'true' });
+    Object.assign(canvas.style, { width: '100%', height: '100%', display: 'block' });
+    this.row(name, el('div', { class: 'lane' }, canvas), title);
+    this.contacts.push({ canvas, bands });
+  }
+
+  addTouches() {
+    const { rows, others } = touchRows(this.motions);
+    for (const { name, keys, bands } of rows) {
+      const drawn = bands.map((band) => ({ ...band, colour: SOURCE_CONTACT, alpha: 0.9 }));
+      const whose = bands.length > 1 ? `, for ${bands.map(({ motion }) => motion.label).join(', ')}` : '';
+      this.bandRow(name, drawn, `${name}. When the human touches it${whose} (${keys.join(', ')})`);
+    }
+    if (others.length > 0) this.row(`${others.length} more`, el('div', { class: 'lane thin' }), others.join(', '));
   }
 
   drawContacts({ canvas, bands }) {

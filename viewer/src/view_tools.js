@@ -47,6 +47,14 @@ export class ViewTools {
               'Meshes, or the shapes that collide',
             )
           : null,
+        world.hasScenes
+          ? toggle(
+              'Scene',
+              true,
+              (on) => this.apply(() => world.setScenesVisible(on)),
+              'Bodies around the robot and the human',
+            )
+          : null,
         toggle(
           'Paths',
           true,

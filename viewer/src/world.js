@@ -3,8 +3,13 @@ import { HumanFigure } from './human_figure.js';
 import { inPhase } from './motions.js';
 import { Paths } from './paths.js';
 import { RobotFigure } from './robot_figure.js';
+import { SceneFigure } from './scene_figure.js';
 import { motionColour } from './theme.js';
 import { calmWay, lift, onWay, standing } from './ways.js';
+
+/** Distance of neighbours in the row, as a fraction of a robot's height: usual, and at most around scenes. */
+const SPACING = 0.85,
+  MAX_SPACING = 2.2;
 
 /** The figures of all motions, arranged in a row perpendicular to their heading. */
 export class World {
@@ -12,8 +17,9 @@ export class World {
    * @param {import('./motions.js').Motion[]} motions
    * @param {import('./stage.js').Stage} stage
    * @param {object} figure  from the header: how to draw humans
+   * @param {import('./scene_figure.js').SceneData[]} scenes  from the header
    */
-  constructor(motions, stage, figure) {
+  constructor(motions, stage, figure, scenes) {
     this.motions = motions;
     this.stage = stage;
     this.heading = motions[0].heading();
@@ -23,27 +29,61 @@ export class World {
     this.figure = figure;
     this.besideEach = false;
     this.showContacts = true;
+    this.showScenes = true;
     this.robots = motions.map((motion, i) => new RobotFigure(motion, motionColour(i)));
-    this.humans = this.makeHumans();
+    this.humans = this.makeHumans(scenes);
+    /** By motion; null: it has none. */
+    this.scenes = motions.map(({ data, index }) =>
+      data.scene === undefined ? null : new SceneFigure(scenes[data.scene], 'robot', `scene ${index}`),
+    );
     this.paths = motions.map((motion, i) => new Paths(motion, motionColour(i)));
     this.stand = motions.map(standing).reduce((a, b) => (b.height > a.height ? b : a));
     this.height = this.stand.height;
-    this.spacing = 0.85 * this.height;
+    this.chooseSpacing(scenes);
     this.way = calmWay(motions);
-    stage.scene.add(...[...this.robots, ...this.humans, ...this.paths].map((each) => each.group));
+    const figures = [...this.robots, ...this.humans, ...this.paths, ...this.scenes.filter(Boolean)];
+    stage.scene.add(...figures.map((each) => each.group));
     this.arrange();
   }
 
   // Creates a human per motion. If motions share a source, only the first one is shown by default.
-  makeHumans() {
+  makeHumans(scenes) {
     const known = new Set();
     return this.motions
       .filter((motion) => motion.human)
       .map((motion) => {
         const first = !known.has(motion.data.human);
         known.add(motion.data.human);
-        return Object.assign(new HumanFigure(motion, this.figure), { motion, first });
+        const figure = Object.assign(new HumanFigure(motion, this.figure), { motion, first });
+        const scene = scenes[motion.data.scene];
+        if (scene?.worlds.has('human')) {
+          figure.scene = new SceneFigure(scene, 'human', `scene of human ${motion.index}`);
+          figure.group.add(figure.scene.group);
+        }
+        return figure;
       });
+  }
+
+  // Keeps the scenes of neighbours apart, and each figure out of the next one's scene. If they are too
+  // wide for this, humans stand beside their robots in the robots' scenes.
+  chooseSpacing(scenes) {
+    this.spacing = SPACING * this.height;
+    let apart = this.spacing;
+    for (const motion of this.motions) {
+      const extent = scenes[motion.data.scene]?.extent(this.aside);
+      if (!extent) continue;
+      const margin = 0.3 * this.height;
+      let [low, high] = extent;
+      for (let frame = 0; frame < motion.frames; ++frame) {
+        const [x, y] = motion.position.subarray(3 * frame, 3 * frame + 2);
+        const along = x * this.aside.x + y * this.aside.y;
+        low = Math.min(low, along - margin);
+        high = Math.max(high, along + margin);
+      }
+      apart = Math.max(apart, high - low + margin);
+    }
+    this.scenesApart = apart <= MAX_SPACING * this.height;
+    if (this.scenesApart) this.spacing = apart;
   }
 
   /** Whether several motions have the same source. */
@@ -90,6 +130,15 @@ export class World {
     this.shown = null;
   }
 
+  get hasScenes() {
+    return this.scenes.some(Boolean);
+  }
+
+  setScenesVisible(visible) {
+    this.showScenes = visible;
+    this.arrange();
+  }
+
   /** Places every figure in the row. */
   arrange() {
     this.shown = null;
@@ -107,6 +156,10 @@ export class World {
       }
       this.robots[i].group.position.copy(this.aside).multiplyScalar(place);
       this.paths[i].group.position.copy(this.robots[i].group.position);
+      if (this.scenes[i]) {
+        this.scenes[i].group.position.copy(this.robots[i].group.position);
+        this.scenes[i].group.visible = this.showScenes;
+      }
       if (human && !beside) this.placeHuman(human, place);
       places.push(place);
       place -= this.spacing;
@@ -114,6 +167,8 @@ export class World {
     for (const human of this.humans) {
       human.group.visible = this.humanMode !== 'off' && shown.includes(human);
       human.setOver(this.humanMode === 'over');
+      // Over the robot, the robot's scene is also the human's.
+      if (human.scene) human.scene.group.visible = this.showScenes && beside && this.scenesApart;
     }
     this.middle = (Math.max(...places) + Math.min(...places)) / 2;
     this.stage.setExtent(this.height, Math.max(...places) - Math.min(...places), this.heading);
@@ -140,9 +195,13 @@ export class World {
     this.motions.forEach((motion, i) => {
       this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase);
       this.robots[i].setEnded(motion.hasEnded(time));
+      this.scenes[i]?.update(motion.step(time));
     });
     // A human may be longer than its motion.
-    for (const human of this.shownHumans) human.update(human.motion.step(time), this.showContacts);
+    for (const human of this.shownHumans) {
+      human.update(human.motion.step(time), this.showContacts);
+      human.scene?.update(human.motion.step(time));
+    }
     const [x, y, z] = onWay(this.way, time);
     this.stage.aim(
       x + this.aside.x * this.middle,
@@ -171,11 +230,12 @@ export class World {
     return hit ? { motion: hit.object.userData.motion, body: hit.object.userData.body } : null;
   }
 
-  /** Highlights a body in every motion of its robot. */
-  highlight(motion, bodies) {
-    this.robots.forEach((robot, i) =>
-      robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []),
-    );
+  /** Highlights bodies in every motion of their robot. @param {boolean} alone  only in this motion */
+  highlight(motion, bodies, alone = false) {
+    this.robots.forEach((robot, i) => {
+      const marked = alone ? i === motion : this.motions[i].robot === this.motions[motion]?.robot;
+      robot.highlight(marked ? bodies : []);
+    });
   }
 
   /** Name tags of the figures, in canvas pixels. */

@@ -1,3 +1,5 @@
+#include "app/plan/contact_labels.h"
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -19,13 +21,15 @@ constexpr std::array<std::string_view, kSupportBones.size()> kPartNames = {
 
 class LabelMaker {
  public:
-  explicit LabelMaker(const Motion& motion) : motion_(motion), robot_(motion.clip.robot()) {
-    labels_.frame_count = motion.clip.frame_count();
+  LabelMaker(const Robot& robot, const ResolvedConfig& config, int frame_count,
+             const SourceContacts& feet, const SolvedScene* scene)
+      : robot_(robot), config_(config), feet_(feet), scene_(scene) {
+    labels_.frame_count = frame_count;
   }
 
   ContactLabels make() {
     add_feet();
-    if (motion_.scene) add_parts();
+    if (scene_ != nullptr) add_parts();
     std::ranges::stable_sort(labels_.touches, {}, [](const SurfaceTouch& touch) {
       return std::tuple(rank(touch.part), touch.surface != kFloorName);
     });
@@ -43,7 +47,7 @@ class LabelMaker {
 
   [[nodiscard]] std::string surface(int body) const {
     if (body == kFloorBody) return kFloorName;
-    return motion_.scene->clip.scene->bodies[static_cast<std::size_t>(body)].name;
+    return scene_->clip.scene->bodies[static_cast<std::size_t>(body)].name;
   }
 
   // The body of a foot's sole; empty: the robot has none on this side.
@@ -66,21 +70,21 @@ class LabelMaker {
       const std::string part(kContactNames[end]);
       const std::string link = foot(part.substr(0, part.find('_')));
       if (link.empty()) continue;
-      const auto& phases = motion_.contacts[end];
+      const auto& phases = feet_[end];
       for (std::size_t i = 0; i < phases.size(); ++i) {
-        const bool known = motion_.scene && i < motion_.scene->under_feet[end].size();
-        add({part, link, surface(known ? motion_.scene->under_feet[end][i] : kFloorBody),
-             phases[i].begin, phases[i].end});
+        const bool known = scene_ != nullptr && i < scene_->under_feet[end].size();
+        add({part, link, surface(known ? scene_->under_feet[end][i] : kFloorBody), phases[i].begin,
+             phases[i].end});
       }
     }
   }
 
   // The fit holds contacts of parts that the robot has.
   void add_parts() {
-    for (const SupportBody& body : support_bodies(robot_, motion_.plan.config)) {
+    for (const SupportBody& body : support_bodies(robot_, config_)) {
       const auto link = static_cast<std::size_t>(body.link);
       const auto of_link = static_cast<std::size_t>(robot_.tree().links()[link].body);
-      for (const auto* contacts : {&motion_.scene->on_floor, &motion_.scene->contacts}) {
+      for (const auto* contacts : {&scene_->on_floor, &scene_->contacts}) {
         for (const SceneContact& contact : *contacts) {
           if (contact.part != kSupportBones[body.support]) continue;
           add({std::string(kPartNames[body.support]), robot_.bodies()[of_link].name,
@@ -90,15 +94,23 @@ class LabelMaker {
     }
   }
 
-  const Motion& motion_;
   const Robot& robot_;
+  const ResolvedConfig& config_;
+  const SourceContacts& feet_;
+  const SolvedScene* scene_;
   ContactLabels labels_;
 };
 
 }  // namespace
 
+ContactLabels make_contact_labels(const Robot& robot, const ResolvedConfig& config, int frame_count,
+                                  const SourceContacts& feet, const SolvedScene* scene) {
+  return LabelMaker(robot, config, frame_count, feet, scene).make();
+}
+
 ContactLabels contact_labels(const Motion& motion) {
-  return LabelMaker(motion).make();
+  return make_contact_labels(motion.clip.robot(), motion.plan.config, motion.clip.frame_count(),
+                             motion.contacts, motion.scene ? &*motion.scene : nullptr);
 }
 
 }  // namespace retarget

@@ -64,6 +64,22 @@ std::string variant_of(const std::vector<std::string>& motions) {
   return common;
 }
 
+// Loads the scene of motions without a source, whose world is the robot's.
+Result<void> add_scene(const SolveOptions& solve, Measures& measures) {
+  if (solve.scene.empty() && !solve.object_tracks.empty()) {
+    return usage_failure(OPTION("object-track") " requires " OPTION("scene"),
+                         "add " OPTION("scene") " FILE with the shape of the object");
+  }
+  if (solve.scene.empty()) return {};
+  TRY_ASSIGN(Scene scene, load_scene(solve.scene));
+  for (const std::string& spec : solve.object_tracks) {
+    TRY_ASSIGN(ObjectTrack track, load_object_track(spec));
+    measures.object_tracks.push_back(std::move(track));
+  }
+  measures.scene = std::make_shared<const Scene>(std::move(scene));
+  return {};
+}
+
 // Scales the travel of the source as the sidecars of the motions record it, unless options say how.
 void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
                    Observer& observer) {
@@ -117,8 +133,11 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   if (!run.motion.empty()) {
     choose_travel(request.motions, run.options.solve, observer);
     TRY(add_source(request, run, std::move(robot), measures, observer));
-  } else if (run.options.source.source_fps > 0.0) {
-    measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
+  } else {
+    TRY(add_scene(run.options.solve, measures));
+    if (run.options.source.source_fps > 0.0) {
+      measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
+    }
   }
   if (!request.fps.empty()) measures.reading.default_rate = measures.rate;
   return measures;
@@ -156,6 +175,24 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
   observer.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
                                 number_text(time.count(), 2) + " s");
   return measured;
+}
+
+Result<std::shared_ptr<const MotionScene>> measured_scene(const MeasuredMotion& motion,
+                                                          const Measures& measures) {
+  std::optional<MotionScene> scene;
+  if (measures.source) {
+    const auto& with_lead_in = measures.source->human_with_lead_in;
+    const bool lead_in = with_lead_in && motion.human == &*with_lead_in;
+    TRY_ASSIGN(scene, motion_scene(*measures.source, lead_in, *measures.robot));
+  } else if (measures.scene) {
+    const FrameRate& rate = motion.clip.rate();
+    const int frames = motion.clip.frame_count();
+    scene.emplace();
+    TRY_ASSIGN(scene->robot, place_scene(measures.scene, measures.object_tracks,
+                                         {rate, frames, 0, rate, frames}));
+  }
+  if (!scene) return std::shared_ptr<const MotionScene>();
+  return std::make_shared<const MotionScene>(std::move(*scene));
 }
 
 }  // namespace retarget

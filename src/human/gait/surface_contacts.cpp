@@ -290,4 +290,18 @@ std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world, const
   return bodies;
 }
 
+void set_contacts(const SceneWorld& world, const SourceFeet& feet, const ContactPlan& contacts,
+                  std::span<const SurfacePhase> phases, SolvedScene& solved) {
+  for (const SurfacePhase& phase : phases) {
+    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body), phase.begin,
+                               phase.end, phase.slides});
+  }
+  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
+    for (const ContactPhase& phase : contacts.bodies[part]) {
+      solved.on_floor.push_back({kSupportBones[part], kFloorBody, phase.begin, phase.end});
+    }
+  }
+  solved.under_feet = bodies_under_feet(world, feet, contacts);
+}
+
 }  // namespace retarget

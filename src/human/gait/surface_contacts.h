@@ -3,11 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/contact_plan.h"
+#include "retarget/solved_scene.h"
 #include "scene/scene_world.h"
 
 namespace retarget {
@@ -82,5 +84,11 @@ struct SurfacePhase {
 [[nodiscard]] std::array<std::vector<int>, 4> bodies_under_feet(const SceneWorld& world,
                                                                 const SourceFeet& feet,
                                                                 const ContactPlan& contacts);
+
+/// Sets the contacts of a solved scene: `contacts`, `on_floor` and `under_feet`.
+/// @param contacts  of find_contacts_on_ground.
+/// @param phases  of find_surface_contacts.
+void set_contacts(const SceneWorld& world, const SourceFeet& feet, const ContactPlan& contacts,
+                  std::span<const SurfacePhase> phases, SolvedScene& solved);
 
 }  // namespace retarget

@@ -381,16 +381,7 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
   SolvedScene& solved = result.scene.emplace();
   solved.clip = scene->world.clip;
   solved.scale = scale;
-  for (const SurfacePhase& phase : phases) {
-    solved.contacts.push_back({kSupportBones[phase.part], static_cast<int>(phase.body), phase.begin,
-                               phase.end, phase.slides});
-  }
-  for (std::size_t part = 0; part < kSupportBones.size(); ++part) {
-    for (const ContactPhase& phase : result.contacts.bodies[part]) {
-      solved.on_floor.push_back({kSupportBones[part], kFloorBody, phase.begin, phase.end});
-    }
-  }
-  solved.under_feet = bodies_under_feet(world, feet_, result.contacts);
+  set_contacts(world, feet_, result.contacts, phases, solved);
   clip_.scene = std::move(scene);
 }
 
