@@ -27,6 +27,7 @@ JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions"),
           "LoadMotionOptions": ("ReadingOptions", "RobotOptions"),
           "EvaluateClipOptions": ("EvaluateOptions", "SourceOptions"),
           "InspectOptions": ("HumanOptions", "SourceOptions"),
+          "LiveRobotOptions": ("LiveOptions", "RobotOptions", "SourceOptions"),
           **{f"{edit}EditOptions": (f"{edit}Options", "EditOptions")
              for edit in ("Ground", "Loop", "Concatenate", "Path")}}
 
@@ -52,7 +53,8 @@ def main(folder: Path) -> None:
                     "-o", folder / "_retarget.pyi"], check=True)
     stub = (folder / "_retarget.pyi").read_text(encoding="utf-8")
     # the module that has the options must be imported itself
-    stub = stub.replace("\nimport retarget\n", "\nimport retarget._options\n")
+    stub = stub.replace("\nimport retarget\n",
+                        "\nimport retarget._options\nimport retarget._scenes\n")
     (folder / "_retarget.pyi").write_text(stub, encoding="utf-8")
 
 
