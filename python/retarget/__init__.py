@@ -22,7 +22,7 @@ from retarget._results import Batch, Fault, Inspection, Report
 from retarget._retarget import (
     Clip, Motion, Plan, Robot, Scene, metrics, version_number, version_text)
 from retarget._scenes import ContactLabels, SceneBody, SceneShape, load_scene
-from retarget._view import Page, view
+from retarget._view import Page, picture, view
 
 __version__ = version_number()
 
@@ -32,5 +32,6 @@ __all__ = [
     "Motion", "Page", "Plan", "Report", "RetargetWarning", "Robot", "RobotFacts", "RobotFrame",
     "RunError", "Scene", "SceneBody", "SceneShape", "UsageError", "__version__", "batch", "compare",
     "convert", "edit", "evaluate", "inspect", "live", "load", "load_motion", "load_scene",
-    "make_plan", "metrics", "robot_facts", "robots", "solve", "to_robot", "version_text", "view",
+    "make_plan", "metrics", "picture", "robot_facts", "robots", "solve", "to_robot", "version_text",
+    "view",
 ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -47,7 +46,6 @@ class LiveSession:
         self._engine = engine
         self._source = iter(source) if source is not None else None
         self._callback = callback
-        self._ready: deque[RobotFrame] = deque()
         self._closed = False
         self._start = clock.monotonic()
 
@@ -112,24 +110,23 @@ class LiveSession:
         return self._engine.robot()
 
     def __iter__(self) -> Iterator[RobotFrame]:
-        """Takes human frames from `source` and yields robot frames; without one, those not yet taken.
+        """Takes human frames from `source` and yields robot frames; at its end, the session ends.
 
         A human frame is (rotations_wxyz, positions) or (rotations_wxyz, positions, time). With a
         time, it also is the caller's clock: a recording plays as fast as it is read.
+
+        Raises:
+            UsageError: there is no source, or a frame of it has another form.
         """
-        while self._ready:
-            yield self._ready.popleft()
         if self._source is None:
-            return
+            raise UsageError("the session has no source: give live(source=...), or call push()")
         for frame in self._source:
             if not isinstance(frame, tuple) or len(frame) not in (2, 3):
                 raise UsageError("source: expected (rotations_wxyz, positions) or "
                                  "(rotations_wxyz, positions, time)")
             time = frame[2] if len(frame) == 3 else None
             yield from self.push(frame[0], frame[1], time=time, now=time)
-            self._ready.clear()
         yield from self.close()
-        self._ready.clear()
 
     def __enter__(self) -> LiveSession:
         return self
@@ -144,7 +141,6 @@ class LiveSession:
 
     def _due(self, now: float) -> list[RobotFrame]:
         frames = [RobotFrame(*frame) for frame in self._engine.pull(now)]
-        self._ready.extend(frames)
         if self._callback is not None:
             for frame in frames:
                 self._callback(frame)

@@ -83,6 +83,31 @@ def view(motions: _retarget.Motion | StrPath | Sequence[_retarget.Motion | StrPa
     return page
 
 
+def picture(motion: _retarget.Motion, output: StrPath | None = None, *, poses: int = 6,
+            title: str = "") -> bytes:
+    """Draws a motion as a strip of poses, below its source if it has one.
+
+    Args:
+        output: also write the picture to this file; if its name ends in .svg, the picture is an SVG.
+        poses: number of poses, 1 to 100; the first and the last frame are included.
+        title: of an SVG.
+
+    Returns:
+        The bytes of the PNG, or of the SVG.
+
+    Raises:
+        UsageError: another number of poses. OSError: the file cannot be written.
+    """
+    if not isinstance(motion, _retarget.Motion):
+        raise ArgumentTypeError(f"motion: expected a Motion, found {type(motion).__name__}")
+    file = None if output is None else Path(os.fsdecode(output))
+    is_svg = file is not None and file.suffix.lower() == ".svg"
+    content = _retarget.strip_bytes(motion, poses, is_svg, title)
+    if file is not None:
+        file.write_bytes(content)
+    return content
+
+
 def player_of(motion: _retarget.Motion) -> str:
     """Called by the module: the HTML of a motion in a notebook."""
     return view(motion)._repr_html_()

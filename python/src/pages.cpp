@@ -107,15 +107,23 @@ nb::str page_html(const nb::list& motions, const nb::list& clips, const nb::list
   return text_of(page);
 }
 
-// Returns the SVG of a strip of poses.
-nb::str strip_svg(const MotionHandle& motion, int poses, const std::string& title) {
-  if (poses < 1 || poses > 100) raise(usage_failure("poses: expected 1 to 100").value());
-  return text_of(without_gil([&]() -> Result<std::string> {
+// Returns a strip of poses, as SVG or PNG.
+nb::bytes strip_bytes(const MotionHandle& motion, int poses, bool svg, const std::string& title) {
+  if (poses < 1 || poses > 100) {
+    raise(usage_failure("poses: expected 1 to 100, found " + std::to_string(poses)).value());
+  }
+  const std::string picture = without_gil([&]() -> Result<std::string> {
     std::optional<HumanClip> human;
-    if (motion.solved)
+    if (motion.solved) {
       human = to_human(*motion.solved->source, motion.solved->plan.human.calibration);
-    return draw_strip(*motion.clip, human ? &*human : nullptr, {poses, title});
-  }));
+    }
+    const HumanClip* source = human ? &*human : nullptr;
+    if (svg) return draw_strip(*motion.clip, source, {poses, title});
+    StripPictureOptions options;
+    options.poses = poses;
+    return draw_strip_picture(*motion.clip, source, options);
+  });
+  return nb::bytes(picture.data(), picture.size());
 }
 
 }  // namespace
@@ -123,7 +131,7 @@ nb::str strip_svg(const MotionHandle& motion, int poses, const std::string& titl
 void bind_pages(nb::module_& module) {
   module.def("page_html", &page_html, "motions"_a, "clips"_a, "labels"_a, "gates"_a.none(),
              "meshes"_a, "title"_a);
-  module.def("strip_svg", &strip_svg, "motion"_a, "poses"_a, "title"_a);
+  module.def("strip_bytes", &strip_bytes, "motion"_a, "poses"_a, "svg"_a, "title"_a);
 }
 
 }  // namespace retarget::python
