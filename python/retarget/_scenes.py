@@ -63,12 +63,13 @@ class ContactLabels:
         #: Bodies of the scene by column; `floor`: the floor z = 0.
         self.surfaces = [surface for _, _, surface in columns]
         #: (F, C) bool: in contact.
-        self.touching = np.zeros((frames, len(columns)), dtype=bool)
+        self.touching: np.ndarray = np.zeros((frames, len(columns)), dtype=bool)
         #: (F, C) bool: in contact and moving over the surface.
-        self.sliding = np.zeros_like(self.touching)
-        for *column, begin, end, slides in touches:
-            self.touching[begin:end, index[tuple(column)]] = True
-            self.sliding[begin:end, index[tuple(column)]] |= slides
+        self.sliding: np.ndarray = np.zeros_like(self.touching)
+        for part, link, surface, begin, end, slides in touches:
+            column = index[part, link, surface]
+            self.touching[begin:end, column] = True
+            self.sliding[begin:end, column] |= slides
         self._text = text
         #: The contacts as `retarget contacts --json` writes them.
         self.json = json_text

@@ -176,7 +176,7 @@ void bind_live(nb::module_& module) {
            "now"_a)
       .def("pull", &PythonLive::pull, "now"_a)
       .def("finish", &PythonLive::finish)
-      .def("due", &PythonLive::due)
+      .def("due", &PythonLive::due, nb::sig("def due(self) -> float | None"))
       .def("state", &PythonLive::state)
       .def("statistics", &PythonLive::statistics)
       .def("robot", [](const PythonLive& live) { return live.robot(); });

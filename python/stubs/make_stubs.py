@@ -53,8 +53,7 @@ def main(folder: Path) -> None:
                     "-o", folder / "_retarget.pyi"], check=True)
     stub = (folder / "_retarget.pyi").read_text(encoding="utf-8")
     # the module that has the options must be imported itself
-    stub = stub.replace("\nimport retarget\n",
-                        "\nimport retarget._options\nimport retarget._scenes\n")
+    stub = stub.replace("\nimport retarget\n", "\nimport retarget._options\n")
     (folder / "_retarget.pyi").write_text(stub, encoding="utf-8")
 
 
