@@ -10,16 +10,28 @@ The options are those of the command `retarget`, as keywords: `--source-fps 30` 
 """
 
 from retarget import edit
-from retarget._api import batch, evaluate, inspect, load, load_motion, to_robot
+from retarget._api import (
+    batch, evaluate, inspect, load, load_motion, make_plan, solve, to_robot)
 from retarget._errors import (
-    ConfigError, Error, InputError, RetargetWarning, RunError, UsageError)
+    ConfigError, Error, InputError, MissingConfigError, MissingInputError, RetargetWarning,
+    RunError, UsageError)
+from retarget._files import (
+    ColumnDifference, Comparison, RobotFacts, compare, convert, robot_facts, robots)
+from retarget._live import LiveSession, RobotFrame, live
 from retarget._results import Batch, Fault, Inspection, Report
-from retarget._retarget import Clip, Motion, Robot, metrics, version_number, version_text
+from retarget._retarget import (
+    Clip, Motion, Plan, Robot, Scene, metrics, version_number, version_text)
+from retarget._scenes import ContactLabels, SceneBody, SceneShape, load_scene
+from retarget._view import Page, picture, view
 
 __version__ = version_number()
 
 __all__ = [
-    "Batch", "Clip", "ConfigError", "Error", "Fault", "InputError", "Inspection", "Motion",
-    "Report", "RetargetWarning", "Robot", "RunError", "UsageError", "__version__", "batch", "edit",
-    "evaluate", "inspect", "load", "load_motion", "metrics", "to_robot", "version_text",
+    "Batch", "Clip", "ColumnDifference", "Comparison", "ConfigError", "ContactLabels", "Error",
+    "Fault", "InputError", "Inspection", "LiveSession", "MissingConfigError", "MissingInputError",
+    "Motion", "Page", "Plan", "Report", "RetargetWarning", "Robot", "RobotFacts", "RobotFrame",
+    "RunError", "Scene", "SceneBody", "SceneShape", "UsageError", "__version__", "batch", "compare",
+    "convert", "edit", "evaluate", "inspect", "live", "load", "load_motion", "load_scene",
+    "make_plan", "metrics", "picture", "robot_facts", "robots", "solve", "to_robot", "version_text",
+    "view",
 ]

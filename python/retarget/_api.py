@@ -25,8 +25,8 @@ Bounds = float | tuple[float | None, float | None] | list[float | None] | None
 
 
 @with_options("SourceOptions")
-def load(file: StrPath, *, skeleton_only: bool = False, data_dir: StrPath | None = None,
-         **options: Unpack[_options.SourceOptions]) -> _retarget.Clip:
+def load(file: StrPath, *, skeleton_only: bool = False, fps: float | None = None,
+         data_dir: StrPath | None = None, **options: Unpack[_options.SourceOptions]) -> _retarget.Clip:
     """Reads a motion file; the content determines the format: BVH, or an NPZ of SMPL or SMPL-X.
 
     With `from_robot`, reads a robot motion as a human clip (docs/robot_to_robot.md).
@@ -34,13 +34,17 @@ def load(file: StrPath, *, skeleton_only: bool = False, data_dir: StrPath | None
     Args:
         file: path of the file; "-" reads standard input.
         skeleton_only: accept a file with a skeleton but no motion.
+        fps: frames per second of the file, in place of its own; `source_fps` is an alias.
         data_dir: folder with robots/ and configs/, for `from_robot`.
 
     Raises:
-        InputError: errors in the file, with line and column.
+        InputError: errors in the file, with line and column; FileNotFoundError as well if there is
+            no such file.
         ConfigError: an unknown robot.
     """
-    return _retarget.load(file, dict(options), skeleton_only, data_dir)
+    given: dict[str, Any] = dict(options)
+    _take_rate(given, fps)
+    return _retarget.load(file, given, skeleton_only, data_dir)
 
 
 @with_options("SolvingOptions", "RobotOptions", "SourceOptions")
@@ -67,25 +71,53 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
         InputError: no human in the clip, a part outside the clip, a missing bone.
         ConfigError: an unknown robot, errors in option files.
     """
-    given: dict[str, Any] = dict(options)
-    source = _taken(given, names_of("SourceOptions") - names_of("SolvingOptions"))
-    of_robot = _taken(given, names_of("RobotOptions"))
-    if not isinstance(clip, _retarget.Clip):
-        source["memory"] = given.get("memory")
-    clip = _clip(clip, source, data_dir)
-    robot = _robot(robot, data_dir, of_robot)
-    return _retarget.to_robot(clip, robot, given, _fit_options(fit), threads, progress)
+    return _retarget.to_robot(*_planned(clip, robot, fit, data_dir, dict(options)), threads,
+                              progress)
+
+
+@with_options("SolvingOptions", "RobotOptions", "SourceOptions")
+def make_plan(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | None = None, *,
+              fit: Mapping[str, Any] | None = None, data_dir: StrPath | None = None,
+              **options: Unpack[_options.ToRobotOptions]) -> _retarget.Plan:
+    """Makes all decisions of to_robot() without solving: `solve(make_plan(...))` is to_robot(...).
+
+    A plan can be read (`summary`, `frame_count`), pickled, and solved in another process.
+
+    Args:
+        clip, robot, fit, data_dir: as for to_robot().
+
+    Raises:
+        UsageError, InputError, ConfigError: as to_robot().
+    """
+    return _retarget.make_plan(*_planned(clip, robot, fit, data_dir, dict(options)))
+
+
+def solve(plan: _retarget.Plan, *, threads: int = 0,
+          progress: Progress | None = None) -> _retarget.Motion:
+    """Solves a plan.
+
+    Args:
+        threads, progress: as for to_robot().
+
+    Raises:
+        InputError: a clip that cannot be resampled, or that lacks a mapped bone.
+        ConfigError: weights that give numbers that are not finite.
+    """
+    if not isinstance(plan, _retarget.Plan):
+        raise ArgumentTypeError(f"plan: expected a Plan, found {type(plan).__name__}")
+    return _retarget.solve(plan, threads, progress)
 
 
 @with_options("ReadingOptions", "RobotOptions")
 def load_motion(file: StrPath, robot: _retarget.Robot | StrPath | None = None, *,
-                data_dir: StrPath | None = None,
+                fps: float | None = None, data_dir: StrPath | None = None,
                 **options: Unpack[_options.LoadMotionOptions]) -> _retarget.Motion:
     """Reads a robot motion (CSV, NPZ, pickle); the content determines the format (docs/formats.md).
 
     Args:
         robot: the robot of the motion, or an argument of Robot() (its options are then allowed;
             `dof` is the variant of the file's columns).
+        fps: frames per second of the file, in place of its own; `source_fps` is an alias.
         data_dir: folder with robots/ and configs/, of a robot that is loaded here.
 
     Raises:
@@ -93,6 +125,7 @@ def load_motion(file: StrPath, robot: _retarget.Robot | StrPath | None = None, *
             the ambiguity.
     """
     given: dict[str, Any] = dict(options)
+    _take_rate(given, fps)
     of_robot = _taken(given, names_of("RobotOptions") - names_of("ReadingOptions"))
     return _retarget.load_motion(file, _robot(robot, data_dir, of_robot), given)
 
@@ -165,6 +198,15 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
                  notes=list(notes))
 
 
+def _take_rate(options: dict[str, Any], fps: float | None) -> None:
+    """Sets the rate of a file from `fps`."""
+    if fps is None:
+        return
+    if options.get("source_fps") is not None:
+        raise UsageError("fps and source_fps are the same option: give one of them")
+    options["source_fps"] = fps
+
+
 def _manifest_lines(file: Path) -> list[dict[str, Any]]:
     """Returns the entries of a manifest and skips truncated lines."""
     if not file.is_file():
@@ -200,6 +242,19 @@ def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any],
 
 def _read_already(options: Mapping[str, Any]) -> UsageError:
     return UsageError(f"{min(options)} is an option of load(), but the clip is already loaded")
+
+
+def _planned(clip: _retarget.Clip | StrPath | None, robot: _retarget.Robot | StrPath | None,
+             fit: Mapping[str, Any] | None, data_dir: StrPath | None,
+             given: dict[str, Any]) -> tuple[_retarget.Clip, _retarget.Robot, dict[str, Any],
+                                             dict[str, Any]]:
+    """Returns clip, robot, options and options of the fit of a plan."""
+    source = _taken(given, names_of("SourceOptions") - names_of("SolvingOptions"))
+    of_robot = _taken(given, names_of("RobotOptions"))
+    if not isinstance(clip, _retarget.Clip):
+        source["memory"] = given.get("memory")
+    clip = _clip(clip, source, data_dir)
+    return clip, _robot(robot, data_dir, of_robot), given, _fit_options(fit)
 
 
 def _fit_options(fit: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -5,8 +5,13 @@ import sys
 from pathlib import Path
 
 PROGRAM = Path(__file__).resolve().parent / "bin" / "retarget"
+# In a build tree, the package is a folder of links, and the program is beside it.
+_BUILT = Path(__file__).parents[2] / "tools" / "retarget" / "retarget"
 
 
 def main() -> None:
     """Becomes the program, with the arguments of this process."""
-    os.execv(PROGRAM, [sys.argv[0], *sys.argv[1:]])
+    for program in (PROGRAM, _BUILT):
+        if program.is_file():
+            os.execv(program, [sys.argv[0], *sys.argv[1:]])
+    sys.exit(f"retarget: the command was not built: there is no {PROGRAM}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 import warnings
 from typing import Any
@@ -59,6 +61,34 @@ class ConfigError(Error, ValueError):
     kind = "config"
 
 
+class _MissingFile(FileNotFoundError):
+    """The attributes of an OSError, for errors about missing files."""
+
+    # OSError would print its number and the name of the file in place of the text.
+    __str__ = Exception.__str__
+
+    def _describe_file(self, file: str) -> None:
+        self.errno = errno.ENOENT
+        self.strerror = os.strerror(errno.ENOENT)
+        self.filename = file
+
+
+class MissingInputError(InputError, _MissingFile):
+    """There is no such motion file or scene."""
+
+    def __init__(self, text: str, message: str = "", file: str = "", *more: Any) -> None:
+        super().__init__(text, message, file, *more)
+        self._describe_file(file)
+
+
+class MissingConfigError(ConfigError, _MissingFile):
+    """There is no such configuration, profile or model."""
+
+    def __init__(self, text: str, message: str = "", file: str = "", *more: Any) -> None:
+        super().__init__(text, message, file, *more)
+        self._describe_file(file)
+
+
 class RunError(Error, RuntimeError):
     """An operation failed: an output could not be written, or clips do not fit at a seam."""
 
@@ -72,6 +102,9 @@ class RetargetWarning(UserWarning):
 _KINDS: dict[str, type[Error]] = {kind.kind: kind
                                   for kind in (UsageError, InputError, ConfigError, RunError)}
 
+_MISSING: dict[type[Error], type[Error]] = {InputError: MissingInputError,
+                                            ConfigError: MissingConfigError}
+
 
 def make_error(kind: str, text: str, message: str, file: str, line: int, column: int,
                details: list[str], hint: str) -> BaseException:
@@ -80,7 +113,11 @@ def make_error(kind: str, text: str, message: str, file: str, line: int, column:
         return KeyboardInterrupt(text)
     if kind == "type":
         return ArgumentTypeError(text)
-    return _KINDS[kind](text, message, file, line, column, tuple(details), hint)
+    chosen = _KINDS[kind]
+    # The library's text is the system's, and it names the file as the user did.
+    if os.strerror(errno.ENOENT) in message and file and not os.path.exists(file):
+        chosen = _MISSING.get(chosen, chosen)
+    return chosen(text, message, file, line, column, tuple(details), hint)
 
 
 def warn(text: str) -> None:

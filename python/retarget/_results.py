@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from dataclasses import dataclass
 from functools import cached_property
@@ -70,9 +71,29 @@ class Report:
     def __str__(self) -> str:
         return self._text
 
+    def _repr_html_(self) -> str:
+        """A table of the gates, for notebooks."""
+        rows = []
+        for gate in self.data["gates"]:
+            value = gate.get("value")
+            bounds = [f"{sign} {gate[key]:g}" for sign, key in (("&ge;", "min"), ("&le;", "max"))
+                      if gate.get(key) is not None]
+            cells = (gate["metric"], "" if value is None else f"{value:.4g}",
+                     _units().get(gate["metric"], ""), " ".join(bounds),
+                     "kept" if gate["passed"] else "<b>missed</b>")
+            rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+        head = "".join(f"<th>{name}</th>" for name in ("figure", "value", "unit", "gate", ""))
+        verdict = "passed" if self.passed else f"{len(self.missed)} gates missed"
+        return (f"<table><caption>{html.escape(self.data['file'])}: {verdict}</caption>"
+                f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>")
+
     def __repr__(self) -> str:
         verdict = "passed" if self.passed else f"{len(self.missed)} gates missed"
         return f"<retarget.Report of {self.data['file']!r}: {verdict}>"
+
+
+def _units() -> dict[str, str]:
+    return {key: html.escape(unit) for key, unit, _ in _retarget.metrics()}
 
 
 class Inspection:

@@ -73,6 +73,16 @@ nb::object array_of_flags(std::vector<std::uint8_t> flags, const std::vector<std
   return array_over(kept->data(), shape, kept, nullptr).attr("view")("bool");
 }
 
+FrameRate rate_of(double fps) {
+  const bool sound = fps >= 0.001 && fps <= 1e6;
+  if (!sound) {
+    raise(usage_failure(
+              fmt::format("fps: expected frames per second, 0.001 to 1000000, found {}", fps))
+              .value());
+  }
+  return frame_rate_from_fps(fps);
+}
+
 GivenArray::GivenArray(nb::handle object, const char* what,
                        const std::vector<std::int64_t>& shape) {
   const nb::module_ numpy = nb::module_::import_("numpy");

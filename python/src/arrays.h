@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "retarget/clip.h"
+
 // numpy arrays over the library's memory, and numbers passed by users.
 
 namespace retarget::python {
@@ -23,6 +25,9 @@ namespace nb = nanobind;
                                   const std::vector<std::size_t>& shape);
 [[nodiscard]] nb::object array_of_flags(std::vector<std::uint8_t> flags,
                                         const std::vector<std::size_t>& shape);
+
+/// Returns the rate for frames per second. Raises UsageError outside 0.001 to 1000000.
+[[nodiscard]] FrameRate rate_of(double fps);
 
 /// Numbers passed by a user: anything that numpy converts to an array of integers or floats.
 class GivenArray {

@@ -127,16 +127,6 @@ nb::list warnings_of(const ClipHandle& clip) {
   return all;
 }
 
-FrameRate rate_of(double fps) {
-  const bool sound = fps >= 0.001 && fps <= 1e6;
-  if (!sound) {
-    raise(usage_failure(
-              fmt::format("fps: expected frames per second, 0.001 to 1000000, found {}", fps))
-              .value());
-  }
-  return frame_rate_from_fps(fps);
-}
-
 ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::object positions,
                        nb::object rotations, bool scalar_first, bool local, double fps,
                        const nb::object& name) {

@@ -62,8 +62,8 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
   return gate;
 }
 
-// Reads gates from an argument. None: the defaults; a dictionary or a file: changes to the
-// defaults; False: no gates.
+}  // namespace
+
 Gates gates_of(const nb::object& given, const std::string& data_folder) {
   if (given.is(nb::handle(Py_False))) return {};
   Gates gates = value_of(default_gates(data_folder));
@@ -75,6 +75,8 @@ Gates gates_of(const nb::object& given, const std::string& data_folder) {
   }
   return gates;
 }
+
+namespace {
 
 Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip, Options options,
                               bool dynamics) {
@@ -142,14 +144,19 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
                    const nb::object& given_gates) {
   const Gates gates = gates_of(given_gates, motion.robot.loaded.data_folder);
   const ClipHandle* source = clip.is_none() ? nullptr : nb::cast<const ClipHandle*>(clip);
-  const bool is_own = motion.solved != nullptr &&
-                      (source == nullptr || motion.made_from.lock() == source->shared() ||
-                       motion.solved->source == source->shared());
+  const bool is_own =
+      motion.solved != nullptr && (source == nullptr || motion.made_from == source->shared() ||
+                                   motion.solved->source == source->shared());
   // For another clip or measurement, options that are not given default to those of the motion.
   Options options = motion.solved ? motion.solved->plan.options : Options{};
   if (motion.solved) options.time.fps = motion.clip->rate().fps();
-  if (is_own) check_kept(options, motion.solved->plan, keywords);
   bool dynamics = false;
+  {
+    // First, so that suggestions for an unknown name include every option.
+    Options scratch = options;
+    apply_keywords(evaluate_table(scratch, dynamics), keywords);
+  }
+  if (is_own) check_kept(options, motion.solved->plan, keywords);
   apply_keywords(evaluate_table(options, dynamics), keywords);
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
     if (is_own) return measure_as_solved(motion, options.solve.limits, dynamics);

@@ -9,6 +9,8 @@
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/plan.h"
 #include "retarget/solve.h"
 
 // Contents of Python objects: const values of the library, shared with the arrays made from them.
@@ -45,20 +47,39 @@ class ClipHandle {
 /// Implementation of retarget.Robot.
 struct RobotHandle {
   LoadedRobot loaded;
+  std::string hash = {};  ///< model_hash() when it was loaded.
 
   [[nodiscard]] const Robot& operator*() const { return *loaded.robot; }
   [[nodiscard]] const Robot* operator->() const { return loaded.robot.get(); }
 };
 
-/// Implementation of retarget.Motion: solved here, or read from a file.
+/// Implementation of retarget.Plan.
+struct PlanHandle {
+  std::shared_ptr<const Plan> plan;
+  RobotHandle robot;
+  std::shared_ptr<const Clip> clip;  ///< As given; that of `plan` is cleaned and scaled.
+};
+
+/// Implementation of retarget.Motion: solved here, read from a file, or made from arrays.
 struct MotionHandle {
-  std::shared_ptr<const Motion> solved;   ///< Null if the motion was read from a file.
+  std::shared_ptr<const Motion> solved;   ///< Null if the motion was not solved here.
   std::shared_ptr<const RobotClip> clip;  ///< Clip of `solved`, if any.
   RobotHandle robot;
-  std::weak_ptr<const Clip> made_from;  ///< Source clip of `solved`.
-  std::string name;                     ///< Name of its file, or of its source clip.
-  std::string summary;                  ///< Human-readable, line by line.
+  std::shared_ptr<const Clip> made_from;  ///< Source clip of `solved`; pickles need it.
+  std::string name;                       ///< Name of its file, or of its source clip.
+  std::string summary;                    ///< Human-readable, line by line.
+  SaveOptions save = {};                  ///< Defaults of save() and tracking().
+  /// Contacts of a motion that was not solved here; empty: unknown.
+  std::optional<FootContacts> contacts = std::nullopt;
+  bool rate_known = true;  ///< False: the rate of a file without one is a default.
 };
+
+/// Contacts of the feet per frame: those of the fit, or those given; empty: unknown.
+[[nodiscard]] std::optional<FootContacts> foot_contacts(const MotionHandle& motion);
+
+/// Hashes the files of a robot's model: the model with its includes, the profile, the models of
+/// variants. Empty if one of them cannot be read any more.
+[[nodiscard]] std::string model_hash(const LoadedRobot& robot);
 
 /// Finds the folder with robots/ and configs/: the given one, $RETARGET_DATA_DIR, or the package's.
 /// Errors: those of find_data_folder.

@@ -175,7 +175,7 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
       // Accept the command line's spelling in the suggestion.
       std::string meant = name;
       std::ranges::replace(meant, '-', '_');
-      refuse_keyword(fmt::format("unknown option \"{}\"{}", name, did_you_mean(meant, names)));
+      raise_type_error(fmt::format("unknown option \"{}\"{}", name, did_you_mean(meant, names)));
     }
     if (!value.is_none()) apply(table[static_cast<std::size_t>(found - names.begin())], value);
   }

@@ -12,8 +12,9 @@ namespace retarget::python {
 
 namespace nb = nanobind;
 
-/// Sets the options that keywords name; None leaves an option unchanged. Raises UsageError for an
-/// unknown name (with the nearest one) and for values of a wrong type or out of range.
+/// Sets the options that keywords name; None leaves an option unchanged. Raises
+/// ArgumentTypeError, a UsageError and TypeError, for an unknown name (with the nearest one) and for
+/// values of a wrong type, and UsageError for values out of range.
 void apply_keywords(const OptionTable& table, const nb::dict& keywords);
 
 /// Returns the keyword of an option, such as `lead_in`; `from_` if the name is a Python keyword.

@@ -19,4 +19,10 @@ NB_MODULE(_retarget, module) {
   bind_edit(module);
   bind_batch(module);
   bind_frame_retargeter(module);
+  bind_motion_arrays(module);
+  bind_scene(module);
+  bind_pages(module);
+  bind_files(module);
+  bind_live(module);
+  bind_pickle(module);
 }

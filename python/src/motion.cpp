@@ -4,7 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -22,10 +22,24 @@ namespace retarget::python {
 
 using namespace nb::literals;
 
+std::optional<FootContacts> foot_contacts(const MotionHandle& motion) {
+  if (!motion.solved) return motion.contacts;
+  if (!motion.solved->fit) return std::nullopt;
+  FootContacts contacts;
+  contacts.planted.resize(4 * static_cast<std::size_t>(motion.clip->frame_count()), 0);
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (const ContactPhase& phase : motion.solved->contacts[end]) {
+      for (int frame = phase.begin; frame < phase.end; ++frame) {
+        contacts.planted[4 * static_cast<std::size_t>(frame) + end] = 1;
+      }
+    }
+  }
+  return contacts;
+}
+
 namespace {
 
 constexpr std::size_t kRoot = 7;  // Values of a configuration before the joints.
-constexpr std::array kContactNames = {"left_heel", "left_toe", "right_heel", "right_toe"};
 
 std::size_t frames_of(const MotionHandle& motion) {
   return static_cast<std::size_t>(motion.clip->frame_count());
@@ -82,21 +96,14 @@ nb::list joints_of_motion(const MotionHandle& motion) {
 }
 
 nb::object contacts(const MotionHandle& motion) {
-  if (!motion.solved || !motion.solved->fit) return nb::none();
-  std::vector<std::uint8_t> flags(4 * frames_of(motion), 0);
-  for (std::size_t end = 0; end < 4; ++end) {
-    for (const ContactPhase& phase : motion.solved->contacts[end]) {
-      for (int frame = phase.begin; frame < phase.end; ++frame) {
-        flags[4 * static_cast<std::size_t>(frame) + end] = 1;
-      }
-    }
-  }
-  return array_of_flags(std::move(flags), {frames_of(motion), 4});
+  std::optional<FootContacts> known = foot_contacts(motion);
+  if (!known) return nb::none();
+  return array_of_flags(std::move(known->planted), {frames_of(motion), 4});
 }
 
 nb::list contact_names() {
   nb::list names;
-  for (const char* name : kContactNames) names.append(name);
+  for (const std::string_view name : kContactNames) names.append(text_of(name));
   return names;
 }
 
@@ -105,14 +112,17 @@ nb::object source(const MotionHandle& motion) {
 }
 
 void save_motion(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {
-  SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
+  SaveOptions how = motion.save;
   apply_keywords(save_table(how), options);
   const std::string path = bytes_of_path(file, "path");
   if (path == "-") raise(usage_failure("path: expected a file, found standard output").value());
-  without_gil([&] {
+  without_gil([&]() -> Result<void> {
     // Save the Motion if there is one: a GLB then shows the human as well.
-    return motion.solved ? retarget::save(*motion.solved, path, how)
-                         : retarget::save(*motion.clip, path, how);
+    if (motion.solved) return retarget::save(*motion.solved, path, how);
+    if (!motion.contacts) return retarget::save(*motion.clip, path, how);
+    Observer silent;
+    const auto written = write_motion(*motion.clip, motion.contacts, path, how, silent);
+    return written ? Result<void>() : failure(written.error());
   });
   for (const MotionFormat format : how.formats) warn(format_losses(*motion.clip, format), path);
 }
@@ -124,7 +134,7 @@ nb::object rows(std::vector<double> numbers, std::size_t frames, std::size_t ite
 }
 
 nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
-  SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
+  SaveOptions how = motion.save;
   how.formats = {MotionFormat::kNpzMjlab};
   apply_keywords(rows_for(OptionUse::kTrack, save_table(how)), options);
   if (how.formats.size() != 1 || format_ending(how.formats.front()) != ".npz") {
@@ -166,8 +176,10 @@ MotionHandle load_motion(const nb::object& file, const RobotHandle& robot,
       std::string(format_name(read.format)) + (read.rate_known ? "" : ", which has no frame rate");
   for (const std::string& note : read.notes) summary += "\n" + note;
   MotionHandle motion{nullptr, std::make_shared<const RobotClip>(std::move(read.clip)),
-                      robot,   {},
+                      robot,   nullptr,
                       path,    std::move(summary)};
+  motion.contacts = std::move(read.contacts);
+  motion.rate_known = read.rate_known;
   // The columns of the file may be those of a variant.
   motion.robot.loaded.robot = motion.clip->shared_robot();
   return motion;
@@ -194,6 +206,12 @@ void bind_motion(nb::module_& module) {
       .def_prop_ro(
           "frame_count", [](const MotionHandle& motion) { return motion.clip->frame_count(); },
           "F.")
+      .def_prop_ro(
+          "duration",
+          [](const MotionHandle& motion) {
+            return motion.clip->rate().time_of(std::max(motion.clip->frame_count() - 1, 0));
+          },
+          "Seconds from the first to the last frame.")
       .def_prop_ro("joint_names", &joints_of_motion, nb::sig("def joint_names(self) -> list[str]"),
                    "N names, in the order of the output columns.")
       .def_prop_ro("qpos", &qpos, nb::sig("def qpos(self) -> numpy.ndarray"),
@@ -212,9 +230,11 @@ void bind_motion(nb::module_& module) {
       .def_prop_ro("joint_positions", &joint_positions,
                    nb::sig("def joint_positions(self) -> numpy.ndarray"),
                    "(F, N) float64: rad; metres for slide joints.")
-      .def_prop_ro("contacts", &contacts, nb::sig("def contacts(self) -> numpy.ndarray | None"),
-                   "(F, 4) bool: contacts of the source's heels and toes, which the fit maintains; "
-                   "columns are contact_names. None: the motion was not fitted.")
+      .def_prop_ro(
+          "contacts", &contacts, nb::sig("def contacts(self) -> numpy.ndarray | None"),
+          "(F, 4) bool: contacts of the source's heels and toes, which the fit maintains; "
+          "columns are contact_names. Those of the file or of from_qpos() otherwise. None: "
+          "unknown.")
       .def_prop_ro(
           "contact_names", [](const MotionHandle&) { return contact_names(); },
           nb::sig("def contact_names(self) -> list[str]"), "Columns of contacts.")
@@ -239,6 +259,15 @@ void bind_motion(nb::module_& module) {
                    "typing.Any]"),
            "The arrays of a tracking NPZ, as float64: joint_pos, joint_vel (T, N), body_pos_w, "
            "body_quat_w (wxyz), body_lin_vel_w, body_ang_vel_w (T, B, 3 or 4), fps and names.")
+      .def_prop_ro(
+          "name", [](const MotionHandle& motion) { return text_of(motion.name); },
+          "Name of the motion in reports: its file, or that of its source.")
+      .def(
+          "_repr_html_",
+          [](nb::handle_t<MotionHandle> motion) {
+            return nb::module_::import_("retarget._view").attr("player_of")(motion);
+          },
+          nb::sig("def _repr_html_(self) -> str"), "A player, for notebooks.")
       .def("__len__", [](const MotionHandle& motion) { return motion.clip->frame_count(); })
       .def("__repr__", &shown_motion);
   module.def("load_motion", &load_motion, "file"_a.none(), "robot"_a, "options"_a);

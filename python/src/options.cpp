@@ -6,7 +6,9 @@
 #include "bindings.h"
 #include "edit_keywords.h"
 #include "evaluate_table.h"
+#include "file_keywords.h"
 #include "keywords.h"
+#include "live_keywords.h"
 #include "raise.h"
 #include "retarget/edit_tables.h"
 #include "retarget/option_table.h"
@@ -37,6 +39,11 @@ nb::dict option_tables() {
   tables["ReadingOptions"] = described(read);
   tables["EvaluateOptions"] = described(evaluate_table(options, dynamics));
   tables["BatchOptions"] = described(batch_keywords(batch));
+  ConvertOptions convert;
+  convert.time.fps = std::nullopt;
+  tables["ConvertOptions"] = described(convert_keywords(convert));
+  LiveKeywords live;
+  tables["LiveOptions"] = described(live_keywords(live));
   EditOptions edit;
   EditSettings own;
   tables["EditOptions"] = described(edit_table(edit));

@@ -35,11 +35,14 @@ RobotHandle load_named(const nb::object& name, const nb::dict& options,
       choice.name = given;
     }
   }
-  RobotHandle robot{without_gil([&]() -> Result<LoadedRobot> {
+  RobotHandle robot = without_gil([&]() -> Result<RobotHandle> {
     auto folder = data_folder_of(data_dir);
     if (!folder) return failure(folder.error());
-    return load_robot(choice, {*folder});
-  })};
+    auto loaded = load_robot(choice, {*folder});
+    if (!loaded) return failure(loaded.error());
+    std::string hash = model_hash(*loaded);
+    return RobotHandle{*std::move(loaded), std::move(hash)};
+  });
   warn(robot.loaded.warnings, robot.loaded.model);
   return robot;
 }
@@ -82,21 +85,51 @@ nb::object zero_configuration(const RobotHandle& robot) {
   return array_of(std::move(qpos), {size});
 }
 
+bool is_batch(const nb::object& qpos) {
+  int axes = 0;
+  return nb::try_cast(nb::module_::import_("numpy").attr("ndim")(qpos), axes) && axes == 2;
+}
+
 nb::tuple forward(const RobotHandle& robot, const nb::object& qpos) {
-  const GivenArray given(qpos, "qpos", {robot->configuration_size()});
-  if (Eigen::Map<const Eigen::Vector4d>(&given.numbers()[3]).norm() < 1e-9) {
-    raise(usage_failure("qpos[3:7]: expected a quaternion, found zero").value());
+  const std::int64_t size = robot->configuration_size();
+  // A ragged list raises in numpy.ndim; GivenArray explains it better.
+  bool batch = false;
+  try {
+    batch = is_batch(qpos);
+  } catch (nb::python_error& error) {
+    if (!error.matches(PyExc_Exception)) throw;
+  }
+  const GivenArray given(qpos, "qpos",
+                         batch ? std::vector<std::int64_t>{-1, size} : std::vector{size});
+  const std::size_t frames = batch ? given.size(0) : 1;
+  const auto width = static_cast<std::size_t>(size);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    if (Eigen::Map<const Eigen::Vector4d>(&given.numbers()[width * frame + 3]).norm() >= 1e-9)
+      continue;
+    raise(usage_failure(fmt::format("qpos[{}3:7]: expected a quaternion, found zero",
+                                    batch ? std::to_string(frame) + ", " : ""))
+              .value());
   }
   const std::size_t bodies = robot->bodies().size();
-  std::vector<Pose> world_from_body(bodies);
-  forward_kinematics(*robot, given.numbers(), world_from_body);
   std::vector<double> positions, rotations;
-  for (const auto& [rotation, position] : world_from_body) {
-    positions.insert(positions.end(), {position.x(), position.y(), position.z()});
-    rotations.insert(rotations.end(), {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+  {
+    const nb::gil_scoped_release released;
+    positions.reserve(3 * bodies * frames);
+    rotations.reserve(4 * bodies * frames);
+    std::vector<Pose> world_from_body(bodies);
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      forward_kinematics(*robot, given.numbers().subspan(width * frame, width), world_from_body);
+      for (const auto& [rotation, position] : world_from_body) {
+        positions.insert(positions.end(), {position.x(), position.y(), position.z()});
+        rotations.insert(rotations.end(), {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+      }
+    }
   }
-  return nb::make_tuple(array_of(std::move(positions), {bodies, 3}),
-                        array_of(std::move(rotations), {bodies, 4}));
+  std::vector<std::size_t> shape = {bodies, 3};
+  if (batch) shape.insert(shape.begin(), frames);
+  nb::object places = array_of(std::move(positions), shape);
+  shape.back() = 4;
+  return nb::make_tuple(places, array_of(std::move(rotations), shape));
 }
 
 nb::list limit_sets(const RobotHandle& robot) {
@@ -104,6 +137,26 @@ nb::list limit_sets(const RobotHandle& robot) {
   for (const LimitSet& set : robot->profile().limit_sets) names.append(name_of(set.name));
   names.append("model");
   return names;
+}
+
+nb::list qpos_names(const RobotHandle& robot) {
+  nb::list names;
+  for (const RobotJoint& joint : robot->joints()) names.append(name_of(joint.name));
+  return names;
+}
+
+nb::list qpos_bodies(const RobotHandle& robot) {
+  nb::list bodies;
+  for (const RobotJoint& joint : robot->joints()) bodies.append(joint.body);
+  return bodies;
+}
+
+nb::list body_parents(const RobotHandle& robot) {
+  nb::list parents;
+  for (std::size_t body = 0; body < robot->bodies().size(); ++body) {
+    parents.append(body == 0 ? -1 : robot->bodies()[body].parent);
+  }
+  return parents;
 }
 
 nb::list variants(const RobotHandle& robot) {
@@ -153,6 +206,13 @@ void bind_robot(nb::module_& module) {
           "body_names", [](const RobotHandle& robot) { return names_of(robot->body_names()); },
           nb::sig("def body_names(self) -> list[str]"),
           "Names of all bodies, the world first, in the order of forward_kinematics.")
+      .def_prop_ro("body_parents", &body_parents, nb::sig("def body_parents(self) -> list[int]"),
+                   "Index of each body's parent; -1: the world itself.")
+      .def_prop_ro("qpos_names", &qpos_names, nb::sig("def qpos_names(self) -> list[str]"),
+                   "Names of all n joints of the model, in the order of columns 7 to 7 + n of "
+                   "Motion.qpos; joint_names may leave some out and have another order.")
+      .def_prop_ro("qpos_bodies", &qpos_bodies, nb::sig("def qpos_bodies(self) -> list[int]"),
+                   "Index of the body that each joint of qpos_names moves.")
       .def("joint_limits", &joint_limits, "limits"_a = nb::none(),
            nb::sig("def joint_limits(self, limits: str | os.PathLike[str] | None = None) -> "
                    "numpy.ndarray"),
@@ -167,7 +227,9 @@ void bind_robot(nb::module_& module) {
            nb::sig("def forward_kinematics(self, qpos: numpy.typing.ArrayLike) -> "
                    "tuple[numpy.ndarray, numpy.ndarray]"),
            "World positions (B, 3), metres, and rotations (B, 4), wxyz, of all bodies.\n\n"
-           "qpos: a configuration, in the format of a row of Motion.qpos.")
+           "qpos: (7 + n,), a configuration like a row of Motion.qpos; or (F, 7 + n), and the "
+           "results are (F, B, 3) and (F, B, 4).\n\n"
+           "Raises UsageError: another shape, numbers that are not finite, a zero quaternion.")
       .def("__repr__", [](const RobotHandle& robot) {
         const std::string& name = robot.loaded.name;
         return fmt::format(

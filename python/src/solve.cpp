@@ -1,5 +1,6 @@
-// to_robot: converts a clip to a robot motion.
+// to_robot, Plan and solve: from a clip to a robot motion.
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
@@ -13,7 +14,6 @@
 #include "raise.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
-#include "retarget/try.h"
 #include "solving_table.h"
 #include "watcher.h"
 
@@ -33,43 +33,76 @@ OptionTable solving_table(Options& options) {
 
 namespace {
 
-struct Solved {
-  std::shared_ptr<const Motion> motion;
-  std::string summary;
-  std::vector<Warning> doubts;
-};
-
-Result<Solved> solve_clip(const Clip& clip, const LoadedRobot& robot, const Options& options,
-                          const SolveControl& control) {
-  RETARGET_TRY_ASSIGN(Plan plan, make_plan(clip, robot, options));
-  Solved solved{nullptr, plan.summary(), plan.doubts()};
-  RETARGET_TRY_ASSIGN(Motion motion, solve(std::move(plan), control));
-  solved.motion = std::make_shared<const Motion>(std::move(motion));
-  return solved;
-}
-
-MotionHandle to_robot(const ClipHandle& clip, const RobotHandle& robot, const nb::dict& keywords,
-                      const nb::dict& fit, int threads, const nb::object& progress) {
+Options options_of(const nb::dict& keywords, const nb::dict& fit) {
   Options options;
   apply_keywords(solving_table(options), keywords);
   apply_keywords(fit_table(options.solve.fit), fit);
   for (const auto& [name, value] : fit) {
     if (!value.is_none()) options.solve.fit_given.push_back(nb::cast<std::string>(name));
   }
+  return options;
+}
+
+// Solves a plan, which is moved in; its clip is released after resampling.
+MotionHandle solve_watched(Plan plan, const RobotHandle& robot, std::shared_ptr<const Clip> clip,
+                           int threads, const nb::object& progress) {
   if (threads < 0) raise(usage_failure("threads: expected 0 or more").value());
   Watcher watcher(progress);
   SolveControl control;
   control.threads = threads;
   control.keep_going = [&](const Progress& now) { return watcher.keep_going(now); };
+  const std::string summary = spell_options(plan.summary());
+  const std::vector<Warning> doubts = plan.doubts();
   auto solved = [&] {
     const nb::gil_scoped_release released;
-    return solve_clip(*clip, robot.loaded, options, control);
+    return solve(std::move(plan), control);
   }();
   watcher.rethrow();
-  auto [motion, summary, doubts] = value_of(std::move(solved));
+  const auto motion = std::make_shared<const Motion>(value_of(std::move(solved)));
   warn(doubts, clip->name());
   const std::shared_ptr<const RobotClip> result(motion, &motion->clip);
-  return {motion, result, robot, clip.shared(), clip->name(), spell_options(summary)};
+  const std::string name = clip->name();
+  return {motion, result, robot, std::move(clip), name, summary, motion->plan.options.save};
+}
+
+MotionHandle to_robot(const ClipHandle& clip, const RobotHandle& robot, const nb::dict& keywords,
+                      const nb::dict& fit, int threads, const nb::object& progress) {
+  const Options options = options_of(keywords, fit);
+  Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, options); });
+  return solve_watched(std::move(plan), robot, clip.shared(), threads, progress);
+}
+
+PlanHandle plan_for(const ClipHandle& clip, const RobotHandle& robot, const nb::dict& keywords,
+                    const nb::dict& fit) {
+  const Options options = options_of(keywords, fit);
+  Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, options); });
+  return {std::make_shared<const Plan>(std::move(plan)), robot, clip.shared()};
+}
+
+MotionHandle solve_plan(const PlanHandle& plan, int threads, const nb::object& progress) {
+  return solve_watched(*plan.plan, plan.robot, plan.clip, threads, progress);
+}
+
+// The options that differ from their defaults, by keyword, as text.
+nb::dict changed_options(const PlanHandle& plan) {
+  Options options = plan.plan->options;
+  Options usual;
+  const OptionTable table = solving_table(options);
+  const OptionTable defaults = solving_table(usual);
+  nb::dict changed;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::string value = to_text(table[i].get());
+    if (value != to_text(defaults[i].get()))
+      changed[text_of(keyword_of(table[i]))] = text_of(value);
+  }
+  return changed;
+}
+
+std::string shown_plan(const PlanHandle& plan) {
+  return fmt::format("<retarget.Plan of {} for {}: {} frames at {} fps>",
+                     nb::cast<std::string>(nb::repr(text_of(plan.clip->name()))),
+                     nb::cast<std::string>(text_of(plan.robot->name())), plan.plan->frame_count(),
+                     to_text(plan.plan->rate));
 }
 
 }  // namespace
@@ -104,6 +137,39 @@ void Watcher::rethrow() {
 }
 
 void bind_solve(nb::module_& module) {
+  nb::class_<PlanHandle>(module, "Plan",
+                         "All decisions for retargeting a clip to a robot; solve() makes the "
+                         "motion. Immutable; it can be pickled.")
+      .def_prop_ro(
+          "summary", [](const PlanHandle& plan) { return text_of(plan.plan->summary()); },
+          "The decisions, line by line, as the command prints them.")
+      .def_prop_ro(
+          "fps", [](const PlanHandle& plan) { return plan.plan->rate.fps(); },
+          "Frames per second of the motion.")
+      .def_prop_ro(
+          "frame_count", [](const PlanHandle& plan) { return plan.plan->frame_count(); },
+          "Number of frames of the motion.")
+      .def_prop_ro(
+          "part",
+          [](const PlanHandle& plan) {
+            return nb::make_tuple(plan.plan->part.begin, plan.plan->part.end);
+          },
+          nb::sig("def part(self) -> tuple[int, int]"),
+          "Frames [begin, end) of the clip that are used.")
+      .def_prop_ro(
+          "body_height", [](const PlanHandle& plan) { return plan.plan->human.calibration.height; },
+          "Height of the human, metres.")
+      .def_prop_ro("options", &changed_options, nb::sig("def options(self) -> dict[str, str]"),
+                   "Options that differ from their defaults, as text, by keyword.")
+      .def_prop_ro(
+          "clip", [](const PlanHandle& plan) { return ClipHandle(plan.clip); },
+          nb::sig("def clip(self) -> Clip"), "The clip as given.")
+      .def_prop_ro(
+          "robot", [](const PlanHandle& plan) { return plan.robot; },
+          nb::sig("def robot(self) -> Robot"), "The robot.")
+      .def("__repr__", &shown_plan);
+  module.def("make_plan", &plan_for, "clip"_a, "robot"_a, "options"_a, "fit"_a);
+  module.def("solve", &solve_plan, "plan"_a, "threads"_a, "progress"_a.none());
   module.def("to_robot", &to_robot, "clip"_a, "robot"_a, "options"_a, "fit"_a, "threads"_a,
              "progress"_a.none());
 }

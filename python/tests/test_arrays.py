@@ -119,4 +119,48 @@ def test_motions_are_read_again(walked: retarget.Motion, g1: retarget.Robot,
             assert motion.fps == 50.0
         else:
             np.testing.assert_allclose(motion.qpos, walked.qpos, atol=1e-6)
-        assert motion.source is None and motion.contacts is None
+        assert motion.source is None
+        if ending == "npz":  # it stores them, at its own rate
+            assert motion.contacts.shape == (len(motion), 4)
+            nearest = np.minimum(np.rint(np.arange(len(motion)) * 0.6).astype(int), len(walked) - 1)
+            assert (motion.contacts == walked.contacts[nearest]).mean() > 0.99
+        else:
+            assert motion.contacts is None
+
+
+def test_batched_kinematics(walked: retarget.Motion, g1: retarget.Robot) -> None:
+    bodies = len(g1.body_names)
+    positions, rotations = g1.forward_kinematics(walked.qpos[:20])
+    assert positions.shape == (20, bodies, 3) and rotations.shape == (20, bodies, 4)
+    for frame in range(20):
+        one = g1.forward_kinematics(walked.qpos[frame])
+        np.testing.assert_array_equal(positions[frame], one[0])
+        np.testing.assert_array_equal(rotations[frame], one[1])
+    empty = g1.forward_kinematics(walked.qpos[:0])
+    assert empty[0].shape == (0, bodies, 3) and empty[1].shape == (0, bodies, 4)
+    wrong = walked.qpos[:5].copy()
+    wrong[3, 3:7] = 0.0
+    with pytest.raises(retarget.UsageError, match=r"qpos\[3, 3:7\]: expected a quaternion"):
+        g1.forward_kinematics(wrong)
+    with pytest.raises(retarget.UsageError, match=r"expected shape \(n, 36\), found \(5, 35\)"):
+        g1.forward_kinematics(walked.qpos[:5, 1:])
+    for shape in ((2, 3, 36), (36, 1), ()):
+        with pytest.raises(retarget.UsageError, match="expected shape"):
+            g1.forward_kinematics(np.ones(shape))
+
+
+def test_kinematics_are_mujoco_s(walked: retarget.Motion, g1: retarget.Robot) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    try:
+        model = mujoco.MjModel.from_xml_path(g1.model)
+    except ValueError as error:  # older versions refuse bodies without mass
+        pytest.skip(str(error))
+    data = mujoco.MjData(model)
+    positions, rotations = g1.forward_kinematics(walked.qpos[::20])
+    assert [model.body(i).name for i in range(model.nbody)] == g1.body_names
+    for frame, qpos in enumerate(walked.qpos[::20]):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        np.testing.assert_allclose(positions[frame], data.xpos, atol=1e-9)
+        sign = np.sign((rotations[frame] * data.xquat).sum(axis=1, keepdims=True))
+        np.testing.assert_allclose(sign * rotations[frame], data.xquat, atol=1e-9)

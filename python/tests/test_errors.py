@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import pickle
 import warnings
 from pathlib import Path
@@ -122,7 +123,7 @@ def test_errors_travel_between_processes() -> None:
     with pytest.raises(retarget.InputError) as raised:
         retarget.load("nowhere.bvh")
     again = pickle.loads(pickle.dumps(raised.value))
-    assert type(again) is retarget.InputError
+    assert type(again) is type(raised.value) and isinstance(again, retarget.InputError)
     assert str(again) == str(raised.value) and again.file == "nowhere.bvh"
 
 
@@ -212,3 +213,72 @@ def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
 def test_standard_output_is_not_a_file(walked: retarget.Motion) -> None:
     with pytest.raises(retarget.UsageError, match="path: expected a file"):
         walked.save("-", format="csv")
+
+
+def test_a_missing_file_is_python_s_error_too(walk: retarget.Clip, g1: retarget.Robot,
+                                              tmp_path: Path) -> None:
+    missing = str(tmp_path / "nowhere.bvh")
+    calls = [
+        (retarget.InputError, lambda: retarget.load(missing)),
+        (retarget.InputError, lambda: retarget.to_robot(missing, g1)),
+        (retarget.InputError, lambda: retarget.load_motion(missing, g1)),
+        (retarget.InputError, lambda: retarget.convert(missing, tmp_path / "x.csv", "g1")),
+        (retarget.ConfigError, lambda: retarget.to_robot(walk, g1, map=missing)),
+        (retarget.ConfigError, lambda: retarget.to_robot(walk, g1, fit_config=missing)),
+        (retarget.ConfigError, lambda: retarget.Robot(robot_xml=missing)),
+    ]
+    for kind, call in calls:
+        with pytest.raises(FileNotFoundError) as raised:
+            call()
+        error = raised.value
+        assert isinstance(error, kind) and isinstance(error, ValueError)
+        assert error.filename == error.file == missing and error.errno == errno.ENOENT
+        # The text is the command's, and not that of an OSError.
+        assert str(error).startswith(missing) and error.message in str(error)
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is type(error) and str(again) == str(error)
+        assert again.filename == missing and again.hint == error.hint
+    # A folder and a name that is not a file are other mistakes.
+    for call in (lambda: retarget.load(tmp_path), lambda: retarget.Robot("g2"),
+                 lambda: retarget.Clip.from_positions(np.zeros((2, 3, 3)), fps=30, name="gone")):
+        with pytest.raises(retarget.Error) as raised_other:
+            call()
+        assert not isinstance(raised_other.value, OSError)
+
+
+def test_an_unknown_keyword_is_a_type_error(data: Path, walk: retarget.Clip, g1: retarget.Robot,
+                                            walked: retarget.Motion, tmp_path: Path) -> None:
+    calls = {
+        "method": lambda: retarget.to_robot(walk, g1, metod="gmr"),
+        "precision": lambda: walked.save(tmp_path / "x.csv", precison=3),
+        "format": lambda: walked.tracking(fromat="npz-mjlab"),
+        "robot_xml": lambda: retarget.Robot(robot_xlm="x.xml"),
+        "lenient": lambda: retarget.load(data / "walk.bvh", leniant=True),
+        "dynamics": lambda: retarget.evaluate(walked, dynamcs=True),
+        "resume": lambda: retarget.batch(data, tmp_path / "out", "g1", resumee=True),
+        "contact_weight": lambda: retarget.to_robot(walk, g1, fit={"contact_wieght": 1.0}),
+        "no_antialias": lambda: retarget.edit.resample(walk, 10, no_antialia=True),
+        "mode": lambda: retarget.live(walk, g1, moode="lag"),
+    }
+    for meant, call in calls.items():
+        with pytest.raises(TypeError, match=f'did you mean "\\w*{meant}"') as raised:
+            call()
+        assert isinstance(raised.value, retarget.UsageError)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_word_for_the_frame_rate(data: Path, walk: retarget.Clip, g1: retarget.Robot,
+                                     walked: retarget.Motion, tmp_path: Path) -> None:
+    assert retarget.load(data / "walk.bvh", fps=60).fps == 60
+    assert retarget.load(data / "walk.bvh", source_fps=60).fps == 60
+    walked.save(tmp_path / "walk.csv")
+    assert retarget.load_motion(tmp_path / "walk.csv", g1, fps=50).fps == 50
+    assert retarget.load_motion(tmp_path / "walk.csv", g1, source_fps=50).fps == 50
+    for call in (lambda: retarget.load(data / "walk.bvh", fps=60, source_fps=60),
+                 lambda: retarget.load_motion(tmp_path / "walk.csv", g1, fps=1, source_fps=1)):
+        with pytest.raises(retarget.UsageError, match="fps and source_fps are the same option"):
+            call()
+    for call in (lambda: retarget.load(data / "walk.bvh", fps="fast"),
+                 lambda: retarget.load(data / "walk.bvh", fps=-1)):
+        with pytest.raises(retarget.UsageError, match="fps: expected"):
+            call()

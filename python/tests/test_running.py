@@ -170,7 +170,7 @@ def test_an_interrupted_batch_goes_on_later(walk: retarget.Clip, tmp_path: Path)
 
 
 LEAKS = """
-    import resource, sys
+    import pickle, resource, sys
     import numpy as np
     import retarget
 
@@ -183,11 +183,16 @@ LEAKS = """
         report = retarget.evaluate(motion)
         made = retarget.Clip.from_arrays(clip.joint_names, clip.parents, clip.positions,
                                          rotations_wxyz=clip.rotations, fps=30)
-        return motion.joint_positions.sum() + made.positions.sum() + len(report.figures)
+        again = pickle.loads(pickle.dumps([clip, robot, motion]))[2]
+        page = retarget.view(again)
+        return (motion.joint_positions.sum() + made.positions.sum() + len(report.figures)
+                + again.qpos.sum() + len(page.html))
 
     def call(number, clip, motion):
         arrays = [motion.qpos, motion.root_rotation_xyzw, motion.joint_positions, clip.positions]
         robot.forward_kinematics(motion.qpos[0])
+        robot.forward_kinematics(motion.qpos[:2])
+        arrays.append(retarget.Motion.from_qpos(motion[2:9].qpos, robot, 30).qpos)
         try:
             retarget.load("nowhere.bvh")
         except retarget.InputError:

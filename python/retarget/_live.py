@@ -1,0 +1,183 @@
+"""Live retargeting: human frames in, robot frames out (docs/live.md)."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from retarget import _retarget
+from retarget._api import StrPath, _clip, _robot, _taken
+from retarget._errors import ArgumentTypeError, RunError, UsageError
+from retarget._signatures import names_of, with_options
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Unpack
+
+    from retarget import _options
+
+
+@dataclass(frozen=True, eq=False)
+class RobotFrame:
+    """A configuration of the robot at a time."""
+
+    index: int
+    """0, 1, 2, ..."""
+    time: float
+    """Seconds on the sender's clock, of the human pose that it shows."""
+    state: str
+    """`following`, `holding` (frames are missing) or `standing` (for long)."""
+    qpos: np.ndarray
+    """(7 + n,) float64: like a row of Motion.qpos; metres, radians, quaternion w x y z."""
+    due: float
+    """Seconds on the caller's clock (`now`) at which the frame is due."""
+
+
+class LiveSession:
+    """One stream; made by live(). Use it in a `with` block and from one thread at a time."""
+
+    def __init__(self, engine: _retarget.LiveSession, source: Iterable[Any] | None,
+                 callback: Callable[[RobotFrame], object] | None) -> None:
+        self._engine = engine
+        self._source = iter(source) if source is not None else None
+        self._callback = callback
+        self._closed = False
+        self._start = clock.monotonic()
+
+    def push(self, rotations_wxyz: ArrayLike, positions: ArrayLike, *, time: float | None = None,
+             now: float | None = None) -> list[RobotFrame]:
+        """Adds a human frame, and returns the robot frames that are due.
+
+        Args:
+            rotations_wxyz: (J, 4) unit quaternions parent_from_joint, like a frame of
+                Clip.local_rotations_wxyz of the calibrating clip.
+            positions: (J, 3) positions in the parents' frames, like a frame of
+                Clip.local_positions; joints with a fixed offset ignore theirs.
+            time: seconds on the sender's clock; None: the time of arrival.
+            now: seconds on a clock of the caller, which must not decrease; None: the time since the
+                session began. Give it to replay a recording faster than it was made.
+
+        Raises:
+            UsageError: another shape, quaternions that are not of unit length.
+            RunError: the session has ended.
+        """
+        if self._closed:
+            raise RunError("the live session has ended")
+        moment = self._now(now)
+        self._engine.push(rotations_wxyz, positions, math.nan if time is None else float(time),
+                          moment)
+        return self._due(moment)
+
+    def pull(self, *, now: float | None = None) -> list[RobotFrame]:
+        """Returns the robot frames that are due, also if no human frame arrived.
+
+        Args:
+            now: as for push().
+        """
+        return self._due(self._now(now))
+
+    def close(self) -> list[RobotFrame]:
+        """Ends the stream and returns the remaining robot frames. A second call returns none."""
+        if self._closed:
+            return []
+        self._closed = True
+        self._engine.finish()
+        return self._due(self._now(None))
+
+    @property
+    def due(self) -> float | None:
+        """When the next robot frame is due, seconds on the caller's clock; None: no human yet."""
+        return self._engine.due()
+
+    @property
+    def state(self) -> str:
+        """`waiting`, `following`, `holding` or `standing`."""
+        return self._engine.state()
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Counters of frames: received, lost, late, robot_frames, held, limited, ..."""
+        return self._engine.statistics()
+
+    @property
+    def robot(self) -> _retarget.Robot:
+        """The robot."""
+        return self._engine.robot()
+
+    def __iter__(self) -> Iterator[RobotFrame]:
+        """Takes human frames from `source` and yields robot frames; at its end, the session ends.
+
+        A human frame is (rotations_wxyz, positions) or (rotations_wxyz, positions, time). With a
+        time, it also is the caller's clock: a recording plays as fast as it is read.
+
+        Raises:
+            UsageError: there is no source, or a frame of it has another form.
+        """
+        if self._source is None:
+            raise UsageError("the session has no source: give live(source=...), or call push()")
+        for frame in self._source:
+            if not isinstance(frame, tuple) or len(frame) not in (2, 3):
+                raise UsageError("source: expected (rotations_wxyz, positions) or "
+                                 "(rotations_wxyz, positions, time)")
+            time = frame[2] if len(frame) == 3 else None
+            yield from self.push(frame[0], frame[1], time=time, now=time)
+        yield from self.close()
+
+    def __enter__(self) -> LiveSession:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if exception[0] is None:
+            self.close()
+        self._closed = True
+
+    def _now(self, now: float | None) -> float:
+        return clock.monotonic() - self._start if now is None else float(now)
+
+    def _due(self, now: float) -> list[RobotFrame]:
+        frames = [RobotFrame(*frame) for frame in self._engine.pull(now)]
+        if self._callback is not None:
+            for frame in frames:
+                self._callback(frame)
+        return frames
+
+
+@with_options("LiveOptions", "RobotOptions", "SourceOptions")
+def live(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | None = None, *,
+         source: Iterable[Any] | None = None,
+         callback: Callable[[RobotFrame], object] | None = None, fps: float = 50.0,
+         data_dir: StrPath | None = None,
+         **options: Unpack[_options.LiveRobotOptions]) -> LiveSession:
+    """Opens a live session: each human frame as it arrives, robot frames at a constant rate.
+
+        with retarget.live("walk.bvh", "unitree_g1", callback=send) as session:
+            for rotations, positions in tracker:
+                session.push(rotations, positions)
+
+    Args:
+        clip: a recording of the performer, such as a T-pose: it gives the skeleton and calibrates
+            the body. A path is allowed, with options of load().
+        robot: a robot, or an argument of Robot() (its options are then allowed).
+        source: human frames for `for frame in session`; see LiveSession.__iter__.
+        callback: called with every RobotFrame, in the calling thread.
+        fps: robot frames per second, 1 to 1000, independent of the rate of the human frames.
+        data_dir: folder with robots/ and configs/.
+
+    Raises:
+        UsageError: options that contradict each other.
+        InputError: no human in the clip.
+        ConfigError: an unknown robot.
+    """
+    if callback is not None and not callable(callback):
+        raise ArgumentTypeError(f"callback: expected a function, found {type(callback).__name__}")
+    given: dict[str, Any] = dict(options)
+    of_source = _taken(given, names_of("SourceOptions") - names_of("LiveOptions"))
+    of_robot = _taken(given, names_of("RobotOptions") - names_of("LiveOptions"))
+    loaded = _clip(clip, of_source, data_dir)
+    engine = _retarget.LiveSession(loaded, _robot(robot, data_dir, of_robot), fps, given)
+    return LiveSession(engine, source, callback)

@@ -1,0 +1,215 @@
+// Files of robot motions, and the robots: convert, compare, robots.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "bindings.h"
+#include "file_keywords.h"
+#include "handles.h"
+#include "keywords.h"
+#include "raise.h"
+#include "retarget/check_options.h"
+#include "retarget/compare.h"
+#include "retarget/file.h"
+#include "retarget/motion_io.h"
+#include "retarget/option_table.h"
+#include "retarget/plan.h"
+#include "retarget/resample.h"
+#include "retarget/rig.h"
+#include "retarget/run.h"
+#include "retarget/try.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+OptionTable convert_keywords(ConvertOptions& options) {
+  OptionTable table = {memory_row(options.memory_gb)};
+  append(table, reading_table(options.reading));
+  append(table, without(rows_for(OptionUse::kConvert, robot_table(options.robot)), {"robot"}));
+  append(table, time_table(options.time));
+  append(table, without(save_table(options.save), {"scene-out"}));
+  return table;
+}
+
+namespace {
+
+// Collects the warnings of a conversion, for Python.
+class ConvertObserver : public Observer {
+ public:
+  void warn(const std::vector<Warning>& warnings, std::string_view file) override {
+    for (const Warning& each : warnings) told.emplace_back(std::string(file), each);
+  }
+  std::vector<std::pair<std::string, Warning>> told;
+};
+
+// Reads a motion of the whole robot, turns it into one of the variant, and resamples it.
+Result<std::vector<WrittenFile>> convert_file(const std::string& input, const std::string& output,
+                                              const std::string& data_folder,
+                                              const ConvertOptions& options,
+                                              ConvertObserver& observer) {
+  RETARGET_TRY(check_robot_choice(options.robot));
+  Run run;
+  run.motion = input;
+  run.robot = options.robot;
+  run.options.save = options.save;
+  run.output = output;
+  RETARGET_TRY(check_outputs(run, false, files_of(run, data_folder), {}));
+  RobotChoice choice = options.robot;
+  choice.variant.clear();
+  RETARGET_TRY_ASSIGN(const LoadedRobot robot,
+                      load_robot(choice, DataFolder{data_folder}, observer, Soles::kAsTheyAre));
+  RETARGET_TRY_ASSIGN(
+      RobotMotion motion,
+      load_recorded_motion(input, robot.robot,
+                           read_motion_options(options.reading, memory_share(options.memory_gb))));
+  report_reading(input, motion, observer);
+  const FrameRate file_rate = motion.clip.rate();
+  RobotClip clip = std::move(motion.clip);
+  if (!options.robot.variant.empty()) {
+    RETARGET_TRY_ASSIGN(auto variant, robot_variant(robot.robot, options.robot.variant));
+    if (const auto lost = lost_joints(clip, *variant)) observer.warn({{0, 0, *lost}}, input);
+    clip = with_robot(clip, std::move(variant));
+  }
+  const TimeOptions& time = options.time;
+  const FrameRate rate = time.fps ? frame_rate_from_fps(*time.fps) : file_rate;
+  RETARGET_TRY(check_need({resampled_frame_count(clip.frame_count(), file_rate, rate), rate,
+                           motion.bytes, input, false},
+                          options.memory_gb, options.save));
+  if (time.fps) {
+    auto resampled = resample_robot(clip, rate, {time.interpolation, !time.no_antialias});
+    if (!resampled) {
+      resampled.error().location.file = input;
+      return failure(resampled.error());
+    }
+    clip = *std::move(resampled);
+  }
+  if (motion.contacts) {
+    motion.contacts = resample_contacts(*motion.contacts, file_rate, rate, clip.frame_count());
+  }
+  return write_motion(clip, motion.contacts, output, options.save, observer);
+}
+
+// Writes a human motion as GLB.
+Result<void> convert_human(const std::string& input, const std::string& output,
+                           const std::string& data_folder, const ConvertOptions& options,
+                           ConvertObserver& observer) {
+  SourceOptions source;
+  source.memory_gb = options.memory_gb;
+  auto read = load_clip(input, source);
+  if (!read) {
+    std::string& hint = read.error().hint;
+    hint += (hint.empty() ? "" : "; ") + std::string("a robot motion needs robot=");
+    return failure(std::move(read).error());
+  }
+  Clip clip = *std::move(read);
+  observer.warn(clip.origin().warnings, clip.name());
+  if (options.time.fps) {
+    RETARGET_TRY_ASSIGN(clip, resample(std::move(clip), frame_rate_from_fps(*options.time.fps),
+                                       {options.time.interpolation, !options.time.no_antialias}));
+  }
+  RETARGET_TRY_ASSIGN(const HumanInClip human, find_human(clip, {}, data_folder));
+  observer.warn(human.doubts(), clip.name());
+  RETARGET_TRY_ASSIGN(const std::string bytes,
+                      format_human_glb(human_in_world(clip, human.calibration),
+                                       std::filesystem::path(output).stem().string()));
+  return write_file(output, bytes);
+}
+
+// Returns the paths of the written files.
+nb::list convert(const nb::object& input, const nb::object& output, const nb::object& robot,
+                 const nb::dict& keywords, const nb::object& data_dir) {
+  ConvertOptions options;
+  options.time.fps = std::nullopt;
+  apply_keywords(convert_keywords(options), keywords);
+  const std::string from = bytes_of_path(input, "input");
+  const std::string to = bytes_of_path(output, "output");
+  if (to == "-") raise(usage_failure("output: expected a file, found standard output").value());
+  if (!robot.is_none()) options.robot.name = bytes_of_path(robot, "robot");
+  const std::string chosen = bytes_of_folder(data_dir);
+  ConvertObserver observer;
+  const auto written = without_gil([&]() -> Result<std::vector<WrittenFile>> {
+    RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
+    const bool no_robot = options.robot.name.empty() && options.robot.model.empty();
+    RETARGET_TRY_ASSIGN(const auto items, plan_outputs(to, options.save));
+    if (no_robot && items.size() == 1 && items.front().format == MotionFormat::kGlb) {
+      RETARGET_TRY(check_written({to}, {from}));
+      RETARGET_TRY(convert_human(from, to, folder, options, observer));
+      return std::vector<WrittenFile>{{items.front(), {}}};
+    }
+    return convert_file(from, to, folder, options, observer);
+  });
+  for (const auto& [file, warning] : observer.told) warn(std::vector{warning}, file);
+  nb::list paths;
+  for (const WrittenFile& file : written) paths.append(path_of(file.item.path));
+  return paths;
+}
+
+MotionTable table_of(const nb::object& motion, const char* what) {
+  const MotionHandle* handle = nullptr;
+  if (nb::try_cast(motion, handle) && handle != nullptr) {
+    MotionTable table = motion_table(*handle->clip);
+    if (handle->rate_known) table.others = {{"fps", {handle->clip->rate().fps()}}};
+    return table;
+  }
+  const std::string path = bytes_of_path(motion, what);
+  return without_gil([&] { return load_motion_table(path, memory_share(0.0)); });
+}
+
+// The arguments of retarget.Comparison. Two motions are compared as such, two paths as plain tables.
+nb::tuple compare(const nb::object& a, const nb::object& b, double tolerance) {
+  if (!(tolerance >= 0.0 && tolerance <= 1e6)) {
+    raise(usage_failure("tolerance: expected a number from 0 to 1000000").value());
+  }
+  std::array<MotionTable, 2> tables = {table_of(a, "a"), table_of(b, "b")};
+  const bool are_motions = nb::isinstance<MotionHandle>(a) && nb::isinstance<MotionHandle>(b);
+  // Rates of motions count only if both are known.
+  if (are_motions && (tables[0].others.empty() || tables[1].others.empty())) {
+    tables[0].others = tables[1].others = {};
+  }
+  const MotionDifference found =
+      without_gil([&] { return compare_motions(tables[0], tables[1], tolerance); });
+  nb::list columns;
+  for (const ColumnDifference& each : found.columns) {
+    columns.append(nb::make_tuple(name_of(each.column), each.largest, each.largest_frame,
+                                  each.first_frame, each.frames_beyond));
+  }
+  return nb::make_tuple(found.agree(), found.largest, found.frames_a, found.frames_b, columns,
+                        texts_of(difference_lines(found)));
+}
+
+nb::str robots_json(const nb::object& data_dir) {
+  const std::string chosen = bytes_of_folder(data_dir);
+  return text_of(without_gil([&]() -> Result<std::string> {
+    RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
+    RETARGET_TRY_ASSIGN(const auto robots, list_robot_sources(folder));
+    return describe_robots(robots, TextForm::kJson);
+  }));
+}
+
+nb::str robot_json(const nb::object& robot, const nb::object& data_dir) {
+  const std::string name = bytes_of_path(robot, "robot");
+  const std::string chosen = bytes_of_folder(data_dir);
+  return text_of(without_gil([&]() -> Result<std::string> {
+    RETARGET_TRY_ASSIGN(const std::string folder, data_folder_of(chosen));
+    RETARGET_TRY_ASSIGN(const RobotSources sources, find_robot_sources(name, folder));
+    return describe_robot(sources, TextForm::kJson);
+  }));
+}
+
+}  // namespace
+
+void bind_files(nb::module_& module) {
+  module.def("convert", &convert, "input"_a.none(), "output"_a.none(), "robot"_a.none(),
+             "options"_a, "data_dir"_a.none());
+  module.def("compare", &compare, "a"_a.none(), "b"_a.none(), "tolerance"_a);
+  module.def("robots_json", &robots_json, "data_dir"_a.none());
+  module.def("robot_json", &robot_json, "robot"_a.none(), "data_dir"_a.none());
+}
+
+}  // namespace retarget::python

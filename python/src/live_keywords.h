@@ -1,0 +1,18 @@
+#pragma once
+
+#include "retarget/live.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+
+namespace retarget::python {
+
+/// Options of live.
+struct LiveKeywords {
+  LiveOptions live;
+  Options run;
+};
+
+/// Returns the options of live except the robot and the rate.
+[[nodiscard]] OptionTable live_keywords(LiveKeywords& options);
+
+}  // namespace retarget::python

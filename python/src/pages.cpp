@@ -1,0 +1,137 @@
+// view: pages that play motions in a browser.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "bindings.h"
+#include "evaluate_table.h"
+#include "handles.h"
+#include "raise.h"
+#include "retarget/measure.h"
+#include "retarget/robot_meshes.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
+#include "retarget/view.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+namespace {
+
+// A motion of a page with everything that PageMotion points to.
+struct ShownMotion {
+  std::string label;
+  RobotClip clip;
+  std::optional<HumanClip> human;
+  QualityReport report;
+  LimitSet limits;
+};
+
+Result<ShownMotion> shown_as_solved(const MotionHandle& motion) {
+  const Motion& solved = *motion.solved;
+  RETARGET_TRY_ASSIGN(QualityReport report, retarget::evaluate(solved, false));
+  return ShownMotion{{},
+                     solved.clip,
+                     to_human(*solved.source, solved.plan.human.calibration),
+                     std::move(report),
+                     solved.plan.limits};
+}
+
+// Shows a motion that was not solved here, next to a clip if there is one.
+Result<ShownMotion> shown_beside(const MotionHandle& motion, const ClipHandle* clip) {
+  ShownMotion shown;
+  shown.clip = *motion.clip;
+  RETARGET_TRY_ASSIGN(shown.limits, load_limits(*motion.robot, motion.robot->limits_for({})));
+  if (clip == nullptr) {
+    shown.report = measure_motion(shown.clip, shown.limits, nullptr).report;
+    return shown;
+  }
+  Options options;
+  options.time.fps = motion.clip->rate().fps();
+  options.solve.limits = motion.robot->limits_for({});
+  RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
+  RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
+  // Bones that the human lacks are measured as well.
+  plan.config = setup.config_for(plan.human);
+  RETARGET_TRY_ASSIGN(MeasuredSource source, measured_source(std::move(plan)));
+  const MotionMeasure measured = measure_motion(shown.clip, shown.limits, &source);
+  shown.report = measured.report;
+  shown.human = measured.has_lead_in && source.human_with_lead_in
+                    ? std::move(source.human_with_lead_in)
+                    : std::optional(std::move(source.human));
+  return shown;
+}
+
+// Returns the HTML of a page. `clips` and `labels` have one entry per motion; a clip may be None.
+nb::str page_html(const nb::list& motions, const nb::list& clips, const nb::list& labels,
+                  const nb::object& gates, const std::string& meshes, const std::string& title) {
+  std::deque<ShownMotion> shown;
+  const MotionHandle* first = nullptr;
+  for (std::size_t i = 0; i < nb::len(motions); ++i) {
+    const auto* motion = nb::cast<const MotionHandle*>(motions[i]);
+    const nb::object given = clips[i];
+    const ClipHandle* clip = given.is_none() ? nullptr : nb::cast<const ClipHandle*>(given);
+    if (first == nullptr) first = motion;
+    shown.push_back(without_gil([&] {
+      return motion->solved && clip == nullptr ? shown_as_solved(*motion)
+                                               : shown_beside(*motion, clip);
+    }));
+    shown.back().label = bytes_of_name(labels[i], "labels");
+    shown.back().report.file = std::filesystem::path(motion->name).filename().string();
+    gates_of(gates, motion->robot.loaded.data_folder).judge(shown.back().report);
+  }
+  if (first == nullptr) raise(usage_failure("view: expected at least one motion").value());
+  const std::string page = without_gil([&]() -> Result<std::string> {
+    RETARGET_TRY_ASSIGN(const RobotMeshes loaded,
+                        load_robot_meshes(*first->robot, first->robot.loaded.model, meshes));
+    std::vector<PageMotion> all;
+    for (const ShownMotion& each : shown) {
+      all.push_back({each.label,
+                     &each.clip,
+                     each.human ? &*each.human : nullptr,
+                     &each.report,
+                     &each.limits,
+                     {},
+                     &loaded});
+    }
+    PageOptions options;
+    options.title = title;
+    return view_page(all, options);
+  });
+  return text_of(page);
+}
+
+// Returns a strip of poses, as SVG or PNG.
+nb::bytes strip_bytes(const MotionHandle& motion, int poses, bool svg, const std::string& title) {
+  if (poses < 1 || poses > 100) {
+    raise(usage_failure("poses: expected 1 to 100, found " + std::to_string(poses)).value());
+  }
+  const std::string picture = without_gil([&]() -> Result<std::string> {
+    std::optional<HumanClip> human;
+    if (motion.solved) {
+      human = to_human(*motion.solved->source, motion.solved->plan.human.calibration);
+    }
+    const HumanClip* source = human ? &*human : nullptr;
+    if (svg) return draw_strip(*motion.clip, source, {poses, title});
+    StripPictureOptions options;
+    options.poses = poses;
+    return draw_strip_picture(*motion.clip, source, options);
+  });
+  return nb::bytes(picture.data(), picture.size());
+}
+
+}  // namespace
+
+void bind_pages(nb::module_& module) {
+  module.def("page_html", &page_html, "motions"_a, "clips"_a, "labels"_a, "gates"_a.none(),
+             "meshes"_a, "title"_a);
+  module.def("strip_bytes", &strip_bytes, "motion"_a, "poses"_a, "svg"_a, "title"_a);
+}
+
+}  // namespace retarget::python
