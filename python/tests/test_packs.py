@@ -1,4 +1,4 @@
-"""Data sets in the formats of other libraries, loaded by these libraries where they are installed."""
+"""Data sets in the formats of other libraries, loaded by these libraries if they are installed."""
 
 from __future__ import annotations
 
@@ -110,7 +110,8 @@ def test_a_killed_writer_leaves_no_data_set(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("clips, message", [
-    ([("b", "x.csv"), ("a", "x.csv")], "ascending"), ([("a", "x.csv"), ("a", "x.csv")], "ascending"),
+    ([("b", "x.csv"), ("a", "x.csv")], "ascending"),
+    ([("a", "x.csv"), ("a", "x.csv")], "ascending"),
     ([("../a", "x.csv")], "names such as"), ([("/a", "x.csv")], "names such as"),
     ([(1, "x.csv")], "names such as"),
     ({"a.b": "x.csv", "a_b": "x.csv"}, "same key"),

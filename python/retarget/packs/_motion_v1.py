@@ -36,7 +36,7 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
 
     Values are float32, in metres and radians; quaternions are w x y z (world_from_link), and the
     world frame has z up (`coord_frame` is "world_z_up"). The groups of hands, objects, contacts and
-    source are empty: a motion has none. Readers of earlier revisions of the layout demand an object.
+    source are empty: a motion has none. Earlier revisions of NVIDIA's reader require an object.
 
     Args:
         clips: motions by name. "/" in a name becomes "__" in `sequence_id`.

@@ -30,9 +30,9 @@ def arrow() -> ModuleType:
 
 
 def rows_of(values: np.ndarray) -> pa.Array:
-    """Returns (F,) values as F numbers, (F, N) as F lists of N, (F, M, N) as F lists of M lists of N.
+    """Returns (F,), (F, N) or (F, M, N) values as F numbers, lists, or lists of lists.
 
-    Only the innermost lists have a fixed size in the type, except for (F, N).
+    The innermost lists have a fixed size.
     """
     pa = arrow()
     if values.ndim == 1:
