@@ -5,7 +5,7 @@ if(TARGET retarget_cli)
   set(tool $<TARGET_FILE:retarget_cli>)
 endif()
 set(environment "PYTHONDONTWRITEBYTECODE=1" "RETARGET_TOOL=${tool}"
-  "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${pinned_tools}")
+  "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${pinned_tools}:${PROJECT_SOURCE_DIR}/build/deps/data_sets")
 include(${PROJECT_SOURCE_DIR}/cmake/SanitizerRuntime.cmake)
 sanitizer_runtime(runtime)
 if(runtime MATCHES "NOTFOUND$")

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import retarget
+from optional import need
 from retarget.data_set.inputs import ClipSource, find_clips, place
 
 CLIPS = ["squat.bvh", "sub/turn_in_place.bvh", "sub/wave.bvh"]
@@ -80,7 +81,7 @@ def test_tars(folder: Path, tar: Path, tmp_path: Path) -> None:
 
 
 def test_urls(folder: Path, tar: Path, tmp_path: Path) -> None:
-    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    need("fsspec")
     for url in (f"file://{folder}", f"file://{folder}/**/*.bvh", f"file://{tar}"):
         clips = find_clips(url)
         # A pattern of fsspec does not hide names that begin with a dot.
@@ -117,7 +118,7 @@ class Runs:
     """Runs data sets in this process."""
 
     def __init__(self, inputs: Path, out: Path) -> None:
-        pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+        need("pyarrow")
         self.inputs, self.out = inputs, out
 
     def progress(self, *, robot: str = "unitree_g1", retry_failed: bool = False, **options):
@@ -194,35 +195,40 @@ def test_clips_in_a_killed_run_are_counted(runs: Runs) -> None:
     assert runs(retry_failed=True) == ["squat.bvh"]
 
 
-def children(process: int) -> list[int]:
-    found = []
+def children(process: int) -> dict[int, bytes]:
+    """Returns the command lines of the children of a process by their ids."""
+    found = {}
     for task in Path(f"/proc/{process}/task").glob("*/children"):
         try:
-            found += map(int, task.read_text().split())
+            for child in map(int, task.read_text().split()):
+                found[child] = Path(f"/proc/{child}/cmdline").read_bytes()
         except OSError:
-            pass
+            continue
     return found
 
 
 def kill_first(find, done: threading.Event) -> None:
-    """Kills the first process that find() returns."""
-    while not done.is_set():
+    """Kills the first process that find() returns, a moment after it began."""
+    while not done.wait(0.002):
         for process in find():
-            os.kill(process, signal.SIGKILL)
+            time.sleep(0.1)
+            try:
+                os.kill(process, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
             return
-        time.sleep(0.002)
 
 
 @pytest.mark.parametrize("which", ["the solving process", "its worker"])
 def test_a_killed_process_loses_only_tries(which: str, runs: Runs, folder: Path) -> None:
     from retarget.data_set.manifest import manifest_rows
 
-    long = retarget.edit.loop(retarget.load(folder / "squat.bvh"), times=10)
+    long = retarget.edit.loop(retarget.load(folder / "squat.bvh"), times=20)
     long.save(folder / "squat.bvh")
 
     def find() -> list[int]:
-        workers = [child for child in children(os.getpid())
-                   if b"data_set.isolated" in Path(f"/proc/{child}/cmdline").read_bytes()]
+        workers = [child for child, command in children(os.getpid()).items()
+                   if b"data_set.isolated" in command]
         if which == "its worker":
             return [worker for child in workers for worker in children(child)]
         return workers

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import retarget
+from optional import need
 from retarget import packs
 
 Clips = dict[str, retarget.Motion]
@@ -52,7 +53,7 @@ def hashes(folder: Path) -> dict[str, str]:
 
 def writer(kind: str):
     if kind != "webdataset":
-        pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+        need("pyarrow")
     return getattr(packs, f"write_{kind}")
 
 
@@ -128,7 +129,7 @@ def test_bad_names(clips, message: str, tmp_path: Path) -> None:
 
 
 def test_motions_must_agree(clips: Clips, files: dict[str, Path], tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    need("pyarrow")
     motion = clips["walk_0"]
     with pytest.raises(retarget.UsageError, match="50 frames per second, expected 30"):
         packs.write_lerobot({"a": motion, "b": retarget.to_robot(motion.source, motion.robot,
@@ -166,7 +167,7 @@ def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def lerobot_set(clips: Clips, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    need("pyarrow")
     return packs.write_lerobot(clips, tmp_path_factory.mktemp("lerobot") / "set", contacts=True,
                                task=lambda name: "wave" if "wave" in name else "move",
                                max_bytes=40_000, max_clips=2)
@@ -221,7 +222,7 @@ def test_statistics_of_lerobot(lerobot_set: Path, clips: Clips) -> None:
 
 def test_files_and_motions_give_the_same_state(clips: Clips, files: dict[str, Path],
                                                tmp_path: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    parquet = need("pyarrow.parquet")
     packs.write_lerobot(clips, tmp_path / "of_motions")
     packs.write_lerobot(files, tmp_path / "of_files", robot="unitree_g1")
     of_motions, of_files = (
@@ -234,8 +235,8 @@ def test_lerobot_loads_it(lerobot_set: Path, clips: Clips,
                           monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HF_HUB_OFFLINE", "1")
     monkeypatch.setenv("HF_HOME", str(tmp_path))
-    datasets = pytest.importorskip("lerobot.datasets.lerobot_dataset",
-                                   reason="lerobot is not installed", exc_type=ImportError)
+    # It needs torch, which is too large for the tests' dependencies.
+    datasets = need("lerobot.datasets.lerobot_dataset", installed_by_setup=False)
     whole = datasets.LeRobotDataset("local/motions", root=lerobot_set)
     assert (whole.num_episodes, whole.fps) == (9, 30)
     assert len(whole) == sum(map(len, clips.values()))
@@ -251,7 +252,7 @@ def test_lerobot_loads_it(lerobot_set: Path, clips: Clips,
 
 
 def test_schema_of_motion_v1(clips: Clips, g1: retarget.Robot, tmp_path: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    parquet = need("pyarrow.parquet")
     packs.write_motion_v1(clips, tmp_path / "set", max_clips=4, source_dataset="samples")
     parts = sorted((tmp_path / "set").iterdir())
     assert [part.name for part in parts] == ["part-000000", "part-000001", "part-000002"]
@@ -283,7 +284,7 @@ def test_schema_of_motion_v1(clips: Clips, g1: retarget.Robot, tmp_path: Path) -
 
 
 def test_webdataset_loads_the_same_bytes(files: dict[str, Path], tmp_path: Path) -> None:
-    webdataset = pytest.importorskip("webdataset", reason="webdataset is not installed")
+    webdataset = need("webdataset")
     sizes = sorted(file.stat().st_size for file in files.values())
     bound = 3 * sizes[-1]
     shards = packs.write_webdataset(files, tmp_path / "set", max_bytes=bound,

@@ -14,10 +14,8 @@ from pathlib import Path
 import pytest
 
 import retarget
+from optional import need
 
-ray = pytest.importorskip("ray", reason="ray is not installed (tools/setup.sh --python)")
-pytest.importorskip("pyarrow", reason="pyarrow is not installed (tools/setup.sh --python)")
-pytest.importorskip("retarget.ray")
 pytestmark = pytest.mark.skipif("LD_PRELOAD" in os.environ,
                                 reason="Ray's own processes do not start with a sanitizer")
 
@@ -34,6 +32,8 @@ retarget.ray.retarget_dataset(sys.argv[1], sys.argv[2], "unitree_g1", clips_per_
 
 @pytest.fixture(scope="module", autouse=True)
 def cluster():
+    ray = need("ray")
+    need("pyarrow")
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False,
              object_store_memory=80 * 2**20)
@@ -72,7 +72,9 @@ def motions(folder: Path) -> dict[str, bytes]:
 
 
 def run(clips: Path | str, out: Path, **arguments):
-    return retarget.ray.retarget_dataset(clips, out, "unitree_g1", clips_per_task=5, **arguments)
+    from retarget.ray import retarget_dataset
+
+    return retarget_dataset(clips, out, **{"robot": "unitree_g1", "clips_per_task": 5, **arguments})
 
 
 def statuses(out: Path) -> dict[str, tuple[str, int]]:
@@ -102,7 +104,7 @@ class Killer(threading.Thread):
         except FileNotFoundError:
             return
         poison = POISON in about["clips"]
-        if file not in self.killed and (poison or len(self.killed) < 3):
+        if file not in self.killed and (poison or len(self.killed) < 2):
             self.killed.add(file)
             self.with_poison += poison
             time.sleep(0.15)  # The worker's process has begun to solve.
@@ -119,7 +121,7 @@ def test_killed_workers_change_no_byte(clips: Path, undisturbed: dict[str, bytes
     finally:
         killer.done.set()
         killer.join()
-    assert len(killer.killed) >= 3 and killer.with_poison == 3
+    assert len(killer.killed) >= 4 and killer.with_poison == 3, killer.killed
     assert (made.clips, made.done, made.failed, made.kept) == (CLIPS, CLIPS - 1, 1, 0)
     found = statuses(out)
     assert found.pop(POISON) == ("failed", 3)
@@ -191,7 +193,7 @@ def test_errors(clips: Path, tmp_path: Path) -> None:
     with pytest.raises(retarget.UsageError, match="nosuch"):
         run(clips, tmp_path / "out", nosuch=2)
     with pytest.raises(retarget.ConfigError):
-        retarget.ray.retarget_dataset(clips, tmp_path / "out", "nosuch")
+        run(clips, tmp_path / "out", robot="nosuch")
     from retarget.data_set.run import locked
 
     with locked(tmp_path / "out"), pytest.raises(retarget.RunError, match="another process"):
