@@ -350,7 +350,8 @@ install_data_set_libraries() {
   [ -e "$folder/.python-$version" ] && cmp -s "$pinned" "$folder/.pinned" && return 0
   make_fetch_folder
   say "fetching Ray and readers of data sets (tools/data_sets.txt) into build/deps/data_sets"
-  if ! pip_fetch "$chosen_python" "$fetch_folder/data_sets" "$pinned" || ! [ -d "$fetch_folder/data_sets" ]; then
+  # Compiled: every worker of Ray imports it, and tests write no bytecode.
+  if ! pip_fetch "$chosen_python" "$fetch_folder/data_sets" "$pinned" --compile || ! [ -d "$fetch_folder/data_sets" ]; then
     say "cannot fetch them: tests of data sets are skipped"
     return 0
   fi

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,23 +22,26 @@ pytestmark = pytest.mark.skipif("LD_PRELOAD" in os.environ,
 
 CLIPS = 60
 POISON = "c1/walk_030.bvh"
-# Outside of this process: Ray stops its processes when the driver ends.
+# A driver outside of this process. Ray stops its tasks when it ends.
 DRIVER = """
-import sys, ray, retarget.ray, retarget.data_set.manifest as manifest
+import sys, retarget.ray, retarget.data_set.manifest as manifest
 manifest._SECONDS = 0.2
-ray.init(num_cpus=2, include_dashboard=False, object_store_memory=80 * 2**20)
-retarget.ray.retarget_dataset(sys.argv[1], sys.argv[2], "unitree_g1", clips_per_task=4)
+retarget.ray.retarget_dataset(sys.argv[1], sys.argv[2], "unitree_g1", address=sys.argv[3],
+                              clips_per_task=5)
 """
 
 
 @pytest.fixture(scope="module", autouse=True)
-def cluster():
+def cluster() -> Iterator[str]:
+    """Starts Ray; yields its address."""
     ray = need("ray")
     need("pyarrow")
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+    # The default is too short for a busy machine.
+    os.environ["RAY_raylet_start_wait_time_s"] = "120"
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False,
              object_store_memory=80 * 2**20)
-    yield
+    yield ray.get_runtime_context().gcs_address
     ray.shutdown()
 
 
@@ -158,12 +162,13 @@ def processes_with(text: str) -> list[str]:
     return found
 
 
-def test_a_killed_driver_is_continued(clips: Path, undisturbed: dict[str, bytes],
+def test_a_killed_driver_is_continued(clips: Path, undisturbed: dict[str, bytes], cluster: str,
                                       tmp_path: Path) -> None:
     out = tmp_path / "out"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    with subprocess.Popen([sys.executable, "-c", DRIVER, clips, out], env=environment,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as driver:
+    command = [sys.executable, "-c", DRIVER, clips, out, cluster]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL) as driver:
         deadline = time.monotonic() + 60
         while len(list((out / "manifest").glob("*"))) < 2:
             assert driver.poll() is None and time.monotonic() < deadline
