@@ -161,6 +161,15 @@ def test_passed_motions_of_a_batch(data: Path, tmp_path: Path) -> None:
     with pytest.raises(retarget.InputError, match="passed.txt"):
         packs.clips_of(tmp_path / "in")
 
+    from retarget.packs.__main__ import main
+
+    words = ["webdataset", str(tmp_path / "out"), str(tmp_path / "again"), "--ending", ".mjlab.npz"]
+    assert main(words) == 0
+    assert hashes(tmp_path / "again") == hashes(tmp_path / "set")
+    assert main(words) == 1 and main([*words, "--replace"]) == 0
+    with pytest.raises(SystemExit):
+        main([*words, "--robot", "g1"])
+
 
 # --- LeRobot ---
 
@@ -229,6 +238,8 @@ def test_files_and_motions_give_the_same_state(clips: Clips, files: dict[str, Pa
         np.array(parquet.read_table(tmp_path / name / "data")["observation.state"].to_pylist())
         for name in ("of_motions", "of_files"))
     assert np.abs(of_motions - of_files).max() < 1e-6
+    packs.write_lerobot(files, tmp_path / "faster", robot="unitree_g1", fps=60)
+    assert json.loads((tmp_path / "faster/meta/info.json").read_text())["fps"] == 60
 
 
 def test_lerobot_loads_it(lerobot_set: Path, clips: Clips,

@@ -85,13 +85,14 @@ def is_name(name: str) -> bool:
 
 
 class MotionReader:
-    """Reads motions of one robot at one frame rate."""
+    """Reads motions of one robot at one frame rate, `fps`, which is also that of CSVs."""
 
     def __init__(self, robot: _retarget.Robot | StrPath | None, fps: float | None) -> None:
         if robot is not None and not isinstance(robot, _retarget.Robot):
             robot = _retarget.Robot(robot)
         self.robot = robot
         self.fps = fps
+        self._csv_fps = fps
         self.joint_names: list[str] | None = None
         self.contact_names: list[str] = []
 
@@ -116,7 +117,9 @@ class MotionReader:
                                     f"{type(source).__name__}")
         if self.robot is None:
             raise UsageError("robot: needed to read motion files")
-        return retarget.load_motion(source, self.robot)
+        # Other files have their own rate, which this option would override.
+        rate = self._csv_fps if os.fspath(source).lower().endswith(".csv") else None
+        return retarget.load_motion(source, self.robot, source_fps=rate)
 
     def _check(self, name: str, motion: _retarget.Motion) -> None:
         if self.joint_names is None:

@@ -71,8 +71,8 @@ def write_lerobot(clips: Clips, folder: StrPath, *,
         clips: motions by name; the name is the column `clip` of the episodes.
         folder: new folder of the data set.
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
-        fps: frames per second that all motions must have; None: those of the first motion.
-            A CSV counts as 30.
+        fps: frames per second that all motions must have, and rate of CSVs, which have none;
+            None: the rate of the first motion, and 30 for CSVs.
         task: the text of all episodes, or a function of the clip's name.
         contacts: also write contacts; every motion must have them.
         max_bytes: largest size of a data file before compression, in bytes; a larger clip has its

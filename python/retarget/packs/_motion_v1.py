@@ -42,7 +42,8 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
         clips: motions by name. "/" in a name becomes "__" in `sequence_id`.
         folder: new folder; the files of each `max_clips` clips are in part-000000, part-000001, ...
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
-        fps: frames per second that all motions must have; None: those of the first motion.
+        fps: frames per second that all motions must have, and rate of CSVs, which have none;
+            None: the rate of the first motion, and 30 for CSVs.
         end_effectors: names of E bodies for `ee_pose_w` (F, E, 7); None: left_wrist_yaw_link and
             right_wrist_yaw_link, if the robot has them.
         robot_name: value of `robot_name`; None: the robot's name.
