@@ -30,7 +30,8 @@ def schema() -> pa.Schema:
     times it was begun. location, offset, input_bytes, input_version: members of ClipSource.
     options: hash of everything that determines the bytes. outputs: files below the output folder.
     frames, fps (1/s), seconds (solving time), taken_as, mapping, warnings, figures, gates_missed,
-    signature: as in manifest.jsonl (docs/batch.md). message, exit_code: the error of the clip.
+    worst, worst_ratio, signature: as in manifest.jsonl (docs/batch.md). message, exit_code: the
+    error of the clip.
     """
     pa = arrow()
     text, whole, real = pa.string(), pa.int64(), pa.float64()
@@ -41,7 +42,8 @@ def schema() -> pa.Schema:
         ("robot", text), ("outputs", pa.list_(output)), ("frames", whole), ("fps", real),
         ("seconds", real), ("message", text), ("exit_code", pa.int32()), ("taken_as", text),
         ("mapping", text), ("warnings", pa.list_(text)), ("figures", pa.map_(text, real)),
-        ("gates_missed", pa.list_(text)), ("signature", text)])
+        ("gates_missed", pa.list_(text)), ("worst", text), ("worst_ratio", real),
+        ("signature", text)])
 
 
 def manifest_parts(folder: str | os.PathLike[str]) -> list[Path]:

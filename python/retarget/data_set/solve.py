@@ -154,6 +154,7 @@ def _fill(row: dict[str, Any], line: dict[str, Any]) -> None:
     quality = line.get("quality") or {}
     row["figures"] = list((quality.get("figures") or {}).items())
     row["gates_missed"] = quality.get("gates_missed") or []
+    row["worst"], row["worst_ratio"] = quality.get("worst"), quality.get("worst_ratio")
 
 
 def _publish(source: Path, output: Path, file: str) -> None:
