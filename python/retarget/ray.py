@@ -23,7 +23,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
 
-from retarget._errors import ConfigError, UsageError
+from retarget._errors import ConfigError, RunError, UsageError
 from retarget.data_set.inputs import StrPath, find_clips
 from retarget.data_set.manifest import read_manifest
 from retarget.data_set.pack import pack_passed
@@ -86,7 +86,8 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
         tasks_in_flight: tasks given to Ray at a time; None: four per processor of the cluster. An
             autoscaling cluster grows with it.
         storage_options: options of fsspec for URLs.
-        options: options of retarget.batch() that concern single clips: format, fps, quality, ...
+        options: options of retarget.batch() that concern single clips: format, fps, quality, ...;
+            files that they name need the same absolute path on all machines.
 
     Raises:
         UsageError: an option of whole batches, two clips with one output, a wrong value.
@@ -159,6 +160,8 @@ def _result(ray: ModuleType, progress: Progress, reference: Any, task: Task,
         rows = ray.get(reference)
     except ray.exceptions.RayTaskError as error:
         # The task itself raised: the request is wrong, or the folder cannot be written.
+        if isinstance(error.cause, OSError):
+            raise RunError(f"{progress.folder}: {error.cause}") from error
         raise error.cause if isinstance(error.cause, Exception) else error
     except ray.exceptions.RayError:
         shutil.rmtree(progress.folder / WORK / work, ignore_errors=True)

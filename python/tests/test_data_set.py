@@ -247,6 +247,23 @@ def test_a_killed_process_loses_only_tries(which: str, runs: Runs, folder: Path)
     assert any(row["status"] == "lost" for row in rows)
 
 
+def test_files_without_motion_fail(runs: Runs, folder: Path) -> None:
+    import numpy as np
+
+    from retarget.data_set.manifest import read_manifest
+
+    np.savez(folder / "numbers.npz", numbers=np.zeros(3))
+    (folder / "text.npy").write_text("none")
+    assert sorted(runs()) == ["numbers.npz", *CLIPS, "text.npy"]
+    for name in CLIPS:
+        (folder / name).unlink()
+    assert runs(retry_failed=True) == ["numbers.npz", "text.npy"]
+    rows = {row["name"]: row for row in read_manifest(runs.out).to_pylist()}
+    for name in ("numbers.npz", "text.npy"):
+        assert (rows[name]["status"], rows[name]["exit_code"], rows[name]["tries"]) == (
+            "failed", 3, 1), rows[name]["message"]
+
+
 def test_wrong_options_stop_it(runs: Runs) -> None:
     with pytest.raises(retarget.UsageError, match="nosuch"):
         runs(nosuch=1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import json
+import os
 import shutil
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -36,6 +37,9 @@ def fingerprint(robot: str, options: Mapping[str, Any]) -> str:
     content = hashlib.sha256()
     content.update(json.dumps([retarget.version_text(), robot, sorted(options.items())],
                               default=str).encode())
+    for value in (value for _, value in sorted(options.items())):
+        if isinstance(value, (str, os.PathLike)) and os.path.isfile(value):
+            content.update(Path(value).read_bytes())
     for file in sorted(Path(loaded.model).parent.iterdir()):
         if file.suffix in (".xml", ".json", ".urdf"):
             content.update(file.name.encode() + b"\0" + file.read_bytes())

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from retarget._errors import InputError
 from retarget.data_set.inputs import ClipSource, place
 from retarget.data_set.isolated import ERROR
 
@@ -62,7 +63,9 @@ def solve_clips(request: Request, clips: list[tuple[ClipSource, int]],
         for name, message in unreadable.items():
             rows[name].update(status="failed", message=message, exit_code=3)
         if len(unreadable) < len(clips):
-            _run(request, folder)
+            if _run(request, folder):
+                for name in rows.keys() - unreadable.keys():
+                    rows[name].update(status="failed", message="no motion", exit_code=3)
             for line in _lines(folder / "out/manifest.jsonl"):
                 row = rows[line["relative"]]
                 _fill(row, line)
@@ -112,7 +115,13 @@ def _place_all(request: Request, clips: list[tuple[ClipSource, int]],
     return errors
 
 
-def _run(request: Request, folder: Path) -> None:
+def _run(request: Request, folder: Path) -> bool:
+    """Runs a batch; returns whether it came to its end.
+
+    Raises:
+        Error: the request is wrong.
+        RuntimeError: the installation is faulty.
+    """
     arguments = {"inputs": str(folder / "in"), "output": str(folder / "out"),
                  "robots": request.robot, "jobs": 1, **request.options}
     file = folder / "request.pickle"
@@ -122,10 +131,13 @@ def _run(request: Request, folder: Path) -> None:
                              env=environment, stdin=subprocess.DEVNULL, check=False,
                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     if (folder / ERROR).exists():
-        raise pickle.loads((folder / ERROR).read_bytes())
-    # A signal only loses clips. Any other end is a fault of the installation.
-    if process.returncode > 0:
+        error = pickle.loads((folder / ERROR).read_bytes())
+        # None of the files is a motion.
+        if not isinstance(error, InputError):
+            raise error
+    elif process.returncode > 0:
         raise RuntimeError(process.stderr.decode(errors="replace")[-4000:])
+    return process.returncode >= 0
 
 
 def _lines(manifest: Path) -> Iterable[dict[str, Any]]:
