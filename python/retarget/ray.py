@@ -143,6 +143,7 @@ def _run(ray: ModuleType, progress: Progress, tasks: deque[Task],
                 task, work = tasks.popleft(), uuid.uuid4().hex
                 running[remote.remote(request, task, work)] = (task, work)
             ended, _ = ray.wait(list(running), num_returns=1, timeout=1.0)
+            progress.manifest.flush_if_due()
             for reference in ended:
                 task, work = running.pop(reference)
                 tasks.extend(_result(ray, progress, reference, task, work))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from retarget._errors import InputError
 from retarget.packs._parquet import arrow, write_table
+from retarget.packs._parts import UNFINISHED
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -89,19 +90,28 @@ def read_manifest(folder: str | os.PathLike[str],
 
 
 class ManifestWriter:
-    """Appends rows; a part is written when it has enough rows, when it is due, and at the end."""
+    """Appends rows; a part is written when it has enough rows, when it is due, and at the end.
+
+    The caller holds the lock of the folder: a new writer removes the unfinished file of a killed one.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder / FOLDER
         self._schema = schema()
         self._rows: list[dict[str, Any]] = []
         self._written = time.monotonic()
+        for left in self._folder.glob(f".*{UNFINISHED}"):
+            left.unlink(missing_ok=True)
         parts = manifest_parts(folder)
         self._next = int(parts[-1].stem.split("-")[1]) + 1 if parts else 0
 
     def add(self, row: dict[str, Any]) -> None:
         """Keeps a row for the next part."""
         self._rows.append(row)
+        self.flush_if_due()
+
+    def flush_if_due(self) -> None:
+        """Writes the rows that are old or many enough for a part."""
         if len(self._rows) >= _ROWS or time.monotonic() - self._written > _SECONDS:
             self.flush()
 
