@@ -92,7 +92,7 @@ def read_manifest(folder: str | os.PathLike[str],
 class ManifestWriter:
     """Appends rows; a part is written when it has enough rows, when it is due, and at the end.
 
-    The caller holds the lock of the folder: a new writer removes the unfinished file of a killed one.
+    The caller holds the lock of the folder: a writer removes unfinished files of earlier ones.
     """
 
     def __init__(self, folder: Path) -> None:
