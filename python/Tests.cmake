@@ -5,7 +5,7 @@ if(TARGET retarget_cli)
   set(tool $<TARGET_FILE:retarget_cli>)
 endif()
 set(environment "PYTHONDONTWRITEBYTECODE=1" "RETARGET_TOOL=${tool}"
-  "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${pinned_tools}")
+  "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${pinned_tools}:${PROJECT_SOURCE_DIR}/build/deps/data_sets")
 include(${PROJECT_SOURCE_DIR}/cmake/SanitizerRuntime.cmake)
 sanitizer_runtime(runtime)
 if(runtime MATCHES "NOTFOUND$")
@@ -20,4 +20,8 @@ foreach(file IN LISTS python_tests)
   add_test(NAME ${name}
     COMMAND ${Python_EXECUTABLE} -m pytest -q -p no:cacheprovider ${CMAKE_CURRENT_SOURCE_DIR}/tests/${file})
   set_tests_properties(${name} PROPERTIES TIMEOUT 600 ENVIRONMENT "${environment}")
+  # Ray itself occupies both workers of its cluster.
+  if(name STREQUAL "python.ray")
+    set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
+  endif()
 endforeach()

@@ -6,7 +6,8 @@
 #   --dev           also tools for developers: clang, clang-tidy, clang-format, ccache, Google Benchmark
 #   --tool          only the dependencies of the tool, without libraries for tests
 #   --python        also dependencies of the Python module and its tests: Python's headers, and
-#                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt)
+#                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt),
+#                   Ray and readers of data sets in build/deps/data_sets (tools/data_sets.txt)
 #   --package       also the packages that tools/package.sh needs for a .deb
 #   --print-python  install nothing; print the chosen Python
 #   --check         install nothing; list missing packages and exit with 1 if there are any
@@ -342,6 +343,24 @@ install_python_tools() {
   mv -T -- "$fetch_folder/python" "$deps/python"
 }
 
+# Libraries for tests of data sets. Not every system has wheels of them; without them, these tests are skipped.
+install_data_set_libraries() {
+  local pinned=$root/tools/data_sets.txt folder=$root/build/deps/data_sets version
+  version=$("$chosen_python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) || return 0
+  [ -e "$folder/.python-$version" ] && cmp -s "$pinned" "$folder/.pinned" && return 0
+  make_fetch_folder
+  say "fetching Ray and readers of data sets (tools/data_sets.txt) into build/deps/data_sets"
+  # Compiled: every worker of Ray imports it, and tests write no bytecode.
+  if ! pip_fetch "$chosen_python" "$fetch_folder/data_sets" "$pinned" --compile || ! [ -d "$fetch_folder/data_sets" ]; then
+    say "cannot fetch them: tests of data sets are skipped"
+    return 0
+  fi
+  cp "$pinned" "$fetch_folder/data_sets/.pinned"
+  touch "$fetch_folder/data_sets/.python-$version"
+  rm -rf -- "$folder"
+  mv -T -- "$fetch_folder/data_sets" "$folder"
+}
+
 # fetch_wheel PYTHON FOLDER REQUIREMENTS: pip rejects files whose hash is not in the requirements.
 fetch_wheel() {
   pip_fetch "$1" "$2" "$3" --python-version "$kMujocoPython" --ignore-requires-python &&
@@ -459,6 +478,7 @@ main() {
   [ -z "$missing" ] || install_packages "$missing"
   has_mujoco || install_mujoco "$version"
   if $with_python && ! has_python_tools; then install_python_tools; fi
+  if $with_tests && $with_python; then install_data_set_libraries; fi
   if $with_tests; then install_node_modules; fi
 }
 

@@ -1,0 +1,39 @@
+"""Packs the passed motions of a batch: python -m retarget.packs lerobot out/ set/ --robot g1."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+import retarget
+from retarget import packs
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 0, or 1 after an error, which it prints."""
+    parser = argparse.ArgumentParser(prog="python -m retarget.packs", description=__doc__)
+    parser.add_argument("kind", choices=["lerobot", "motion_v1", "webdataset"])
+    parser.add_argument("batch", help="output folder of retarget batch, with passed.txt")
+    parser.add_argument("output", help="new folder")
+    parser.add_argument("--robot", help="robot of the motions; not for webdataset")
+    parser.add_argument("--ending", help="end of the files to take, such as .mjlab.npz")
+    parser.add_argument("--max-bytes", type=int, help="largest size of a part; not for motion_v1")
+    parser.add_argument("--max-clips", type=int, help="largest number of clips in a part")
+    parser.add_argument("--replace", action="store_true", help="replace an existing folder")
+    given = {name: value for name, value in vars(parser.parse_args(arguments)).items()
+             if value is not None}
+    write = getattr(packs, f"write_{given.pop('kind')}")
+    unknown = given.keys() - {"batch", "ending", "output"} - set(write.__kwdefaults__)
+    if unknown:
+        parser.error(f"--{min(unknown).replace('_', '-')} is not an option of this kind")
+    try:
+        clips = packs.clips_of(given.pop("batch"), given.pop("ending", None))
+        write(clips, given.pop("output"), **given)
+    except retarget.Error as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,135 @@
+"""Named motions: where they come from, and how they are read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+import retarget
+from retarget import _retarget
+from retarget._errors import ArgumentTypeError, InputError, UsageError
+
+StrPath = str | os.PathLike[str]
+Source = _retarget.Motion | StrPath
+Clips = Mapping[str, Source] | Iterable[tuple[str, Source]]
+
+
+@dataclass(frozen=True)
+class NamedMotion:
+    """A motion that is about to be written."""
+
+    name: str
+    motion: _retarget.Motion
+    file: str
+    """Path of the file that the motion was read from; empty for a Motion."""
+
+
+def clips_of(folder: StrPath, ending: str | None = None) -> dict[str, Path]:
+    """Returns the passed motions of a batch by name.
+
+    Args:
+        folder: output folder of `retarget batch` or retarget_dataset(), which has passed.txt.
+        ending: end of the file names to take, for batches with several formats: ".mjlab.npz".
+            Names lack it; without `ending`, names lack the last extension.
+
+    Returns:
+        Files by the name of their clip, "a/walk".
+
+    Raises:
+        InputError: the folder has no passed.txt.
+        UsageError: two files have the same name, so `ending` is needed.
+    """
+    folder = Path(folder)
+    listed = folder / "passed.txt"
+    if not listed.is_file():
+        raise InputError(f"{listed}: no such file; expected the output folder of a batch",
+                         file=str(listed))
+    clips: dict[str, Path] = {}
+    for line in listed.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
+        if not line or (ending is not None and not line.endswith(ending)):
+            continue
+        name = line[:-len(ending)] if ending else str(PurePosixPath(line).with_suffix(""))
+        if name in clips:
+            raise UsageError(f'"{line}" and "{clips[name]}" have the same name; '
+                             'ending=".mjlab.npz" takes the files with this end')
+        clips[name] = folder / line
+    return clips
+
+
+def ascending(clips: Clips) -> Iterator[tuple[str, Source]]:
+    """Yields the clips in ascending order of names.
+
+    Raises:
+        UsageError: names that are not in ascending order, are repeated, or are not relative paths.
+    """
+    pairs = sorted(clips.items()) if isinstance(clips, Mapping) else clips
+    earlier = None
+    for pair in pairs:
+        name, source = pair
+        if not isinstance(name, str) or not is_name(name):
+            raise UsageError(f'clips: expected names such as "a/walk", found {name!r}')
+        if earlier is not None and name <= earlier:
+            raise UsageError(f"clips: expected ascending names, found {name!r} after {earlier!r}; "
+                             "a dictionary is sorted by itself")
+        earlier = name
+        yield name, source
+
+
+def is_name(name: str) -> bool:
+    """Whether a name is a relative path without empty, "." and ".." parts."""
+    return "\\" not in name and all(part not in ("", ".", "..") for part in name.split("/"))
+
+
+class MotionReader:
+    """Reads motions of one robot at one frame rate, `fps`, which is also that of CSVs."""
+
+    def __init__(self, robot: _retarget.Robot | StrPath | None, fps: float | None) -> None:
+        if robot is not None and not isinstance(robot, _retarget.Robot):
+            robot = _retarget.Robot(robot)
+        self.robot = robot
+        self.fps = fps
+        self._csv_fps = fps
+        self.joint_names: list[str] | None = None
+        self.contact_names: list[str] = []
+
+    def motions(self, clips: Clips) -> Iterator[NamedMotion]:
+        """Yields the motions one by one.
+
+        Raises:
+            UsageError: files without `robot`, or motions that differ in joints or frame rate.
+            InputError: a file that is not a motion of the robot.
+        """
+        for name, source in ascending(clips):
+            motion = self._motion(name, source)
+            self._check(name, motion)
+            file = "" if isinstance(source, _retarget.Motion) else os.fspath(source)
+            yield NamedMotion(name, motion, file)
+
+    def _motion(self, name: str, source: Source) -> _retarget.Motion:
+        if isinstance(source, _retarget.Motion):
+            return source
+        if not isinstance(source, (str, os.PathLike)):
+            raise ArgumentTypeError(f"clips[{name!r}]: expected a Motion or a path, found "
+                                    f"{type(source).__name__}")
+        if self.robot is None:
+            raise UsageError("robot: needed to read motion files")
+        # Other files have their own rate, which this option would override.
+        rate = self._csv_fps if os.fspath(source).lower().endswith(".csv") else None
+        return retarget.load_motion(source, self.robot, source_fps=rate)
+
+    def _check(self, name: str, motion: _retarget.Motion) -> None:
+        if self.joint_names is None:
+            self.robot = self.robot or motion.robot
+            self.fps = self.fps or motion.fps
+            self.joint_names = motion.joint_names
+            self.contact_names = motion.contact_names
+        if motion.joint_names != self.joint_names:
+            raise UsageError(f"clips[{name!r}]: the joints differ from those of the first clip")
+        # The rate of an NPZ is rounded.
+        if not np.isclose(motion.fps, self.fps, rtol=1e-6):
+            raise UsageError(f"clips[{name!r}]: {motion.fps:g} frames per second, expected "
+                             f"{self.fps:g}")

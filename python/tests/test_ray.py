@@ -1,0 +1,208 @@
+"""Data sets on a local Ray with two workers: killed workers change no byte."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import retarget
+from optional import need
+
+pytestmark = pytest.mark.skipif("LD_PRELOAD" in os.environ,
+                                reason="Ray's own processes do not start with a sanitizer")
+
+CLIPS = 60
+POISON = "c1/walk_030.bvh"
+# A driver outside of this process. Ray stops its tasks when it ends.
+DRIVER = """
+import sys, retarget.ray, retarget.data_set.manifest as manifest
+manifest._SECONDS = 0.2
+retarget.ray.retarget_dataset(sys.argv[1], sys.argv[2], "unitree_g1", address=sys.argv[3],
+                              clips_per_task=5)
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cluster() -> Iterator[str]:
+    """Starts Ray; yields its address."""
+    ray = need("ray")
+    need("pyarrow")
+    os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+    # The default is too short for a busy machine.
+    os.environ["RAY_raylet_start_wait_time_s"] = "120"
+    try:
+        ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False,
+                 object_store_memory=80 * 2**20)
+    except Exception as error:  # Ray raises many kinds, such as for a sandbox without shared memory.
+        pytest.skip(f"Ray does not start on this machine: {error}")
+    yield ray.get_runtime_context().gcs_address
+    ray.shutdown()
+
+
+@pytest.fixture(scope="module")
+def clips(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Parts of the samples, turned."""
+    folder = tmp_path_factory.mktemp("clips")
+    samples = {name: retarget.load(data / f"{name}.bvh") for name in ("walk", "squat", "wave")}
+    for number in range(CLIPS):
+        name = list(samples)[number % 3]
+        part = retarget.edit.trim(samples[name], frames=slice(number, number + 20))
+        file = folder / f"c{number % 2}/{name}_{number:03d}.bvh"
+        file.parent.mkdir(exist_ok=True)
+        retarget.edit.turn(part, 6.0 * number).save(file)
+    (folder / "c0/walk_030.bvh").rename(folder / POISON)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(clips: Path, command, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of `retarget batch`."""
+    out = tmp_path_factory.mktemp("batch") / "out"
+    command("batch", clips, "-o", out, "--robot", "unitree_g1", "--jobs", 2)
+    made = motions(out)
+    assert len(made) == CLIPS
+    return made
+
+
+def motions(folder: Path) -> dict[str, bytes]:
+    return {str(file.relative_to(folder)): file.read_bytes()
+            for file in sorted(folder.rglob("*.csv")) if file.name != "summary.csv"}
+
+
+def run(clips: Path | str, out: Path, **arguments):
+    from retarget.ray import retarget_dataset
+
+    return retarget_dataset(clips, out, **{"robot": "unitree_g1", "clips_per_task": 5, **arguments})
+
+
+def statuses(out: Path) -> dict[str, tuple[str, int]]:
+    from retarget.data_set import read_manifest
+
+    return {row["name"]: (row["status"], row["tries"])
+            for row in read_manifest(out, ["status", "tries"]).to_pylist()}
+
+
+class Killer(threading.Thread):
+    """Kills workers of Ray: some of them once, and each that begins the poison clip."""
+
+    def __init__(self, out: Path) -> None:
+        super().__init__(daemon=True)
+        self.out, self.done = out, threading.Event()
+        self.killed: set[Path] = set()
+        self.with_poison = 0
+
+    def run(self) -> None:
+        while not self.done.wait(0.003):
+            for file in self.out.glob(".work/*/clips.json"):
+                self._look_at(file)
+
+    def _look_at(self, file: Path) -> None:
+        try:
+            about = json.loads(file.read_text())
+        except FileNotFoundError:
+            return
+        poison = POISON in about["clips"]
+        if file not in self.killed and (poison or len(self.killed) < 2):
+            self.killed.add(file)
+            self.with_poison += poison
+            time.sleep(0.15)  # The worker's process has begun to solve.
+            os.kill(about["pid"], signal.SIGKILL)
+
+
+def test_killed_workers_change_no_byte(clips: Path, undisturbed: dict[str, bytes],
+                                       tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    killer = Killer(out)
+    killer.start()
+    try:
+        made = run(clips, out)
+    finally:
+        killer.done.set()
+        killer.join()
+    assert len(killer.killed) >= 4 and killer.with_poison == 3, killer.killed
+    assert (made.clips, made.done, made.failed, made.kept) == (CLIPS, CLIPS - 1, 1, 0)
+    found = statuses(out)
+    assert found.pop(POISON) == ("failed", 3)
+    assert all(status == "done" and tries <= 2 for status, tries in found.values())
+    assert any(tries == 2 for _, tries in found.values())
+    poison = POISON.replace(".bvh", ".csv")
+    assert motions(out) == {name: content for name, content in undisturbed.items()
+                            if name != poison}
+    assert poison not in (out / "passed.txt").read_text()
+    assert "c1/walk_030.bvh\tthe clip's process ended 3 times" in (out / "failed.tsv").read_text()
+    assert not list((out / ".work").iterdir())
+    deadline = time.monotonic() + 20
+    while processes_with(str(out)):
+        assert time.monotonic() < deadline, processes_with(str(out))
+        time.sleep(0.05)
+
+    again = run(clips, out)
+    assert (again.done, again.failed, again.kept) == (0, 0, CLIPS)
+    healed = run(clips, out, retry_failed=True)
+    assert (healed.done, healed.failed, healed.kept) == (1, 0, CLIPS - 1)
+    assert motions(out) == undisturbed
+
+
+def processes_with(text: str) -> list[str]:
+    """Returns the command lines that contain a text."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = file.read_bytes().decode(errors="replace")
+        except OSError:
+            continue
+        if text in line:
+            found.append(line)
+    return found
+
+
+def test_a_killed_driver_is_continued(clips: Path, undisturbed: dict[str, bytes], cluster: str,
+                                      tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", DRIVER, clips, out, cluster]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL) as driver:
+        deadline = time.monotonic() + 60
+        while len(list((out / "manifest").glob("*"))) < 2:
+            assert driver.poll() is None and time.monotonic() < deadline
+            time.sleep(0.01)
+        driver.kill()
+    made = run(clips, out)
+    assert 0 < made.kept < CLIPS and made.kept + made.done == CLIPS and made.failed == 0
+    assert motions(out) == undisturbed
+
+
+def test_tars_become_packs(clips: Path, undisturbed: dict[str, bytes], tmp_path: Path) -> None:
+    from retarget import packs
+
+    files = {str(file.relative_to(clips).with_suffix("")): file
+             for file in clips.rglob("*.bvh")}
+    packs.write_webdataset(files, tmp_path / "shards", max_clips=25)
+    made = run(f"{tmp_path}/shards/*.tar", tmp_path / "out", pack="webdataset",
+               pack_options={"max_clips": 20})
+    assert (made.done, made.passed) == (CLIPS, CLIPS)
+    assert motions(tmp_path / "out") == undisturbed
+    assert len(list((tmp_path / "out/webdataset").glob("*.tar"))) == 3
+
+
+def test_errors(clips: Path, tmp_path: Path) -> None:
+    with pytest.raises(retarget.UsageError, match="jobs is not an option"):
+        run(clips, tmp_path / "out", jobs=2)
+    with pytest.raises(retarget.UsageError, match="nosuch"):
+        run(clips, tmp_path / "out", nosuch=2)
+    with pytest.raises(retarget.ConfigError):
+        run(clips, tmp_path / "out", robot="nosuch")
+    from retarget.data_set.run import locked
+
+    with locked(tmp_path / "out"), pytest.raises(retarget.RunError, match="another process"):
+        run(clips, tmp_path / "out")
