@@ -165,9 +165,9 @@ struct FitOptions {
   double body_floor_weight = 800.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double scene_contact_weight = 400.0;  ///< Body in contact to a surface of the scene, per metre.
-  double scene_place_weight = 25.0;     ///< The same to the human's place on it, per metre.
-  double scene_hold_weight = 250.0;     ///< The same to its own mean place on it, per metre.
+  double scene_contact_weight = 230.0;  ///< Body in contact to a surface of the scene, per metre.
+  double scene_place_weight = 12.0;     ///< The same to the human's place on it, per metre.
+  double scene_hold_weight = 150.0;     ///< The same to its own mean place on it, per metre.
   double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
 
   double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.

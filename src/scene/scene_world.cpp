@@ -8,7 +8,28 @@
 
 namespace retarget {
 
+namespace {
+
 using Eigen::Vector3d;
+
+// Height of the surface of a body below a point, metres; 0: none, or the body contains the point.
+double surface_below(const SceneWorld& world, int frame, std::size_t body, const Vector3d& point) {
+  constexpr double kNear = 5e-4;  // Metres.
+  constexpr int kMaxSteps = 200;
+  const double reach = world.scales[body] * world.fields[body].reach();
+  const Vector3d aside = point - world.clip.pose(frame, body).translation;
+  if (aside.head<2>().squaredNorm() > reach * reach) return 0.0;
+  Vector3d at = point;
+  for (int step = 0; step < kMaxSteps && at.z() > 0.0; ++step) {
+    const double away = world.distance(frame, body, at).distance;
+    if (step == 0 && away < -kNear) return 0.0;
+    if (away < kNear) return at.z();
+    at.z() -= away;
+  }
+  return 0.0;
+}
+
+}  // namespace
 
 SurfaceDistance SceneWorld::distance(int frame, std::size_t body, const Vector3d& point) const {
   const Pose& pose = clip.pose(frame, body);
@@ -21,18 +42,11 @@ SurfaceDistance SceneWorld::distance(int frame, std::size_t body, const Vector3d
 }
 
 double SceneWorld::ground_below(int frame, const Vector3d& point) const {
-  constexpr double kNear = 5e-4;  // Metres.
-  constexpr int kMaxSteps = 200;
-  Vector3d at = point;
-  for (int step = 0; step < kMaxSteps && at.z() > 0.0; ++step) {
-    double nearest = at.z();
-    for (std::size_t body = 0; body < fields.size(); ++body) {
-      if (!moves(body)) nearest = std::min(nearest, distance(frame, body, at).distance);
-    }
-    if (nearest < kNear) return at.z();
-    at.z() -= nearest;
+  double highest = 0.0;
+  for (std::size_t body = 0; body < fields.size(); ++body) {
+    if (!moves(body)) highest = std::max(highest, surface_below(*this, frame, body, point));
   }
-  return 0.0;
+  return highest;
 }
 
 Result<SceneWorld> make_scene_world(SceneClip clip) {

@@ -28,7 +28,7 @@ struct SceneWorld {
     return (point - clip.pose(frame, body).translation).squaredNorm() > reach * reach;
   }
   /// Height of the highest surface of the static bodies that is below a point, metres; 0 (the
-  /// floor) if there is none.
+  /// floor) if there is none. Bodies that contain the point are not below it.
   [[nodiscard]] double ground_below(int frame, const Eigen::Vector3d& point) const;
 };
 

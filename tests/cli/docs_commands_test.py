@@ -8,6 +8,7 @@ import struct
 import subprocess
 import unittest
 
+from terrain_test import stepping_clip
 from tool import SOURCE, TOOL, ToolTest, sample, short_clip
 
 # Lines that cannot run here, and why.
@@ -117,6 +118,10 @@ class Commands(ToolTest):
         bodies = [{"name": "step", "position": [0, 3, 0.1], "shapes": box},
                   {"name": "crate", "moves": True, "position": [0, -3, 1], "shapes": box}]
         self.write("room.json", json.dumps({"bodies": bodies}))
+        self.write("climb.bvh", stepping_clip())
+        ahead = {"name": "box", "position": [0, -0.6, 0.1],
+                 "shapes": [{"type": "box", "size": [1, 0.6, 0.2]}]}
+        self.write("boxes.json", json.dumps({"bodies": [ahead]}))
         frames = (self.folder / "walk.bvh").read_text().count("\n")
         self.write("crate.csv", "".join(f"{0.001 * i},-3,1,1,0,0,0\n" for i in range(frames)))
 

@@ -155,6 +155,31 @@ class TerrainTest(ToolTest):
             for x, y in zip(a, b):
                 self.assertAlmostEqual(x, y, delta=2e-3)
 
+    def test_batches_have_variations(self):
+        arguments = ("batch", sample("walk"), "-o", "out", *ROBOT, "--terrain", "stairs:0.1x0.3",
+                     "--variants", "2", "--seed", "5", "--end", "3")
+        self.assert_done(self.run_tool(*arguments))
+        lines = [json.loads(line)
+                 for line in (self.folder / "out/manifest.jsonl").read_text().splitlines()]
+        varied = {line["relative"]: line for line in lines if "changes" in line}
+        self.assertEqual(sorted(varied), ["walk_v1.bvh", "walk_v2.bvh"])
+        motions = set()
+        for name in ("walk", "walk_v1", "walk_v2"):
+            motions.add((self.folder / f"out/{name}.csv").read_bytes())
+        self.assertEqual(len(motions), 3)
+        # A variation is the run with the recorded options.
+        terrain = varied["walk_v1.bvh"]["changes"].removeprefix("terrain=")
+        self.assert_done(self.run_tool("--bvh", sample("walk"), *ROBOT, "--terrain", terrain,
+                                       "--end", "3", "-o", "one.csv"))
+        self.assertEqual((self.folder / "one.csv").read_bytes(),
+                         (self.folder / "out/walk_v1.csv").read_bytes())
+        again = self.run_tool(*arguments, "--resume")
+        self.assert_done(again)
+        self.assertEqual((self.folder / "one.csv").read_bytes(),
+                         (self.folder / "out/walk_v1.csv").read_bytes())
+        refused = self.run_tool("batch", sample("walk"), "-o", "none", *ROBOT, "--variants", "2")
+        self.assertEqual(refused.returncode, 2, refused.stderr)
+
     def test_finds_the_scene_of_a_motion(self):
         self.write("step.bvh", stepping_clip())
         result = self.run_tool("scene-from-motion", "step.bvh", "-o", "boxes.json")

@@ -132,6 +132,13 @@ TEST(ChangedScene, FilesInOtherAxesComeToTheWorld) {
   EXPECT_NEAR(world.distance(0, 0, {1.0, 0.5, 0.3}).distance, -0.2, 1e-9);
 }
 
+TEST(SceneWorldTest, BodiesAroundAPointAreNotBelowIt) {
+  const SceneWorld world = world_of(room());
+  EXPECT_NEAR(world.ground_below(0, {1.0, 0.0, 0.61}), 0.6, 1e-3);
+  EXPECT_EQ(world.ground_below(0, {1.0, 0.0, 0.4}), 0.0);
+  EXPECT_EQ(world.ground_below(0, {5.0, 5.0, 0.4}), 0.0);
+}
+
 TEST(SceneWorldTest, BeyondMeansFarther) {
   const SceneWorld world = scaled_world(world_of(room()), 0.7);
   std::mt19937 random(1);

@@ -216,8 +216,8 @@ CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments) {
 }
 
 CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "scene-from-motion", "Find the boxes on which a human steps, sits or leans (docs/world.md)");
+  CLI::App* command =
+      app.add_subcommand("scene-from-motion", "Find steps, seats and rails (docs/world.md)");
   declare(*command, {word("motion", arguments.run.run.motion, "MOTION", "Motion of a human")});
   declare(*command, scene_from_motion_table(arguments));
   return command;

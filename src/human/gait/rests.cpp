@@ -53,11 +53,11 @@ class RestFinder {
         scale_(of.contacts.scale),
         floor_(floor_height(of.contacts)) {}
 
-  std::vector<Rest> run() {
+  std::vector<RaisedRest> run() {
     for (int foot = 0; foot < feet_.foot_count; ++foot) add_steps(foot);
     add_seats();
     for (const Side side : kSides) add_hands(side);
-    std::ranges::stable_sort(rests_, {}, [](const Rest& rest) { return rest.frames.begin; });
+    std::ranges::stable_sort(rests_, {}, [](const RaisedRest& rest) { return rest.frames.begin; });
     return std::move(rests_);
   }
 
@@ -88,7 +88,7 @@ class RestFinder {
   void add_steps(int foot) {
     for (const ContactPhase& stance : contacts_.soles[static_cast<std::size_t>(foot)]) {
       if (stance.support < kLowestSurface * scale_ || !carries(foot, stance)) continue;
-      Rest rest{RestKind::kStep, {stance.begin, stance.end}, floor_ + stance.support, {}};
+      RaisedRest rest{RestKind::kStep, {stance.begin, stance.end}, floor_ + stance.support, {}};
       add_sole(foot, rest.frames, scale_, feet_, rest.outline);
       rests_.push_back(std::move(rest));
     }
@@ -129,7 +129,7 @@ class RestFinder {
         heights.push_back(hips.z() - kSeatDepth * scale_);
         middle += hips.head<2>() / (end - begin);
       }
-      Rest rest{RestKind::kSeat, {begin, end}, median_in_place(heights), {}};
+      RaisedRest rest{RestKind::kSeat, {begin, end}, median_in_place(heights), {}};
       add_square(middle, kHalfSeat * scale_, rest.outline);
       rests_.push_back(std::move(rest));
     });
@@ -158,7 +158,7 @@ class RestFinder {
                            at.z() < shoulder.min().z();
       const double height = at.z() - kHandDepth * scale_;
       if (is_held && height - floor_ >= kLowestHand * scale_) {
-        Rest rest{RestKind::kHand, {begin, end}, height, {}};
+        RaisedRest rest{RestKind::kHand, {begin, end}, height, {}};
         add_square(at.head<2>(), kHalfHand * scale_, rest.outline);
         rests_.push_back(std::move(rest));
       }
@@ -176,12 +176,12 @@ class RestFinder {
   const SourceFeet& feet_;
   const ContactPlan& contacts_;
   const double scale_, floor_;
-  std::vector<Rest> rests_;
+  std::vector<RaisedRest> rests_;
 };
 
 }  // namespace
 
-std::vector<Rest> find_raised_rests(const RestingHuman& of) {
+std::vector<RaisedRest> find_raised_rests(const RestingHuman& of) {
   return RestFinder(of).run();
 }
 

@@ -14,7 +14,7 @@ namespace retarget {
 enum class RestKind : unsigned char { kStep, kSeat, kHand };
 
 /// A human rests on a surface.
-struct Rest {
+struct RaisedRest {
   RestKind kind = RestKind::kStep;
   FrameRange frames;
   double height = 0.0;                   ///< Of the surface; world, metres.
@@ -29,7 +29,7 @@ struct RestingHuman {
 };
 
 /// Finds stances, seats and rests of hands above the floor (scene_from_motion.h), by time.
-[[nodiscard]] std::vector<Rest> find_raised_rests(const RestingHuman& of);
+[[nodiscard]] std::vector<RaisedRest> find_raised_rests(const RestingHuman& of);
 
 /// Points of the feet in all stances, with the heights on which they stand.
 struct Footing {

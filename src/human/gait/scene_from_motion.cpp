@@ -84,15 +84,15 @@ Rectangle smallest_rectangle(const Points& points) {
 
 // Rests on one surface.
 struct Plateau {
-  std::vector<const Rest*> rests;
+  std::vector<const RaisedRest*> rests;
   Points points;
   double height = 0.0;  // Mean over the frames of the rests.
 
-  void add(const Rest& rest) {
+  void add(const RaisedRest& rest) {
     rests.push_back(&rest);
     points.insert(points.end(), rest.outline.begin(), rest.outline.end());
     double sum = 0.0, frames = 0.0;
-    for (const Rest* each : rests) {
+    for (const RaisedRest* each : rests) {
       const double count = each->frames.end - each->frames.begin;
       sum += count * each->height;
       frames += count;
@@ -137,10 +137,10 @@ void add_margins(double height, const std::vector<Footing>& footings, Rectangle&
   rectangle.high += above;
 }
 
-std::vector<Plateau> find_plateaus(const std::vector<Rest>& rests,
+std::vector<Plateau> find_plateaus(const std::vector<RaisedRest>& rests,
                                    const std::vector<Footing>& footings) {
   std::vector<Plateau> plateaus;
-  for (const Rest& rest : rests) {
+  for (const RaisedRest& rest : rests) {
     const auto takes = [&](const Plateau& plateau) {
       if (std::abs(plateau.height - rest.height) > kSameHeight ||
           plateau.rests.front()->kind != rest.kind ||
@@ -186,7 +186,7 @@ Result<SceneFromMotion> scene_from_motion(const Clip& clip, const Calibration& c
   RestingHuman of{&human, SourceFeet(human, human.frame_count), {}};
   if (of.feet.foot_count == 0) return input_failure(clip.name(), "the human has no feet");
   of.contacts = find_contacts(of.feet, options);
-  const std::vector<Rest> rests = find_raised_rests(of);
+  const std::vector<RaisedRest> rests = find_raised_rests(of);
   const std::vector<Footing> footings = find_footings(of);
   SceneFromMotion found;
   found.scene.name = clip.name();
@@ -200,7 +200,7 @@ Result<SceneFromMotion> scene_from_motion(const Clip& clip, const Calibration& c
     FoundSurface surface{name, plateau.height, rectangle.high - rectangle.low,
                          static_cast<int>(plateau.rests.size())};
     int begin = clip.frame_count(), end = 0;
-    for (const Rest* rest : plateau.rests) {
+    for (const RaisedRest* rest : plateau.rests) {
       begin = std::min(begin, rest->frames.begin);
       end = std::max(end, rest->frames.end);
     }

@@ -25,6 +25,8 @@ constexpr double kSlideReach = 0.08;
 constexpr double kStickReach = 0.03;
 // Where a foot's ground is looked for: this far above its ends, metres.
 constexpr double kAboveFoot = 0.12;
+// How far the ends of a standing foot may be below the ground, metres.
+constexpr double kSunkFoot = 0.05;
 // A surface of this height is not the floor, metres.
 constexpr double kRaised = 0.015;
 
@@ -146,7 +148,9 @@ SourceFeet feet_over_ground(const SceneWorld& world, SourceFeet feet, double sca
       SourceFoot& of_frame = feet.feet[static_cast<std::size_t>(frame * feet.foot_count + foot)];
       const auto lower = [&](Vector3d& end) {
         const Vector3d above = end + kAboveFoot * scale * Vector3d::UnitZ();
-        end.z() -= world.ground_below(frame, above);
+        const double ground = world.ground_below(frame, above);
+        // A foot that passes through the edge of a step does not stand on it.
+        if (end.z() > ground - kSunkFoot * scale) end.z() -= ground;
       };
       lower(of_frame.ankle);
       lower(of_frame.toe);

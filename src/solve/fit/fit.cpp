@@ -96,7 +96,8 @@ FitOptions sized_options(FitOptions options, double leg) {
   for (double* weight :
        {&options.contact_weight, &options.contact_height_weight, &options.body_contact_weight,
         &options.body_contact_height_weight, &options.sole_floor_weight, &options.body_floor_weight,
-        &options.self_collision_weight}) {
+        &options.self_collision_weight, &options.scene_contact_weight, &options.scene_place_weight,
+        &options.scene_hold_weight}) {
     *weight *= std::max(size, 1.0);
   }
   return options;
@@ -395,6 +396,7 @@ Result<FitResult> Fit::run() {
                           &limits_));
   const auto limbs = robot_limbs(*robot_, config_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
+  if (run_.scene != nullptr) options_ = smoother_in_scene(options_);
   BoneArray<int> target_of_bone;
   for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
   sides_ = sides_with_feet(info);

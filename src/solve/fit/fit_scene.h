@@ -43,6 +43,10 @@ struct FitScene {
   }
 };
 
+/// Raises the smoothness of joints and of the root's position. Hands and feet that reach surfaces which
+/// a robot of other proportions meets elsewhere than its human would otherwise arrive with jolts.
+[[nodiscard]] FitOptions smoother_in_scene(FitOptions options);
+
 /// Makes a robot's world from that of its human.
 /// @param scale  from the human's to the robot's paths, and size of static bodies.
 [[nodiscard]] FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
