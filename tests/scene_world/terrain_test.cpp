@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 SceneWorld world_of(Scene scene) {
   auto placed = place_scene(std::make_shared<const Scene>(std::move(scene)), {},
-                            {FrameRate(30, 1), 1, 0, FrameRate(30, 1), 1});
+                            {FrameRate{30, 1}, 1, 0, FrameRate{30, 1}, 1});
   return *make_scene_world(*std::move(placed));
 }
 
