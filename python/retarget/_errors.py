@@ -74,7 +74,7 @@ class _MissingFile(FileNotFoundError):
 
 
 class MissingInputError(InputError, _MissingFile):
-    """There is no such motion file or scene."""
+    """The motion file or scene does not exist."""
 
     def __init__(self, text: str, message: str = "", file: str = "", *more: Any) -> None:
         super().__init__(text, message, file, *more)
@@ -82,7 +82,7 @@ class MissingInputError(InputError, _MissingFile):
 
 
 class MissingConfigError(ConfigError, _MissingFile):
-    """There is no such configuration, profile or model."""
+    """The configuration, profile or model does not exist."""
 
     def __init__(self, text: str, message: str = "", file: str = "", *more: Any) -> None:
         super().__init__(text, message, file, *more)

@@ -116,7 +116,7 @@ class LiveSession:
         time, it also is the caller's clock: a recording plays as fast as it is read.
 
         Raises:
-            UsageError: there is no source, or a frame of it has another form.
+            UsageError: the source is missing, or one of its frames has another form.
         """
         if self._source is None:
             raise UsageError("the session has no source: give live(source=...), or call push()")

@@ -98,7 +98,7 @@ def load_scene(file: str | os.PathLike[str]) -> _retarget.Scene:
 
     Raises:
         InputError: a file that cannot be read, or without shapes; FileNotFoundError as well if
-            there is no such file.
+            the file does not exist.
     """
     return _retarget.load_scene(file)
 

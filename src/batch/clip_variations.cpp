@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -13,8 +12,6 @@
 
 namespace retarget {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Random numbers that are equal on every machine: SplitMix64 (Steele, Lea and Flood, 2014), seeded by
 // a hash of a text (FNV-1a).
@@ -72,13 +69,6 @@ std::string drawn_changes(const SolveOptions& options, ChangeDraw draw) {
   return fmt::format("object-shift={},{},0 object-scale={}", x, y, draw.between(0.85, 1.15));
 }
 
-std::string variation_name(const std::string& relative, int number) {
-  const fs::path path(relative);
-  const std::string name =
-      path.stem().string() + "_v" + std::to_string(number) + path.extension().string();
-  return path.has_parent_path() ? (path.parent_path() / name).string() : name;
-}
-
 void apply_change(std::string_view name, const std::string& value, SolveOptions& options) {
   if (name == "terrain") options.terrain = value;
   if (name == "terrain-scale") options.terrain_scale = value;
@@ -106,7 +96,7 @@ Result<std::vector<BatchInput>> with_variations(std::vector<BatchInput> inputs, 
       varied.variant.varied_of = varied.relative;
       varied.variant.changes = drawn_changes(
           options, ChangeDraw(fmt::format("{}\n{}\n{}", seed, varied.relative, number)));
-      varied.relative = variation_name(varied.relative, number);
+      varied.relative = suffixed_name(varied.relative, fmt::format("_v{}", number));
       inputs.push_back(std::move(varied));
     }
   }

@@ -296,10 +296,14 @@ PartOptions part_options(const std::string& part) {
   return options;
 }
 
-std::string mirrored_name(const std::string& relative) {
+std::string suffixed_name(const std::string& relative, const std::string& suffix) {
   const fs::path path(relative);
-  const std::string name = path.stem().string() + "_mirrored" + path.extension().string();
+  const std::string name = path.stem().string() + suffix + path.extension().string();
   return path.has_parent_path() ? (path.parent_path() / name).string() : name;
+}
+
+std::string mirrored_name(const std::string& relative) {
+  return suffixed_name(relative, "_mirrored");
 }
 
 bool has_motion_ending(const std::string& name) {

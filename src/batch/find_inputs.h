@@ -42,6 +42,9 @@ struct ClipVariant {
 /// @pre the text is part_text() of valid ends
 [[nodiscard]] PartOptions part_options(const std::string& part);
 
+/// The path of a clip that is made from another one: `a/walk.bvh` with `_v1` becomes `a/walk_v1.bvh`.
+[[nodiscard]] std::string suffixed_name(const std::string& relative, const std::string& suffix);
+
 /// The path of a clip's mirror image: `a/walk.bvh` becomes `a/walk_mirrored.bvh`.
 [[nodiscard]] std::string mirrored_name(const std::string& relative);
 

@@ -32,7 +32,7 @@ def main() -> None:
     request = Path(sys.argv[1])
     parent, arguments = pickle.loads(request.read_bytes())
     end_with(parent)
-    # The manifest has the warnings of each clip.
+    # The manifest already lists each clip's warnings.
     warnings.simplefilter("ignore", retarget.RetargetWarning)
     try:
         retarget.batch(**arguments)

@@ -64,7 +64,7 @@ class KinematicsModel:
 
     @property
     def joint_dof_idx(self) -> list[int]:
-        """Index of each body's first joint in dof_pos; -1: the body has none."""
+        """Index of each body's first joint in dof_pos; -1 for a body without joints."""
         first = [-1] * self.num_joint
         for joint, body in reversed(list(enumerate(self._robot.qpos_bodies))):
             first[body - 1] = joint
@@ -72,7 +72,7 @@ class KinematicsModel:
 
     @property
     def parent_indices(self) -> Any:
-        """(B,) int64: index of each body's parent; -1 for the root."""
+        """(B,) int64: parent index per body; -1 for the root."""
         return self._given_back(np.array(self._robot.body_parents[1:], dtype=np.int64) - 1)
 
     def get_parent_idx(self, idx: int) -> Any:

@@ -65,7 +65,7 @@ def write_lerobot(clips: Clips, folder: StrPath, *,
     with z up, root quaternion w x y z (world_from_root), N joints in radians (slide joints: metres)
     in the order of Motion.joint_names. `action` (N): the joints of the next frame; the last frame
     repeats its own. `observation.contacts` (4), with `contacts`: 1 while a heel or toe is in
-    contact, in the order of Motion.contact_names. There are no quantiles in the statistics.
+    contact, in the order of Motion.contact_names. The statistics do not include quantiles.
 
     Args:
         clips: motions by name; the name is the column `clip` of the episodes.

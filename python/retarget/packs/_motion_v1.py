@@ -40,7 +40,7 @@ def write_motion_v1(clips: Clips, folder: StrPath, *,
 
     Args:
         clips: motions by name. "/" in a name becomes "__" in `sequence_id`.
-        folder: new folder; the files of each `max_clips` clips are in part-000000, part-000001, ...
+        folder: new folder; up to `max_clips` clips share a folder part-000000, part-000001, ...
         robot: robot of motion files, or an argument of Robot(); not needed for Motion objects.
         fps: frames per second that all motions must have, and rate of CSVs, which have none;
             None: the rate of the first motion, and 30 for CSVs.

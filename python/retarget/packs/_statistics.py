@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass
 class Statistics:
-    """Minimum, maximum, mean and standard deviation of each column; (N,) float64 each."""
+    """Minimum, maximum, mean and standard deviation per column; each (N,) float64."""
 
     count: int
     min: np.ndarray

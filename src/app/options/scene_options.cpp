@@ -141,7 +141,7 @@ OptionTable scene_table(SolveOptions& options) {
       option("scene-axes", options.scene_axes, kRobotGroup, "",
              "Unit and axes of the scene and its tracks: human: metres, z up; clip: those of the "
              "clip's file",
-             change),
+             judged),
       text_option("terrain", options.terrain, kRobotGroup, "stairs:RISExTREAD|slope:DEGREES",
                   "Put stairs or a slope under a walk on a flat floor, along the way of the "
                   "human; metres of the robot's world, xCOUNT limits the number of steps",
@@ -155,10 +155,7 @@ OptionTable scene_table(SolveOptions& options) {
                   scene_text, checked_object_shift, change),
       option("object-scale", options.object_scale, kRobotGroup, "S",
              "Scale the moving bodies of the scene; hands that touch them follow",
-             {.min = kMinSceneScale,
-              .max = kMaxSceneScale,
-              .uses = kOfScene,
-              .recorded_if_given = true})};
+             {.min = kMinSceneScale, .max = kMaxSceneScale, .uses = kOfScene})};
 }
 
 }  // namespace retarget

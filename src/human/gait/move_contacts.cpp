@@ -7,6 +7,7 @@
 
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
+#include "human/gait/quintic_step.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
@@ -27,12 +28,6 @@ constexpr double kNothing = 1e-9;
 
 std::size_t at_frame(int frame) {
   return static_cast<std::size_t>(frame);
-}
-
-// The quintic from 0 to 1 with zero velocity and acceleration at both ends.
-double quintic(double share) {
-  const double s = std::clamp(share, 0.0, 1.0);
-  return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
 // Displacement and turn of a foot in all frames.
@@ -60,9 +55,9 @@ FootTrack foot_track(const std::vector<ContactMove>& moves, int count) {
     const Vector3d from = before.offsets.back(), to = move.offsets.front();
     const double length = move.begin - before.end + 1.0;
     for (int frame = before.end; frame < move.begin; ++frame) {
-      const double time = (frame - before.end + 1) / length, share = quintic(time);
-      const double height =
-          to.z() > from.z() ? quintic(time / kHighAfter) : quintic(1.0 - (1.0 - time) / kHighAfter);
+      const double time = (frame - before.end + 1) / length, share = quintic_step(time);
+      const double height = to.z() > from.z() ? quintic_step(time / kHighAfter)
+                                              : quintic_step(1.0 - (1.0 - time) / kHighAfter);
       Vector3d& offset = track.offsets[at_frame(frame)];
       offset = from + share * (to - from);
       offset.z() = from.z() + height * (to.z() - from.z());
@@ -192,7 +187,7 @@ class ContactMover {
         offsets[at_frame(frame)] = body_[at_frame(frame)] + share * (to - body_[at_frame(frame)]);
       };
       for (int i = 1; i < fade; ++i) {
-        const double share = quintic(1.0 - static_cast<double>(i) / fade);
+        const double share = quintic_step(1.0 - static_cast<double>(i) / fade);
         pull(move.begin - i, move.offsets.front(), share);
         pull(move.end - 1 + i, move.offsets.back(), share);
       }

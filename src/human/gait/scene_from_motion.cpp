@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/math/convex_hull.h"
 #include "human/gait/rests.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/so3.h"
@@ -39,41 +40,16 @@ struct Rectangle {
   }
 };
 
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-// The corners of the convex hull, counterclockwise (Andrew's monotone chain).
-Points convex_hull(Points points) {
-  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
-    return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
-  });
-  Points hull;
-  for (const bool upper : {false, true}) {
-    const std::size_t start = hull.size();
-    for (const Vector2d& point : points) {
-      while (hull.size() >= start + 2 &&
-             cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0.0) {
-        hull.pop_back();
-      }
-      hull.push_back(point);
-    }
-    hull.pop_back();
-    if (!upper) std::ranges::reverse(points);
-  }
-  return hull;
-}
-
 // The smallest rectangle; one of its sides contains a side of the hull.
-Rectangle smallest_rectangle(const Points& points) {
-  const Points hull = convex_hull(points);
+Rectangle smallest_rectangle(Points points) {
+  reduce_to_hull(points);
   std::optional<Rectangle> best;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vector2d side = hull[(i + 1) % hull.size()] - hull[i];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector2d side = points[(i + 1) % points.size()] - points[i];
     if (!(side.norm() > 0.0)) continue;
     Rectangle rectangle{side.normalized(), Vector2d::Constant(std::numeric_limits<double>::max()),
                         Vector2d::Constant(std::numeric_limits<double>::lowest())};
-    for (const Vector2d& point : hull) {
+    for (const Vector2d& point : points) {
       rectangle.low = rectangle.low.cwiseMin(rectangle.in_axes(point));
       rectangle.high = rectangle.high.cwiseMax(rectangle.in_axes(point));
     }

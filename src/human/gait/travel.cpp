@@ -12,6 +12,7 @@
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
+#include "human/gait/quintic_step.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/human_skeleton.h"
@@ -35,12 +36,6 @@ std::size_t at(int frame) {
 
 int frames_in(double seconds, double frame_time) {
   return std::max(1, static_cast<int>(std::lround(seconds / frame_time)));
-}
-
-// The quintic from 0 to 1 with zero velocity and acceleration at both ends.
-double rise(double share) {
-  const double s = std::clamp(share, 0.0, 1.0);
-  return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
 // Speeds of a path over the ground, m/s: means with biweight weights.
@@ -105,8 +100,8 @@ GroundTrack foot_offsets(const GroundTrack& body, const std::vector<FrameRange>&
     const bool is_short = before && after && end - last <= frames_in(kLongSwing, frame_time);
     const int length = is_short ? end - last + 1 : fade;
     for (int i = last; i < end; ++i) {
-      if (before) pull(*before, i, 1.0 - rise(double(i - last + 1) / length));
-      if (after) pull(*after, i, rise(1.0 - double(end - i) / length));
+      if (before) pull(*before, i, 1.0 - quintic_step(double(i - last + 1) / length));
+      if (after) pull(*after, i, quintic_step(1.0 - double(end - i) / length));
     }
   };
   for (const FrameRange& stance : stances) {
