@@ -183,6 +183,15 @@ TEST_F(Senders, APortForEveryDatagramIsOneSender) {
   }
 }
 
+// Ports are drawn at random: some datagrams have the port of one of the latest eight.
+TEST_F(Senders, APortForEveryDatagramMayRepeat) {
+  SenderLock lock;
+  for (std::uint16_t i = 0; i < 1000; ++i) {
+    const auto back = static_cast<std::uint16_t>(i % 50 == 40 ? 1 + i / 50 % 8 : 0);
+    EXPECT_EQ(lock.judge(at(1, i - back), 0.01 * i), Verdict::kSender) << i;
+  }
+}
+
 TEST_F(Senders, FollowOneOfTwoProgramsOnAMachine) {
   SenderLock lock;
   int first = 0, second = 0;

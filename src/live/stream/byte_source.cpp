@@ -40,17 +40,25 @@ Result<SenderFilter> SenderFilter::parse(const std::string& text) {
 }
 
 // Records a datagram from a port.
-// @return whether the port had sent another one within the last second
+// @return whether the port had sent another one within the last second. A program with a new port
+//     for each datagram soon repeats one by chance: a repetition among several ports that have sent
+//     only once does not count.
 bool SenderLock::has_sent_lately(std::uint16_t port, double now) {
-  const auto has = [&](const Port& each) { return each.is_used && each.number == port; };
+  constexpr int kMostSinglePorts = 4;
+  const auto has = [&](const Port& each) { return each.datagrams > 0 && each.number == port; };
+  const auto is_recent = [&](const Port& each) {
+    return each.datagrams > 0 && now - each.latest < kReleasedAfter;
+  };
   Port* place = std::ranges::find_if(ports_, has);
   if (place == ports_.end()) {
-    const auto age = [](const Port& each) { return each.is_used ? each.latest : -1.0; };
-    place = std::ranges::min_element(ports_, {}, age);
+    const auto time = [](const Port& each) { return each.datagrams > 0 ? each.latest : -1.0; };
+    place = std::ranges::min_element(ports_, {}, time);
   }
-  const bool known = has(*place) && now - place->latest < kReleasedAfter;
-  *place = {port, now, true};
-  return known;
+  const bool known = has(*place) && is_recent(*place);
+  *place = {port, now, known ? std::min(place->datagrams + 1, 2) : 1};
+  const auto single = std::ranges::count_if(
+      ports_, [&](const Port& each) { return each.datagrams == 1 && is_recent(each); });
+  return known && single < kMostSinglePorts;
 }
 
 SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now) {
@@ -62,7 +70,7 @@ SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now) {
   if (!is_free && !same && (!same_host || is_steady_)) return Verdict::kStranger;
   const bool is_new_host = sender_ && !same_host;
   // If two programs on one machine send, the first of them that sends again remains the sender.
-  is_steady_ = has_sent_lately(from.port, now) || same;
+  is_steady_ = has_sent_lately(from.port, now) || (same && is_steady_);
   sender_ = from;
   latest_ = now;
   return is_new_host ? Verdict::kNewSender : Verdict::kSender;

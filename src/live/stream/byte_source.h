@@ -55,7 +55,7 @@ class SenderLock {
   struct Port {
     std::uint16_t number = 0;
     double latest = 0.0;
-    bool is_used = false;
+    int datagrams = 0;  // Zero: the place is free.
   };
   [[nodiscard]] bool has_sent_lately(std::uint16_t port, double now);
 
