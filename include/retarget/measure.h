@@ -70,7 +70,14 @@ struct QualityOptions {
 
 /// Adds the demands of a motion on its robot by inverse dynamics, and the part that contacts can
 /// supply. Uses no source. Omitted for a robot without mass and for fewer than three frames.
-void add_dynamics(const RobotClip& clip, QualityReport& report, const QualityOptions& options = {});
+/// @param scene  around the robot, in the frames of the motion; null: only the floor.
+void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene = nullptr,
+                  const QualityOptions& options = {});
+
+/// The scene of a source around the robot, with the size and the paths that a fit gives it. Null if
+/// the source has no scene, or if its limbs cannot be measured.
+[[nodiscard]] std::shared_ptr<const SceneWorld> robot_world(const QualitySource& source,
+                                                            const Robot& robot);
 
 /// Adds how the robot's fingers follow the source's if both have fingers (docs/hands.md).
 /// @param source  has the same frames as the motion.
@@ -110,9 +117,10 @@ struct MotionMeasure {
 /// Measures a motion from a file. The motion may include the source's lead-in or not, and may be a
 /// part of it; it is compared with the source frames that its limbs match.
 /// @param motion  at the source's rate.
-/// @param source  null: none.
+/// @param source    null: none.
+/// @param dynamics  whether to add the figures of add_dynamics.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                                           const MeasuredSource* source);
+                                           const MeasuredSource* source, bool dynamics = false);
 
 /// Runs retarget::evaluate, and inverse dynamics if `dynamics` is set.
 [[nodiscard]] Result<QualityReport> evaluate(const Motion& motion, bool dynamics);

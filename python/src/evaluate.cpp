@@ -85,9 +85,7 @@ Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip
   if (limits_name.empty()) limits_name = robot.limits_for({});
   RETARGET_TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
   if (clip == nullptr) {
-    QualityReport report = measure_motion(*motion.clip, limits, nullptr).report;
-    if (dynamics) add_dynamics(*motion.clip, report);
-    return report;
+    return measure_motion(*motion.clip, limits, nullptr, dynamics).report;
   }
   RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
   RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
@@ -96,9 +94,7 @@ Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip
   plan.config = setup.config_for(plan.human);
   RETARGET_TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
   RETARGET_TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
-  QualityReport report = measure_motion(at_rate, limits, &source).report;
-  if (dynamics) add_dynamics(at_rate, report);
-  return report;
+  return measure_motion(at_rate, limits, &source, dynamics).report;
 }
 
 // For the clip that the motion was made from, only limits (and dynamics) may differ; other options

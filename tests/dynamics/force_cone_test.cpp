@@ -57,6 +57,22 @@ TEST(ForceCone, ResidualSatisfiesTheConditionsOfTheNearestPoint) {
   }
 }
 
+TEST(ForceCone, PyramidsLieInTheConeAboutTheirNormal) {
+  constexpr double kFriction = 0.7;
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 50; ++round) {
+    const Vector3d n = Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const auto edges = friction_pyramid(kFriction, n);
+    for (int i = 0; i < edges.cols(); ++i) {
+      EXPECT_NEAR(edges.col(i).dot(n), 1.0, 1e-12);
+      EXPECT_NEAR((edges.col(i) - n).norm(), kFriction, 1e-12);
+    }
+    EXPECT_LT((edges.rowwise().sum() - 4.0 * n).norm(), 1e-12);
+    EXPECT_NEAR((edges.col(0) - n).dot(edges.col(2) - n), 0.0, 1e-12);
+  }
+}
+
 TEST(ForceCone, ContactsNeverPull) {
   ForceCone cone = two_feet();
   ConeProjector projector;

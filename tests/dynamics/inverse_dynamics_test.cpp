@@ -49,6 +49,15 @@ class Reference {
     return {data_->qfrc_inverse, data_->qfrc_inverse + model_->nv};
   }
 
+  // Generalised forces of a force at a point of a body, in the state of the last forces().
+  std::vector<double> of_force(int body, const Vector3d& point, const Vector3d& force) {
+    std::vector<double> forces(static_cast<std::size_t>(model_->nv), 0.0);
+    const Vector3d torque = Vector3d::Zero();
+    mj_applyFT(model_.get(), data_.get(), force.data(), torque.data(), point.data(), body,
+               forces.data());
+    return forces;
+  }
+
   [[nodiscard]] Vector3d com(int root) const {
     return Eigen::Map<const Vector3d>(data_->subtree_com + 3 * root);
   }
@@ -94,6 +103,46 @@ TEST(InverseDynamics, ForcesMatchMujoco) {
                 1e-10 * scale);
     }
     EXPECT_LT(worst, 1e-12) << robot->name();
+  }
+}
+
+TEST(InverseDynamics, LoadsMatchMujoco) {
+  const auto robot = load_shipped("unitree_g1");
+  const Inertias inertias = make_inertias(*robot);
+  InverseDynamics own(robot->tree(), inertias);
+  Reference reference(*robot);
+  TreeState tree(robot->tree());
+  MotionState state(*robot);
+  std::mt19937 random(12);
+  std::normal_distribution<double> normal;
+  const int links = static_cast<int>(robot->tree().links().size());
+  for (int round = 0; round < 20; ++round) {
+    randomise(*robot, random, state);
+    tree.update(state.qpos);
+    const auto vector = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+    const std::vector<LinkLoad> loads = {{round % links, vector(), 50.0 * vector()},
+                                         {(7 * round + 3) % links, vector(), 50.0 * vector()}};
+    own.compute(tree, state.velocity, state.acceleration);
+    const Vector3d acceleration = own.com_acceleration();
+    const Wrench alone = own.needed();
+    own.compute(tree, state.velocity, state.acceleration, loads);
+    std::vector<double> expected = reference.forces(state);
+    double scale = 1.0;
+    Wrench carried;
+    for (const LinkLoad& load : loads) {
+      const int body = robot->tree().links()[static_cast<std::size_t>(load.link)].body;
+      const auto added = reference.of_force(body, load.position, load.force);
+      for (std::size_t dof = 0; dof < added.size(); ++dof) expected[dof] += added[dof];
+      carried.force += load.force;
+      carried.torque += (load.position - own.com()).cross(load.force);
+    }
+    for (const double force : expected) scale = std::max(scale, std::abs(force));
+    for (std::size_t dof = 0; dof < expected.size(); ++dof) {
+      EXPECT_NEAR(own.forces()[dof], expected[dof], 1e-12 * scale);
+    }
+    EXPECT_LT((own.needed().force - alone.force - carried.force).norm(), 1e-12 * scale);
+    EXPECT_LT((own.needed().torque - alone.torque - carried.torque).norm(), 1e-12 * scale);
+    EXPECT_LT((own.com_acceleration() - acceleration).norm(), 1e-12 * scale);
   }
 }
 

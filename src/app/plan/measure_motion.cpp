@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "retarget/measure.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/motion_scene.h"
 #include "retarget/normalize_start.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
@@ -31,10 +33,15 @@ Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& finger
   return to_human(*clip, plan.human.calibration);
 }
 
+// The source, with its lead-in or without.
+QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
+  return {lead_in ? &*measured.human_with_lead_in : &measured.human, &measured.config,
+          measured.scale, (lead_in ? measured.scene_with_lead_in : measured.scene).get()};
+}
+
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource& measured, const HumanClip& human,
-                             const SceneWorld* scene) {
-  const QualitySource source{&human, &measured.config, measured.scale, scene};
+                             const MeasuredSource& measured, bool lead_in) {
+  const QualitySource source = quality_source(measured, lead_in);
   return measure_quality(motion, limits, &source);
 }
 
@@ -64,13 +71,16 @@ Result<MeasuredSource> measured_source(Plan plan) {
 }
 
 MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource* source) {
-  if (source == nullptr) return {measure_quality(motion, limits, nullptr)};
+                             const MeasuredSource* source, bool dynamics) {
+  if (source == nullptr) {
+    MotionMeasure measure{measure_quality(motion, limits, nullptr)};
+    if (dynamics) add_dynamics(motion, measure.report);
+    return measure;
+  }
   const HumanClip* human = &source->human;
-  MotionMeasure measure{measure_beside(motion, limits, *source, *human, source->scene.get())};
+  MotionMeasure measure{measure_beside(motion, limits, *source, false)};
   if (const auto& whole = source->human_with_lead_in) {
-    QualityReport with_lead_in =
-        measure_beside(motion, limits, *source, *whole, source->scene_with_lead_in.get());
+    QualityReport with_lead_in = measure_beside(motion, limits, *source, true);
     const bool needs_it = motion.frame_count() > human->frame_count;
     if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
         (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {
@@ -78,6 +88,11 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
       measure.has_lead_in = true;
       human = &*whole;
     }
+  }
+  if (dynamics) {
+    const auto world =
+        robot_world(quality_source(*source, measure.has_lead_in), motion.robot());
+    add_dynamics(motion, measure.report, world.get());
   }
   const auto& fingers = measure.has_lead_in ? source->fingers_with_lead_in : source->fingers;
   if (fingers) add_hands(motion, *fingers, source->map, measure.report);
@@ -97,6 +112,19 @@ Option dynamics_row(bool& dynamics) {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// The world of a solved robot, moved like its file; empty if it has none.
+std::optional<SceneWorld> solved_world(const Motion& motion) {
+  std::optional<MotionScene> scene = motion_scene(motion);
+  if (!scene) return std::nullopt;
+  SceneWorld world = scaled_world(*motion.scene->human, motion.scene->scale);
+  world.clip = std::move(scene->robot);
+  return world;
+}
+
+}  // namespace
+
 Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   const Plan& plan = motion.plan;
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
@@ -109,7 +137,10 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
                              motion.scene ? motion.scene->human.get() : nullptr};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
-  if (dynamics) add_dynamics(printed, report);
+  if (dynamics) {
+    const std::optional<SceneWorld> world = solved_world(motion);
+    add_dynamics(printed, report, world ? &*world : nullptr);
+  }
   add_solver_failures(motion.solver_failures, report);
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);

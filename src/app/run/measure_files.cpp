@@ -32,8 +32,7 @@ Result<void> add_source(const MeasureRequest& request, const Run& run, LoadedRob
 MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
                        Observer& observer) {
   const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
-  MotionMeasure measure = measure_motion(clip, measures.limits, source);
-  if (measures.dynamics) add_dynamics(clip, measure.report);
+  MotionMeasure measure = measure_motion(clip, measures.limits, source, measures.dynamics);
   if (measure.has_lead_in) {
     observer.line("lead-in", file + " includes the source's leading frames; they are kept");
   }

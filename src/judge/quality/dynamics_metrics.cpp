@@ -107,8 +107,9 @@ void measure_support(const ReportBuilder& draft, const MotionDynamics& dynamics)
 
 }  // namespace
 
-void add_dynamics(const RobotClip& clip, QualityReport& report, const QualityOptions& options) {
-  const MotionDynamics dynamics = analyse_dynamics(clip);
+void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene,
+                  const QualityOptions& options) {
+  const MotionDynamics dynamics = analyse_dynamics(clip, scene);
   if (dynamics.samples.empty()) return;
   const ReportBuilder draft{clip, options, report};
   measure_unexplained(draft, dynamics);

@@ -121,6 +121,13 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
 
 }  // namespace
 
+std::shared_ptr<const SceneWorld> robot_world(const QualitySource& source, const Robot& robot) {
+  if (source.scene == nullptr || source.config == nullptr) return nullptr;
+  const auto scale = foot_scale(source, robot);
+  if (!scale) return nullptr;
+  return std::make_shared<const SceneWorld>(scaled_world(*source.scene, *scale));
+}
+
 QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
                               const QualitySource* source, const QualityOptions& options) {
   QualityReport report;

@@ -18,8 +18,6 @@ constexpr int kUnknowns = kEdges * static_cast<int>(ContactForces::kMaxPoints);
 // Weight of a force, per body weight: makes the problem strictly convex.
 constexpr double kForceWeight = 0.003;
 
-using Edges = Eigen::Matrix<double, 3, kEdges>;
-
 }  // namespace
 
 ContactForces::ContactForces(const KinematicTree& tree, std::span<const double> torque_limits,
@@ -28,6 +26,7 @@ ContactForces::ContactForces(const KinematicTree& tree, std::span<const double> 
       weight_(weight),
       lever_(lever),
       levers_(kMaxPoints),
+      edges_(kMaxPoints),
       jacobians_(kMaxPoints, RowsOfJoints::Zero(static_cast<int>(tree.links().size()), 3)),
       scaled_jacobians_(jacobians_),
       scale_(Eigen::VectorXd::Zero(static_cast<int>(tree.links().size()))),
@@ -48,18 +47,18 @@ ContactForces::ContactForces(const KinematicTree& tree, std::span<const double> 
 
 void ContactForces::solve(const InverseDynamics& dynamics, const TreeState& state,
                           std::span<const SupportPoint* const> points,
-                          std::span<const Vector3d> places) {
+                          std::span<const ContactPlace> places) {
   count_ = points.size();
   for (std::size_t p = 0; p < count_; ++p) {
-    levers_[p] = places[p] - dynamics.com();
-    fill_jacobian(state, *points[p], places[p], jacobians_[p]);
+    levers_[p] = places[p].position - dynamics.com();
+    edges_[p] = friction_pyramid(kFriction, places[p].normal);
+    fill_jacobian(state, *points[p], places[p].position, jacobians_[p]);
   }
   amounts_.setZero();
   if (count_ > 0) {
     build_system(dynamics);
     qp_.solve(hessian_, gradient_, lower_, upper_, amounts_);
   }
-  const Edges edges = friction_pyramid(kFriction);
   unexplained_ = dynamics.needed();
   for (std::size_t i = 1; i < joint_torques_.size(); ++i) {
     joint_torques_[i] = dynamics.forces()[KinematicTree::dof_of(static_cast<int>(i))];
@@ -69,7 +68,7 @@ void ContactForces::solve(const InverseDynamics& dynamics, const TreeState& stat
                                       static_cast<int>(joint_torques_.size()));
   for (std::size_t p = 0; p < count_; ++p) {
     const Vector3d force =
-        weight_ * (edges * amounts_.segment<kEdges>(kEdges * static_cast<int>(p)));
+        weight_ * (edges_[p] * amounts_.segment<kEdges>(kEdges * static_cast<int>(p)));
     forces_.push_back(force);
     unexplained_.force -= force;
     unexplained_.torque -= levers_[p].cross(force);
@@ -88,7 +87,6 @@ void ContactForces::fill_jacobian(const TreeState& state, const SupportPoint& po
 
 // Forces are divided by the weight, and torques by weight times lever.
 void ContactForces::build_system(const InverseDynamics& dynamics) {
-  const Edges edges = friction_pyramid(kFriction);
   for (int row = 1; row < scale_.size(); ++row) {
     scaled_torques_[row] = scale_[row] * dynamics.forces()[KinematicTree::dof_of(row)];
   }
@@ -103,13 +101,13 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
     scaled_jacobians_[p].noalias() = weight_ * (scale_.asDiagonal() * jacobians_[p]);
     const Vector3d pull =
         force + turn_p.transpose() * torque + scaled_jacobians_[p].transpose() * scaled_torques_;
-    gradient_.segment<kEdges>(row) = -edges.transpose() * pull;
+    gradient_.segment<kEdges>(row) = -edges_[p].transpose() * pull;
     for (std::size_t q = 0; q <= p; ++q) {
       const Matrix3d turn_q = skew(levers_[q]) / lever_;
       const Matrix3d block = Matrix3d::Identity() + turn_p.transpose() * turn_q +
                              scaled_jacobians_[p].transpose() * scaled_jacobians_[q];
       hessian_.block<kEdges, kEdges>(row, kEdges * static_cast<int>(q)) +=
-          edges.transpose() * block * edges;
+          edges_[p].transpose() * block * edges_[q];
     }
   }
 }

@@ -30,9 +30,9 @@ class ContactForces {
                 double lever = kLever);
 
   /// @param points  support points, at most kMaxPoints.
-  /// @param places  world positions of the points, metres.
+  /// @param places  where they touch.
   void solve(const InverseDynamics& dynamics, const TreeState& state,
-             std::span<const SupportPoint* const> points, std::span<const Eigen::Vector3d> places);
+             std::span<const SupportPoint* const> points, std::span<const ContactPlace> places);
 
   /// The wrench that no force explains, about the centre of mass: N, N m.
   [[nodiscard]] const Wrench& unexplained() const { return unexplained_; }
@@ -52,6 +52,7 @@ class ContactForces {
   double weight_, lever_;
   std::size_t count_ = 0;
   std::vector<Eigen::Vector3d> levers_;  // Vectors from the centre of mass to the points.
+  std::vector<Eigen::Matrix<double, 3, 4>> edges_;  // By point: of its friction pyramid.
   std::vector<RowsOfJoints> jacobians_;  // By point: joint torque per unit of force, rows by link.
   std::vector<RowsOfJoints> scaled_jacobians_;  // In units of limits and body weight.
   Eigen::VectorXd scale_, scaled_torques_;      // By link.

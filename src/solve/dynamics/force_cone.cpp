@@ -13,15 +13,23 @@ constexpr double kRidge = 1e-6;
 
 }  // namespace
 
-Eigen::Matrix<double, 3, 4> friction_pyramid(double friction) {
+Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal) {
+  // The tangents of a floor are x and y.
+  constexpr double kSteep = 0.9;
+  const Eigen::Vector3d aside = std::abs(normal.x()) < kSteep ? Eigen::Vector3d::UnitX()
+                                                              : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d first = (aside - normal.dot(aside) * normal).normalized();
+  const Eigen::Vector3d second = normal.cross(first);
   Eigen::Matrix<double, 3, 4> edges;
-  edges << friction, -friction, 0.0, 0.0, 0.0, 0.0, friction, -friction, 1.0, 1.0, 1.0, 1.0;
+  edges << friction * first, -friction * first, friction * second, -friction * second;
+  edges.colwise() += normal;
   return edges;
 }
 
-void ForceCone::add_point(const Eigen::Vector3d& lever, double friction) {
+void ForceCone::add_point(const Eigen::Vector3d& lever, double friction,
+                          const Eigen::Vector3d& normal) {
   if (count_ == kMaxEdges) return;
-  const Eigen::Matrix<double, 3, kEdges> pyramid = friction_pyramid(friction);
+  const Eigen::Matrix<double, 3, kEdges> pyramid = friction_pyramid(friction, normal);
   for (int i = 0; i < kEdges; ++i) {
     const Eigen::Vector3d force = pyramid.col(i);
     edges_.col(count_++) << force, lever.cross(force);

@@ -9,8 +9,11 @@
 
 namespace retarget {
 
-/// Edges of a pyramid inside the friction cone, one per column; their vertical components are 1.
-[[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(double friction);
+/// Edges of a pyramid inside the friction cone, one per column; their components along the normal
+/// are 1.
+/// @param normal  of the surface, unit length.
+[[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(
+    double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
 
 /// The wrenches about a point that friction pyramids at some support points can exert: the cone
 /// spanned by their edges. Forces come first, then torques, in units chosen by the caller.
@@ -24,7 +27,9 @@ class ForceCone {
   /// Removes all points. Keeps the active set of the last projection as the start of the next.
   void clear() { count_ = 0; }
   /// @param lever  vector from the reference point of the torques, in the torques' unit of length.
-  void add_point(const Eigen::Vector3d& lever, double friction);
+  /// @param normal  of the surface, unit length.
+  void add_point(const Eigen::Vector3d& lever, double friction,
+                 const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] auto edges() const { return edges_.leftCols(count_); }
 

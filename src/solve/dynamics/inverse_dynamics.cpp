@@ -17,9 +17,11 @@ InverseDynamics::InverseDynamics(const KinematicTree& tree, const Inertias& iner
       forces_(tree.dof_count()) {}
 
 void InverseDynamics::compute(const TreeState& state, std::span<const double> velocity,
-                              std::span<const double> acceleration) {
+                              std::span<const double> acceleration,
+                              std::span<const LinkLoad> loads) {
   move_links(state, velocity, acceleration);
   weigh_links(state);
+  add_loads(state, loads);
   gather_forces(state, acceleration);
   const Vector3d lever = state.origin() - com_;
   needed_ = {wrenches_[0].force, wrenches_[0].torque + lever.cross(wrenches_[0].force)};
@@ -31,7 +33,7 @@ bool InverseDynamics::is_finite() const {
 }
 
 Vector3d InverseDynamics::com_acceleration() const {
-  return needed_.force / inertias_->mass - kGravity * Vector3d::UnitZ();
+  return (needed_.force - load_) / inertias_->mass - kGravity * Vector3d::UnitZ();
 }
 
 Vector3d InverseDynamics::velocity_of(int link, const Vector3d& point,
@@ -97,6 +99,17 @@ void InverseDynamics::weigh_links(const TreeState& state) {
     wrenches_[i] = {force, com.cross(force) + about_com * motion.angular_rate + w.cross(spin)};
     const Vector3d lever = state.world_from_link[i].translation + com - com_;
     angular_momentum_ += spin + inertia.mass * lever.cross(motion.velocity + w.cross(com));
+  }
+}
+
+void InverseDynamics::add_loads(const TreeState& state, std::span<const LinkLoad> loads) {
+  load_.setZero();
+  for (const LinkLoad& load : loads) {
+    const auto link = static_cast<std::size_t>(load.link);
+    const Vector3d lever = load.position - state.world_from_link[link].translation;
+    wrenches_[link].force += load.force;
+    wrenches_[link].torque += lever.cross(load.force);
+    load_ += load.force;
   }
 }
 

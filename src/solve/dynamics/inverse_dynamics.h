@@ -16,6 +16,13 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
 
+/// A force that a link exerts on something that it carries.
+struct LinkLoad {
+  int link = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World, metres.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     ///< On the load, world, N.
+};
+
 /// Computes the forces that a movement needs, without contacts, by the recursive Newton-Euler
 /// algorithm (Featherstone, "Rigid Body Dynamics Algorithms", chapter 5) in world axes. Owns its
 /// scratch memory; compute() does not allocate. Tree and inertias must outlive this object and stay
@@ -29,8 +36,9 @@ class InverseDynamics {
   ///     base's origin in the world, 3-5 angular velocity in the base's own axes, then joint
   ///     velocities.
   /// @param acceleration  time derivatives of the velocities.
+  /// @param loads         what the links carry.
   void compute(const TreeState& state, std::span<const double> velocity,
-               std::span<const double> acceleration);
+               std::span<const double> acceleration, std::span<const LinkLoad> loads = {});
 
   /// Whether the last result is finite.
   [[nodiscard]] bool is_finite() const;
@@ -40,8 +48,8 @@ class InverseDynamics {
   /// Centre of mass of the whole robot, world, m, and its acceleration, m/s^2.
   [[nodiscard]] const Eigen::Vector3d& com() const { return com_; }
   [[nodiscard]] Eigen::Vector3d com_acceleration() const;
-  /// The external wrench that the movement needs, about the centre of mass: m (c'' + g), and the
-  /// rate of the angular momentum. Ignores the spin of rotors.
+  /// The external wrench that the movement needs, about the centre of mass: m (c'' + g), the rate of
+  /// the angular momentum, and the wrench of the loads. Ignores the spin of rotors.
   [[nodiscard]] const Wrench& needed() const { return needed_; }
   /// World velocity of a point that moves with a link, m/s.
   [[nodiscard]] Eigen::Vector3d velocity_of(int link, const Eigen::Vector3d& point,
@@ -58,6 +66,7 @@ class InverseDynamics {
   void move_links(const TreeState& state, std::span<const double> velocity,
                   std::span<const double> acceleration);
   void weigh_links(const TreeState& state);
+  void add_loads(const TreeState& state, std::span<const LinkLoad> loads);
   void gather_forces(const TreeState& state, std::span<const double> acceleration);
 
   const KinematicTree* tree_;
@@ -68,6 +77,7 @@ class InverseDynamics {
   std::vector<double> forces_;
   Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_momentum_ = com_;
+  Eigen::Vector3d load_ = com_;  // Sum of the loads' forces.
   Wrench needed_;
 };
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "retarget/statistics.h"
 #include "solve/dynamics/contact_forces.h"
 #include "solve/dynamics/motion_spline.h"
+#include "solve/dynamics/scene_supports.h"
 #include "solve/dynamics/support_points.h"
 
 namespace retarget {
@@ -18,6 +21,7 @@ constexpr double kSamplesPerSecond = 120.0;
 // Values for a robot as large as a G1.
 constexpr double kContactHeight = 0.02;    // Metres.
 constexpr double kContactSpeed = 0.5;      // Metres per second.
+constexpr double kCarryReach = 0.04;       // Metres between a lifted body and the links that carry it.
 constexpr double kNeighbour = 1.0 / 30.0;  // Seconds.
 // Share of the weight that must be held for ZMP and friction to be defined.
 constexpr double kMinHeld = 0.2;
@@ -32,11 +36,15 @@ struct Sizes {
   explicit Sizes(double size) : length(size), speed(std::sqrt(size)) {}
 };
 
+// What may push a point: nothing, the floor, or the body kFirstBody + i of the scene.
+using Surface = std::uint16_t;
+constexpr Surface kNothing = 0, kFloor = 1, kFirstBody = 2;
+
 // Positions of all points at all samples, and the samples at which each point may be a contact.
 class SupportTracks {
  public:
   SupportTracks(const std::vector<SupportPoint>& points, std::size_t samples)
-      : points_(&points), places_(points.size() * samples), may_push_(places_.size(), 0) {}
+      : points_(&points), places_(points.size() * samples), pushed_by_(places_.size(), kNothing) {}
 
   void set(std::size_t sample, const TreeState& state) {
     for (std::size_t p = 0; p < points_->size(); ++p) {
@@ -59,36 +67,55 @@ class SupportTracks {
       std::size_t until = 0;  // Samples before this one are already marked.
       for (std::size_t i = 0; i < samples; ++i) {
         const bool low = at(i, p).z() - floor < kContactHeight * sizes.length;
-        const bool slow = speed(i, p, samples) * rate < kContactSpeed * sizes.speed;
+        const bool slow = velocity(i, p).norm() * rate < kContactSpeed * sizes.speed;
         if (!low || !slow) continue;
         const std::size_t from = std::max(until, i < reach ? 0 : i - reach);
         until = std::min(samples, i + reach + 1);
-        for (std::size_t k = from; k < until; ++k) may_push_[k * count + p] = 1;
+        for (std::size_t k = from; k < until; ++k) pushed_by_[k * count + p] = kFloor;
       }
     }
+  }
+
+  // Adds a contact with a body of the scene, where the floor is none.
+  void touch(std::size_t sample, std::size_t point, std::size_t body, double rate) {
+    const std::size_t count = points_->size(), samples = places_.size() / count;
+    const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));
+    const auto surface = static_cast<Surface>(
+        std::min<std::size_t>(kFirstBody + body, std::numeric_limits<Surface>::max()));
+    for (std::size_t k = sample < reach ? 0 : sample - reach;
+         k < std::min(samples, sample + reach + 1); ++k) {
+      Surface& pushed = pushed_by_[k * count + point];
+      if (pushed == kNothing) pushed = surface;
+    }
+  }
+
+  [[nodiscard]] Surface surface(std::size_t sample, int point) const {
+    return pushed_by_[sample * points_->size() + static_cast<std::size_t>(point)];
   }
 
   void list_contacts(std::size_t sample, std::vector<int>& chosen) const {
     chosen.clear();
     const std::size_t count = points_->size();
     for (std::size_t p = 0; p < count; ++p) {
-      if (may_push_[sample * count + p] != 0) chosen.push_back(static_cast<int>(p));
+      if (pushed_by_[sample * count + p] != kNothing) chosen.push_back(static_cast<int>(p));
     }
     keep_outermost(at(sample), ContactForces::kMaxPoints, chosen);
   }
 
- private:
-  // Speed of a point, metres per sample.
-  [[nodiscard]] double speed(std::size_t sample, std::size_t point, std::size_t samples) const {
+  // Velocity of a point, metres per sample.
+  [[nodiscard]] Vector3d velocity(std::size_t sample, std::size_t point) const {
+    const std::size_t samples = places_.size() / points_->size();
     const std::size_t before = sample == 0 ? 0 : sample - 1;
     const std::size_t after = std::min(sample + 1, samples - 1);
-    if (after == before) return 0.0;
-    return (at(after, point) - at(before, point)).norm() / static_cast<double>(after - before);
+    if (after == before) return Vector3d::Zero();
+    return (at(after, point) - at(before, point)) / static_cast<double>(after - before);
   }
+
+ private:
 
   const std::vector<SupportPoint>* points_;
   std::vector<Vector3d> places_;  // Sample-major.
-  std::vector<char> may_push_;
+  std::vector<Surface> pushed_by_;  // Sample-major.
 };
 
 // Median height of the standing soles: flat, slow and near the floor.
@@ -135,7 +162,7 @@ std::vector<double> torque_limits_of(const Robot& robot) {
 
 class Analyser {
  public:
-  explicit Analyser(const RobotClip& clip)
+  Analyser(const RobotClip& clip, const SceneWorld* scene)
       : clip_(clip),
         spline_(clip),
         inertias_(make_inertias(clip.robot())),
@@ -147,6 +174,7 @@ class Analyser {
         inverse_(clip.robot().tree(), inertias_),
         contacts_(clip.robot().tree(), torque_limits_, inertias_.mass * kGravity,
                   ContactForces::kLever * sizes_.length) {
+    if (scene != nullptr && scene->clip.frame_count > 0) scene_.emplace(*scene, 0, scene->clip.frame_count);
     result_.samples_per_frame =
         std::max(1, static_cast<int>(std::lround(kSamplesPerSecond / clip.rate().fps())));
     result_.weight = inertias_.mass * kGravity;
@@ -167,6 +195,7 @@ class Analyser {
     if (!points_.empty()) {
       result_.floor_height = standing_height(tracks, points_, samples, rate, sizes_);
       tracks.find_contacts(result_.floor_height, rate, sizes_);
+      if (scene_) find_scene_contacts(samples, rate, tracks);
     }
     result_.samples.resize(samples);
     for (std::size_t i = 0; i < samples; ++i) measure(i, tracks);
@@ -181,9 +210,44 @@ class Analyser {
     state_.update(motion_.qpos);
   }
 
+  // The frame of the scene that is nearest to a sample.
+  [[nodiscard]] int scene_frame(std::size_t sample) const {
+    const int within = static_cast<int>(sample) % result_.samples_per_frame;
+    return result_.frame_of(sample) + (2 * within >= result_.samples_per_frame ? 1 : 0);
+  }
+
+  void find_scene_contacts(std::size_t samples, double rate, SupportTracks& tracks) {
+    for (std::size_t i = 0; i < samples; ++i) {
+      place(i);
+      for (std::size_t p = 0; p < points_.size(); ++p) {
+        const auto body = scene_->touched(scene_frame(i), points_[p], state_,
+                                          tracks.velocity(i, p) * rate,
+                                          kContactHeight * sizes_.length,
+                                          kContactSpeed * sizes_.speed);
+        if (body) tracks.touch(i, p, *body, rate);
+      }
+    }
+  }
+
+  void add_place(std::size_t index, int point, const SupportTracks& tracks) {
+    const auto p = static_cast<std::size_t>(point);
+    const Surface surface = tracks.surface(index, point);
+    supports_.push_back(&points_[p]);
+    if (surface == kFloor) {
+      places_.push_back({tracks.at(index, p)});
+    } else {
+      on_floor_ = false;
+      places_.push_back(scene_->place(scene_frame(index), points_[p], state_,
+                                      static_cast<std::size_t>(surface - kFirstBody)));
+    }
+  }
+
   void measure(std::size_t index, const SupportTracks& tracks) {
     place(index);
-    inverse_.compute(state_, motion_.velocity, motion_.acceleration);
+    if (scene_) {
+      scene_->find_loads(scene_frame(index), points_, state_, kCarryReach * sizes_.length, loads_);
+    }
+    inverse_.compute(state_, motion_.velocity, motion_.acceleration, loads_);
     if (!inverse_.is_finite()) {
       result_.samples[index] = unknown_sample();
       return;
@@ -192,10 +256,8 @@ class Analyser {
     if (!points_.empty()) tracks.list_contacts(index, chosen_);
     supports_.clear();
     places_.clear();
-    for (const int p : chosen_) {
-      supports_.push_back(&points_[static_cast<std::size_t>(p)]);
-      places_.push_back(tracks.at(index, static_cast<std::size_t>(p)));
-    }
+    on_floor_ = true;
+    for (const int p : chosen_) add_place(index, p, tracks);
     contacts_.solve(inverse_, state_, supports_, places_);
     DynamicsSample& sample = result_.samples[index];
     sample.size = sizes_.length;
@@ -233,7 +295,7 @@ class Analyser {
     const Wrench& needed = inverse_.needed();
     const double held = needed.force.z() / result_.weight;
     sample.zmp_margin = sample.friction = std::numeric_limits<double>::quiet_NaN();
-    if (!sample.supported || !(held >= kMinHeld)) return;
+    if (!sample.supported || !on_floor_ || !(held >= kMinHeld)) return;
     sample.friction = needed.force.head<2>().norm() / needed.force.z();
     // Zero-moment point: a force on the floor at this point has no horizontal moment.
     const double height = inverse_.com().z() - result_.floor_height;
@@ -242,7 +304,7 @@ class Analyser {
                                                    needed.torque.x() - height * needed.force.y()) /
                                        needed.force.z();
     polygon_.clear();
-    for (const Vector3d& place : places_) polygon_.emplace_back(place.head<2>());
+    for (const ContactPlace& place : places_) polygon_.emplace_back(place.position.head<2>());
     sample.zmp_margin = margin_in_hull(zmp, polygon_);
   }
 
@@ -250,6 +312,7 @@ class Analyser {
   MotionSpline spline_;
   Inertias inertias_;
   std::vector<SupportPoint> points_;
+  std::optional<SceneSupports> scene_;
   std::vector<double> torque_limits_;
   Sizes sizes_;
   MotionState motion_;
@@ -260,7 +323,9 @@ class Analyser {
   // Scratch memory.
   std::vector<int> chosen_;
   std::vector<const SupportPoint*> supports_;
-  std::vector<Vector3d> places_;
+  std::vector<ContactPlace> places_;
+  std::vector<LinkLoad> loads_;
+  bool on_floor_ = true;  // Whether only the floor supports.
   std::vector<Eigen::Vector2d> polygon_;
 };
 
@@ -277,8 +342,8 @@ double DynamicsSample::torque_as_force() const {
   return kBadForce / (kBadTorque * size) * unexplained_torque.head<2>().norm();
 }
 
-MotionDynamics analyse_dynamics(const RobotClip& clip) {
-  return Analyser(clip).run();
+MotionDynamics analyse_dynamics(const RobotClip& clip, const SceneWorld* scene) {
+  return Analyser(clip, scene).run();
 }
 
 }  // namespace retarget

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "retarget/motion.h"
+#include "scene/scene_world.h"
 #include "solve/dynamics/inverse_dynamics.h"
 
 namespace retarget {
@@ -21,7 +22,7 @@ struct DynamicsSample {
   bool supported = false;  ///< Whether at least one point may be a contact.
   /// Distance of the zero-moment point inside the support polygon, metres; negative outside. A
   /// force on the floor at the zero-moment point would have the needed moment. NaN without support,
-  /// or if less than a fifth of the weight has to be held.
+  /// if less than a fifth of the weight has to be held, or if something else than the floor supports.
   double zmp_margin = 0.0;
   /// Needed friction coefficient: horizontal over vertical part of the needed force; NaN as above.
   double friction = 0.0;
@@ -51,9 +52,13 @@ struct MotionDynamics {
 /// Runs inverse dynamics at about 120 samples per second and finds the closest wrench that contacts
 /// can supply; see docs/dynamics.md. A point may be a contact if it is lower than 2 cm and slower
 /// than 0.5 m/s at the sample or 1/30 s before or after. These values are for a G1; lengths scale
-/// with leg length, and speeds with its square root. Samples whose movement is too large to compute
+/// with leg length, and speeds with its square root. Bodies of a scene support the robot like the
+/// floor, in the direction of their surface, and those that it lifts weigh on the links that touch
+/// them (SceneSupports). Samples whose movement is too large to compute
 /// with contain NaN.
+/// @param scene  around the robot, in the frames of the clip; null: only the floor.
 /// @return no samples if the motion has fewer than three frames or the robot has no mass.
-[[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip);
+[[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip,
+                                              const SceneWorld* scene = nullptr);
 
 }  // namespace retarget

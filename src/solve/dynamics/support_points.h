@@ -17,6 +17,12 @@ struct SupportPoint {
   bool of_sole = false;
 };
 
+/// A position at which a surface may push a robot, and the direction of the push without friction.
+struct ContactPlace {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World, metres.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< World axes, unit length.
+};
+
 /// The points of the soles, followed by the ends of capsules, spheres and the corners of boxes of
 /// all bodies without a sole.
 [[nodiscard]] std::vector<SupportPoint> make_support_points(const Robot& robot);

@@ -13,6 +13,8 @@ using Eigen::Vector3d;
 // Unit of length for torques, for a G1; scaled by leg length. Metres.
 constexpr double kLength = 0.3;
 constexpr double kUsualMass = 35.0;  // Kilograms.
+// Links that are nearer to a lifted body carry it, for a G1; metres.
+constexpr double kCarryReach = 0.04;
 
 // By frame: mean over the frames at most `reach` away.
 template <typename T>
@@ -55,7 +57,21 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       goals_(at(count_), Vector6d::Zero()),
       rest_before_(at(count_), 0.0),
       share_(at(count_), 1.0),
-      spin_rows_(3, count_ * model.dof_count()) {}
+      spin_rows_(3, count_ * model.dof_count()) {
+  if (!clip.scene) return;
+  scene_.emplace(clip.scene->world, window.begin, window.end);
+  for (const FitFoot& foot : model.feet) {
+    for (const FitFoot::End& end : foot.ends) {
+      for (const Vector3d& corner : end.points) points_.push_back({foot.link, corner, 0.0, true});
+    }
+  }
+  for (std::size_t link = 0; link < model.floor_points.size(); ++link) {
+    if (model.is_foot[link] != 0) continue;
+    for (const FloorPoint& point : model.floor_points[link]) {
+      points_.push_back({static_cast<int>(link), point.position, point.radius, false});
+    }
+  }
+}
 
 double FitDynamics::begin(const FitClip& clip) {
   read_frames(clip);
@@ -129,7 +145,10 @@ void FitDynamics::read_frames(const FitClip& clip) {
 
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
   pose_.update(state.qpos);
-  inverse_.compute(pose_, state.velocity, state.acceleration);
+  if (scene_) {
+    scene_->find_loads(window_.begin + t, points_, pose_, kCarryReach * model_.leg / kUsualLeg, loads_);
+  }
+  inverse_.compute(pose_, state.velocity, state.acceleration, loads_);
   CentroidalFrame& frame = frames_[at(t)];
   const double weight = scale_.mass * kGravity;
   frame.needed.head<3>() = inverse_.needed().force / weight;
@@ -141,9 +160,14 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   } else {
     frame.moved.head<3>() = com_[at(t)] - first_com_[at(t)];
   }
-  std::vector<Vector3d>& places = contact_places_[at(t)];
+  std::vector<ContactPlace>& places = contact_places_[at(t)];
   places.clear();
-  for (const SupportPoint& point : contacts_[at(t)]) places.push_back(lowest_of(point, pose_));
+  for (const FitContact& contact : contacts_[at(t)]) places.push_back(place_of(t, contact));
+}
+
+ContactPlace FitDynamics::place_of(int t, const FitContact& contact) const {
+  if (!contact.body) return {lowest_of(contact.point, pose_)};
+  return scene_->place(window_.begin + t, contact.point, pose_, *contact.body);
 }
 
 bool FitDynamics::touches(const SupportPoint& point, double height, double speed) const {
@@ -152,22 +176,28 @@ bool FitDynamics::touches(const SupportPoint& point, double height, double speed
 }
 
 // Collects the planned foot ends and all points of feet or other bodies that are slow and near the
-// floor.
-void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts) {
+// floor or a body of the scene.
+void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts) {
   constexpr double kSoleHeight = 0.012, kBodyHeight = 0.02, kSpeed = 0.35;
   constexpr double kLooseHeight = 0.04, kLooseSpeed = 1.5, kHeld = 0.35;
   contacts.clear();
   add_feet(t, clip, kSoleHeight, kSpeed, contacts);
   add_bodies(kBodyHeight, kSpeed, contacts);
+  add_touched_bodies(t, kBodyHeight, kSpeed, contacts);
   // A body that is not falling must be supported, so this looser search accepts faster, higher
   // points.
   if (contacts.empty() && frames_[at(t)].needed.z() > kHeld) {
     add_feet(t, clip, kLooseHeight, kLooseSpeed, contacts);
+    add_touched_bodies(t, kLooseHeight, kLooseSpeed, contacts);
   }
+  keep_outermost_contacts(t, contacts);
+}
+
+void FitDynamics::keep_outermost_contacts(int t, std::vector<FitContact>& contacts) {
   places_.clear();
   chosen_.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    places_.push_back(lowest_of(contacts[i], pose_));
+    places_.push_back(place_of(t, contacts[i]).position);
     chosen_.push_back(static_cast<int>(i));
   }
   keep_outermost(places_, ForceCone::kMaxPoints, chosen_);
@@ -176,7 +206,7 @@ void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<SupportP
 }
 
 void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
-                           std::vector<SupportPoint>& contacts) const {
+                           std::vector<FitContact>& contacts) const {
   const auto goals = clip.feet.ends_of(window_.begin + t);
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
@@ -186,22 +216,36 @@ void FitDynamics::add_feet(int t, const FitClip& clip, double height, double spe
       for (const Vector3d& corner : foot.ends[e].points) {
         const SupportPoint point{foot.link, corner, 0.0, true};
         if (!planned && !touches(point, height, speed)) continue;
-        contacts.push_back(point);
-        contacts.back().in_link += options_.sole_shrink * (middle - corner);
+        contacts.push_back({point, {}});
+        contacts.back().point.in_link += options_.sole_shrink * (middle - corner);
       }
     }
   }
 }
 
 void FitDynamics::add_bodies(double height, double speed,
-                             std::vector<SupportPoint>& contacts) const {
+                             std::vector<FitContact>& contacts) const {
   for (std::size_t link = 0; link < model_.floor_points.size(); ++link) {
     if (model_.is_foot[link] != 0) continue;
     if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
     for (const FloorPoint& floor : model_.floor_points[link]) {
       const SupportPoint point{static_cast<int>(link), floor.position, floor.radius, false};
-      if (touches(point, height, speed)) contacts.push_back(point);
+      if (touches(point, height, speed)) contacts.push_back({point, {}});
     }
+  }
+}
+
+// Adds the points on bodies of the scene. Planned ends of feet are there already, with the normal of
+// a floor.
+void FitDynamics::add_touched_bodies(int t, double height, double speed,
+                                     std::vector<FitContact>& contacts) const {
+  if (!scene_) return;
+  for (const SupportPoint& point : points_) {
+    const Vector3d centre = pose_.world_from_link[point.link] * point.in_link;
+    const auto body = scene_->touched(window_.begin + t, point, pose_,
+                                      inverse_.velocity_of(point.link, centre, pose_), height,
+                                      speed);
+    if (body) contacts.push_back({point, body});
   }
 }
 
@@ -227,8 +271,9 @@ void FitDynamics::lend_contacts() {
 void FitDynamics::fill_cone(int t) {
   CentroidalFrame& frame = frames_[at(t)];
   frame.cone.clear();
-  for (const Vector3d& place : contact_places_[at(t)]) {
-    frame.cone.add_point((place - com_[at(t)]) / scale_.length, options_.support_friction);
+  for (const ContactPlace& place : contact_places_[at(t)]) {
+    frame.cone.add_point((place.position - com_[at(t)]) / scale_.length, options_.support_friction,
+                         place.normal);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,11 +10,18 @@
 #include "solve/dynamics/centroidal_step.h"
 #include "solve/dynamics/inverse_dynamics.h"
 #include "solve/dynamics/motion_spline.h"
+#include "solve/dynamics/scene_supports.h"
 #include "solve/dynamics/support_points.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 
 namespace retarget {
+
+/// A point of the robot that a surface may push.
+struct FitContact {
+  SupportPoint point;
+  std::optional<std::size_t> body;  ///< Of the scene; empty: the floor.
+};
 
 /// The dynamics part of a fit's last steps, for one window. Where the contacts cannot supply the
 /// forces of the movement, it moves the centre of mass and the angular momentum as little as
@@ -52,11 +60,15 @@ class FitDynamics {
   [[nodiscard]] double missing_share() const;
   [[nodiscard]] int frames_within(double seconds) const;
   void read_frame(const MotionState& state, int t, const FitClip& clip);
-  void find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts);
+  void find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts);
+  void keep_outermost_contacts(int t, std::vector<FitContact>& contacts);
   void add_feet(int t, const FitClip& clip, double height, double speed,
-                std::vector<SupportPoint>& contacts) const;
-  void add_bodies(double height, double speed, std::vector<SupportPoint>& contacts) const;
+                std::vector<FitContact>& contacts) const;
+  void add_bodies(double height, double speed, std::vector<FitContact>& contacts) const;
+  void add_touched_bodies(int t, double height, double speed,
+                          std::vector<FitContact>& contacts) const;
   [[nodiscard]] bool touches(const SupportPoint& point, double height, double speed) const;
+  [[nodiscard]] ContactPlace place_of(int t, const FitContact& contact) const;
   void lend_contacts();
   void fill_cone(int t);
   void find_trust();
@@ -72,8 +84,11 @@ class FitDynamics {
   TreeState pose_;
   CentroidalStep step_;
   std::vector<CentroidalFrame> frames_;
-  std::vector<std::vector<SupportPoint>> contacts_;
-  std::vector<std::vector<Eigen::Vector3d>> contact_places_;
+  std::vector<std::vector<FitContact>> contacts_;
+  std::vector<std::vector<ContactPlace>> contact_places_;
+  std::optional<SceneSupports> scene_;
+  std::vector<SupportPoint> points_;  // That may touch bodies of the scene.
+  std::vector<LinkLoad> loads_;
   std::vector<Eigen::Vector3d> com_, first_com_;
   std::vector<Vector6d> goals_;  // Centre of mass, world, metres; rotation still to be made.
   std::vector<double> rest_before_, share_;

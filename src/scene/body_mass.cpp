@@ -1,0 +1,81 @@
+#include "scene/body_mass.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/triangle_mesh.h"
+#include "retarget/write_scene.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// A volume and its centroid, in the frame of a shape.
+struct Volume {
+  double size = 0.0;  // Cubic metres.
+  Vector3d centre = Vector3d::Zero();
+};
+
+// Sums the tetrahedra between the triangles and one vertex.
+Volume volume_of_mesh(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
+  if (box.isEmpty()) return {};
+  const Vector3d& apex = mesh.vertices.front();
+  double size = 0.0;
+  Vector3d moment = Vector3d::Zero();
+  for (const auto& triangle : mesh.triangles) {
+    const auto corner = [&](std::size_t i) -> Vector3d {
+      return mesh.vertices[static_cast<std::size_t>(triangle[i])] - apex;
+    };
+    const double part = corner(0).dot(corner(1).cross(corner(2))) / 6.0;
+    size += part;
+    moment += part * (corner(0) + corner(1) + corner(2)) / 4.0;
+  }
+  constexpr double kHollow = 1e-3;  // Share of the box.
+  if (std::abs(size) < kHollow * box.volume()) return {box.volume(), box.center()};
+  const Vector3d centre = apex + moment / size;
+  // The centroid of a mesh with holes may lie anywhere.
+  return {std::abs(size), box.contains(centre) ? centre : box.center()};
+}
+
+Volume volume_of(const SceneShape& shape) {
+  using Type = SceneShape::Type;
+  const double disc = std::numbers::pi * shape.radius * shape.radius;
+  const double ball = 4.0 / 3.0 * disc * shape.radius;
+  switch (shape.type) {
+    case Type::kPlane:
+      return {};
+    case Type::kBox:
+      return {8.0 * shape.half_size.prod()};
+    case Type::kSphere:
+      return {ball};
+    case Type::kCapsule:
+      return {2.0 * shape.half_length * disc + ball};
+    case Type::kCylinder:
+      return {2.0 * shape.half_length * disc};
+    case Type::kMesh:
+      return shape.mesh ? volume_of_mesh(*shape.mesh) : Volume{};
+  }
+  return {};
+}
+
+}  // namespace
+
+BodyMass body_mass(const SceneBody& body) {
+  double size = 0.0;
+  Vector3d moment = Vector3d::Zero();
+  for (const SceneShape& shape : body.shapes) {
+    const Volume volume = volume_of(shape);
+    size += volume.size;
+    moment += volume.size * (shape.body_from_shape * volume.centre);
+  }
+  BodyMass result;
+  result.mass = body.mass > 0.0 ? body.mass : kObjectDensity * size;
+  if (size > 0.0) result.com = moment / size;
+  return result;
+}
+
+}  // namespace retarget
