@@ -8,8 +8,8 @@ namespace retarget {
 
 /// Mass and centre of mass of a body of a scene.
 struct BodyMass {
-  double mass = 0.0;                                ///< Kilograms.
-  Eigen::Vector3d com = Eigen::Vector3d::Zero();    ///< Frame of the body, metres.
+  double mass = 0.0;                              ///< Kilograms.
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();  ///< Frame of the body, metres.
 };
 
 /// The mass that a body states, or that of its volume at kObjectDensity. The centre of mass is that

@@ -126,7 +126,8 @@ TEST(SceneSupports, NeedNoFramesBesides) {
     const SceneSupports supports(world, 0, frames);
     const auto robot = load_shipped("unitree_g1");
     const TreeState state(robot->tree(), robot->zero_configuration());
-    const SupportPoint point{0, state.world_from_link[0].inverse() * Vector3d(0.15, 0, 1), 0, false};
+    const SupportPoint point{0, state.world_from_link[0].inverse() * Vector3d(0.15, 0, 1), 0,
+                             false};
     std::vector<LinkLoad> loads;
     supports.find_loads(frames + 5, {point}, state, 0.04, loads);
     ASSERT_EQ(loads.size(), 1U);

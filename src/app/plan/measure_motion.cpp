@@ -90,8 +90,7 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
     }
   }
   if (dynamics) {
-    const auto world =
-        robot_world(quality_source(*source, measure.has_lead_in), motion.robot());
+    const auto world = robot_world(quality_source(*source, measure.has_lead_in), motion.robot());
     add_dynamics(motion, measure.report, world.get());
   }
   const auto& fingers = measure.has_lead_in ? source->fingers_with_lead_in : source->fingers;

@@ -16,8 +16,8 @@ constexpr double kRidge = 1e-6;
 Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal) {
   // The tangents of a floor are x and y.
   constexpr double kSteep = 0.9;
-  const Eigen::Vector3d aside = std::abs(normal.x()) < kSteep ? Eigen::Vector3d::UnitX()
-                                                              : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d aside =
+      std::abs(normal.x()) < kSteep ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   const Eigen::Vector3d first = (aside - normal.dot(aside) * normal).normalized();
   const Eigen::Vector3d second = normal.cross(first);
   Eigen::Matrix<double, 3, 4> edges;

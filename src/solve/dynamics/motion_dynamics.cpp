@@ -19,9 +19,9 @@ using Eigen::Vector3d;
 
 constexpr double kSamplesPerSecond = 120.0;
 // Values for a robot as large as a G1.
-constexpr double kContactHeight = 0.02;    // Metres.
-constexpr double kContactSpeed = 0.5;      // Metres per second.
-constexpr double kCarryReach = 0.04;       // Metres between a lifted body and the links that carry it.
+constexpr double kContactHeight = 0.02;  // Metres.
+constexpr double kContactSpeed = 0.5;    // Metres per second.
+constexpr double kCarryReach = 0.04;  // Metres between a lifted body and the links that carry it.
 constexpr double kNeighbour = 1.0 / 30.0;  // Seconds.
 // Share of the weight that must be held for ZMP and friction to be defined.
 constexpr double kMinHeld = 0.2;
@@ -112,9 +112,8 @@ class SupportTracks {
   }
 
  private:
-
   const std::vector<SupportPoint>* points_;
-  std::vector<Vector3d> places_;  // Sample-major.
+  std::vector<Vector3d> places_;    // Sample-major.
   std::vector<Surface> pushed_by_;  // Sample-major.
 };
 
@@ -174,7 +173,8 @@ class Analyser {
         inverse_(clip.robot().tree(), inertias_),
         contacts_(clip.robot().tree(), torque_limits_, inertias_.mass * kGravity,
                   ContactForces::kLever * sizes_.length) {
-    if (scene != nullptr && scene->clip.frame_count > 0) scene_.emplace(*scene, 0, scene->clip.frame_count);
+    if (scene != nullptr && scene->clip.frame_count > 0)
+      scene_.emplace(*scene, 0, scene->clip.frame_count);
     result_.samples_per_frame =
         std::max(1, static_cast<int>(std::lround(kSamplesPerSecond / clip.rate().fps())));
     result_.weight = inertias_.mass * kGravity;
@@ -220,10 +220,9 @@ class Analyser {
     for (std::size_t i = 0; i < samples; ++i) {
       place(i);
       for (std::size_t p = 0; p < points_.size(); ++p) {
-        const auto body = scene_->touched(scene_frame(i), points_[p], state_,
-                                          tracks.velocity(i, p) * rate,
-                                          kContactHeight * sizes_.length,
-                                          kContactSpeed * sizes_.speed);
+        const auto body =
+            scene_->touched(scene_frame(i), points_[p], state_, tracks.velocity(i, p) * rate,
+                            kContactHeight * sizes_.length, kContactSpeed * sizes_.speed);
         if (body) tracks.touch(i, p, *body, rate);
       }
     }

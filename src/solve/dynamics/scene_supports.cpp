@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "base/math/gravity.h"
-#include "retarget/spline.h"
 #include "retarget/so3.h"
+#include "retarget/spline.h"
 #include "scene/body_mass.h"
 
 namespace retarget {
@@ -63,8 +63,7 @@ SceneSupports::BodyMotion SceneSupports::motion_of(int frame, std::size_t body) 
     const double time = half * frame_time;
     motion.velocity = (after.translation - before.translation) / (2.0 * time);
     motion.spin = log_so3(after.rotation * before.rotation.conjugate()) / (2.0 * time);
-    acceleration =
-        (after * mass.com - 2.0 * (at * mass.com) + before * mass.com) / (time * time);
+    acceleration = (after * mass.com - 2.0 * (at * mass.com) + before * mass.com) / (time * time);
   }
   const double low =
       now.translation.z() + world_.scales[body] * world_.fields[body].lowest(now.rotation);
@@ -89,8 +88,8 @@ std::optional<std::size_t> SceneSupports::touched(int frame, const SupportPoint&
     Vector3d relative = velocity;
     if (const BodyMotion* moves = motion(at, body)) {
       if (moves->lifted > kHeld) continue;
-      relative -= moves->velocity +
-                  moves->spin.cross(centre - world_.clip.pose(at, body).translation);
+      relative -=
+          moves->velocity + moves->spin.cross(centre - world_.clip.pose(at, body).translation);
     }
     if (!(relative.norm() < speed)) continue;
     const double distance = world_.distance(at, body, centre).distance - point.radius;

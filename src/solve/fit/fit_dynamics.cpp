@@ -146,7 +146,8 @@ void FitDynamics::read_frames(const FitClip& clip) {
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
   pose_.update(state.qpos);
   if (scene_) {
-    scene_->find_loads(window_.begin + t, points_, pose_, kCarryReach * model_.leg / kUsualLeg, loads_);
+    scene_->find_loads(window_.begin + t, points_, pose_, kCarryReach * model_.leg / kUsualLeg,
+                       loads_);
   }
   inverse_.compute(pose_, state.velocity, state.acceleration, loads_);
   CentroidalFrame& frame = frames_[at(t)];
@@ -223,8 +224,7 @@ void FitDynamics::add_feet(int t, const FitClip& clip, double height, double spe
   }
 }
 
-void FitDynamics::add_bodies(double height, double speed,
-                             std::vector<FitContact>& contacts) const {
+void FitDynamics::add_bodies(double height, double speed, std::vector<FitContact>& contacts) const {
   for (std::size_t link = 0; link < model_.floor_points.size(); ++link) {
     if (model_.is_foot[link] != 0) continue;
     if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
@@ -242,9 +242,9 @@ void FitDynamics::add_touched_bodies(int t, double height, double speed,
   if (!scene_) return;
   for (const SupportPoint& point : points_) {
     const Vector3d centre = pose_.world_from_link[point.link] * point.in_link;
-    const auto body = scene_->touched(window_.begin + t, point, pose_,
-                                      inverse_.velocity_of(point.link, centre, pose_), height,
-                                      speed);
+    const auto body =
+        scene_->touched(window_.begin + t, point, pose_,
+                        inverse_.velocity_of(point.link, centre, pose_), height, speed);
     if (body) contacts.push_back({point, body});
   }
 }
