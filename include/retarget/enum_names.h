@@ -54,6 +54,9 @@ inline constexpr auto kEnumNames<Follow> =
 template <>
 inline constexpr auto kEnumNames<SceneAxes> = std::to_array<NamedValue<SceneAxes>>(
     {{SceneAxes::kHuman, "human"}, {SceneAxes::kClip, "clip"}});
+template <>
+inline constexpr auto kEnumNames<ObjectMotion> = std::to_array<NamedValue<ObjectMotion>>(
+    {{ObjectMotion::kGiven, "given"}, {ObjectMotion::kFitted, "fitted"}});
 
 template <>
 inline constexpr auto kEnumNames<Purpose> = std::to_array<NamedValue<Purpose>>({{Purpose::kTracking,

@@ -52,6 +52,8 @@ struct QualitySource {
   ScaleRule scale = ScaleRule::kTable;
   /// The scene around the human, in the same frames; null: only the floor.
   const SceneWorld* scene = nullptr;
+  /// The scene around the robot; null: `scene`, scaled like the paths.
+  const SceneWorld* around_robot = nullptr;
 };
 
 struct QualityOptions {

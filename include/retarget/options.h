@@ -168,6 +168,8 @@ struct FitOptions {
   double scene_contact_weight = 230.0;  ///< Body in contact to a surface of the scene, per metre.
   double scene_place_weight = 12.0;     ///< The same to the human's place on it, per metre.
   double scene_hold_weight = 150.0;     ///< The same to its own mean place on it, per metre.
+  /// Side of a hand that faces the object it holds, per radian.
+  double scene_palm_weight = 10.0;
   double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
 
   double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
@@ -300,6 +302,12 @@ enum class SceneAxes : unsigned char {
   kClip,   ///< Those of the clip's file.
 };
 
+/// The paths of the moving bodies of a scene.
+enum class ObjectMotion : unsigned char {
+  kGiven,   ///< Those of their tracks, scaled.
+  kFitted,  ///< The same, moved with the parts of the robot that hold them.
+};
+
 /// How a motion is solved.
 struct SolveOptions {
   std::optional<Purpose> purpose;  ///< Empty: no preset.
@@ -329,6 +337,7 @@ struct SolveOptions {
   /// follow. Empty: none.
   std::string object_shift;
   double object_scale = 1.0;         ///< Size of the moving bodies; the hands follow.
+  ObjectMotion object_motion = ObjectMotion::kGiven;
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.
   IkEngine engine = IkEngine::kFast;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "retarget/clip.h"
@@ -46,11 +48,25 @@ struct Scene {
   [[nodiscard]] int find(const std::string& body) const;
 };
 
+/// Names of the parts of a human that may touch a body of a scene, besides the feet, in files.
+inline constexpr std::array<std::string_view, 8> kSupportNames = {
+    "left_knee", "right_knee", "left_elbow", "right_elbow",
+    "left_hand", "right_hand", "seat",       "back"};
+
+/// When a part of the human touches a body of a scene, as a file states it.
+struct StatedContact {
+  std::string part;           ///< One of kSupportNames.
+  std::size_t body = 0;       ///< Of the scene; in a track: 0.
+  std::vector<char> touches;  ///< By frame.
+};
+
 /// The path of one moving body.
 struct ObjectTrack {
   std::string body;                   ///< Empty: the only moving body.
   std::optional<FrameRate> rate;      ///< Empty: the rate of the clip.
   std::vector<Pose> world_from_body;  ///< By frame; metres, Z up.
+  /// Contacts of all parts with the body; empty: the file does not state them.
+  std::vector<StatedContact> contacts;
 };
 
 /// A scene over time: poses of all bodies, per frame.
@@ -58,7 +74,8 @@ struct SceneClip {
   std::shared_ptr<const Scene> scene;
   FrameRate rate;
   int frame_count = 0;
-  std::vector<Pose> world_from_body;  ///< Frame-major.
+  std::vector<Pose> world_from_body;    ///< Frame-major.
+  std::vector<StatedContact> contacts;  ///< Of bodies whose tracks state them.
 
   [[nodiscard]] const Pose& pose(int frame, std::size_t body) const {
     return world_from_body[static_cast<std::size_t>(frame) * scene->bodies.size() + body];

@@ -66,7 +66,10 @@ Result<std::string> decisions_of(const Plan& plan) {
     archive(bone.position_joint, bone.rotation_joint, bone.joint_from_bone, bone.position_in_joint);
   }
   archive(plan.scene);
-  for (const ObjectTrack& track : plan.object_tracks) archive(track.body, track.world_from_body);
+  for (const ObjectTrack& track : plan.object_tracks) {
+    archive(track.body, track.world_from_body);
+    for (const StatedContact& stated : track.contacts) archive(stated.part, stated.touches);
+  }
   return hash_bytes(archive.take());
 }
 

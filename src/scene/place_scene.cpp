@@ -109,6 +109,22 @@ Result<void> place_track(const ObjectTrack& track, std::size_t body, const ClipT
   return {};
 }
 
+// The contacts that a track states, in the nearest frames.
+void place_contacts(const ObjectTrack& track, std::size_t body, const ClipTimes& times,
+                    SceneClip& clip) {
+  const TrackPlace place(track.rate.value_or(times.source_rate), times);
+  for (const StatedContact& stated : track.contacts) {
+    StatedContact& placed = clip.contacts.emplace_back();
+    placed.part = stated.part;
+    placed.body = body;
+    const auto last = static_cast<std::int64_t>(stated.touches.size()) - 1;
+    for (int i = 0; i < times.frame_count && last >= 0; ++i) {
+      const std::int64_t frame = place.frame(i) + (place.fraction(i) < 0.5 ? 0 : 1);
+      placed.touches.push_back(stated.touches[static_cast<std::size_t>(std::min(frame, last))]);
+    }
+  }
+}
+
 Result<void> check_tracked(const SceneBody& body, const Scene& scene, bool is_second) {
   if (is_second) return input_failure(scene.name, "two tracks move the body " + quoted(body.name));
   const bool has_plane = std::ranges::any_of(
@@ -145,6 +161,7 @@ Result<SceneClip> place_scene(std::shared_ptr<const Scene> scene,
   }
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     TRY(place_track(tracks[i], tracked[i], times, clip));
+    place_contacts(tracks[i], tracked[i], times, clip);
   }
   return clip;
 }

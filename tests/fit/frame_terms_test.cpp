@@ -194,11 +194,12 @@ std::optional<FitScene> scene_around(const FitModel& model) {
   for (const SceneBody& body : scene->bodies) clip.world_from_body.push_back(body.world_from_body);
   auto world = make_scene_world(std::move(clip));
   if (!world) return std::nullopt;
-  FitScene fit = make_fit_scene(model, *world, {}, {}, 1.0, 1.0 / 30.0);
+  FitScene fit = make_fit_scene(model, *world, {}, {}, 1.0, 1.0 / 30.0, {});
   for (std::size_t support = 0; support < model.supports.size(); ++support) {
     const double share = support % 2 == 0 ? 1.0 : 0.4;
     fit.goals.push_back({static_cast<int>(support), static_cast<int>(support % 2),
                          Vector3d(0.1, 0.2, 0.6), Vector3d(0.6, 0.0, 0.8), 0.01, share});
+    if (support % 2 == 0) fit.goals.back().facing = Vector3d(0.0, -0.8, 0.6);
   }
   fit.first_goal = {0, static_cast<std::uint32_t>(fit.goals.size())};
   return fit;
@@ -208,6 +209,7 @@ TEST_F(FrameTermsTest, GradientOfTheSceneMatchesTheCost) {
   FitOptions options;
   options.tracking = options.floor = options.foot_height = false;
   options.self_collision = false;
+  options.scene_palm_weight = 30.0;
   use(options);
   scene_ = scene_around(model_);
   ASSERT_TRUE(scene_);

@@ -54,6 +54,19 @@ TEST(PlaceScene, FollowsTheFramesOfACutAndResampledClip) {
   }
 }
 
+TEST(PlaceScene, PlacesTheContactsThatATrackStates) {
+  ObjectTrack track = track_of(20);
+  track.contacts = {{"left_hand", 0, std::vector<char>(20, 0)}};
+  track.contacts[0].touches[6] = track.contacts[0].touches[7] = 1;
+  const auto clip = place_scene(two_bodies(), std::vector{track}, {{30, 1}, 20, 4, {60, 1}, 12});
+  ASSERT_TRUE(clip) << describe(clip.error());
+  ASSERT_EQ(clip->contacts.size(), 1U);
+  EXPECT_EQ(clip->contacts[0].part, "left_hand");
+  EXPECT_EQ(clip->contacts[0].body, 1U);
+  // Frames 4, 4.5, 5, ... of the track; halves count up.
+  EXPECT_EQ(clip->contacts[0].touches, (std::vector<char>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
+}
+
 TEST(PlaceScene, FollowsTheTimesOfATrackWithItsOwnRate) {
   const ClipTimes times{{30, 1}, 20, 4, {30, 1}, 5};
   const auto clip = place_scene(two_bodies(), std::vector{track_of(40, FrameRate{60, 1})}, times);
@@ -151,6 +164,35 @@ TEST_F(LoadObjectTrack, ReadsNpz) {
               HasSubstr("positive number of frames"));
 }
 
+TEST_F(LoadObjectTrack, ReadsTheContactsOfAnNpz) {
+  // One name of nine characters, which NumPy stores as UTF-32.
+  const auto named = [](std::string name) {
+    std::string data;
+    name.resize(9, '\0');
+    for (const char letter : name) data += std::string{letter, '\0', '\0', '\0'};
+    return npy("<U9", "(1,)", data);
+  };
+  const auto file = [&](const std::string& part, const std::string& contacts) {
+    return NpzBuilder()
+        .add("pose", npy_doubles({2, 7}, kTwoPoses))
+        .add("contact_parts", named(part))
+        .add("contacts", contacts)
+        .build();
+  };
+  const auto track =
+      load_object_track(folder_.write("t.npz", file("left_hand", npy_doubles({2, 1}, {0.2, 0.7}))));
+  expect_two_poses(track);
+  ASSERT_EQ(track->contacts.size(), kSupportNames.size());
+  for (const StatedContact& stated : track->contacts) {
+    const bool left_hand = stated.part == "left_hand";
+    EXPECT_EQ(stated.touches, (std::vector<char>{0, static_cast<char>(left_hand ? 1 : 0)}));
+  }
+  EXPECT_THAT(error_of("a.npz", file("left_toe", npy_doubles({2, 1}, {0, 1}))),
+              HasSubstr("unknown part \"left_toe\""));
+  EXPECT_THAT(error_of("b.npz", file("left_hand", npy_doubles({1, 2}, {0, 1}))),
+              HasSubstr("expected the shape (2, 1)"));
+}
+
 TEST_F(LoadObjectTrack, ReadsCsv) {
   expect_two_poses(load_object_track(folder_.write("t.csv", "1,2,3,2,0,0,0\n4,5,6,0,0,3,0\n")));
   expect_two_poses(load_object_track(
@@ -168,6 +210,21 @@ TEST_F(LoadObjectTrack, SaysWhatATrackIs) {
   ASSERT_FALSE(missing);
   EXPECT_THAT(describe(missing.error()), HasSubstr("BODY=FILE"));
   EXPECT_THAT(error_of("a.bvh", "HIERARCHY\nROOT a\n"), HasSubstr("tracks are NPZ, NPY, CSV"));
+}
+
+TEST(LoadSharedTrack, StatesContactsOfHands) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  const auto track =
+      load_object_track((*shared / "data/formats/omomo_sub3_largebox_003.pt").string());
+  ASSERT_TRUE(track) << describe(track.error());
+  ASSERT_EQ(track->contacts.size(), kSupportNames.size());
+  for (const StatedContact& stated : track->contacts) {
+    EXPECT_EQ(stated.touches.size(), track->world_from_body.size());
+    const auto count = std::ranges::count(stated.touches, 1);
+    if (stated.part.ends_with("hand")) EXPECT_GT(count, 100) << stated.part;
+    if (stated.part.ends_with("knee")) EXPECT_EQ(count, 0) << stated.part;
+  }
 }
 
 TEST(LoadSharedTrack, RestsOnTheFloorAtFirst) {

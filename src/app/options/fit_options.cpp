@@ -91,6 +91,8 @@ OptionTable foot_table(FitOptions& o) {
              "The same body to the human's place on the surface, per metre"),
       number(kGroup, "scene_hold_weight", o.scene_hold_weight,
              "The same body to its own mean place on the surface, per metre"),
+      number(kGroup, "scene_palm_weight", o.scene_palm_weight,
+             "Side of a hand that faces the object it holds, per radian"),
       number(kGroup, "scene_margin", o.scene_margin,
              "Metres; bodies stay this far from surfaces of the scene", -1.0, 1.0),
       number(kGroup, "self_collision_weight", o.self_collision_weight,

@@ -155,7 +155,11 @@ OptionTable scene_table(SolveOptions& options) {
                   scene_text, checked_object_shift, change),
       option("object-scale", options.object_scale, kRobotGroup, "S",
              "Scale the moving bodies of the scene; hands that touch them follow",
-             {.min = kMinSceneScale, .max = kMaxSceneScale, .uses = kOfScene})};
+             {.min = kMinSceneScale, .max = kMaxSceneScale, .uses = kOfScene}),
+      option("object-motion", options.object_motion, kRobotGroup, "",
+             "Paths of the moving bodies of the scene: given: those of their tracks; fitted: moved "
+             "with the hands that hold them, where these would lose contact",
+             change)};
 }
 
 }  // namespace retarget

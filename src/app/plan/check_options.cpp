@@ -60,11 +60,13 @@ namespace {
 // Options that change a scene, without a scene.
 Result<void> check_without_scene(const SolveOptions& solve) {
   const bool changes = !solve.terrain_scale.empty() || !solve.object_shift.empty() ||
-                       solve.object_scale != 1.0 || solve.scene_axes != SceneAxes::kHuman;
+                       solve.object_scale != 1.0 || solve.scene_axes != SceneAxes::kHuman ||
+                       solve.object_motion != ObjectMotion::kGiven;
   if (changes) {
     return usage_failure(
         OPTION("scene-axes") ", " OPTION("terrain-scale") ", " OPTION(
-            "object-shift") " and " OPTION("object-scale") " require " OPTION("scene"),
+            "object-shift") ", " OPTION("object-scale") " and " OPTION(
+            "object-motion") " require " OPTION("scene"),
         "add " OPTION("scene") " FILE");
   }
   if (solve.object_tracks.empty()) return {};

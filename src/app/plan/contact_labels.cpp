@@ -15,10 +15,6 @@
 namespace retarget {
 namespace {
 
-constexpr std::array<std::string_view, kSupportBones.size()> kPartNames = {
-    "left_knee", "right_knee", "left_elbow", "right_elbow",
-    "left_hand", "right_hand", "seat",       "back"};
-
 class LabelMaker {
  public:
   LabelMaker(const Robot& robot, const ResolvedConfig& config, int frame_count,
@@ -42,7 +38,7 @@ class LabelMaker {
     const auto foot = std::ranges::find(kContactNames, part);
     if (foot != kContactNames.end()) return static_cast<std::size_t>(foot - kContactNames.begin());
     return kContactNames.size() +
-           static_cast<std::size_t>(std::ranges::find(kPartNames, part) - kPartNames.begin());
+           static_cast<std::size_t>(std::ranges::find(kSupportNames, part) - kSupportNames.begin());
   }
 
   [[nodiscard]] std::string surface(int body) const {
@@ -87,7 +83,7 @@ class LabelMaker {
       for (const auto* contacts : {&scene_->on_floor, &scene_->contacts}) {
         for (const SceneContact& contact : *contacts) {
           if (contact.part != kSupportBones[body.support]) continue;
-          add({std::string(kPartNames[body.support]), robot_.bodies()[of_link].name,
+          add({std::string(kSupportNames[body.support]), robot_.bodies()[of_link].name,
                surface(contact.body), contact.begin, contact.end, contact.slides});
         }
       }

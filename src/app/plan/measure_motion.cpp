@@ -132,14 +132,13 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   if (plan.options.save.normalize_start) normalize_start(moved);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
+  const std::optional<SceneWorld> world = solved_world(motion);
   const QualitySource source{&human, &plan.config, plan.scale,
-                             motion.scene ? motion.scene->human.get() : nullptr};
+                             motion.scene ? motion.scene->human.get() : nullptr,
+                             world ? &*world : nullptr};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
-  if (dynamics) {
-    const std::optional<SceneWorld> world = solved_world(motion);
-    add_dynamics(printed, report, world ? &*world : nullptr);
-  }
+  if (dynamics) add_dynamics(printed, report, source.around_robot);
   add_solver_failures(motion.solver_failures, report);
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);

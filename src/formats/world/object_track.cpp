@@ -119,6 +119,42 @@ Result<std::size_t> object_of(const NpzFile& file, const std::string& body) {
       "give BODY=FILE with the name of one of them");
 }
 
+// Reads the contacts of a track: `contacts` (frames, parts) and `contact_parts`. Parts that are not
+// listed do not touch.
+Result<std::vector<StatedContact>> contacts_of(const NpzFile& file, std::size_t frames) {
+  std::vector<StatedContact> contacts;
+  if (!file.has("contacts") || !file.has("contact_parts")) return contacts;
+  TRY_ASSIGN(const NpyArray names, file.read("contact_parts"));
+  TRY_ASSIGN(const NpyArray array, file.read("contacts"));
+  const std::vector<std::string> parts =
+      names.is_text() ? names.texts() : std::vector<std::string>();
+  if (!array.is_number() || array.shape.size() != 2 || array.shape[0] != frames ||
+      array.shape[1] != parts.size()) {
+    return file.array_failure(
+        "contacts", fmt::format("expected the shape ({}, {}): one column for each name of "
+                                "\"contact_parts\"; found {}",
+                                frames, parts.size(), shape_text(array.shape)));
+  }
+  const std::vector<double> labels = array.numbers();
+  for (const std::string_view name : kSupportNames) {
+    StatedContact& stated = contacts.emplace_back();
+    stated.part = name;
+    stated.touches.assign(frames, 0);
+  }
+  for (std::size_t column = 0; column < parts.size(); ++column) {
+    const auto known = std::ranges::find(contacts, parts[column], &StatedContact::part);
+    if (known == contacts.end()) {
+      return file.array_failure(
+          "contact_parts", fmt::format("unknown part \"{}\": parts are {}",
+                                       printable(parts[column]), fmt::join(kSupportNames, ", ")));
+    }
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      if (labels[frame * parts.size() + column] > 0.5) known->touches[frame] = 1;
+    }
+  }
+  return contacts;
+}
+
 Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& file_name,
                                    const std::string& body) {
   constexpr std::array<std::string_view, 5> kPositions = {"position", "pos", "obj_pos",
@@ -153,6 +189,7 @@ Result<ObjectTrack> read_npz_track(std::string_view bytes, const std::string& fi
     }
   }
   TRY_ASSIGN(track.world_from_body, poses_of(*table, 7, kScalarFirst));
+  TRY_ASSIGN(track.contacts, contacts_of(file, track.world_from_body.size()));
   return track;
 }
 
@@ -201,6 +238,41 @@ Result<ObjectTrack> read_csv_track(std::string_view bytes, const std::string& fi
   return track;
 }
 
+// The bodies of a part in the order of InterMimic's model: [first, last].
+struct LabelledPart {
+  std::string_view part;
+  std::size_t first, last;
+};
+
+// The labels say which of the 52 bodies of SMPL-X touches the object; a hand is its wrist and its
+// fingers. A file in which nothing ever touches does not have them.
+std::vector<StatedContact> intermimic_contacts(const std::vector<double>& table) {
+  constexpr std::size_t kFirstLabel = 331;
+  constexpr std::array<LabelledPart, 8> kParts = {{{"left_knee", 2, 2},
+                                                   {"right_knee", 6, 6},
+                                                   {"left_elbow", 16, 16},
+                                                   {"right_elbow", 35, 35},
+                                                   {"left_hand", 17, 32},
+                                                   {"right_hand", 36, 51},
+                                                   {"seat", 0, 0},
+                                                   {"back", 9, 11}}};
+  std::vector<StatedContact> contacts;
+  bool any = false;
+  for (const LabelledPart& part : kParts) {
+    StatedContact& stated = contacts.emplace_back();
+    stated.part = part.part;
+    for (std::size_t row = 0; row < table.size(); row += kInterMimicColumns) {
+      const auto labels =
+          std::span(table).subspan(row + kFirstLabel + part.first, part.last - part.first + 1);
+      const bool touches = std::ranges::any_of(labels, [](double label) { return label > 0.5; });
+      stated.touches.push_back(touches ? 1 : 0);
+      any = any || touches;
+    }
+  }
+  if (!any) contacts.clear();
+  return contacts;
+}
+
 Result<ObjectTrack> read_intermimic_track(std::string_view bytes, const std::string& file) {
   // Position of the object and its quaternion, x first (docs/smpl.md).
   constexpr std::size_t kFirst = 318;
@@ -217,7 +289,9 @@ Result<ObjectTrack> read_intermimic_track(std::string_view bytes, const std::str
   Order order = kScalarLast;
   for (std::size_t& column : order) column += kFirst;
   ObjectTrack track;
-  TRY_ASSIGN(track.world_from_body, poses_of(table.numbers(), kInterMimicColumns, order));
+  const std::vector<double> numbers = table.numbers();
+  TRY_ASSIGN(track.world_from_body, poses_of(numbers, kInterMimicColumns, order));
+  track.contacts = intermimic_contacts(numbers);
   track.rate = FrameRate{30, 1};
   return track;
 }

@@ -19,8 +19,9 @@ using Eigen::Vector3d;
 // of its points from the skin, which no skeleton knows; the thresholds cover its error.
 constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
 constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
-// A contact slides if its place on the surface moves farther than this, metres.
-constexpr double kSlideReach = 0.08;
+// A contact slides if its place on the surface moves farther than this, metres, or as fast as this
+// throughout, m/s: a hand that passes over a surface touches it too briefly to move far.
+constexpr double kSlideReach = 0.08, kSlideSpeed = 0.15;
 // How far the nearest point of a surface may move before the contact moves, metres.
 constexpr double kStickReach = 0.03;
 // Where a foot's ground is looked for: this far above its ends, metres.
@@ -69,13 +70,7 @@ class SurfaceContactFinder {
 
   void find(std::vector<SurfacePhase>& phases) const {
     std::vector<char> touches(distances_.size());
-    bool on = false;
-    for (std::size_t frame = 0; frame < touches.size(); ++frame) {
-      on = distances_[frame] <= (on ? kEndDistance : kBeginDistance) * size_ &&
-           speed(static_cast<int>(frame)) <= (on ? kEndSpeed : kBeginSpeed) * size_;
-      touches[frame] = on ? 1 : 0;
-    }
-    bridge_gaps(touches);
+    if (!take_stated(touches)) detect(touches);
     for_each_run(
         0, static_cast<int>(touches.size()),
         [&](int frame) { return touches[static_cast<std::size_t>(frame)]; },
@@ -89,6 +84,27 @@ class SurfaceContactFinder {
   }
 
  private:
+  // The contacts that a file states. @return whether it does.
+  bool take_stated(std::vector<char>& touches) const {
+    for (const StatedContact& stated : world_.clip.contacts) {
+      if (stated.body != body_ || stated.part != kSupportNames[part_]) continue;
+      std::copy_n(stated.touches.begin(), std::min(stated.touches.size(), touches.size()),
+                  touches.begin());
+      return true;
+    }
+    return false;
+  }
+
+  void detect(std::vector<char>& touches) const {
+    bool on = false;
+    for (std::size_t frame = 0; frame < touches.size(); ++frame) {
+      on = distances_[frame] <= (on ? kEndDistance : kBeginDistance) * size_ &&
+           speed(static_cast<int>(frame)) <= (on ? kEndSpeed : kBeginSpeed) * size_;
+      touches[frame] = on ? 1 : 0;
+    }
+    bridge_gaps(touches);
+  }
+
   // Speed of the nearest point over the surface and of the distance, m/s.
   [[nodiscard]] double speed(int frame) const {
     const int half = std::max(1, static_cast<int>(std::lround(1.0 / 30.0 / frame_time_)));
@@ -127,7 +143,11 @@ class SurfaceContactFinder {
     }
     Eigen::AlignedBox3d box;
     for (const Vector3d& point : found.places) box.extend(point);
-    found.slides = box.diagonal().norm() > kSlideReach * size_;
+    const double way =
+        (places_[static_cast<std::size_t>(end - 1)] - places_[static_cast<std::size_t>(begin)])
+            .norm();
+    found.slides = box.diagonal().norm() > kSlideReach * size_ ||
+                   way > kSlideSpeed * size_ * frame_time_ * (end - begin - 1);
     if (found.slides) return found;
     const Vector3d middle = box.center();
     std::ranges::fill(found.places, middle);

@@ -14,6 +14,8 @@
 
 namespace retarget {
 
+static_assert(kSupportNames.size() == kSupportBones.size());
+
 /// Points of the human that may touch the surfaces of a scene, besides the feet: the joints of
 /// kSupportBones, and the palms and finger tips.
 class SurfaceParts {

@@ -59,7 +59,8 @@ class SceneMeter {
       : draft_(draft),
         robot_(draft.clip.robot()),
         source_(source),
-        world_(scaled_world(source.world, source.scale)),
+        world_(source.around_robot != nullptr ? *source.around_robot
+                                              : scaled_world(source.world, source.scale)),
         supports_(support_bodies(robot_, config)),
         frames_(std::min({frames, draft.clip.frame_count(), world_.clip.frame_count})),
         state_(robot_.tree()),

@@ -18,10 +18,10 @@ struct SceneSource {
   const SourceFeet& feet;
   const ContactPlan& contacts;  ///< Of the human's feet on this scene.
   double scale = 1.0;           ///< From the human's to the robot's paths.
+  const SceneWorld* around_robot = nullptr;  ///< Null: `world`, scaled (scaled_world).
 };
 
-/// Measures how a robot touches and penetrates its scene, which is the human's scaled
-/// (scaled_world), over the first `frames` frames.
+/// Measures how a robot touches and penetrates its scene over the first `frames` frames.
 /// @return by frame: whether the robot is within 2 cm of a body of the scene.
 std::vector<char> measure_scene(const ReportBuilder& draft, const ResolvedConfig& config,
                                 const SceneSource& source, int frames);

@@ -18,8 +18,14 @@ namespace retarget {
 class SceneSupports {
  public:
   /// @param world  around the robot; must outlive this object. It has at least one frame.
-  /// @param begin, end  the frames that are asked for: [begin, end).
+  /// @param begin, end  frames [begin, end) that the calls may name.
   SceneSupports(const SceneWorld& world, int begin, int end);
+
+  /// From 0, for a body that rests on the floor or a static body, to 1, for one that is 4 cm above.
+  [[nodiscard]] double lifted(int frame, std::size_t body) const {
+    const BodyMotion* const moves = motion(frame, body);
+    return moves == nullptr ? 0.0 : moves->lifted;
+  }
 
   /// The nearest body of the scene that supports a point.
   /// @param velocity  of the point, world, m/s.

@@ -32,6 +32,7 @@
 #include "solve/fit/fit_windows.h"
 #include "solve/fit/foot_plan.h"
 #include "solve/fit/frame_terms.h"
+#include "solve/fit/object_motion.h"
 #include "solve/fit/shorthand.h"
 #include "solve/fit/start_frames.h"
 #include "solve/fit/window_solver.h"
@@ -138,6 +139,8 @@ class Fit {
   Result<void> recover_limbs(FitReport& report);
   void hold_joints();
   Result<void> hold_scene_contacts(const FitWindows& plan, int threads);
+  Result<void> follow_hands_of_robot(const FitWindows& plan, int threads, FitResult& result);
+  Result<void> solve_again(const FitWindows& plan, int threads);
   void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                               FitResult& result);
   void keep_bounds(FitReport& report);
@@ -253,6 +256,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   windows.starts_are_there(clip_.frame_count);
   if (!windows.finish(run_.keep_going)) return interrupted_failure();
   TRY(hold_scene_contacts(plan, threads));
+  TRY(follow_hands_of_robot(plan, threads, result));
   TRY(recover_limbs(result.report));
   TRY(check_finite());
   keep_bounds(result.report);
@@ -268,6 +272,26 @@ Result<void> Fit::hold_scene_contacts(const FitWindows& plan, int threads) {
   auto held = std::make_shared<FitScene>(*clip_.scene);
   if (!hold_contacts(model_, clip_.qpos, *held)) return {};
   clip_.scene = std::move(held);
+  return solve_again(plan, threads);
+}
+
+// Moves the objects with the hands that hold them, and solves with these paths.
+Result<void> Fit::follow_hands_of_robot(const FitWindows& plan, int threads, FitResult& result) {
+  if (!clip_.scene || run_.object_motion != ObjectMotion::kFitted) return {};
+  auto followed = std::make_shared<FitScene>(*clip_.scene);
+  const std::vector<ObjectMove> moved =
+      follow_hands(model_, clip_.qpos, clip_.frame_time, *followed);
+  for (const ObjectMove& move : moved) {
+    result.report.notes.push_back(fmt::format("{} moves with the robot by up to {:.1f} cm",
+                                              printable(move.body), 100.0 * move.farthest));
+  }
+  if (moved.empty()) return {};
+  result.scene->clip = followed->world.clip;
+  clip_.scene = std::move(followed);
+  return solve_again(plan, threads);
+}
+
+Result<void> Fit::solve_again(const FitWindows& plan, int threads) {
   WindowSolver windows(model_, options_, plan, clip_, threads);
   windows.starts_are_there(clip_.frame_count);
   if (!windows.finish(run_.keep_going)) return interrupted_failure();
@@ -378,7 +402,7 @@ void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, d
   const std::vector<SurfacePhase> phases =
       find_surface_contacts(world, parts, options, clip_.frame_time);
   auto scene = std::make_shared<FitScene>(
-      make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time));
+      make_fit_scene(model_, world, parts, phases, scale, clip_.frame_time, clip_.targets));
   SolvedScene& solved = result.scene.emplace();
   solved.clip = scene->world.clip;
   solved.scale = scale;

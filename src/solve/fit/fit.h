@@ -45,6 +45,7 @@ struct FitRun {
   /// The scene around the human in the frames of the clip; null: only the floor. Without feet in
   /// the source or the robot it is ignored.
   const SceneWorld* scene = nullptr;
+  ObjectMotion object_motion = ObjectMotion::kGiven;
 };
 
 /// Retargets a whole clip (docs/fit.md):

@@ -37,6 +37,12 @@ struct FitTask {
   std::string body;
 };
 
+/// Target position of a task's body (world, metres) and target rotation of its link.
+struct TaskTarget {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
+};
+
 /// A sphere, in the link frame, that must stay above the floor; metres.
 struct FloorPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();

@@ -78,9 +78,12 @@ void add_row(Composite& sum, const Vector3d& direction, const Vector3d& from_roo
 // robot approaches and leaves the surface as its human does.
 class GoalPlanner {
  public:
-  GoalPlanner(const SceneWorld& human_world, const SceneWorld& world, const SurfaceParts& parts,
+  GoalPlanner(const FitModel& model, std::span<const TaskTarget> targets,
+              const SceneWorld& human_world, const SceneWorld& world, const SurfaceParts& parts,
               double scale, double frame_time)
-      : human_world_(human_world),
+      : model_(model),
+        targets_(targets),
+        human_world_(human_world),
         world_(world),
         parts_(parts),
         scale_(scale),
@@ -92,6 +95,7 @@ class GoalPlanner {
     const int begin = std::max(0, phase.begin - blend_);
     const int end = std::min(frames, phase.end + blend_);
     const double size = world_.scales[phase.body] / human_world_.scales[phase.body];
+    const Vector3d facing = facing_of(phase, support, size);
     for (int frame = begin; frame < end; ++frame) {
       const int away = std::max({0, phase.begin - frame, frame - phase.end + 1});
       const int inside = std::clamp(frame, phase.begin, phase.end - 1);
@@ -104,6 +108,7 @@ class GoalPlanner {
       const Vector3d in_body = phase.places[at(inside - phase.begin)];
       goal.place = pose * (size * in_body);
       goal.normal = world_.distance(frame, phase.body, goal.place).normal;
+      goal.facing = facing;
       if (away > 0) approach(phase, frame, inside, goal);
       merge(goal, by_frame_[at(frame)]);
     }
@@ -120,6 +125,32 @@ class GoalPlanner {
 
  private:
   static constexpr double kBlendTime = 0.25;  // Seconds.
+
+  // The direction in a hand's link that faces an object while the human's hand holds it, on average;
+  // zero for other parts and static bodies, or if the hand turns. A hand that supports a climber may
+  // lie as the robot's arm needs it.
+  [[nodiscard]] Vector3d facing_of(const SurfacePhase& phase, int support, double size) const {
+    constexpr double kTurns = 0.9;  // Length of the mean; 1: the hand does not turn.
+    const Bone bone = kSupportBones[phase.part];
+    const bool holds = bone == Bone::kLeftHand || bone == Bone::kRightHand;
+    if (!holds || !world_.moves(phase.body)) return Vector3d::Zero();
+    const auto task = std::ranges::find_if(model_.tasks, [&](const FitTask& each) {
+      return each.bone == bone && each.link == model_.supports[at(support)].link;
+    });
+    if (task == model_.tasks.end()) return Vector3d::Zero();
+    const auto index = at(static_cast<int>(task - model_.tasks.begin()));
+    Vector3d sum = Vector3d::Zero();
+    for (int frame = phase.begin; frame < phase.end; ++frame) {
+      const Vector3d place =
+          world_.clip.pose(frame, phase.body) * (size * phase.places[at(frame - phase.begin)]);
+      const Eigen::Quaterniond& rotation =
+          targets_[at(frame) * model_.tasks.size() + index].world_from_link;
+      sum -= rotation.conjugate() * world_.distance(frame, phase.body, place).normal;
+    }
+    const double length = sum.norm();
+    if (!(length > kTurns * (phase.end - phase.begin))) return Vector3d::Zero();
+    return sum / length;
+  }
 
   // Moves the goal by how far the human's part is from where it touches.
   void approach(const SurfacePhase& phase, int frame, int inside, SceneGoal& goal) const {
@@ -144,6 +175,8 @@ class GoalPlanner {
     goals.push_back(goal);
   }
 
+  const FitModel& model_;
+  std::span<const TaskTarget> targets_;
   const SceneWorld &human_world_, &world_;
   const SurfaceParts& parts_;
   double scale_;
@@ -151,6 +184,27 @@ class GoalPlanner {
   int phases_ = 0;
   std::vector<std::vector<SceneGoal>> by_frame_;
 };
+
+// Turns the side of a hand that faced the surface towards it.
+double add_facing(const FitOptions& options, const SceneGoal& goal, const TreeState& pose, int link,
+                  Composite& composite) {
+  if (goal.facing.isZero(0.0)) return 0.0;
+  const double weight = square(goal.share * options.scene_palm_weight);
+  const Vector3d facing = pose.world_from_link[at(link)].rotation * goal.facing;
+  // The rotation from the opposite of the normal to this direction.
+  const Vector3d error = facing.cross(goal.normal);
+  const Vector3d first = goal.normal.unitOrthogonal();
+  double cost = 0.0;
+  for (const Vector3d& axis : {first, Vector3d(goal.normal.cross(first))}) {
+    const double residual = axis.dot(error);
+    // Derivative of the residual by the rotation of the link.
+    const Vector3d turning = axis.dot(facing) * goal.normal - facing.dot(goal.normal) * axis;
+    composite.angular += weight * turning * turning.transpose();
+    composite.torque += weight * residual * turning;
+    cost += weight * square(residual);
+  }
+  return cost;
+}
 
 double add_contact(const FitModel& model, const FitOptions& options, const FitScene& scene,
                    int frame, const SceneGoal& goal, const TreeState& pose,
@@ -173,7 +227,7 @@ double add_contact(const FitModel& model, const FitOptions& options, const FitSc
     add_row(composites[at(body.link)], tangent, middle - origin, place_weight, error);
     cost += place_weight * square(error);
   }
-  return cost;
+  return cost + add_facing(options, goal, pose, body.link, composites[at(body.link)]);
 }
 
 // @param margin  distance that the sphere keeps, metres.
@@ -203,7 +257,7 @@ FitOptions smoother_in_scene(FitOptions options) {
 
 FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
                         const SurfaceParts& parts, std::span<const SurfacePhase> phases,
-                        double scale, double frame_time) {
+                        double scale, double frame_time, std::span<const TaskTarget> targets) {
   FitScene scene;
   scene.world = scaled_world(human_world, scale);
   scene.points.resize(model.tree.links().size());
@@ -228,7 +282,7 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
           sphere.radius, (point.position - sphere.centre).norm() + std::max(0.0, point.radius));
     }
   }
-  GoalPlanner planner(human_world, scene.world, parts, scale, frame_time);
+  GoalPlanner planner(model, targets, human_world, scene.world, parts, scale, frame_time);
   for (const SurfacePhase& phase : phases) {
     for (std::size_t support = 0; support < model.supports.size(); ++support) {
       if (model.supports[support].support == phase.part) {

@@ -26,6 +26,8 @@ struct SceneGoal {
   int phase = -1;         ///< Index of the contact.
   bool sticks = false;    ///< The contact does not slide.
   bool held = false;      ///< `place` is that of the robot (hold_contacts).
+  /// For hands, the direction that faces the surface, in the link's frame; zero: none.
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
 };
 
 /// The world of a robot: the scaled scene, the points of the robot that must stay outside of it, and
@@ -49,10 +51,11 @@ struct FitScene {
 
 /// Makes a robot's world from that of its human.
 /// @param scale  from the human's to the robot's paths, and size of static bodies.
+/// @param targets  frame-major, one per task of the model.
 [[nodiscard]] FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
                                       const SurfaceParts& parts,
                                       std::span<const SurfacePhase> phases, double scale,
-                                      double frame_time);
+                                      double frame_time, std::span<const TaskTarget> targets);
 
 /// Moves the positions of sticking contacts to their means in a solved clip, and holds them there. The
 /// first solve follows the human's positions only loosely, because robots have other arms; the

@@ -37,12 +37,6 @@ inline constexpr int kTermsWithoutScene = kTermSceneContact;
 
 using TermCosts = std::array<double, kTermCount>;
 
-/// Target position of a task's body (world, metres) and target rotation of its link.
-struct TaskTarget {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
-};
-
 /// The goal of one foot end (heel or toe) in a frame.
 struct FootEndGoal {
   double clearance = 0.0;   ///< Height above the floor, metres.
