@@ -170,6 +170,10 @@ TEST(RobotLayouts, DoesNotMistakeToesOfThreeJointsForFeet) {
   EXPECT_LT(angles_of(smpl_layout()).mean, 10.0);
 }
 
+TEST(RobotLayouts, JointThatTurnsTheUpperArmIsNoElbow) {
+  EXPECT_LT(angles_of(offset_shoulder_layout()).mean, 10.0);
+}
+
 TEST(RobotLayouts, HandWithItsOwnWristKeepsTheElbow) {
   EXPECT_LT(angles_of(wristed_hand_layout()).mean, 10.0);
 }

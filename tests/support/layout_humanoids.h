@@ -190,6 +190,22 @@ inline LayoutHumanoid qing_long_layout() {
   return robot;
 }
 
+/// Names without a meaning: the axes of the shoulders miss each other by a sixth of the upper arm,
+/// the elbows are beside the axis that turns the upper arm, and there is no wrist.
+inline LayoutHumanoid offset_shoulder_layout() {
+  LayoutHumanoid robot{"offset_shoulder", plain_humanoid(), {}, {}};
+  robot.built.arm.joints = {
+      {"a0", kAxisY, {0, 0, 0}, -3, 1.1, "hinge", {}, 0.3},
+      {"a1", kAxisX, {-0.012, 0.024, 0}, -0.3, 2.5, "hinge", {}, 1},
+      {"a2", kAxisZ, {0.003, -0.005, -0.003}, -1.6, 1.6, "hinge", {}, 0.5},
+      {"a3", -kAxisY, {-0.008, 0, -0.11}, 0, 2.2, "hinge", {}, 0.3},
+  };
+  robot.built.arm.end = {0, 0, -0.08};
+  robot.leg = {"hip_yaw", "knee", -kAxisZ, -kAxisZ};
+  robot.arm = {"a2", "a3", Eigen::Vector3d(-0.008, 0, -0.11), -kAxisZ};
+  return robot;
+}
+
 /// Three hinges at the same position.
 inline std::vector<BuiltJoint> ball_of_hinges(const std::string& name, const Eigen::Vector3d& at) {
   return {{name + "_x", kAxisX, at, -3.14, 3.14},

@@ -170,10 +170,13 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
         robot, posed, {robot.joints()[beyond.back()].body, shape.root, anchor, shape.axis, beyond});
     if (end.body) shape.end = end.point;
   }
+  // A joint that twists the limb lies along the line from its root to its end.
+  const Eigen::Vector3d line = (shape.end - shape.root).normalized();
+  const double perpendicular = std::max(shape.axis.cross(line).norm(), kLeastShare);
   // The bend is level with the limb's end along the middle axis; the root may be offset sideways.
   shape.bend = anchor + (shape.end - anchor).dot(shape.axis) * shape.axis;
   shape.root += (shape.end - shape.root).dot(shape.axis) * shape.axis;
-  split.score = std::min(upper, lower) / (spread + kSlack * (upper + lower)) *
+  split.score = std::min(upper, lower) / (spread + kSlack * (upper + lower)) * perpendicular *
                 plausibility(robot, {chain, middle, static_cast<int>(before.size()), is_leg});
   return split;
 }
