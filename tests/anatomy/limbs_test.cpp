@@ -140,7 +140,7 @@ TEST(FindLimbs, OrderOfLegsInTheModelDoesNotTurnTheRobot) {
   }
 }
 
-// The chain of one arm goes on into its heavy finger.
+// The chain of one arm continues into its heavy finger.
 TEST(FindLimbs, MassesOfFingersDoNotSeparateArms) {
   BuiltHumanoid built = plain_humanoid();
   built.arm.end = Eigen::Vector3d::Zero();

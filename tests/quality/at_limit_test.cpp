@@ -147,7 +147,7 @@ TEST(AtLimit, TimeThatThePoseDemandsIsNotCounted) {
   EXPECT_EQ(figure(against, "joint_at_limit_pct"), 100.0);
   EXPECT_EQ(figure(against, "joint_beyond_range_pct"), 0.0);
   EXPECT_EQ(against.at_limit->joint, "left_elbow");
-  // What the pose demands is unknown where the source has ended.
+  // The demand is unknown after the end of the source.
   EXPECT_EQ(figure(report_for_elbows(150.0, 4), "joint_at_limit_pct"), 60.0);
 }
 

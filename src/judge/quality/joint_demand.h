@@ -44,7 +44,7 @@ class JointDemand {
   int frames_ = 0;
   std::optional<TargetBuilder> targets_;
   std::vector<std::optional<Span>> spans_;  // By joint.
-  // The frame that was asked for last.
+  // The most recently evaluated frame.
   mutable int frame_ = -1;
   mutable std::optional<TreeState> posed_;
   mutable std::vector<Pose> world_from_target_;

@@ -11,7 +11,7 @@ namespace {
 
 // Bodies at most this many joints apart in the tree may touch.
 constexpr int kNeighbours = 2;
-// Joints of a chain from which on it may end at a fork.
+// A chain with at least this many joints may end at a fork.
 constexpr std::size_t kWholeLimb = 4;
 
 }  // namespace

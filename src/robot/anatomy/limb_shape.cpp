@@ -160,7 +160,7 @@ void find_end(const Robot& robot, const TreeState& posed, const std::vector<int>
   }
 }
 
-// What the splits of a limb have in common.
+// The limb that is split.
 struct LimbChain {
   const Robot& robot;
   const TreeState& posed;
