@@ -223,9 +223,12 @@ struct QualityReport {
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
-  std::optional<TrunkLean> trunk_lean;       ///< Needs a source with known hips and shoulders.
-  std::optional<JointMostAtLimit> at_limit;  ///< Empty: no joint reaches a limit.
-  SourceContacts contacts;                   ///< Heel and toe contacts of the source.
+  std::optional<TrunkLean> trunk_lean;  ///< Needs a source with known hips and shoulders.
+  /// Counts frames against what the human's pose demands, or all if that is unknown; empty: none.
+  std::optional<JointMostAtLimit> at_limit;
+  /// Counts frames as the human's pose demands; empty: none, or unknown.
+  std::optional<JointMostAtLimit> beyond_range;
+  SourceContacts contacts;  ///< Heel and toe contacts of the source.
   /// Joints at a limit in at least 5 % of the frames, most frames first; needs a source and a
   /// configuration.
   std::vector<LimitedJoint> limited_joints;

@@ -14,6 +14,7 @@ constexpr auto kMetricLabels = std::to_array<std::pair<std::string_view, std::st
     {"limit_max_rad", "Beyond joint limits, largest"},
     {"at_limit_pct", "At a joint limit"},
     {"joint_at_limit_pct", "Joint most often at its limit"},
+    {"joint_beyond_range_pct", "Pose beyond a joint's range"},
     {"joint_frames_at_limit_pct", "Joints at limits, all frames"},
     {"speed_limit_pct", "Above joint speed limits"},
     {"speed_limit_max_ratio", "Joint speed to its limit, largest"},

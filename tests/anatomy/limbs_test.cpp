@@ -140,6 +140,34 @@ TEST(FindLimbs, OrderOfLegsInTheModelDoesNotTurnTheRobot) {
   }
 }
 
+// The chain of one arm continues into its heavy finger.
+TEST(FindLimbs, MassesOfFingersDoNotSeparateArms) {
+  BuiltHumanoid built = plain_humanoid();
+  built.arm.end = Eigen::Vector3d::Zero();
+  built.arm.joints.push_back({"wrist", kAxisZ, {0, 0, -0.15}});
+  built.arm.marked = false;
+  const auto finger = [](const std::string& place, const std::string& mass) {
+    const std::string link =
+        "<joint axis=\"0 1 0\" range=\"0 1\"/><inertial pos=\"0 0 -0.01\" mass=\"" + mass +
+        "\" diaginertia=\"1e-5 1e-5 1e-5\"/>";
+    return "<body pos=\"" + place + "\">" + link + "<body pos=\"0 0 -0.03\">" + link +
+           "</body></body>";
+  };
+  built.arm.more = finger("0.02 0 -0.05", "HEAVY") + finger("-0.02 0 -0.05", "0.01");
+  std::string text = built.mjcf();
+  for (const std::string mass : {"0.1", "0.1", "0.01", "0.01"}) {
+    text.replace(text.find("HEAVY"), 5, mass);  // The left arm comes first.
+  }
+  const auto robot = robot_from_text(text);
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  for (const std::size_t side : {0U, 1U}) {
+    EXPECT_EQ(limbs->arms[side].joints.size(), 5U);
+    EXPECT_EQ(body_name(*robot, limbs->arms[side].end->body),
+              side == 0 ? "left_wrist" : "right_wrist");
+  }
+}
+
 std::string leg_text(const std::string& pos, const std::string& end) {
   return "<body pos=\"" + pos +
          "\"><joint axis=\"1 0 0\" range=\"-1 1\"/><geom size=\"0.02\"/>"

@@ -145,6 +145,24 @@ TEST(ModelOverlaps, ShareMatchesRandomPoses) {
   EXPECT_NEAR(share, static_cast<double>(touching) / kPoses, 0.02);
 }
 
+// Shapes of the left and the right side that differ by a centimetre.
+TEST(ModelOverlaps, IncludeTheMirrorImage) {
+  std::string text = tiny_humanoid(true);
+  add_geom(text, "torso", "<geom type=\"box\" pos=\"0 0 0.2\" size=\"0.05 0.1 0.1\"/>");
+  add_geom(text, "left_upper_arm",
+           "<geom type=\"box\" pos=\"0 -0.022 -0.08\" size=\"0.03 0.03 0.03\"/>");
+  add_geom(text, "right_upper_arm",
+           "<geom type=\"box\" pos=\"0 0.012 -0.08\" size=\"0.03 0.03 0.03\"/>");
+  const auto named = robot_from_text(text);
+  for (const auto& robot : {named, robot_from_text(scramble_names(text))}) {
+    const auto overlaps = overlaps_of(*robot);
+    ASSERT_EQ(names_of(*named, overlaps),
+              (Names{{"torso", "left_upper_arm"}, {"torso", "right_upper_arm"}}));
+    EXPECT_GT(overlaps[0].depth, 0.0);
+    EXPECT_EQ(overlaps[1].depth, 0.0);
+  }
+}
+
 TEST(AllowedContacts, UseTheExclusionsOfTheModel) {
   const TemporaryFolder folder;
   std::string text = with_thick_thighs();

@@ -10,6 +10,11 @@
 
 #include "quality/walker.h"
 #include "retarget/measure.h"
+#include "robot/anatomy/limbs.h"
+#include "solve/robot_setup/derive_config.h"
+#include "solve/robot_setup/self_test.h"
+#include "support/angles.h"
+#include "support/humanoids.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -103,6 +108,47 @@ TEST(AtLimit, IgnoresStraightKneeButNotBentKnee) {
   };
   EXPECT_EQ(at(0.0), 0.0);
   EXPECT_EQ(at(1.995), 100.0);
+}
+
+// A robot in the T-pose with both elbows at the end of their range, and a human whose elbows bend
+// by `elbow` degrees.
+QualityReport report_for_elbows(double elbow, int source_frames) {
+  const auto robot = robot_from_text(tiny_humanoid(false));
+  const RobotAnatomy limbs = find_limbs(*robot, "").value();
+  const ResolvedConfig config = resolve_config(derive_config(*robot, limbs), *robot).value();
+  HumanPosture posture;
+  for (LimbPosture& side : posture) side.elbow = elbow * kDegree;
+  HumanClip human = self_test_motion(limbs.forward);
+  human.frame_count = source_frames;
+  human.world_from_bone.assign(static_cast<std::size_t>(source_frames), posed_human(posture));
+  RobotClip clip(robot, {30, 1}, 10);
+  for (int frame = 0; frame < 10; ++frame) {
+    for (const char* joint : {"left_elbow", "right_elbow"}) {
+      const int index = robot->find_joint(joint).value();
+      clip.qpos(frame)[static_cast<std::size_t>(robot->joints()[index].qpos_address)] = 2.2;
+    }
+  }
+  const QualitySource source{&human, &config, ScaleRule::kLimbs};
+  return measure_quality(clip, robot->model_limits(), &source);
+}
+
+TEST(AtLimit, TimeThatThePoseDemandsIsNotCounted) {
+  const QualityReport beyond = report_for_elbows(150.0, 10);
+  EXPECT_EQ(figure(beyond, "joint_at_limit_pct"), 0.0);
+  EXPECT_EQ(figure(beyond, "joint_beyond_range_pct"), 100.0);
+  EXPECT_EQ(figure(beyond, "at_limit_pct"), 100.0);
+  EXPECT_FALSE(beyond.at_limit);
+  ASSERT_TRUE(beyond.beyond_range);
+  EXPECT_EQ(beyond.beyond_range->joint, "left_elbow");
+  EXPECT_TRUE(beyond.beyond_range->at_upper);
+  EXPECT_THAT(report_text({&beyond, 1}),
+              ::testing::HasSubstr("note: left_elbow is at its upper limit in 100 % of frames"));
+  const QualityReport against = report_for_elbows(60.0, 10);
+  EXPECT_EQ(figure(against, "joint_at_limit_pct"), 100.0);
+  EXPECT_EQ(figure(against, "joint_beyond_range_pct"), 0.0);
+  EXPECT_EQ(against.at_limit->joint, "left_elbow");
+  // The demand is unknown after the end of the source.
+  EXPECT_EQ(figure(report_for_elbows(150.0, 4), "joint_at_limit_pct"), 60.0);
 }
 
 }  // namespace

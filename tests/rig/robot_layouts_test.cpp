@@ -19,10 +19,12 @@
 #include "retarget/resample.h"
 #include "retarget/rig.h"
 #include "retarget/so3.h"
+#include "robot/anatomy/limbs.h"
 #include "solve/targets/solve_frames.h"
 #include "support/angles.h"
 #include "support/layout_humanoids.h"
 #include "support/temporary_folder.h"
+#include "support/test_robots.h"
 
 namespace retarget {
 namespace {
@@ -168,6 +170,33 @@ TEST(RobotLayouts, RejectsKneesThatBendToOppositeSides) {
 
 TEST(RobotLayouts, DoesNotMistakeToesOfThreeJointsForFeet) {
   EXPECT_LT(angles_of(smpl_layout()).mean, 10.0);
+}
+
+// The toes follow nothing, and both sides are alike, whatever the order of the hinges.
+TEST(RobotLayouts, ToesOfAnyOrderOfHingesAreNoFeet) {
+  for (const std::string order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"}) {
+    for (const bool toe_ends : {false, true}) {
+      SCOPED_TRACE(order + (toe_ends ? ", with ends" : ""));
+      const auto robot = robot_from_text(smpl_layout(order, toe_ends).built.mjcf());
+      const auto limbs = find_limbs(*robot, "any.xml");
+      ASSERT_TRUE(limbs) << describe(limbs.error());
+      EXPECT_THAT(limbs->notes, Contains(HasSubstr("\"left_toe_" + order.substr(0, 1) +
+                                                   "\" is assumed to be a toe")));
+      for (const std::size_t side : {0U, 1U}) {
+        const std::string ankle = std::string(side == 0 ? "left" : "right") + "_ankle_" + order[2];
+        EXPECT_EQ(robot->bodies()[limbs->legs[side].end->body].name, ankle);
+        EXPECT_NEAR(limbs->legs[side].lower_length, 0.402, 0.01);
+      }
+      for (const auto* pair : {&limbs->legs, &limbs->arms}) {
+        EXPECT_EQ((*pair)[0].middle, (*pair)[1].middle);
+        EXPECT_EQ((*pair)[0].joints.size(), (*pair)[1].joints.size());
+      }
+    }
+  }
+}
+
+TEST(RobotLayouts, JointThatTurnsTheUpperArmIsNoElbow) {
+  EXPECT_LT(angles_of(offset_shoulder_layout()).mean, 10.0);
 }
 
 TEST(RobotLayouts, HandWithItsOwnWristKeepsTheElbow) {

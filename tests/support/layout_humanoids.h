@@ -190,21 +190,43 @@ inline LayoutHumanoid qing_long_layout() {
   return robot;
 }
 
-/// Three hinges at the same position.
-inline std::vector<BuiltJoint> ball_of_hinges(const std::string& name, const Eigen::Vector3d& at) {
-  return {{name + "_x", kAxisX, at, -3.14, 3.14},
-          {name + "_y", kAxisY, {0, 0, 0}, -3.14, 3.14},
-          {name + "_z", kAxisZ, {0, 0, 0}, -3.14, 3.14}};
+/// Names without a meaning: the axes of the shoulders miss each other by a sixth of the upper arm,
+/// the elbows are beside the axis that turns the upper arm, and there is no wrist.
+inline LayoutHumanoid offset_shoulder_layout() {
+  LayoutHumanoid robot{"offset_shoulder", plain_humanoid(), {}, {}};
+  robot.built.arm.joints = {
+      {"a0", kAxisY, {0, 0, 0}, -3, 1.1, "hinge", {}, 0.3},
+      {"a1", kAxisX, {-0.012, 0.024, 0}, -0.3, 2.5, "hinge", {}, 1},
+      {"a2", kAxisZ, {0.003, -0.005, -0.003}, -1.6, 1.6, "hinge", {}, 0.5},
+      {"a3", -kAxisY, {-0.008, 0, -0.11}, 0, 2.2, "hinge", {}, 0.3},
+  };
+  robot.built.arm.end = {0, 0, -0.08};
+  robot.leg = {"hip_yaw", "knee", -kAxisZ, -kAxisZ};
+  robot.arm = {"a2", "a3", Eigen::Vector3d(-0.008, 0, -0.11), -kAxisZ};
+  return robot;
+}
+
+/// Three hinges at the same position, in the order of the letters.
+inline std::vector<BuiltJoint> ball_of_hinges(const std::string& name, const Eigen::Vector3d& at,
+                                              const std::string& order = "xyz") {
+  std::vector<BuiltJoint> hinges;
+  for (const char letter : order) {
+    const Eigen::Vector3d& axis = letter == 'x' ? kAxisX : letter == 'y' ? kAxisY : kAxisZ;
+    const Eigen::Vector3d place = hinges.empty() ? at : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    hinges.push_back({name + "_" + letter, axis, place, -3.14, 3.14});
+  }
+  return hinges;
 }
 
 /// A humanoid as of SMPL or SOMA: every joint, including the toes, is three hinges; the arms point
 /// sideways.
-inline LayoutHumanoid smpl_layout() {
+/// @param toe_ends  whether the ends of the toes are joints as well.
+inline LayoutHumanoid smpl_layout(const std::string& order = "xyz", bool toe_ends = false) {
   LayoutHumanoid robot{"smpl", {}, {}, {}};
-  const auto chain = [](std::vector<std::pair<std::string, Eigen::Vector3d>> places) {
+  const auto chain = [&](std::vector<std::pair<std::string, Eigen::Vector3d>> places) {
     std::vector<BuiltJoint> joints;
     for (const auto& [name, at] : places) {
-      for (BuiltJoint& joint : ball_of_hinges(name, at)) joints.push_back(std::move(joint));
+      for (BuiltJoint& joint : ball_of_hinges(name, at, order)) joints.push_back(std::move(joint));
     }
     return joints;
   };
@@ -214,6 +236,11 @@ inline LayoutHumanoid smpl_layout() {
                                   {"knee", {0, 0.02, -0.38}},
                                   {"ankle", {-0.04, -0.01, -0.4}},
                                   {"toe", {0.12, 0.03, -0.06}}});
+  if (toe_ends) {
+    for (const BuiltJoint& joint : ball_of_hinges("toe_end", {0.05, 0, -0.01}, order)) {
+      robot.built.leg.joints.push_back(joint);
+    }
+  }
   robot.built.leg.end = {0.04, 0, 0};
   robot.built.leg.marked = false;
   robot.built.leg.more = foot_box({0.03, 0, 0}, {0.05, 0.04, 0.02});
@@ -221,9 +248,10 @@ inline LayoutHumanoid smpl_layout() {
   robot.built.arm.joints =
       chain({{"shoulder", {0, 0, 0}}, {"elbow", {-0.01, 0.25, 0}}, {"wrist", {0, 0.25, 0}}});
   robot.built.arm.end = {0, 0.08, 0};
-  robot.leg = {"hip_z", "knee_z", Eigen::Vector3d(0, 0.02, -0.38),
+  const std::string last = std::string("_") + order.back();
+  robot.leg = {"hip" + last, "knee" + last, Eigen::Vector3d(0, 0.02, -0.38),
                Eigen::Vector3d(-0.04, -0.01, -0.4)};
-  robot.arm = {"shoulder_z", "elbow_z", Eigen::Vector3d(-0.01, 0.25, 0), kAxisY};
+  robot.arm = {"shoulder" + last, "elbow" + last, Eigen::Vector3d(-0.01, 0.25, 0), kAxisY};
   return robot;
 }
 

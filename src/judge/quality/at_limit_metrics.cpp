@@ -6,7 +6,6 @@
 #include <functional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "retarget/motion.h"
@@ -69,21 +68,31 @@ std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& li
 
 // Time that a joint spends at a limit.
 struct Stay {
-  int frames = 0;
-  int begin = 0, end = 0;  // Longest contiguous range of frames.
+  int frames = 0;          // Against what the pose demands.
+  int demanded = 0;        // As the pose demands.
+  int begin = 0, end = 0;  // Longest contiguous range of the frames against the demand.
+};
+
+struct LimitStay {
+  JointLimit limit;
+  Stay stay;
 };
 
 Stay stay_at(const JointLimit& limit, const RobotClip& clip, const Posture& posture,
-             std::vector<char>& any) {
+             const JointDemand* demand, std::vector<char>& any) {
   const int at = clip.robot().joints()[limit.joint].qpos_address;
   Stay stay;
   int begin = 0;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    if (!posture.is_upright(frame) || !limit.reached(clip.qpos(frame)[at])) {
+    const bool stays = posture.is_upright(frame) && limit.reached(clip.qpos(frame)[at]);
+    const bool is_demanded =
+        stays && demand != nullptr && demand->reaches(frame, limit.joint, limit.upper);
+    if (stays) any[frame] = 1;
+    if (is_demanded) ++stay.demanded;
+    if (!stays || is_demanded) {
       begin = frame + 1;
       continue;
     }
-    any[frame] = 1;
     ++stay.frames;
     if (frame + 1 - begin > stay.end - stay.begin) {
       stay.begin = begin;
@@ -93,43 +102,59 @@ Stay stay_at(const JointLimit& limit, const RobotClip& clip, const Posture& post
   return stay;
 }
 
-}  // namespace
-
-void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture) {
+// Reports the joints that are at a limit against the demand, most frames first.
+void report_stays(const ReportBuilder& draft, std::vector<LimitStay> stays, double frames) {
   constexpr std::size_t kNamed = 3;
-  const RobotClip& clip = draft.clip;
-  const auto frames = std::ranges::count(posture.upright, 1);
-  if (frames == 0) return;
-  std::vector<char> any(clip.frame_count(), 0);
-  std::vector<std::pair<Stay, JointLimit>> stays;
-  std::set<int> counted;  // Joint indices.
-  std::int64_t joint_frames = 0;
-  for (const JointLimit& limit : limits_that_count(clip.robot(), limits)) {
-    const Stay stay = stay_at(limit, clip, posture, any);
-    if (std::isfinite(limit.bound)) counted.insert(limit.joint);
-    joint_frames += stay.frames;
-    if (stay.frames > 0) stays.emplace_back(stay, limit);
-  }
-  std::ranges::stable_sort(stays, std::greater(), [](const auto& s) { return s.first.frames; });
-  const auto share = [frames](int of_them) {
-    return percent(of_them, static_cast<double>(frames));
-  };
+  std::erase_if(stays, [](const LimitStay& each) { return each.stay.frames == 0; });
+  std::ranges::stable_sort(stays, std::greater(),
+                           [](const LimitStay& each) { return each.stay.frames; });
   if (!stays.empty()) {
     draft.report.fault_totals.push_back({"joint_at_limit_pct", static_cast<int>(stays.size())});
   }
   for (std::size_t i = 0; i < std::min(kNamed, stays.size()); ++i) {
-    const auto& [stay, limit] = stays[i];
-    const std::string& name = clip.robot().joints()[limit.joint].name;
-    draft.report.faults.push_back({"joint_at_limit_pct", name, stay.begin, stay.end, stay.begin,
-                                   share(stay.frames), "% of frames"});
-    if (i == 0) draft.report.at_limit = {name, limit.upper, share(stay.frames)};
+    const auto& [limit, stay] = stays[i];
+    const std::string& name = draft.clip.robot().joints()[limit.joint].name;
+    const double share = percent(stay.frames, frames);
+    draft.report.faults.push_back(
+        {"joint_at_limit_pct", name, stay.begin, stay.end, stay.begin, share, "% of frames"});
+    if (i == 0) draft.report.at_limit = {name, limit.upper, share};
   }
-  draft.set("at_limit_pct",
-            percent(static_cast<double>(std::ranges::count(any, 1)), static_cast<double>(frames)));
-  draft.set("joint_frames_at_limit_pct",
-            percent(static_cast<double>(joint_frames),
-                    static_cast<double>(counted.size()) * static_cast<double>(frames)));
-  draft.set("joint_at_limit_pct", stays.empty() ? 0.0 : share(stays.front().first.frames));
+  draft.set("joint_at_limit_pct", stays.empty() ? 0.0 : percent(stays.front().stay.frames, frames));
+}
+
+void report_demanded(const ReportBuilder& draft, const std::vector<LimitStay>& stays,
+                     double frames) {
+  const auto most =
+      std::ranges::max_element(stays, {}, [](const LimitStay& each) { return each.stay.demanded; });
+  const int demanded = most == stays.end() ? 0 : most->stay.demanded;
+  draft.set("joint_beyond_range_pct", percent(demanded, frames));
+  if (demanded == 0) return;
+  draft.report.beyond_range = {draft.clip.robot().joints()[most->limit.joint].name,
+                               most->limit.upper, percent(demanded, frames)};
+}
+
+}  // namespace
+
+void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture,
+                       const JointDemand* demand) {
+  const RobotClip& clip = draft.clip;
+  const auto frames = static_cast<double>(std::ranges::count(posture.upright, 1));
+  if (frames == 0.0) return;
+  std::vector<char> any(clip.frame_count(), 0);
+  std::vector<LimitStay> stays;
+  std::set<int> counted;  // Joint indices.
+  std::int64_t joint_frames = 0;
+  for (const JointLimit& limit : limits_that_count(clip.robot(), limits)) {
+    const Stay stay = stay_at(limit, clip, posture, demand, any);
+    if (std::isfinite(limit.bound)) counted.insert(limit.joint);
+    joint_frames += stay.frames + stay.demanded;
+    stays.push_back({limit, stay});
+  }
+  draft.set("at_limit_pct", percent(static_cast<double>(std::ranges::count(any, 1)), frames));
+  draft.set("joint_frames_at_limit_pct", percent(static_cast<double>(joint_frames),
+                                                 static_cast<double>(counted.size()) * frames));
+  report_stays(draft, stays, frames);
+  if (demand != nullptr) report_demanded(draft, stays, frames);
 }
 
 }  // namespace retarget

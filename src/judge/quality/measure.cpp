@@ -13,6 +13,7 @@
 #include "judge/quality/body_tracks.h"
 #include "judge/quality/flight_metrics.h"
 #include "judge/quality/floor_metrics.h"
+#include "judge/quality/joint_demand.h"
 #include "judge/quality/joint_metrics.h"
 #include "judge/quality/posture.h"
 #include "judge/quality/report_parts.h"
@@ -155,7 +156,9 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
                               ? find_posture(*source->human, clip.frame_count(), frames)
                               : upright_posture(clip.frame_count());
   if (posture.lying_pct) draft.set("lying_pct", *posture.lying_pct);
-  measure_at_limits(draft, limits, posture);
+  std::optional<JointDemand> demand;
+  if (tracked && frames > 0) demand.emplace(clip, limits, *source, frames);
+  measure_at_limits(draft, limits, posture, demand ? &*demand : nullptr);
   if (held) {
     measure_held(draft, tracks, *source, limits);
   } else if (source != nullptr) {

@@ -33,7 +33,13 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "the zero configuration.",
      kOwn},
     {"joint_at_limit_pct", "%",
-     "The same for the joint and limit with the most frames; `at_limit` names them.", kOwn},
+     "The same for the joint and limit with the most frames, without frames in which the human's "
+     "pose demands this position or one beyond it; `at_limit` names them.",
+     kOwn},
+    {"joint_beyond_range_pct", "%",
+     "Frames in which a joint is at a limit because the human's pose demands this position or one "
+     "beyond it, for the joint and limit with the most; `beyond_range` names them.",
+     kOwn},
     {"joint_frames_at_limit_pct", "%",
      "Share of joints at a limit over all counted joints and frames, by the rules of at_limit_pct.",
      kOwn},
@@ -302,10 +308,10 @@ constexpr auto kGroupStarts = std::to_array<GroupStart>({
 });
 
 constexpr auto kHeadlines = std::to_array<std::string_view>(
-    {"limit_pct", "joint_at_limit_pct", "peak_speed", "jumps", "acc_p99", "root_jerk_mean",
-     "flat_slip_p95", "stance_slip_mean", "foot_pen_max_cm", "self_max_cm", "scene_pen_max_cm",
-     "limb_angle_deg", "worst_limb_angle_deg", "trunk_lean_error_deg", "finger_angle_deg",
-     "touch_gap_cm", "dynamics_bad_pct", "torque_over_pct"});
+    {"limit_pct", "joint_at_limit_pct", "joint_beyond_range_pct", "peak_speed", "jumps", "acc_p99",
+     "root_jerk_mean", "flat_slip_p95", "stance_slip_mean", "foot_pen_max_cm", "self_max_cm",
+     "scene_pen_max_cm", "limb_angle_deg", "worst_limb_angle_deg", "trunk_lean_error_deg",
+     "finger_angle_deg", "touch_gap_cm", "dynamics_bad_pct", "torque_over_pct"});
 
 }  // namespace
 

@@ -94,6 +94,7 @@ void add_lists(Json& json, const QualityReport& report) {
   }
   json["trunk_lean"] = json_of(report.trunk_lean);
   json["at_limit"] = json_of(report.at_limit);
+  json["beyond_range"] = json_of(report.beyond_range);
   if (!report.source.empty()) json["contacts"] = json_of(report.contacts);
 }
 

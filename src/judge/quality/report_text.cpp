@@ -125,6 +125,16 @@ Lines missed_lines(std::span<const QualityReport> reports, int room) {
   return lines;
 }
 
+// A robot whose range is smaller than the pose is not at fault.
+Lines range_notes(const QualityReport& report) {
+  constexpr double kOften = 10.0;  // Percent of the frames.
+  const auto& beyond = report.beyond_range;
+  if (!beyond || beyond->frames_pct < kOften) return {};
+  return {{{"note: " + beyond->joint + " is at its " + (beyond->at_upper ? "upper" : "lower") +
+            " limit in " + number_text(beyond->frames_pct, 0) +
+            " % of frames, where the human's pose is beyond its range"}}};
+}
+
 Lines short_lines(const QualityReport& report) {
   ReportLine verdict = verdict_of(report);
   if (!report.robot.empty()) {
@@ -133,13 +143,15 @@ Lines short_lines(const QualityReport& report) {
   }
   Lines groups = grouped(report, true);
   const bool has_gates = !report.gates.empty();
+  const Lines notes = range_notes(report);
   // One line for the verdict, one for the legend.
-  const int others = 1 + (has_gates ? 1 : 0);
+  const int others = 1 + static_cast<int>(notes.size()) + (has_gates ? 1 : 0);
   const auto room = [&] { return kReportLines - others - static_cast<int>(groups.size()); };
   const auto missed = static_cast<int>(missed_gates({&report, 1}).size());
   if (room() < std::min(2 * missed, kReportLines)) groups = grouped(report, false);
   Lines lines = {std::move(verdict)};
   append(lines, missed_lines({&report, 1}, std::max(room(), 0)));
+  append(lines, notes);
   append(lines, std::move(groups));
   if (has_gates) lines.push_back({{kLegend, ReportTone::kFaint}});
   return lines;

@@ -11,6 +11,8 @@ namespace {
 
 // Bodies at most this many joints apart in the tree may touch.
 constexpr int kNeighbours = 2;
+// A chain with at least this many joints may end at a fork.
+constexpr std::size_t kWholeLimb = 4;
 
 }  // namespace
 
@@ -45,7 +47,6 @@ std::optional<int> heaviest(const Robot& robot, const std::vector<int>& links) {
 }  // namespace
 
 std::vector<int> joint_chain(const Robot& robot, int first) {
-  constexpr std::size_t kWholeLimb = 4;
   const KinematicTree& tree = robot.tree();
   std::vector<int> chain;
   for (int link = first;;) {
@@ -124,15 +125,30 @@ Eigen::Vector3d level_way(const TreeState& posed, const std::vector<int>& to,
   return way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
 }
 
-std::optional<BranchPair> pair_of(const Robot& robot, const TreeState& posed, int first,
-                                  int second) {
+// Returns the common part of two chains that end differently: up to the last fork of either, beyond
+// which a chain may follow any finger. Returns nothing if neither forks.
+std::optional<std::size_t> length_to_fork(const Robot& robot, const std::vector<int>& a,
+                                          const std::vector<int>& b) {
+  const KinematicTree& tree = robot.tree();
+  const auto forks = [&](int joint) { return tree.children(tree.link_of_joint(joint)).size() > 1; };
+  for (std::size_t length = std::min(a.size(), b.size()); length >= kWholeLimb; --length) {
+    if (forks(a[length - 1]) || forks(b[length - 1])) return length;
+  }
+  return std::nullopt;
+}
+
+// How two chains mirror each other.
+struct Mirroring {
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+  bool swapped = false;  // Whether `across` points to the second chain.
+};
+
+std::optional<Mirroring> mirroring_of(const TreeState& posed, const std::vector<int>& a,
+                                      const std::vector<int>& b) {
   constexpr double kMirrored = 0.25;
   constexpr double kAslant = 0.1;  // Sine of the angle to the axes: 6 degrees.
   constexpr double kClearer = 0.3;
-  const std::vector<int> a = joint_chain(robot, first);
-  const std::vector<int> b = joint_chain(robot, second);
-  if (a.size() != b.size() || a.size() < 2) return std::nullopt;
-  std::optional<BranchPair> best;
+  std::optional<Mirroring> best;
   double min = kMirrored;
   for (const Eigen::Vector3d& axis :
        {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), level_way(posed, a, b)}) {
@@ -143,16 +159,34 @@ std::optional<BranchPair> pair_of(const Robot& robot, const TreeState& posed, in
       const auto found = asymmetry(posed, a, b, sign * axis);
       if (!found || !(*found < (oblique ? std::min(kMirrored, kClearer * min) : min))) continue;
       min = *found;
-      best = BranchPair{0,
-                        first,
-                        second,
-                        axis,
-                        std::min(lowest_joint(posed, first), lowest_joint(posed, second)),
-                        static_cast<int>(a.size())};
-      if (sign < 0.0) std::swap(best->first, best->second);
+      best = Mirroring{axis, sign < 0.0};
     }
   }
   return best;
+}
+
+std::optional<BranchPair> pair_of(const Robot& robot, const TreeState& posed, int first,
+                                  int second) {
+  std::vector<int> a = joint_chain(robot, first);
+  std::vector<int> b = joint_chain(robot, second);
+  if (std::min(a.size(), b.size()) < 2) return std::nullopt;
+  auto mirroring = a.size() == b.size() ? mirroring_of(posed, a, b) : std::nullopt;
+  if (!mirroring) {
+    const auto common = length_to_fork(robot, a, b);
+    if (!common) return std::nullopt;
+    a.resize(*common);
+    b.resize(*common);
+    mirroring = mirroring_of(posed, a, b);
+    if (!mirroring) return std::nullopt;
+  }
+  BranchPair pair{0,
+                  first,
+                  second,
+                  mirroring->across,
+                  std::min(lowest_joint(posed, first), lowest_joint(posed, second)),
+                  static_cast<int>(a.size())};
+  if (mirroring->swapped) std::swap(pair.first, pair.second);
+  return pair;
 }
 
 void collect_pairs(const Robot& robot, const TreeState& posed, int trunk,
@@ -174,6 +208,12 @@ void collect_pairs(const Robot& robot, const TreeState& posed, int trunk,
 }
 
 }  // namespace
+
+std::vector<int> joint_chain(const Robot& robot, const BranchPair& pair, int first) {
+  std::vector<int> chain = joint_chain(robot, first);
+  chain.resize(std::min(chain.size(), static_cast<std::size_t>(pair.joint_count)));
+  return chain;
+}
 
 std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed) {
   std::vector<BranchPair> pairs;

@@ -26,8 +26,12 @@ struct BranchPair {
   Eigen::Vector3d across = {0.0, 1.0, 0.0};  ///< Unit direction from second to first: the y axis,
                                              ///< the x axis, or a horizontal direction.
   double lowest = 0.0;                       ///< Height of the lowest joint.
-  int joint_count = 0;                       ///< Joints in one branch's chain.
+  int joint_count = 0;                       ///< Joints that the chains of both have in common.
 };
+
+/// Returns the joints of a paired branch: its chain, without fingers that only this side's chain
+/// follows.
+[[nodiscard]] std::vector<int> joint_chain(const Robot& robot, const BranchPair& pair, int first);
 
 /// Returns the pairs attached to the trunk: to the root, or to links attached to it that carry
 /// pairs.

@@ -71,32 +71,65 @@ struct Split {
   double score = 0.0;
 };
 
-// Counts the toe joints at the end of a leg. They share one position ahead of the ankle, the
-// intersection of the other joints beyond the knee, and one of them is parallel to the knee.
-std::size_t toe_joints(const TreeState& posed, const std::vector<int>& beyond,
-                       const Eigen::Vector3d& knee, const Eigen::Vector3d& axis) {
+// Groups joints by position, in their order.
+std::vector<std::vector<int>> places_of(const TreeState& posed, std::span<const int> joints,
+                                        double within) {
+  std::vector<std::vector<int>> places;
+  for (const int joint : joints) {
+    if (places.empty() ||
+        (posed.anchor(joint) - posed.anchor(places.back().front())).norm() > within) {
+      places.emplace_back();
+    }
+    places.back().push_back(joint);
+  }
+  return places;
+}
+
+// Returns true if joints at one position bend the foot ahead of its ankle.
+// @param lateral  the axis about which feet bend.
+bool are_toes(const TreeState& posed, const std::vector<int>& joints, std::span<const int> inner,
+              const Eigen::Vector3d& knee, const Eigen::Vector3d& lateral) {
   constexpr std::size_t kMost = 3;
   constexpr double kAhead = 0.12;  // Fraction of the shin.
-  constexpr double kOnePlace = 0.05;
+  constexpr double kNear = 0.25;   // Fraction of the shin: joints this close make one ankle.
   constexpr double kAlike = 0.8;
-  for (std::size_t count = std::min(kMost, beyond.size() - std::min<std::size_t>(beyond.size(), 1));
-       count > 0; --count) {
-    const std::span<const int> toes = std::span(beyond).last(count);
-    const Eigen::Vector3d ankle =
-        common_point(posed, std::span(beyond).first(beyond.size() - count));
-    const Eigen::Vector3d& toe = posed.anchor(toes.front());
-    const Eigen::Vector3d shin = across(ankle - knee, axis);
-    const Eigen::Vector3d foot = across(toe - ankle, axis);
-    const double along = foot.dot(shin.normalized());
-    const double ahead = (foot - along * shin.normalized()).norm();
-    const bool is_one_place = std::ranges::all_of(toes, [&](int joint) {
-      return !posed.slides(joint) && (posed.anchor(joint) - toe).norm() < kOnePlace * shin.norm();
-    });
-    const bool bends = std::ranges::any_of(
-        toes, [&](int joint) { return std::abs(posed.axis(joint).dot(axis)) > kAlike; });
-    if (is_one_place && bends && ahead > std::abs(along) && ahead > kAhead * shin.norm()) {
-      return count;
+  const Eigen::Vector3d& last = posed.anchor(inner.back());
+  std::size_t count = 0;
+  while (count < std::min(kMost, inner.size()) &&
+         (posed.anchor(inner[inner.size() - 1 - count]) - last).norm() <=
+             kNear * (last - knee).norm()) {
+    ++count;
+  }
+  const Eigen::Vector3d ankle = common_point(posed, inner.last(count));
+  const Eigen::Vector3d shin = across(ankle - knee, lateral);
+  const Eigen::Vector3d foot = across(posed.anchor(joints.front()) - ankle, lateral);
+  const double along = foot.dot(shin.normalized());
+  const double ahead = (foot - along * shin.normalized()).norm();
+  const bool turn = std::ranges::none_of(joints, [&](int joint) { return posed.slides(joint); });
+  const bool bend = std::ranges::any_of(
+      joints, [&](int joint) { return std::abs(posed.axis(joint).dot(lateral)) > kAlike; });
+  return joints.size() <= kMost && turn && bend && ahead > std::abs(along) &&
+         ahead > kAhead * shin.norm();
+}
+
+// Counts the toe joints at the end of a leg: the first place ahead of the ankle, and those beyond
+// it.
+std::size_t toe_joints(const TreeState& posed, const std::vector<int>& beyond,
+                       const Eigen::Vector3d& knee, const Eigen::Vector3d& lateral) {
+  constexpr double kOnePlace = 0.05;  // Fraction of the distance from knee to toe.
+  if (beyond.empty()) return 0;
+  const double within = kOnePlace * (posed.anchor(beyond.back()) - knee).norm();
+  std::size_t at_knee = 0;
+  while (at_knee < beyond.size() && (posed.anchor(beyond[at_knee]) - knee).norm() <= within) {
+    ++at_knee;
+  }
+  const std::span<const int> below = std::span(beyond).subspan(at_knee);
+  std::size_t inner = 0;
+  for (const std::vector<int>& place : places_of(posed, below, within)) {
+    if (inner > 0 && are_toes(posed, place, below.first(inner), knee, lateral)) {
+      return below.size() - inner;
     }
+    inner += place.size();
   }
   return 0;
 }
@@ -127,9 +160,17 @@ void find_end(const Robot& robot, const TreeState& posed, const std::vector<int>
   }
 }
 
+// The limb that is split.
+struct LimbChain {
+  const Robot& robot;
+  const TreeState& posed;
+  bool is_leg = false;
+  const Eigen::Vector3d& forward;  // The facing direction, or its opposite.
+};
+
 // Scores how well the hinge at `middle` splits a chain: long segments, joint axes that intersect.
-std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
-                              const std::vector<int>& chain, int middle, bool is_leg) {
+std::optional<Split> split_at(const LimbChain& limb, const std::vector<int>& chain, int middle) {
+  const auto& [robot, posed, is_leg, forward] = limb;
   constexpr double kSlack = 0.1;
   std::vector<int> before(chain.begin(), chain.begin() + middle);
   std::vector<int> beyond(chain.begin() + middle + 1, chain.end());
@@ -139,8 +180,8 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
   shape.middle = middle;
   shape.axis = posed.axis(chain[middle]);
   const Eigen::Vector3d& anchor = posed.anchor(chain[middle]);
-  if (const std::size_t toes = is_leg ? toe_joints(posed, beyond, anchor, shape.axis) : 0;
-      toes > 0) {
+  const Eigen::Vector3d lateral = Eigen::Vector3d::UnitZ().cross(forward);
+  if (const std::size_t toes = is_leg ? toe_joints(posed, beyond, anchor, lateral) : 0; toes > 0) {
     shape.toe = beyond[beyond.size() - toes];
     shape.joints.resize(shape.joints.size() - toes);
     beyond.resize(beyond.size() - toes);
@@ -170,10 +211,13 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
         robot, posed, {robot.joints()[beyond.back()].body, shape.root, anchor, shape.axis, beyond});
     if (end.body) shape.end = end.point;
   }
+  // A joint that twists the limb lies along the line from its root to its end.
+  const Eigen::Vector3d line = (shape.end - shape.root).normalized();
+  const double perpendicular = std::max(shape.axis.cross(line).norm(), kLeastShare);
   // The bend is level with the limb's end along the middle axis; the root may be offset sideways.
   shape.bend = anchor + (shape.end - anchor).dot(shape.axis) * shape.axis;
   shape.root += (shape.end - shape.root).dot(shape.axis) * shape.axis;
-  split.score = std::min(upper, lower) / (spread + kSlack * (upper + lower)) *
+  split.score = std::min(upper, lower) / (spread + kSlack * (upper + lower)) * perpendicular *
                 plausibility(robot, {chain, middle, static_cast<int>(before.size()), is_leg});
   return split;
 }
@@ -218,17 +262,19 @@ bool is_at_middle(const LimbShape& shape, int joint) {
 
 // Returns all candidates for the knee or elbow. Hands may add joints beyond the wrist, so arms are
 // also split with at most a full wrist beyond the elbow.
-std::vector<Split> splits_of(const Robot& robot, const TreeState& posed,
-                             const std::vector<int>& chain, bool is_leg, std::optional<int> at) {
+std::vector<Split> splits_of(const LimbChain& limb, const std::vector<int>& chain,
+                             std::optional<int> at) {
+  constexpr double kClearly = 1.0 + 1e-6;  // Rounding must not distinguish left and right.
   std::vector<Split> splits;
   const int count = static_cast<int>(chain.size());
   for (int middle = 1; middle < count; ++middle) {
     if (at && middle != *at) continue;
-    auto split = split_at(robot, posed, chain, middle, is_leg);
+    auto split = split_at(limb, chain, middle);
     const int whole = middle + 1 + static_cast<int>(kWristJoints);
-    if (!is_leg && count > whole) {
-      auto shorter = split_at(robot, posed, {chain.begin(), chain.begin() + whole}, middle, is_leg);
-      if (shorter && (!split || shorter->score > split->score)) split = std::move(shorter);
+    if (!limb.is_leg && count > whole) {
+      auto shorter = split_at(limb, {chain.begin(), chain.begin() + whole}, middle);
+      if (shorter && (!split || shorter->score > kClearly * split->score))
+        split = std::move(shorter);
     }
     if (split) splits.push_back(std::move(*split));
   }
@@ -250,9 +296,10 @@ const Split& best_named(const Robot& robot, const std::vector<Split>& splits, co
 }
 
 // Among hinges at one knee or elbow, prefers the one with the larger range; on similar ranges, as
-// in a three-hinge joint, the one that bends the limb forwards or backwards.
+// in a three-hinge joint, the one that bends the limb forwards or backwards. Legs do not bend
+// sideways.
 const Split& farthest_bending(const Robot& robot, const std::vector<Split>& splits,
-                              const Split& best, const Eigen::Vector3d& forward) {
+                              const Split& best, bool is_leg, const Eigen::Vector3d& forward) {
   constexpr double kFarther = 1.2;
   constexpr double kAsClear = 0.5;
   constexpr double kAlike = 0.95;
@@ -269,7 +316,7 @@ const Split& farthest_bending(const Robot& robot, const std::vector<Split>& spli
     if (!is_at_middle(best.shape, split.shape.middle)) continue;
     const bool farther =
         split.score > kAsClear * best.score && bends_by(split) > kFarther * bends_by(*chosen);
-    const bool straighter = split.score > kAlike * best.score &&
+    const bool straighter = split.score > (is_leg ? kAsClear : kAlike) * best.score &&
                             bends_by(split) > kAlike * bends_by(*chosen) &&
                             to_front(split) > to_front(*chosen) + kStraighter;
     if (farther || straighter) chosen = &split;
@@ -291,11 +338,12 @@ std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
                                     const std::vector<double>& reference,
                                     const std::vector<int>& chain, bool is_leg,
                                     const Eigen::Vector3d& forward, std::optional<int> at) {
-  const std::vector<Split> splits = splits_of(robot, posed, chain, is_leg, at);
+  const LimbChain limb{robot, posed, is_leg, forward};
+  const std::vector<Split> splits = splits_of(limb, chain, at);
   if (splits.empty()) return std::nullopt;
   const Split& geometric = *std::ranges::max_element(splits, {}, &Split::score);
   const Split& named = best_named(robot, splits, geometric, is_leg);
-  const Split& best = farthest_bending(robot, splits, named, forward);
+  const Split& best = farthest_bending(robot, splits, named, is_leg, forward);
   double second = 0.0;
   for (const Split& split : splits) {
     if (!is_at_middle(named.shape, split.shape.middle)) second = std::max(second, split.score);
@@ -305,7 +353,7 @@ std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
   const std::size_t whole = shape.middle + shape.at_end + 1 + kWristJoints;
   if (!is_leg && shape.joints.size() > whole) {
     const std::vector<int> shorter(chain.begin(), chain.begin() + whole);
-    if (auto split = split_at(robot, posed, shorter, shape.middle, is_leg)) shape = split->shape;
+    if (auto split = split_at(limb, shorter, shape.middle)) shape = split->shape;
   }
   shape.clarity = 1.0 - second / std::max(best.score, second);
   shape.scores.assign(chain.size(), 0.0);

@@ -178,7 +178,7 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
   ShapedPair shaped{pair, {}};
   const std::array<int, 2> first = {pair.first, pair.second};
   const auto shape_side = [&](std::size_t side, std::optional<int> at) {
-    return shape_limb(robot_, posed_, reference_, joint_chain(robot_, first[side]), is_leg,
+    return shape_limb(robot_, posed_, reference_, joint_chain(robot_, pair, first[side]), is_leg,
                       pair.across.cross(Eigen::Vector3d::UnitZ()), at);
   };
   for (std::size_t side = 0; side < 2; ++side) {

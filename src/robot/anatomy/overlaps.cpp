@@ -8,15 +8,21 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <set>
 
 #include "retarget/shape_distance.h"
 #include "robot/anatomy/branches.h"
+#include "robot/anatomy/mirrored_bodies.h"
 #include "robot/model/collision.h"
 
 namespace retarget {
 namespace {
 
 using BodyPair = std::pair<int, int>;
+
+BodyPair ordered(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
 
 constexpr int kSamples = 1024;
 constexpr double kTouching = 1e-3;  // Metres: shallower overlaps are rounding errors.
@@ -113,6 +119,19 @@ std::map<BodyPair, int> sample_overlaps(const Robot& robot, OverlapMeter& meter)
   return counts;
 }
 
+// Sampled ranges and shapes that differ slightly must not distinguish left and right. Pairs that are
+// allowed anyway are left out.
+void add_mirror_images(const Robot& robot, const RobotAnatomy& limbs, std::set<BodyPair>& pairs) {
+  const std::vector<int> images = mirrored_bodies(robot, limbs);
+  std::set<BodyPair> allowed;
+  for (const auto& [a, b] : robot.profile().allowed_self_contact) allowed.insert(ordered(a, b));
+  for (const auto& [a, b] : std::set<BodyPair>(pairs)) {
+    const BodyPair image = ordered(images[a], images[b]);
+    if (image.first < 0 || image.first == image.second || allowed.contains(image)) continue;
+    pairs.insert(image);
+  }
+}
+
 }  // namespace
 
 std::vector<ModelOverlap> model_overlaps(const Robot& robot, const RobotAnatomy& limbs,
@@ -127,15 +146,23 @@ std::vector<ModelOverlap> model_overlaps(const Robot& robot, const RobotAnatomy&
   std::map<BodyPair, int> counts = sample_overlaps(robot, meter);
   for (const auto& [bodies, depth] : depths) counts.try_emplace(bodies, 0);
   const std::vector<bool> beyond = beyond_elbows(robot, limbs);
-  std::vector<ModelOverlap> overlaps;
+  std::set<BodyPair> found;
   for (const auto& [bodies, count] : counts) {
     const double share = static_cast<double>(count) / kSamples;
     const auto [a, b] = bodies;
-    const auto in_pose = depths.find(bodies);
-    const bool stands_so = in_pose != depths.end();
     const bool is_hand = beyond[static_cast<std::size_t>(a)] || beyond[static_cast<std::size_t>(b)];
-    if (share < (!stands_so ? kAlways : is_hand ? kOften : 0.0)) continue;
-    overlaps.push_back({a, b, stands_so ? in_pose->second : 0.0, share});
+    if (share >= (!depths.contains(bodies) ? kAlways : is_hand ? kOften : 0.0)) {
+      found.insert(bodies);
+    }
+  }
+  add_mirror_images(robot, limbs, found);
+  std::vector<ModelOverlap> overlaps;
+  for (const BodyPair& bodies : found) {
+    const auto count = counts.find(bodies);
+    const auto in_pose = depths.find(bodies);
+    overlaps.push_back(
+        {bodies.first, bodies.second, in_pose == depths.end() ? 0.0 : in_pose->second,
+         count == counts.end() ? 0.0 : static_cast<double>(count->second) / kSamples});
   }
   return overlaps;
 }

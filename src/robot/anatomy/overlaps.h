@@ -20,7 +20,8 @@ struct ModelOverlap {
 /// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: pairs
 /// that overlap in nearly all configurations, and pairs that overlap in one of the given poses. A
 /// pair with a forearm or a hand, which can move anywhere and may hang against a thigh, must also
-/// overlap in a significant fraction of all configurations.
+/// overlap in a significant fraction of all configurations. The mirror image of such a pair is
+/// included even if it overlaps less (mirrored_bodies).
 ///
 /// Tests only pairs that count as self-collision (CollisionModel). The samples follow Richtmyer's
 /// sequence over the joints' ranges and are always the same. Each joint has its own sequence, so

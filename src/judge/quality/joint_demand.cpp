@@ -1,0 +1,80 @@
+#include "judge/quality/joint_demand.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "retarget/kinematic_tree.h"
+#include "retarget/so3.h"
+
+namespace retarget {
+
+JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
+                         int frames)
+    : clip_(clip), human_(source.human), frames_(frames), spans_(clip.robot().joints().size()) {
+  auto targets = make_targets(*human_, poses_of(*human_), clip.robot(), *source.config,
+                              source.scale, TrunkRule::kLines, &limits);
+  // There are no targets if the body lacks bones that the configuration needs.
+  if (!targets) return;
+  targets_ = std::move(*targets);
+  std::vector<Target> turned;
+  for (const auto& [used, tasks] : source.config->match_tables) {
+    for (const ConfigTask& task : tasks) {
+      const int index = targets_->target_of(task.bone);
+      const bool is_known = std::ranges::find(turned, task.body, &Target::body) != turned.end();
+      if (!used || task.body < 0 || index < 0 || task.rotation_weight == 0.0 || is_known) continue;
+      turned.push_back({task.body, index});
+    }
+  }
+  find_spans(clip.robot(), turned);
+}
+
+void JointDemand::find_spans(const Robot& robot, const std::vector<Target>& targets) {
+  const KinematicTree& tree = robot.tree();
+  std::vector<std::optional<Target>> on_link(tree.links().size());
+  for (const Target& target : targets) on_link[tree.attachment(target.body).link] = target;
+  const auto before = [&](int link) {
+    std::optional<Target> found;
+    for (int above = tree.links()[link].parent; above >= 0 && !found;
+         above = tree.links()[above].parent) {
+      found = on_link[above];
+    }
+    return found;
+  };
+  for (int joint = 0; joint < static_cast<int>(spans_.size()); ++joint) {
+    const int first = tree.link_of_joint(joint);
+    const auto base = before(first);
+    if (!base || tree.links()[first].slides) continue;
+    Span span{*base, {}};
+    for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
+      if (!on_link[link]) continue;
+      span.beyond.push_back(*on_link[link]);
+      link = tree.links()[link].last_descendant;
+    }
+    if (!span.beyond.empty()) spans_[joint] = std::move(span);
+  }
+}
+
+bool JointDemand::reaches(int frame, int joint, bool upper) const {
+  constexpr double kNearly = 0.05;  // Radians.
+  if (!targets_ || frame >= frames_ || !spans_[joint]) return false;
+  if (frame != frame_) {
+    frame_ = frame;
+    posed_.emplace(clip_.robot().tree(), clip_.qpos(frame));
+    world_from_target_.resize(static_cast<std::size_t>(targets_->target_count()));
+    targets_->build(human_->frame(frame), world_from_target_);
+  }
+  const auto& [before, beyond] = *spans_[joint];
+  const Eigen::Quaterniond robot_from_target =
+      posed_->world_from_body(before.body).rotation *
+      world_from_target_[before.index].rotation.conjugate();
+  double demand = 0.0;
+  for (const Target& target : beyond) {
+    const Eigen::Quaterniond wanted = robot_from_target * world_from_target_[target.index].rotation;
+    const Eigen::Quaterniond away =
+        wanted * posed_->world_from_body(target.body).rotation.conjugate();
+    demand += log_so3(away).dot(posed_->axis(joint)) / static_cast<double>(beyond.size());
+  }
+  return (upper ? demand : -demand) > -kNearly;
+}
+
+}  // namespace retarget
