@@ -25,6 +25,7 @@ from retarget._scenes import ContactLabels, SceneBody, SceneShape, load_scene
 from retarget._view import Page, picture, view
 
 __version__ = version_number()
+"""`major.minor.patch`."""
 
 __all__ = [
     "Batch", "Clip", "ColumnDifference", "Comparison", "ConfigError", "ContactLabels", "Error",

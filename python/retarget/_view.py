@@ -20,8 +20,8 @@ class Page:
     """An HTML page that loads nothing else. A notebook shows it as a player."""
 
     def __init__(self, text: str) -> None:
-        #: The whole page.
         self.html = text
+        """The whole page."""
 
     def save(self, path: StrPath) -> Path:
         """Writes the page and returns its path. Raises OSError: the file cannot be written."""
