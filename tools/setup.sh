@@ -7,7 +7,8 @@
 #   --tool          only the dependencies of the tool, without libraries for tests
 #   --python        also dependencies of the Python module and its tests: Python's headers, and
 #                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt),
-#                   Ray and readers of data sets in build/deps/data_sets (tools/data_sets.txt)
+#                   Ray and readers of data sets in build/deps/data_sets (tools/data_sets.txt),
+#                   what builds the site of the documentation in build/deps/docs (tools/docs.txt)
 #   --package       also the packages that tools/package.sh needs for a .deb
 #   --print-python  install nothing; print the chosen Python
 #   --check         install nothing; list missing packages and exit with 1 if there are any
@@ -343,22 +344,24 @@ install_python_tools() {
   mv -T -- "$fetch_folder/python" "$deps/python"
 }
 
-# Libraries for tests of data sets. Not every system has wheels of them; without them, these tests are skipped.
-install_data_set_libraries() {
-  local pinned=$root/tools/data_sets.txt folder=$root/build/deps/data_sets version
+# install_libraries NAME CONTENTS: installs what tools/NAME.txt pins into build/deps/NAME. Not every system has wheels
+# of all of it; without them, the tests that need them are skipped.
+install_libraries() {
+  local name=$1 contents=$2 version
+  local pinned=$root/tools/$name.txt folder=$root/build/deps/$name
   version=$("$chosen_python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) || return 0
   [ -e "$folder/.python-$version" ] && cmp -s "$pinned" "$folder/.pinned" && return 0
   make_fetch_folder
-  say "fetching Ray and readers of data sets (tools/data_sets.txt) into build/deps/data_sets"
-  # Compiled: every worker of Ray imports it, and tests write no bytecode.
-  if ! pip_fetch "$chosen_python" "$fetch_folder/data_sets" "$pinned" --compile || ! [ -d "$fetch_folder/data_sets" ]; then
-    say "cannot fetch them: tests of data sets are skipped"
+  say "fetching $contents (tools/$name.txt) into build/deps/$name"
+  # Compiled: many processes import them, and tests write no bytecode.
+  if ! pip_fetch "$chosen_python" "$fetch_folder/$name" "$pinned" --compile || ! [ -d "$fetch_folder/$name" ]; then
+    say "cannot fetch them: tests that need them are skipped"
     return 0
   fi
-  cp "$pinned" "$fetch_folder/data_sets/.pinned"
-  touch "$fetch_folder/data_sets/.python-$version"
+  cp "$pinned" "$fetch_folder/$name/.pinned"
+  touch "$fetch_folder/$name/.python-$version"
   rm -rf -- "$folder"
-  mv -T -- "$fetch_folder/data_sets" "$folder"
+  mv -T -- "$fetch_folder/$name" "$folder"
 }
 
 # fetch_wheel PYTHON FOLDER REQUIREMENTS: pip rejects files whose hash is not in the requirements.
@@ -478,7 +481,10 @@ main() {
   [ -z "$missing" ] || install_packages "$missing"
   has_mujoco || install_mujoco "$version"
   if $with_python && ! has_python_tools; then install_python_tools; fi
-  if $with_tests && $with_python; then install_data_set_libraries; fi
+  if $with_tests && $with_python; then
+    install_libraries data_sets "Ray and readers of data sets"
+    install_libraries docs "pdoc, a reader of Markdown and Jupyter's kernel"
+  fi
   if $with_tests; then install_node_modules; fi
 }
 

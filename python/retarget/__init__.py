@@ -17,21 +17,25 @@ from retarget._errors import (
     RunError, UsageError)
 from retarget._files import (
     ColumnDifference, Comparison, RobotFacts, compare, convert, robot_facts, robots)
+from retarget._folders import AddedRobot, add_robot, gallery, verify
 from retarget._live import LiveSession, RobotFrame, live
 from retarget._results import Batch, Fault, Inspection, Report
 from retarget._retarget import (
     Clip, Motion, Plan, Robot, Scene, metrics, version_number, version_text)
 from retarget._scenes import ContactLabels, SceneBody, SceneShape, load_scene
+from retarget._serve import Server, play, serve
 from retarget._view import Page, picture, view
 
 __version__ = version_number()
+"""`major.minor.patch`."""
 
 __all__ = [
-    "Batch", "Clip", "ColumnDifference", "Comparison", "ConfigError", "ContactLabels", "Error",
-    "Fault", "InputError", "Inspection", "LiveSession", "MissingConfigError", "MissingInputError",
-    "Motion", "Page", "Plan", "Report", "RetargetWarning", "Robot", "RobotFacts", "RobotFrame",
-    "RunError", "Scene", "SceneBody", "SceneShape", "UsageError", "__version__", "batch", "compare",
-    "convert", "edit", "evaluate", "inspect", "live", "load", "load_motion", "load_scene",
-    "make_plan", "metrics", "picture", "robot_facts", "robots", "solve", "to_robot", "version_text",
-    "view",
+    "AddedRobot", "Batch", "Clip", "ColumnDifference", "Comparison", "ConfigError",
+    "ContactLabels", "Error", "Fault", "InputError", "Inspection", "LiveSession",
+    "MissingConfigError", "MissingInputError", "Motion", "Page", "Plan", "Report",
+    "RetargetWarning", "Robot", "RobotFacts", "RobotFrame", "RunError", "Scene", "SceneBody",
+    "SceneShape", "Server", "UsageError", "__version__", "add_robot", "batch", "compare",
+    "convert", "edit", "evaluate", "gallery", "inspect", "live", "load", "load_motion",
+    "load_scene", "make_plan", "metrics", "picture", "play", "robot_facts", "robots", "serve",
+    "solve", "to_robot", "verify", "version_text", "view",
 ]

@@ -30,8 +30,8 @@ class Report:
 
     def __init__(self, text: str, json_text: str) -> None:
         self._text = text
-        #: The report as `retarget evaluate --json` writes it.
         self.json = json_text
+        """The report as `retarget evaluate --json` writes it."""
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -102,9 +102,11 @@ class Inspection:
     def __init__(self, text: str, json_text: str) -> None:
         self._text = text
         self.json = json_text
+        """The description as `retarget inspect --json` writes it."""
 
     @cached_property
     def data(self) -> dict[str, Any]:
+        """The complete description, as in its JSON."""
         return json.loads(self.json)
 
     def __str__(self) -> str:

@@ -56,23 +56,23 @@ class ContactLabels:
                  json_text: str) -> None:
         columns = sorted({touch[:3] for touch in touches})
         index = {column: i for i, column in enumerate(columns)}
-        #: Parts of the human by column: `left_hand`, `left_heel`, `seat`, ...
         self.parts = [part for part, _, _ in columns]
-        #: Bodies of the robot by column.
+        """Parts of the human by column: `left_hand`, `left_heel`, `seat`, ..."""
         self.links = [link for _, link, _ in columns]
-        #: Bodies of the scene by column; `floor`: the floor z = 0.
+        """Bodies of the robot by column."""
         self.surfaces = [surface for _, _, surface in columns]
-        #: (F, C) bool: in contact.
+        """Bodies of the scene by column; `floor`: the floor z = 0."""
         self.touching: np.ndarray = np.zeros((frames, len(columns)), dtype=bool)
-        #: (F, C) bool: in contact and moving over the surface.
+        """(F, C) bool: in contact."""
         self.sliding: np.ndarray = np.zeros_like(self.touching)
+        """(F, C) bool: in contact and moving over the surface."""
         for part, link, surface, begin, end, slides in touches:
             column = index[part, link, surface]
             self.touching[begin:end, column] = True
             self.sliding[begin:end, column] |= slides
         self._text = text
-        #: The contacts as `retarget contacts --json` writes them.
         self.json = json_text
+        """The contacts as `retarget contacts --json` writes them."""
 
     @cached_property
     def data(self) -> dict[str, Any]:

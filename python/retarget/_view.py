@@ -20,8 +20,8 @@ class Page:
     """An HTML page that loads nothing else. A notebook shows it as a player."""
 
     def __init__(self, text: str) -> None:
-        #: The whole page.
         self.html = text
+        """The whole page."""
 
     def save(self, path: StrPath) -> Path:
         """Writes the page and returns its path. Raises OSError: the file cannot be written."""
@@ -124,6 +124,9 @@ def _label(motion: Any) -> str:
 def _motion(motion: Any, robot: _retarget.Robot | StrPath | None) -> _retarget.Motion:
     if isinstance(motion, _retarget.Motion):
         return motion
+    if os.path.isdir(motion):
+        raise UsageError(f"{os.fsdecode(motion)}: expected a motion, found a folder; gallery() "
+                         "makes pages of a batch")
     if robot is None:
         raise UsageError(f"{os.fsdecode(motion)}: a file needs robot=")
     return load_motion(motion, robot)

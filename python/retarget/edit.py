@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from retarget import _options
     from retarget._retarget import Clip
 
+__all__ = [
+    "concatenate", "follow_path", "ground", "lafan1", "loop", "mirror", "move",
+    "resample", "rest", "transfer", "trim", "turn"]
+
 StrPath = str | os.PathLike[str]
 
 

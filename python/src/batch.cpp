@@ -2,9 +2,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <string>
 #include <utility>
 
@@ -12,10 +10,10 @@
 #include "bindings.h"
 #include "handles.h"
 #include "keywords.h"
+#include "notes_observer.h"
 #include "raise.h"
 #include "retarget/batch.h"
 #include "retarget/error.h"
-#include "retarget/measure.h"
 #include "retarget/option_table.h"
 #include "solving_table.h"
 #include "watcher.h"
@@ -36,46 +34,6 @@ OptionTable batch_keywords(BatchRequest& request) {
 }
 
 namespace {
-
-// Set by signals in a worker process.
-volatile std::sig_atomic_t worker_is_stopped = 0;
-
-void begin_worker() {
-  // Python's handlers must not run in a worker. The terminal sends Ctrl-C to the parent, which
-  // forwards it.
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGTERM, [](int) { worker_is_stopped = 1; });
-}
-
-// Forwards the messages of a batch to Python.
-class BatchObserver : public Observer {
- public:
-  BatchObserver(Watcher& watcher, nb::object notes) : watcher_(watcher), notes_(std::move(notes)) {}
-
-  void line(std::string_view label, std::string_view text) override {
-    tell(std::string(label) + (label.empty() ? "" : ": ") + spell_options(text));
-  }
-  void warn(const std::vector<Warning>& warnings, std::string_view file) override {
-    for (const Warning& each : warnings) tell(describe(each, file));
-  }
-  void fault(const Error& error) override { tell(describe(error)); }
-  [[nodiscard]] bool is_stopped() const override {
-    // A worker process must not call into Python.
-    if (getpid() != process_) return worker_is_stopped != 0;
-    return !watcher_.keep_going({}) || watcher_.is_stopped();
-  }
-
- private:
-  void tell(const std::string& text) const {
-    if (getpid() != process_) return;
-    const nb::gil_scoped_acquire acquired;
-    notes_.attr("append")(text_of(text));
-  }
-
-  Watcher& watcher_;
-  nb::object notes_;
-  const pid_t process_ = getpid();
-};
 
 std::vector<std::string> paths_of(const nb::object& given, const char* what) {
   const bool is_one = nb::isinstance<nb::str>(given) || nb::isinstance<nb::bytes>(given) ||
@@ -100,7 +58,7 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   request.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
   nb::list notes;
   Watcher watcher(nb::none());
-  BatchObserver observer(watcher, notes);
+  NotesObserver observer(watcher, notes);
   auto failed = [&] {
     const nb::gil_scoped_release released;
     return run_batch(request, observer);

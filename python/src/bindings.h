@@ -19,7 +19,9 @@ void bind_motion_arrays(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);
 void bind_pages(nanobind::module_& module);
 void bind_files(nanobind::module_& module);
+void bind_folders(nanobind::module_& module);
 void bind_live(nanobind::module_& module);
+void bind_serve(nanobind::module_& module);
 /// After the classes that can be pickled.
 void bind_pickle(nanobind::module_& module);
 

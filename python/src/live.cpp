@@ -31,6 +31,24 @@ OptionTable live_keywords(LiveKeywords& options) {
   return table;
 }
 
+nb::dict described(const LiveStatistics& now) {
+  nb::dict all;
+  all["received"] = now.received;
+  all["bad"] = now.bad;
+  all["doubled"] = now.doubled;
+  all["late"] = now.late;
+  all["skipped"] = now.skipped;
+  all["lost"] = now.lost;
+  all["interruptions"] = now.interruptions;
+  all["robot_frames"] = now.robot_frames;
+  all["held"] = now.held;
+  all["limited"] = now.limited;
+  all["missed"] = now.missed;
+  all["delay_s"] = now.delay_s;
+  all["jitter_s"] = now.jitter_s;
+  return all;
+}
+
 namespace {
 
 const char* state_name(LiveState state) {
@@ -125,22 +143,7 @@ class PythonLive {
   }
   nb::dict statistics() {
     const std::lock_guard lock(mutex_);
-    const LiveStatistics& now = session_.statistics();
-    nb::dict all;
-    all["received"] = now.received;
-    all["bad"] = now.bad;
-    all["doubled"] = now.doubled;
-    all["late"] = now.late;
-    all["skipped"] = now.skipped;
-    all["lost"] = now.lost;
-    all["interruptions"] = now.interruptions;
-    all["robot_frames"] = now.robot_frames;
-    all["held"] = now.held;
-    all["limited"] = now.limited;
-    all["missed"] = now.missed;
-    all["delay_s"] = now.delay_s;
-    all["jitter_s"] = now.jitter_s;
-    return all;
+    return described(session_.statistics());
   }
   [[nodiscard]] const RobotHandle& robot() const { return robot_; }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <nanobind/nanobind.h>
+
 #include "retarget/live.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
@@ -14,5 +16,8 @@ struct LiveKeywords {
 
 /// Returns the options of live except the robot and the rate.
 [[nodiscard]] OptionTable live_keywords(LiveKeywords& options);
+
+/// Returns the counters by name.
+[[nodiscard]] nanobind::dict described(const LiveStatistics& statistics);
 
 }  // namespace retarget::python

@@ -23,6 +23,8 @@ NB_MODULE(_retarget, module) {
   bind_scene(module);
   bind_pages(module);
   bind_files(module);
+  bind_folders(module);
   bind_live(module);
+  bind_serve(module);
   bind_pickle(module);
 }

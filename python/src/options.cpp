@@ -7,12 +7,14 @@
 #include "edit_keywords.h"
 #include "evaluate_table.h"
 #include "file_keywords.h"
+#include "gallery_keywords.h"
 #include "keywords.h"
 #include "live_keywords.h"
 #include "raise.h"
 #include "retarget/edit_tables.h"
 #include "retarget/option_table.h"
 #include "retarget/report.h"
+#include "serve_keywords.h"
 #include "solving_table.h"
 
 namespace retarget::python {
@@ -44,6 +46,11 @@ nb::dict option_tables() {
   tables["ConvertOptions"] = described(convert_keywords(convert));
   LiveKeywords live;
   tables["LiveOptions"] = described(live_keywords(live));
+  ServeRequest serve;
+  tables["ServeOptions"] = described(serve_keywords(serve));
+  tables["PlayerOptions"] = described(rows_for(OptionUse::kLive, human_table(options.human)));
+  GalleryRequest gallery;
+  tables["GalleryOptions"] = described(gallery_keywords(gallery));
   EditOptions edit;
   EditSettings own;
   tables["EditOptions"] = described(edit_table(edit));

@@ -27,6 +27,7 @@ JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions"),
           "LoadMotionOptions": ("ReadingOptions", "RobotOptions"),
           "EvaluateClipOptions": ("EvaluateOptions", "SourceOptions"),
           "InspectOptions": ("HumanOptions", "SourceOptions"),
+          "PlayOptions": ("PlayerOptions", "SourceOptions"),
           "LiveRobotOptions": ("LiveOptions", "RobotOptions", "SourceOptions"),
           **{f"{edit}EditOptions": (f"{edit}Options", "EditOptions")
              for edit in ("Ground", "Loop", "Concatenate", "Path")}}

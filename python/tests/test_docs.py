@@ -27,6 +27,7 @@ def test_examples(data: Path, walk: retarget.Clip, g1: retarget.Robot, walked: r
         Path(f"{name}.bvh").write_bytes((data / f"{name}.bvh").read_bytes())
     walked.save("motion.pkl", format="pkl-gmr")
     Path("table.json").write_text(json.dumps(TABLE))
+    Path("my_robots").mkdir()
     names = {"retarget": retarget, "ThreadPoolExecutor": ThreadPoolExecutor, "robot": g1,
              "files": ["walk.bvh", "wave.bvh"], "positions": walk.positions,
              "names": walk.joint_names}
@@ -38,6 +39,8 @@ def test_examples(data: Path, walk: retarget.Clip, g1: retarget.Robot, walked: r
         names["clip"] = walk  # some programs make another one
         exec(compile(program, str(PAGE), "exec"), names)
     motion = names["motion"]
+    assert Path("gallery/index.html").exists()
+    assert Path("again.csv").read_bytes() == Path("frames.csv").read_bytes() != b""
     assert Path("walk.html").stat().st_size > 100_000 and Path("both.bvh").exists()
     assert isinstance(motion, retarget.Motion) and motion.scene.positions.shape == (301, 1, 3)
 

@@ -22,8 +22,6 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable contacts_table(ContactsArguments& arguments);
 [[nodiscard]] OptionTable scene_from_motion_table(SceneFromMotionArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
-/// Returns the live options that a recording keeps; live_command_table has the others.
-[[nodiscard]] OptionTable live_run_table(LiveArguments& arguments);
 [[nodiscard]] OptionTable live_command_table(LiveArguments& arguments);
 
 /// Returns the names of the options that a command's short help leaves out. For subcommands (`edit

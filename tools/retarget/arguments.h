@@ -9,7 +9,7 @@
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
-#include "retarget/serve.h"
+#include "retarget/serve_table.h"
 
 namespace retarget::cli {
 
@@ -133,10 +133,8 @@ struct RobotsArguments {
 
 /// Arguments of `retarget live`: converts a stream, or a clip played as a stream, to robot frames.
 struct LiveArguments {
-  RunArguments run;    ///< Robot, method, and how to recognise the human.
-  ServeOptions serve;  ///< Except its pipeline's run options and the skeleton.
-  bool plain = false;  ///< Use only the published method.
-  std::string skeleton;
+  ServeRequest request;
+  CommonArguments common;
   std::string play;  ///< Clip to play as a stream; empty: none.
   PlayOptions player;
   bool list = false;

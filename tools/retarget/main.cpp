@@ -163,7 +163,7 @@ int main_with(int argc, char** argv) {
   ViewArguments view_of;
   commands.add(add_view_command(app, view_of), view_of, view_of.run.common, view);
   LiveArguments live_of;
-  commands.add(add_live_command(app, live_of), live_of, live_of.run.common, live);
+  commands.add(add_live_command(app, live_of), live_of, live_of.common, live);
   RobotsArguments robots_of;
   commands.add(add_robots_command(app, robots_of), robots_of, robots_of.common, robots);
   commands.add(&app, run_of, run_of.common, run);

@@ -17,9 +17,10 @@ from retarget._errors import UsageError
 
 _DATA = pathlib.Path(_retarget.data_folder(""))
 
-#: The folders of retarget's own configurations and robots.
 IK_CONFIG_ROOT = _DATA / "configs"
+"""The folder of retarget's own retargeting configurations."""
 ASSET_ROOT = _DATA / "robots"
+"""The folder of retarget's own robots."""
 
 # By robot: its name in the file names of tables, the paths of its model in the published assets,
 # its root body, and the camera distance in metres.
@@ -58,10 +59,14 @@ _LAFAN1 = ("bvh_lafan1", "bvh")
 _HUMANS = ("smplx", *_LAFAN1, "bvh_nokov", "bvh_xsens", "fbx", "fbx_offline", "xrobot", "xsens_mvn")
 
 ROBOT_XML_DICT: dict[str, pathlib.Path] = {}
+"""The model of each robot, by its published name."""
 IK_CONFIG_DICT: dict[str, dict[str, pathlib.Path]] = {human: {} for human in _HUMANS}
+"""The configuration of each robot, by the name of the source and by that of the robot."""
 ROBOT_BASE_DICT: dict[str, str] = {name: base for name, (_, _, base, _) in _ROBOTS.items()}
+"""The root body of each robot."""
 VIEWER_CAM_DISTANCE_DICT: dict[str, float] = {
     name: distance for name, (_, _, _, distance) in _ROBOTS.items()}
+"""The distance of the viewer's camera for each robot, metres."""
 
 
 def _use_own_files() -> None:

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/option_table.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/serve.h"
+
+// Live runs as clients state them, by options. Link retarget::live.
+namespace RETARGET_API retarget {
+
+/// A live run with the robot by name. A recording keeps most of it.
+struct ServeRequest {
+  RobotChoice robot;
+  ServeOptions serve;    ///< Except the skeleton.
+  std::string skeleton;  ///< File of the skeleton; empty: none.
+  bool plain = false;    ///< Use only the published method.
+};
+
+/// The options that a recording keeps: input, skeleton, calibration, retargeting, robot and human.
+[[nodiscard]] OptionTable recorded_serve_table(ServeRequest& request);
+/// All options of a live run.
+[[nodiscard]] OptionTable serve_table(ServeRequest& request);
+/// The options of a player that are not those of a human.
+[[nodiscard]] OptionTable player_table(PlayOptions& options);
+
+/// Restores the options of the recording to replay, if there is one, and checks the request.
+/// Errors (kUsage): no robot, or `record` and `replay` together; those of load_options.
+[[nodiscard]] Result<void> prepare_serve(ServeRequest& request);
+
+/// Loads the skeleton, chooses the pace, writes the options into the folder of the recording, and
+/// serves.
+/// @param robot  that of the request, set up with the options of its pipeline.
+/// @param request  from prepare_serve().
+[[nodiscard]] Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request,
+                                                 const ServeControl& control);
+
+/// Lines that describe a run: a label and a text.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> serve_summary_lines(
+    const ServeSummary& summary);
+
+}  // namespace retarget

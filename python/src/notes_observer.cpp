@@ -1,0 +1,50 @@
+#include "notes_observer.h"
+
+#include <csignal>
+#include <utility>
+
+#include "raise.h"
+#include "retarget/text.h"
+
+namespace retarget::python {
+namespace {
+
+// Set by signals in a worker process.
+volatile std::sig_atomic_t worker_is_stopped = 0;
+
+}  // namespace
+
+NotesObserver::NotesObserver(Watcher& watcher, nb::list notes)
+    : watcher_(watcher), notes_(std::move(notes)) {}
+
+void NotesObserver::line(std::string_view label, std::string_view text) {
+  tell(std::string(label) + (label.empty() ? "" : ": ") + spell_options(text));
+}
+
+void NotesObserver::warn(const std::vector<Warning>& warnings, std::string_view file) {
+  for (const Warning& each : warnings) tell(describe(each, file));
+}
+
+void NotesObserver::fault(const Error& error) {
+  tell(describe(error));
+}
+
+bool NotesObserver::is_stopped() const {
+  // A worker process must not call into Python.
+  if (getpid() != process_) return worker_is_stopped != 0;
+  return !watcher_.keep_going({}) || watcher_.is_stopped();
+}
+
+void NotesObserver::tell(const std::string& text) const {
+  if (getpid() != process_) return;
+  const nb::gil_scoped_acquire acquired;
+  notes_.attr("append")(text_of(text));
+}
+
+void begin_worker() {
+  // The terminal sends Ctrl-C to the parent, which forwards it.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, [](int) { worker_is_stopped = 1; });
+}
+
+}  // namespace retarget::python

@@ -1,0 +1,178 @@
+#include "retarget/serve_table.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "retarget/check_options.h"
+#include "retarget/file.h"
+#include "retarget/live_table.h"
+#include "retarget/load.h"
+#include "retarget/option_name.h"
+#include "retarget/text.h"
+#include "retarget/try.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecordedOptions = "live.json";
+// Longer than any run, but catches typing errors.
+constexpr double kMaxSeconds = 1e9;
+
+// Returns the file of a skeleton in the folder of a recording.
+std::string skeleton_in(const std::string& folder, const std::string& skeleton) {
+  return (fs::path(folder) / fs::path(skeleton).filename()).string();
+}
+
+Result<void> record_options(ServeRequest request) {
+  const std::string folder = request.serve.record;
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (!request.skeleton.empty()) {
+    RETARGET_TRY_ASSIGN(const auto bytes, read_file(request.skeleton));
+    RETARGET_TRY(write_file(skeleton_in(folder, request.skeleton), bytes.view()));
+  }
+  return write_file((fs::path(folder) / kRecordedOptions).string(),
+                    options_text(recorded_serve_table(request)));
+}
+
+}  // namespace
+
+OptionTable recorded_serve_table(ServeRequest& request) {
+  LivePipelineOptions& pipeline = request.serve.pipeline;
+  OptionTable table = {
+      option("input", request.serve.input, kInputGroup, "ADDRESS",
+             "Source of frames: udp:PORT, tcp:PORT, HOST:PORT instead of the port to accept other "
+             "computers, stdin; append ?format=NAME (docs/live.md)",
+             {.basic = true}),
+      option("skeleton", request.skeleton, kInputGroup, "FILE",
+             "A motion or skeleton of the performer, for streams without a skeleton or for "
+             "calibration",
+             {.basic = true}),
+      option("calibrate", pipeline.calibrate, kInputGroup, "",
+             "Calibrate from the file's or stream's skeleton, or from the performer's pose "
+             "after " RETARGET_OPTION("after") " seconds; SIGUSR1 calibrates again",
+             {.basic = true}),
+      option("after", pipeline.calibrate_after_s, kInputGroup, "SECONDS",
+             "Time from the first frame to the calibration pose", {.min = 0.0, .max = 600.0})};
+  append(table, live_table(pipeline.live));
+  table.push_back(
+      option("pace", pipeline.pace, kLiveGroup, "",
+             "clock: send a robot frame every 1/fps seconds; input: as fast as input arrives, by "
+             "its timestamps; auto: input from stdin to files and stdout, otherwise clock"));
+  table.push_back(option(
+      "plain", request.plain, kLiveGroup, "",
+      "With " RETARGET_OPTION("mode") " frame: inverse kinematics only, without "
+                                      "speed limits and without handling of floor and feet"));
+  append(table, rows_for(OptionUse::kLive, robot_table(request.robot)));
+  append(table, rows_for(OptionUse::kLive, solve_table(pipeline.run.solve)));
+  append(table, rows_for(OptionUse::kLive, human_table(pipeline.run.human)));
+  return table;
+}
+
+OptionTable serve_table(ServeRequest& request) {
+  ServeOptions& serve = request.serve;
+  OptionTable table = recorded_serve_table(request);
+  append(
+      table,
+      {option("output", serve.outputs, kOutputGroup, "ADDRESS,...",
+              "Destination of robot frames: udp:PORT, udp:HOST:PORT, tcp:..., a file, - for "
+              "standard output (the default); as JSON lines, or as CSV for files that end in .csv; "
+              "zmq:PORT for SONIC, redis:PORT for TWIST2; append ?format=NAME "
+              "(docs/live.md)",
+              {.basic = true, .letter = "o"}),
+       option("record", serve.record, kOutputGroup, "DIR",
+              "Folder for a recording of the raw input and the output"),
+       option("replay", serve.replay, kInputGroup, "DIR",
+              "Replay a recorded folder instead of an input, with its options; the output is "
+              "identical byte for byte"),
+       option("seconds", serve.seconds, kLiveGroup, "S",
+              "Stop after this time (default: stop on Ctrl-C)", {.min = 0.0, .max = kMaxSeconds}),
+       option("silent", serve.silent_s, kLiveGroup, "S",
+              "Stop after this time without input (default: never)",
+              {.min = 0.0, .max = kMaxSeconds}),
+       option("stats", serve.stats, kOutputGroup, "FILE",
+              "Write statistics as JSON, one line per second; - writes standard output")});
+  return table;
+}
+
+OptionTable player_table(PlayOptions& options) {
+  return {option("to", options.to, "Player", "ADDRESS",
+                 "Destination: udp:PORT, tcp:PORT, stdout; append ?format=NAME", {.basic = true}),
+          option("speed", options.speed, "Player", "N", "Speed factor; 0: as fast as possible",
+                 {.min = 0.0, .max = 1000.0})};
+}
+
+Result<void> prepare_serve(ServeRequest& request) {
+  const ServeOptions& serve = request.serve;
+  if (!serve.replay.empty()) {
+    const std::string file = (fs::path(serve.replay) / kRecordedOptions).string();
+    RETARGET_TRY(load_options(file, recorded_serve_table(request), "the options of a live run"));
+    if (!request.skeleton.empty()) {
+      request.skeleton = skeleton_in(serve.replay, request.skeleton);
+    }
+  }
+  if (request.robot.name.empty() && request.robot.model.empty()) {
+    return usage_failure("a live run needs a robot: " RETARGET_OPTION(
+                             "robot") " NAME or " RETARGET_OPTION("robot-xml") " FILE",
+                         "for example " RETARGET_OPTION("robot") " g1 and " RETARGET_OPTION(
+                             "input") " udp:1118?format=bvh");
+  }
+  if (!serve.record.empty() && !serve.replay.empty()) {
+    return usage_failure(
+        RETARGET_OPTION("record") " and " RETARGET_OPTION("replay") " cannot be combined");
+  }
+  return check_robot_choice(request.robot);
+}
+
+Result<ServeSummary> serve_request(const RobotSetup& robot, ServeRequest request,
+                                   const ServeControl& control) {
+  ServeOptions& serve_options = request.serve;
+  LivePipelineOptions& pipeline = serve_options.pipeline;
+  if (!request.skeleton.empty()) {
+    RETARGET_TRY_ASSIGN(serve_options.skeleton, load_skeleton(request.skeleton));
+  }
+  RETARGET_TRY_ASSIGN(pipeline.pace, chosen_pace(serve_options));
+  if (!serve_options.record.empty()) RETARGET_TRY(record_options(request));
+  if (request.plain) {
+    pipeline.live.limit_speeds = pipeline.live.floor = pipeline.live.hold_feet = false;
+  }
+  return serve(robot, serve_options, control);
+}
+
+std::vector<std::pair<std::string, std::string>> serve_summary_lines(const ServeSummary& summary) {
+  const LiveStatistics& live = summary.live;
+  const PipelineStatistics& packets = summary.packets;
+  const LatencySummary& latency = summary.latency;
+  std::vector<std::pair<std::string, std::string>> lines;
+  lines.emplace_back(
+      "packets",
+      fmt::format("{}, {} malformed; frames {} lost, {} late, {} doubled, {} bad", packets.packets,
+                  packets.malformed, live.lost, live.late, live.doubled, live.bad));
+  lines.emplace_back("robot",
+                     fmt::format("{}: {} held, {} limited in speed or acceleration; {}",
+                                 count_text(live.robot_frames, "frame"), live.held, live.limited,
+                                 count_text(live.interruptions, "interruption")));
+  if (live.failed_steps > 0) {
+    lines.emplace_back(
+        "failed", count_text(live.failed_steps, "step") + " of the fit with non-finite numbers");
+  }
+  lines.emplace_back("latency", fmt::format("packet to robot frame p50 {} ms, p99 {} ms, max {} ms",
+                                            number_text(1e3 * latency.p50_s, 3),
+                                            number_text(1e3 * latency.p99_s, 3),
+                                            number_text(1e3 * latency.max_s, 3)));
+  for (const OutputStatistics& output : summary.outputs) {
+    if (output.dropped == 0 && output.reconnects == 0) continue;
+    lines.emplace_back(
+        "output",
+        fmt::format("{}: {} sent, {} dropped, {}; {}", output.name, output.sent, output.dropped,
+                    count_text(output.reconnects, "reconnect"), output.last_error));
+  }
+  return lines;
+}
+
+}  // namespace retarget
