@@ -336,7 +336,7 @@ struct SolveOptions {
   /// Displacement of the moving bodies of the scene: `X,Y,Z`, metres. The hands that touch them
   /// follow. Empty: none.
   std::string object_shift;
-  double object_scale = 1.0;         ///< Size of the moving bodies; the hands follow.
+  double object_scale = 1.0;  ///< Size of the moving bodies; the hands follow.
   ObjectMotion object_motion = ObjectMotion::kGiven;
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.

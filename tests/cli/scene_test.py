@@ -90,14 +90,48 @@ class SceneTest(ToolTest):
         self.assert_in_scene(motion, 6.5)
         self.assertLess(motion["scene_gap_p95_cm"], 1.0)
 
+    def test_objects_follow_the_hands(self):
+        self.need_shared()
+        carry = FORMATS / "omomo_sub3_largebox_003.pt"
+        box = ("--scene", SCENES / "largebox__largebox.obj", "--object-track", carry,
+               "--object-shift", "0.1,0,0")
+        given = self.report(carry, *box)
+        followed = self.report(carry, *box, "--object-motion", "fitted", "--sidecar")
+        for motion in (given, followed):
+            self.assert_in_scene(motion, 6.5)
+        self.assertLess(followed["limb_angle_deg"][0], given["limb_angle_deg"][0])
+        self.assertRegex(" ".join(followed["fit"]["notes"]), "box moves with the robot by up to")
+        result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", carry, *box)
+        self.assertIn("--object-motion fitted", result.stderr)
+
+    def test_dynamics_count_the_scene(self):
+        self.need_shared()
+        source = (SCENES / "climb_seq_1__mocap_climb_seq_1_joint_positions_f0-2422.npy", "--scene",
+                  SCENES / "climb_seq_1__multi_boxes.obj")
+        self.report(*source)
+        bad = []
+        for scene in (source[1:], ()):
+            self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", source[0], *scene,
+                          "--dynamics", "--json", "bad.json")
+            report = json.loads((self.folder / "bad.json").read_text())["motions"][0]
+            bad.append(report["dynamics_bad_pct"])
+        self.assertLess(bad[0], 10.0)
+        self.assertGreater(bad[1], 60.0)
+
+    def found_contacts(self, carry, track):
+        self.assert_done(self.run_tool(
+            "contacts", carry, "--robot", "unitree_g1", "--scene", SCENES / "largebox__largebox.obj",
+            "--object-track", track, "--json", "contacts.json"))
+        return json.loads((self.folder / "contacts.json").read_text())["contacts"]
+
     def test_contacts_agree_with_the_labels_of_a_carried_box(self):
         self.need_shared()
         carry = FORMATS / "omomo_sub3_largebox_003.pt"
-        self.assert_done(self.run_tool(
-            "contacts", carry, "--robot", "unitree_g1", "--scene", SCENES / "largebox__largebox.obj",
-            "--object-track", carry, "--json", "contacts.json"))
-        found = json.loads((self.folder / "contacts.json").read_text())["contacts"]
         rows = tensor_rows(carry, 591)
+        # A track without the labels, so that distances and speeds decide.
+        self.write("box.csv", "x,y,z,qx,qy,qz,qw\n" + "".join(
+            ",".join(f"{value:.9g}" for value in row[318:325]) + "\n" for row in rows))
+        found = self.found_contacts(carry, "box.csv")
         # Columns 331 to 382 label 52 bodies of SMPL-X; hands and fingers are these.
         for part, bodies in (("left_hand", range(17, 33)), ("right_hand", range(36, 52))):
             labels = {frame for frame, row in enumerate(rows)
@@ -108,6 +142,11 @@ class SceneTest(ToolTest):
             precision, recall = share_near(touches, labels), share_near(labels, touches)
             score = 2 * precision * recall / (precision + recall)
             self.assertGreaterEqual(score, 0.95, (part, precision, recall))
+            # The file's own labels are taken as they are.
+            stated = {frame for contact in self.found_contacts(carry, carry)
+                      if contact["part"] == part and contact["surface"] != "floor"
+                      for frame in range(contact["first"], contact["last"] + 1)}
+            self.assertEqual(stated, labels)
 
     def test_contradictions(self):
         self.write("room.json", json.dumps(SCENE))

@@ -64,9 +64,8 @@ Result<void> check_without_scene(const SolveOptions& solve) {
                        solve.object_motion != ObjectMotion::kGiven;
   if (changes) {
     return usage_failure(
-        OPTION("scene-axes") ", " OPTION("terrain-scale") ", " OPTION(
-            "object-shift") ", " OPTION("object-scale") " and " OPTION(
-            "object-motion") " require " OPTION("scene"),
+        OPTION("scene-axes") ", " OPTION("terrain-scale") ", " OPTION("object-shift") ", " OPTION(
+            "object-scale") " and " OPTION("object-motion") " require " OPTION("scene"),
         "add " OPTION("scene") " FILE");
   }
   if (solve.object_tracks.empty()) return {};

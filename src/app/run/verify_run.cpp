@@ -217,6 +217,11 @@ std::string recorded_travel(const std::string& path) {
   return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();
 }
 
+ObjectMotion recorded_object_motion(const std::string& path) {
+  const auto sidecar = own_sidecar(path);
+  return sidecar ? sidecar->run.options.solve.object_motion : ObjectMotion::kGiven;
+}
+
 Result<RobotMotion> load_recorded_motion(const std::string& path,
                                          const std::shared_ptr<const Robot>& robot,
                                          const ReadMotionOptions& options) {

@@ -16,8 +16,8 @@ struct SceneSource {
   const SceneWorld& world;  ///< Around the human, in the frames of the motion.
   const HumanClip& human;
   const SourceFeet& feet;
-  const ContactPlan& contacts;  ///< Of the human's feet on this scene.
-  double scale = 1.0;           ///< From the human's to the robot's paths.
+  const ContactPlan& contacts;               ///< Of the human's feet on this scene.
+  double scale = 1.0;                        ///< From the human's to the robot's paths.
   const SceneWorld* around_robot = nullptr;  ///< Null: `world`, scaled (scaled_world).
 };
 

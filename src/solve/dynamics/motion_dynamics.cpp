@@ -36,7 +36,7 @@ struct Sizes {
   explicit Sizes(double size) : length(size), speed(std::sqrt(size)) {}
 };
 
-// What may push a point: nothing, the floor, or the body kFirstBody + i of the scene.
+// The surface that may push a point: none, the floor, or that of the body kFirstBody + i.
 using Surface = std::uint16_t;
 constexpr Surface kNothing = 0, kFloor = 1, kFirstBody = 2;
 
@@ -76,7 +76,7 @@ class SupportTracks {
     }
   }
 
-  // Adds a contact with a body of the scene, where the floor is none.
+  // Adds a contact with a body of the scene; the floor has precedence.
   void touch(std::size_t sample, std::size_t point, std::size_t body, double rate) {
     const std::size_t count = points_->size(), samples = places_.size() / count;
     const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));

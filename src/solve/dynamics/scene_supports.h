@@ -12,9 +12,9 @@
 
 namespace retarget {
 
-/// What the bodies of a scene do to a robot: they support it, or it carries them. A moving body that
-/// rests on the floor or on a static body supports the robot; one that is lifted is a load for the
-/// links that touch it.
+/// The effect of the bodies of a scene on a robot: they support it, or it carries them. A moving body
+/// that rests on the floor or on a static body supports the robot; one that is lifted is a load for
+/// the links that touch it.
 class SceneSupports {
  public:
   /// @param world  around the robot; must outlive this object. It has at least one frame.
