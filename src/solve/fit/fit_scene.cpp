@@ -127,8 +127,8 @@ class GoalPlanner {
   static constexpr double kBlendTime = 0.25;  // Seconds.
 
   // The direction in a hand's link that faces an object while the human's hand holds it, on average;
-  // zero for other parts and static bodies, or if the hand turns. A hand that supports a climber may
-  // lie as the robot's arm needs it.
+  // zero for other parts and static bodies, if the hand turns, or for a robot without a wrist. A hand
+  // that supports a climber may lie as the robot's arm needs it.
   [[nodiscard]] Vector3d facing_of(const SurfacePhase& phase, int support, double size) const {
     constexpr double kTurns = 0.9;  // Length of the mean; 1: the hand does not turn.
     const Bone bone = kSupportBones[phase.part];
@@ -137,7 +137,7 @@ class GoalPlanner {
     const auto task = std::ranges::find_if(model_.tasks, [&](const FitTask& each) {
       return each.bone == bone && each.link == model_.supports[at(support)].link;
     });
-    if (task == model_.tasks.end()) return Vector3d::Zero();
+    if (task == model_.tasks.end() || !has_wrist(task->link, bone)) return Vector3d::Zero();
     const auto index = at(static_cast<int>(task - model_.tasks.begin()));
     Vector3d sum = Vector3d::Zero();
     for (int frame = phase.begin; frame < phase.end; ++frame) {
@@ -150,6 +150,18 @@ class GoalPlanner {
     const double length = sum.norm();
     if (!(length > kTurns * (phase.end - phase.begin))) return Vector3d::Zero();
     return sum / length;
+  }
+
+  // Whether two joints turn the hand relative to the forearm, as a direction needs.
+  [[nodiscard]] bool has_wrist(int hand, Bone bone) const {
+    const Bone forearm = bone == Bone::kLeftHand ? Bone::kLeftForeArm : Bone::kRightForeArm;
+    const auto task = std::ranges::find(model_.tasks, forearm, &FitTask::bone);
+    if (task == model_.tasks.end()) return false;
+    int joints = 0;
+    for (int link = hand; link > 0 && link != task->link; ++joints) {
+      link = model_.tree.links()[at(link)].parent;
+    }
+    return joints >= 2;
   }
 
   // Moves the goal by how far the human's part is from where it touches.
