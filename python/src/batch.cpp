@@ -3,8 +3,10 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batch_keywords.h"
 #include "bindings.h"
@@ -15,6 +17,7 @@
 #include "retarget/batch.h"
 #include "retarget/error.h"
 #include "retarget/option_table.h"
+#include "retarget/repeated_clips.h"
 #include "solving_table.h"
 #include "watcher.h"
 
@@ -67,11 +70,35 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   return nb::make_tuple(value_of(std::move(failed)), notes);
 }
 
+// Returns a list of (index of the repeated clip, index of the clip that it repeats, mirrored, degrees).
+nb::list repeated(const nb::list& names, const nb::list& signatures) {
+  std::vector<std::pair<std::string, std::string>> clips;
+  std::map<std::string, std::size_t> indices;
+  for (std::size_t i = 0; i < nb::len(names); ++i) {
+    const auto signature = nb::cast<nb::bytes>(signatures[i]);
+    clips.emplace_back(bytes_of_name(names[i], "names"),
+                       std::string(signature.c_str(), signature.size()));
+    indices.emplace(clips.back().first, i);
+  }
+  Watcher watcher(nb::none());
+  const auto found = [&] {
+    const nb::gil_scoped_release released;
+    return repeated_clips(clips, [&] { return watcher.keep_going({}); });
+  }();
+  watcher.rethrow();
+  nb::list all;
+  for (const auto& [name, clip] : found) {
+    all.append(nb::make_tuple(indices.at(name), indices.at(clip.of), clip.mirrored, clip.distance));
+  }
+  return all;
+}
+
 }  // namespace
 
 void bind_batch(nb::module_& module) {
   module.def("batch", &batch, "inputs"_a.none(), "output"_a.none(), "robots"_a.none(), "options"_a,
              "quality"_a, "sidecar"_a, "data_dir"_a.none());
+  module.def("repeated_clips", &repeated, "names"_a, "signatures"_a);
 }
 
 }  // namespace retarget::python

@@ -12,6 +12,7 @@ import pytest
 import retarget
 from optional import need
 from retarget.data_set.__main__ import main
+from retarget.data_set.duplicates import find_groups
 from retarget.data_set.page import write_page
 from retarget.data_set.results import read_results
 
@@ -91,3 +92,47 @@ def test_both_manifests_agree(data: Path, tmp_path: Path) -> None:
     for one, other in zip(of_batch, of_parts, strict=True):
         one.seconds = other.seconds
         assert one == other and one.worst
+
+
+def test_near_duplicates(data: Path, command, tmp_path: Path) -> None:
+    walk = retarget.load(data / "walk.bvh")
+    copies = {"a/walk": walk, "b/turned": retarget.edit.turn(walk, 70.0),
+              "b/mirrored": retarget.edit.mirror(walk),
+              "c/part": retarget.edit.trim(walk, start=0.1, end=9.9),
+              "c/squat": retarget.load(data / "squat.bvh")}
+    for name, clip in copies.items():
+        (tmp_path / f"in/{name}.bvh").parent.mkdir(parents=True, exist_ok=True)
+        clip.save(tmp_path / f"in/{name}.bvh")
+    retarget.batch(tmp_path / "in", tmp_path / "out", "g1", jobs=1, quality=False)
+    group, = find_groups(read_results(tmp_path / "out"))
+    assert group.first.name == "a/walk.bvh" and group.mirrored == 1 and group.sources == 3
+    assert [each.name for each in group.repeats] == ["b/mirrored.bvh", "b/turned.bvh", "c/part.bvh"]
+    page = write_page(tmp_path / "out", tmp_path / "page.html").read_text()
+    assert cells(page, "Near duplicates: 3 of 5 clips") == [
+        ["source", "clips", "repeats"], ["b", "2", "2"], ["c", "2", "1"]]
+    row = cells(page, ">repeated clip<")[0]
+    assert row[:5] == ["a/walk.bvh", "b/mirrored.bvh", "3", "1", "3"] and 0 < float(row[5]) < 2.5
+    # The command finds the same ones.
+    command("batch", tmp_path / "in", "-o", tmp_path / "deduped", "--robot", "g1", "--dedupe",
+            "--jobs", 1)
+    listed = (tmp_path / "deduped/duplicates.tsv").read_text().splitlines()[1:]
+    assert {line.split("\t")[0] for line in listed} == {each.name for each in group.repeats}
+
+    assert main([str(tmp_path / "out"), str(tmp_path / "page.html"), "--no-near-duplicates"]) == 0
+    assert "Near duplicates" not in (tmp_path / "page.html").read_text()
+
+
+def test_groups_of_near_duplicates_are_capped(data: Path, tmp_path: Path) -> None:
+    """One group of 5,000 clips; invalid signatures are ignored."""
+    retarget.batch(data, tmp_path / "batch", "g1", jobs=1, quality=False)
+    signature = json.loads((tmp_path / "batch/manifest.jsonl").read_text().splitlines()[0])["signature"]
+    with (tmp_path / "manifest.jsonl").open("w") as manifest:
+        manifest.writelines(line(number, signature=signature) for number in range(5_000))
+        manifest.writelines(line(number, signature=signature, robot="other") for number in range(9))
+        manifest.write(line(6_000, signature="AAAA") + line(6_001, signature="!") + line(6_002))
+    page = write_page(tmp_path, tmp_path / "page.html").read_text()
+    assert "Near duplicates: 4,999 of 5,012 clips" in page
+    assert len(cells(page, "Near duplicates")) == 31 and len(page) < 200_000
+    (tmp_path / "manifest.jsonl").write_text(line(1))
+    page = write_page(tmp_path, tmp_path / "page.html").read_text()
+    assert "Near duplicates: unknown" in page

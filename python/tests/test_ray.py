@@ -1,4 +1,4 @@
-"""Data sets on a local Ray with two workers: killed workers change no byte."""
+"""Data sets on a local cluster of Ray: killed workers and removed machines change no byte."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from optional import need
 pytestmark = pytest.mark.skipif("LD_PRELOAD" in os.environ,
                                 reason="Ray's own processes do not start with a sanitizer")
 
-CLIPS = 60
+CLIPS = 200
 POISON = "c1/walk_030.bvh"
 # A driver outside of this process. Ray stops its tasks when it ends.
 DRIVER = """
@@ -31,21 +31,27 @@ retarget.ray.retarget_dataset(sys.argv[1], sys.argv[2], "unitree_g1", address=sy
 """
 
 
+NODE = {"num_cpus": 2, "object_store_memory": 80 * 2**20, "include_dashboard": False}
+
+
 @pytest.fixture(scope="module", autouse=True)
-def cluster() -> Iterator[str]:
-    """Starts Ray; yields its address."""
+def cluster() -> Iterator:
+    """Starts Ray with two workers; yields its cluster, to which nodes can be added."""
     ray = need("ray")
     need("pyarrow")
+    from ray.cluster_utils import Cluster
+
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     # The default is too short for a busy machine.
     os.environ["RAY_raylet_start_wait_time_s"] = "120"
     try:
-        ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False,
-                 object_store_memory=80 * 2**20)
+        started = Cluster(initialize_head=True, head_node_args=NODE)
+        ray.init(address=started.address, log_to_driver=False)
     except Exception as error:  # Ray raises many kinds, such as for a sandbox without shared memory.
         pytest.skip(f"Ray does not start on this machine: {error}")
-    yield ray.get_runtime_context().gcs_address
+    yield started
     ray.shutdown()
+    started.shutdown()
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +61,10 @@ def clips(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     samples = {name: retarget.load(data / f"{name}.bvh") for name in ("walk", "squat", "wave")}
     for number in range(CLIPS):
         name = list(samples)[number % 3]
-        part = retarget.edit.trim(samples[name], frames=slice(number, number + 20))
+        part = retarget.edit.trim(samples[name], frames=slice(number % 90, number % 90 + 20))
         file = folder / f"c{number % 2}/{name}_{number:03d}.bvh"
         file.parent.mkdir(exist_ok=True)
-        retarget.edit.turn(part, 6.0 * number).save(file)
+        retarget.edit.turn(part, 7.0 * number).save(file)
     (folder / "c0/walk_030.bvh").rename(folder / POISON)
     return folder
 
@@ -111,7 +117,7 @@ class Killer(threading.Thread):
         except FileNotFoundError:
             return
         poison = POISON in about["clips"]
-        if file not in self.killed and (poison or len(self.killed) < 2):
+        if file not in self.killed and (poison or len(self.killed) < 5):
             self.killed.add(file)
             self.with_poison += poison
             time.sleep(0.15)  # The worker's process has begun to solve.
@@ -128,7 +134,7 @@ def test_killed_workers_change_no_byte(clips: Path, undisturbed: dict[str, bytes
     finally:
         killer.done.set()
         killer.join()
-    assert len(killer.killed) >= 4 and killer.with_poison == 3, killer.killed
+    assert len(killer.killed) >= 6 and killer.with_poison == 3, killer.killed
     assert (made.clips, made.done, made.failed, made.kept) == (CLIPS, CLIPS - 1, 1, 0)
     found = statuses(out)
     assert found.pop(POISON) == ("failed", 3)
@@ -165,11 +171,84 @@ def processes_with(text: str) -> list[str]:
     return found
 
 
-def test_a_killed_driver_is_continued(clips: Path, undisturbed: dict[str, bytes], cluster: str,
+class NodeKiller(threading.Thread):
+    """Kills all processes of a node while one of its workers solves clips."""
+
+    def __init__(self, cluster, node, out: Path) -> None:
+        super().__init__(daemon=True)
+        self.cluster, self.node, self.out = cluster, node, out
+        self.done = threading.Event()
+        self.in_progress = 0
+
+    def run(self) -> None:
+        raylet = next(each.process.pid for each in self.node.all_processes["raylet"])
+        while not self.done.wait(0.003):
+            workers = children_of(raylet)
+            # The manifest shows that the run is not at its beginning.
+            if not list((self.out / "manifest").glob("*")):
+                continue
+            self.in_progress = len(workers & set(self._pids()))
+            if self.in_progress:
+                self.cluster.remove_node(self.node, allow_graceful=False)
+                for worker in workers:
+                    kill_if_there(worker)
+                return
+
+    def _pids(self) -> Iterator[int]:
+        for file in self.out.glob(".work/*/clips.json"):
+            try:
+                yield json.loads(file.read_text())["pid"]
+            except FileNotFoundError:
+                continue
+
+
+def children_of(parent: int) -> set[int]:
+    found = set()
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = file.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == parent:
+            found.add(int(file.parent.name))
+    return found
+
+
+def kill_if_there(process: int) -> None:
+    try:
+        os.kill(process, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+
+
+def test_a_removed_node_changes_no_byte(clips: Path, undisturbed: dict[str, bytes], cluster,
+                                        monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    import ray
+    from retarget.data_set import manifest
+
+    monkeypatch.setattr(manifest, "_SECONDS", 0.2)
+    node = cluster.add_node(**NODE)
+    assert ray.cluster_resources()["CPU"] == 4
+    killer = NodeKiller(cluster, node, tmp_path / "out")
+    killer.start()
+    try:
+        made = run(clips, tmp_path / "out")
+    finally:
+        killer.done.set()
+        killer.join()
+    assert killer.in_progress > 0
+    assert (made.done, made.failed, made.kept) == (CLIPS, 0, 0)
+    tries = [tries for _, tries in statuses(tmp_path / "out").values()]
+    assert 1 <= tries.count(2) <= 30 and max(tries) == 2
+    assert motions(tmp_path / "out") == undisturbed
+    assert ray.cluster_resources()["CPU"] == 2
+
+
+def test_a_killed_driver_is_continued(clips: Path, undisturbed: dict[str, bytes], cluster,
                                       tmp_path: Path) -> None:
     out = tmp_path / "out"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = [sys.executable, "-c", DRIVER, clips, out, cluster]
+    command = [sys.executable, "-c", DRIVER, clips, out, cluster.address]
     with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL) as driver:
         deadline = time.monotonic() + 60
@@ -187,9 +266,9 @@ def test_tars_become_packs(clips: Path, undisturbed: dict[str, bytes], tmp_path:
 
     files = {str(file.relative_to(clips).with_suffix("")): file
              for file in clips.rglob("*.bvh")}
-    packs.write_webdataset(files, tmp_path / "shards", max_clips=25)
+    packs.write_webdataset(files, tmp_path / "shards", max_clips=70)
     made = run(f"{tmp_path}/shards/*.tar", tmp_path / "out", pack="webdataset",
-               pack_options={"max_clips": 20})
+               pack_options={"max_clips": 70})
     assert (made.done, made.passed) == (CLIPS, CLIPS)
     assert motions(tmp_path / "out") == undisturbed
     assert len(list((tmp_path / "out/webdataset").glob("*.tar"))) == 3

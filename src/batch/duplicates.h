@@ -2,14 +2,11 @@
 
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "batch/manifest.h"
 #include "batch/motion_signature.h"
+#include "retarget/repeated_clips.h"
 
 namespace retarget {
 
@@ -32,12 +29,5 @@ inline constexpr double kDuplicateDistance = 2.5;
 [[nodiscard]] std::vector<std::optional<DuplicateOf>> find_duplicates(
     const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going = {},
     double limit = kDuplicateDistance);
-
-/// Finds duplicates by name. The first clip by name is kept.
-/// @param clips  name and signature_bytes(); each name counts once; clips without bytes are never
-///               duplicates.
-[[nodiscard]] std::map<std::string, RepeatedClip> repeated_clips(
-    const std::vector<std::pair<std::string, std::string>>& clips,
-    const std::function<bool()>& keep_going = {});
 
 }  // namespace retarget

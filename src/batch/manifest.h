@@ -11,6 +11,7 @@
 
 #include "batch/find_inputs.h"
 #include "retarget/error.h"
+#include "retarget/repeated_clips.h"
 #include "retarget/report.h"
 
 namespace retarget {
@@ -32,13 +33,6 @@ struct ClipQuality {
   std::vector<GateResult> missed_gates = {};  ///< The gates of `missed`, with values and bounds.
   std::optional<double> leg =
       std::nullopt;  ///< QualityReport::leg, the length with which the gates' bounds scale.
-};
-
-/// Marks a clip as a duplicate of another one.
-struct RepeatedClip {
-  std::string of;         ///< `relative` of the other.
-  bool mirrored = false;  ///< Mirrored left to right.
-  double distance = 0.0;  ///< signature_distance(), degrees.
 };
 
 /// A file in a format that cannot represent the motion.

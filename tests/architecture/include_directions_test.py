@@ -28,7 +28,8 @@ RIM = ["batch", "edit", "live", "rig", "view"]
 
 # Public headers of the rim that the core does not include either. It works without them: callers
 # pass in what draws. (edit.h is not among them: a run mirrors its clip with it.)
-RIM_HEADERS = ["batch", "edit_tables", "gallery", "ground_path", "live", "live_table", "rig", "serve",
+RIM_HEADERS = ["batch", "edit_tables", "gallery", "ground_path", "live", "live_table",
+               "repeated_clips", "rig", "serve",
                "serve_table", "view"]
 
 # Clients include public headers and their own files: programs outside src have no other way in.

@@ -15,9 +15,11 @@ def main(arguments: list[str] | None = None) -> int:
                                      description="Writes statistics of a data set as one page.")
     parser.add_argument("folder", help="output folder with a manifest")
     parser.add_argument("page", help="HTML file to write")
+    parser.add_argument("--no-near-duplicates", action="store_true",
+                        help="do not search for clips that show the same motion")
     given = parser.parse_args(arguments)
     try:
-        write_page(given.folder, given.page)
+        write_page(given.folder, given.page, near_duplicates=not given.no_near_duplicates)
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from retarget import _retarget
+from retarget.data_set.duplicates import find_groups
 from retarget.data_set.results import Result, read_results
 from retarget.packs._parts import new_file
 
@@ -33,16 +34,18 @@ svg rect { fill: #3a7ca5; }
 """
 
 
-def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str]) -> Path:
+def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str], *,
+               near_duplicates: bool = True) -> Path:
     """Writes statistics of a data set as one HTML file without scripts, below 1 MB.
 
     Histograms of duration, joint speed, contacts and solving time of solved clips; missed gates and
-    failures by source, which is the first folder of a clip's name; repeated clips; the worst clips,
+    failures by source, which is the first folder of a clip's name; near duplicates; the worst clips,
     and a sample that depends only on the names.
 
     Args:
         folder: output folder of `retarget batch` or retarget_dataset().
         file: the page; an existing file is replaced.
+        near_duplicates: search for clips that show the same motion (find_groups()).
 
     Returns:
         The path of the page.
@@ -57,7 +60,7 @@ def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str]) -> 
         '<!DOCTYPE html><html lang="en"><meta charset="utf-8">',
         f"<title>{_text(title)}</title><style>{_STYLE}</style><h1>{_text(title)}</h1>",
         _totals(results), _histograms(results), _sources(results), _errors(results),
-        _twins(results), _worst(results), _sample(results), "</html>\n"])
+        _twins(results), _groups(results) if near_duplicates else "", _worst(results), _sample(results), "</html>\n"])
     with new_file(Path(file)) as unfinished:
         unfinished.write_text(text, encoding="utf-8", errors="replace")
     return Path(file)
@@ -161,11 +164,34 @@ def _twins(results: Sequence[Result]) -> str:
     twins = sorted(((result.twin[1], result.name, result.twin[0]) for result in results
                     if result.twin is not None))
     if not twins:
-        return ("<h2>Repeated clips</h2><p>None are recorded; "
-                "<code>retarget batch --dedupe</code> searches for them.</p>")
+        return ""
     return f"<h2>Repeated clips: {len(twins):,}</h2>" + _table(
         ["clip", "repeats", "distance, degrees"],
         ((name, of, f"{distance:.2f}") for distance, name, of in twins[:ROWS]), 2)
+
+
+def _groups(results: Sequence[Result]) -> str:
+    groups = find_groups(results)
+    if not groups:
+        known = any(result.signature for result in results)
+        return f"<h2>Near duplicates: {'none' if known else 'unknown'}</h2>"
+    repeats = [repeat for group in groups for repeat in group.repeats]
+    clips = Counter(result.source for result in results)
+    by_source = Counter(repeat.source for repeat in repeats)
+    hours = sum(repeat.duration for repeat in repeats) / 3600.0
+    return "\n".join([
+        f"<h2>Near duplicates: {len(repeats):,} of {len(results):,} clips</h2>",
+        f"<p>Groups: {len(groups):,}; repeats: {_number(hours)} hours. The motions of a group, or "
+        "their mirror images, differ by less than 2.5 degrees; <code>retarget batch "
+        "--dedupe</code> keeps the first clip of each group.</p>",
+        _table(["source", "clips", "repeats"], (
+            (source, f"{clips[source]:,}", f"{count:,}")
+            for source, count in by_source.most_common(SOURCES))),
+        _table(["repeated clip", "first repeat", "repeats", "mirrored", "sources",
+                "largest distance, degrees"], (
+            (group.first.name, group.repeats[0].name, f"{len(group.repeats):,}",
+             f"{group.mirrored:,}", group.sources, f"{group.farthest:.2f}")
+            for group in groups[:ROWS]), 2)])
 
 
 def _rows(results: Iterable[Result]) -> str:

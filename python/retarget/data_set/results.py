@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import binascii
 import json
 import math
 import sys
@@ -16,7 +17,7 @@ from retarget.data_set.manifest import manifest_parts, manifest_rows
 #: Figures that a result keeps (docs/quality.md).
 FIGURES = ("peak_speed", "contact_pct")
 _COLUMNS = ["name", "status", "robot", "frames", "fps", "seconds", "message", "figures",
-            "gates_missed", "worst", "worst_ratio"]
+            "gates_missed", "worst", "worst_ratio", "signature"]
 
 
 @dataclass(slots=True)
@@ -40,6 +41,8 @@ class Result:
     message: str
     twin: tuple[str, float] | None
     """The clip that it repeats, and their distance in degrees."""
+    signature: bytes
+    """Coarse description of the movement (docs/batch.md); empty: unknown."""
 
     @property
     def passed(self) -> bool:
@@ -111,4 +114,11 @@ def _result(row: Mapping[str, Any], twin: tuple[str, float] | None) -> Result:
         missed=tuple(map(sys.intern, row.get("gates_missed") or [])),
         worst=sys.intern(row.get("worst") or ""),
         worst_ratio=math.inf if ratio is None else ratio, message=row.get("message") or "",
-        twin=twin)
+        twin=twin, signature=_bytes_of(row.get("signature") or ""))
+
+
+def _bytes_of(text: str) -> bytes:
+    try:
+        return binascii.a2b_base64(text)
+    except ValueError:
+        return b""
