@@ -28,6 +28,8 @@ struct RobotMeshes {
 /// The files are those named in a model (MJCF: `<mesh file>` with meshdir, scale, refpos and
 /// refquat; URDF: `<visual>`, also `package://`), with the poses and the unit given there. If a
 /// body has geoms without contacts, only these are visual; otherwise all of its meshes are.
+/// Without a choice of the user, the folder `meshes/NAME` of the user's own data (user_data_folder)
+/// comes first, if it exists: a model in it, or its files. It gives notes, not errors.
 /// @param model  the robot's own model; its mesh files are in its folder or the parent folder. A
 ///     missing or unreadable file gives a note, not an error. Empty: no model is known.
 /// @param named  the user's choice; empty: none. Either another model of the robot, used instead of

@@ -171,6 +171,23 @@ class Meshes(ToolTest):
         self.assertEqual(name, "left_knee_link")
         self.assert_same_points(vertices, CORNERS)
 
+    def test_meshes_that_the_user_keeps(self):
+        environment = self.tool_environment(XDG_DATA_HOME=str(self.folder / "own"))
+        kept = "own/retarget/meshes/unitree_g1"
+        self.make(f"{kept}/left_knee_link.STL", text_stl())
+        run = (SOURCE / "data/wave.bvh", "--robot", "unitree_g1", "--end", 0.5, "-o", "run.csv",
+               "--html", "run.html")
+        self.assert_done(self.run_tool(*run, env=environment))
+        [(name, (vertices, _))] = self.shown("run.html").items()
+        self.assertEqual(name, "left_knee_link")
+        self.assert_same_points(vertices, CORNERS)
+        # Meshes that cannot be read do not stop a run.
+        self.make(f"{kept}/left_knee_link.STL", b"solid x\nfacet")
+        result = self.run_tool(*run, env=environment)
+        self.assert_done(result)
+        self.assertIn("left_knee_link.STL", result.stderr + result.stdout)
+        self.assertEqual(self.shown("run.html"), {})
+
     def test_urdf(self):
         self.write("g1.csv", "")
         self.make_maker()

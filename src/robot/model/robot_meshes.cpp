@@ -9,6 +9,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "retarget/data_folder.h"
 #include "retarget/file.h"
 #include "retarget/robot_meshes.h"
 #include "retarget/text.h"
@@ -206,8 +207,37 @@ bool is_model(const std::string& named) {
 
 }  // namespace
 
+namespace {
+
+// The meshes that the user keeps for a robot, if there are any.
+std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& model) {
+  const auto data = user_data_folder();
+  const auto is_plain = [](char letter) { return letter != '/' && letter != '\\'; };
+  if (!data || robot.name().empty() || !std::ranges::all_of(robot.name(), is_plain)) return {};
+  const fs::path folder = *data / "meshes" / robot.name();
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return std::nullopt;
+  // A model there says more than names of files.
+  std::vector<std::string> models;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (is_model(entry.path().string())) models.push_back(entry.path().string());
+  }
+  std::ranges::sort(models);
+  auto meshes = load_robot_meshes(robot, model, models.empty() ? folder.string() : models.front());
+  if (meshes) return std::move(*meshes);
+  RobotMeshes none;
+  none.notes.push_back("the meshes in " + printable(folder.string()) +
+                       " are not drawn: " + meshes.error().message);
+  return none;
+}
+
+}  // namespace
+
 Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& model,
                                       const std::string& named) {
+  if (named.empty()) {
+    if (auto kept = kept_meshes(robot, model)) return std::move(*kept);
+  }
   std::error_code ignored;
   const bool other_model = is_model(named);
   const std::string folder = other_model ? std::string() : named;
