@@ -109,22 +109,41 @@ Result<void> check_robot_name(const std::string& name) {
                        "\" is not a valid robot name: it must be a valid folder name");
 }
 
-Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
-                              const PutOptions& options) {
+namespace {
+
+Result<void> check_place(const fs::path& folder, const PutOptions& options) {
   const fs::path into = folder.parent_path();
   std::error_code error;
   if (!fs::is_directory(into.empty() ? fs::path(".") : into, error)) {
     return usage_failure("the folder \"" + into.string() + "\" does not exist");
   }
-  const bool is_there = fs::exists(fs::symlink_status(folder, error));
-  if (is_there && !options.replace) {
+  if (!fs::exists(fs::symlink_status(folder, error))) return {};
+  if (!options.replace) {
     return usage_failure("\"" + folder.string() + "\" already exists",
                          RETARGET_OPTION("force") " replaces it");
   }
-  if (is_there && !options.may_replace(folder)) {
+  if (!options.may_replace(folder)) {
     return usage_failure("\"" + folder.string() + "\" is not replaced: " + options.otherwise,
                          "give another name, or remove it yourself");
   }
+  return {};
+}
+
+PutOptions options_for_made_robot(const std::string& name, bool force) {
+  PutOptions options;
+  options.replace = force;
+  options.may_replace = [name](const fs::path& there) { return is_made_robot(there, name); };
+  options.otherwise = "robots add did not create it for a robot of this name";
+  return options;
+}
+
+}  // namespace
+
+Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
+                              const PutOptions& options) {
+  RETARGET_TRY(check_place(folder, options));
+  std::error_code error;
+  const bool is_there = fs::exists(fs::symlink_status(folder, error));
   // Write next to the destination, then move the folder into place in one step.
   fs::path staging;
   const int made = make_new_folder(folder, staging);
@@ -150,11 +169,13 @@ Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
 }
 
 Result<void> check_new_robot(const std::string& model_path, const std::string& name,
-                             const fs::path& into) {
+                             const fs::path& into, bool force) {
   RETARGET_TRY(check_robot_name(name));
-  if (!is_below(model_path, into / name)) return {};
-  return usage_failure("\"" + model_path + "\" is in the folder to be replaced, \"" + name + "\"",
-                       "move the model out of it first");
+  if (is_below(model_path, into / name)) {
+    return usage_failure("\"" + model_path + "\" is in the folder to be replaced, \"" + name + "\"",
+                         "move the model out of it first");
+  }
+  return check_place(into / name, options_for_made_robot(name, force));
 }
 
 Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
@@ -164,11 +185,7 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
                            {"robot.json", robot.profile},
                            {"ik.json", robot.config},
                            {"decisions.md", robot.decisions}};
-  PutOptions options;
-  options.replace = force;
-  options.may_replace = [&](const fs::path& there) { return is_made_robot(there, robot.name); };
-  options.otherwise = "robots add did not create it for a robot of this name";
-  RETARGET_TRY(put_robot_folder(folder, files, options));
+  RETARGET_TRY(put_robot_folder(folder, files, options_for_made_robot(robot.name, force)));
   return folder;
 }
 

@@ -84,6 +84,7 @@ constexpr auto kMetricLabels = std::to_array<std::pair<std::string_view, std::st
     {"lag_s", "Delay"},
     {"joint_offset_rad", "Constant joint offset"},
     {"finger_angle_deg", "Finger angle error"},
+    {"driven_finger_angle_deg", "Finger angle error, moving fingers"},
     {"touch_gap_cm", "Gap of touching fingers"},
     {"dynamics_bad_pct", "Time without sufficient contacts"},
     {"unexplained_force_pct", "Unexplained force"},

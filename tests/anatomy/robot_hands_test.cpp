@@ -116,6 +116,52 @@ TEST(RobotHandsTest, NamesAreNotNeeded) {
   }
 }
 
+// Bodies of the fingers' first joints, thumb first.
+std::vector<std::string> first_bodies(const Robot& robot) {
+  std::vector<std::string> names;
+  const RobotHands hands = find_hands(robot);
+  EXPECT_TRUE(hands[0]);
+  if (!hands[0]) return names;
+  for (const RobotFinger& finger : hands[0]->fingers) {
+    const int joint = hands[0]->joints[static_cast<std::size_t>(finger.joints.front())].joint;
+    names.push_back(robot.bodies()[static_cast<std::size_t>(robot.joints()[joint].body)].name);
+  }
+  return names;
+}
+
+std::string renamed(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) {
+    text.replace(at, from.size(), to);
+    at += to.size();
+  }
+  return text;
+}
+
+TEST(RobotHandsTest, ANamedThumbIsTheThumb) {
+  const std::vector<std::string> by_shape = {"left_branch_base", "left_mcp_1", "left_mcp_2",
+                                             "left_mcp_3"};
+  const std::string unnamed = leap_like_hands(false);
+  EXPECT_EQ(first_bodies(*robot_from_text(unnamed)), by_shape);
+  EXPECT_EQ(first_bodies(*robot_from_text(leap_like_hands())).front(), "left_thumb_base");
+  // The name takes precedence over the shape.
+  const auto robot = robot_from_text(renamed(unnamed, "_mcp_1\"", "_mcp_1_thumb\""));
+  EXPECT_EQ(first_bodies(*robot).front(), "left_mcp_1_thumb");
+  EXPECT_TRUE(find_hands(*robot)[0]->fingers[0].is_named);
+  EXPECT_FALSE(find_hands(*robot)[0]->fingers[1].is_named);
+}
+
+TEST(RobotHandsTest, LettersNameFingers) {
+  std::string text = leap_like_hands(false);
+  for (const auto& [from, to] : {std::pair("_mcp_1\"", "_rf_bs\""),
+                                 {"_mcp_2\"", "_mf_bs\""},
+                                 {"_mcp_3\"", "_if_bs\""},
+                                 {"_branch_base\"", "_th_mp\""}}) {
+    text = renamed(text, from, to);
+  }
+  EXPECT_EQ(first_bodies(*robot_from_text(text)),
+            (std::vector<std::string>{"left_th_mp", "left_if_bs", "left_mf_bs", "left_rf_bs"}));
+}
+
 TEST(RobotHandsTest, TwoJawsAreAGripper) {
   const auto robot = robot_from_text(grippers());
   const RobotHands hands = find_hands(*robot);

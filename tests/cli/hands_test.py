@@ -189,6 +189,13 @@ class Hands(ToolTest):
         follows, relaxed = json.loads(measured.stdout)["motions"]
         self.assertLess(follows["finger_angle_deg"][0], 15.0)
         self.assertGreater(relaxed["finger_angle_deg"][0], 40.0)
+        # Only fingers that are driven have a gate.
+        self.assertEqual(follows["driven_finger_angle_deg"], follows["finger_angle_deg"])
+        self.assertNotIn("driven_finger_angle_deg", relaxed)
+        strict = self.run_tool("evaluate", "out.csv", "relaxed.csv", "--robot", "unitree_g1_with_hands", "--bvh",
+                               self.clip, "--gate", "none", "--gate", "driven_finger_angle_deg<=1", "--json", "-")
+        self.assertEqual(strict.returncode, 1, strict.stderr)
+        self.assertEqual([motion["passed"] for motion in json.loads(strict.stdout)["motions"]], [False, True])
 
 
 if __name__ == "__main__":

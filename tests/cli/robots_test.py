@@ -1,6 +1,7 @@
 """`retarget robots`: the list, unusual robots, new robots."""
 
 import json
+import re
 import shutil
 import unittest
 import zipfile
@@ -280,7 +281,57 @@ class Robots(ToolTest):
         self.assert_fails(self.run_tool("robots", "add", "x", "--model", "no.xml"), 4, "no.xml")
         self.assert_fails(self.run_tool("robots", "show", "unitree_g2"), 4, "unitree_g1")
         self.assert_fails(self.run_tool("robots"), 2)
-        self.assertEqual(self.files(), ["arm.xml"])
+        # The destination is checked before the model.
+        self.assert_fails(self.run_tool("robots", "add", "x", "--model", "arm.xml", "-o", "nowhere"), 2,
+                          'the folder "nowhere" does not exist')
+        self.write("arm/thesis.txt", "years")
+        self.assert_fails(self.run_tool("robots", "add", "arm", "--model", "arm.xml"), 2, "--force")
+        self.assertEqual(self.files(), ["arm.xml", "arm/thesis.txt"])
+
+    def test_compare_with_another_model(self):
+        self.write("same.xml", K1.read_bytes())
+        same = self.run_tool("robots", "compare", "booster_k1", "--model", "same.xml")
+        self.assert_done(same)
+        self.assertIn("are equal", same.stdout)
+        text = K1.read_text()
+        head, tail = text.split('<body name="Left_Arm_1" pos="0 0.077 0.1845">', 1)
+        moved = f'{head}<body name="Left_Arm_1" pos="0 0.077 0.2005">{tail}'
+        joint = re.search(r'<joint name="Right_Elbow_Pitch"[^>]*range="([^"]*)"', moved)
+        moved = moved.replace(joint[0], joint[0].replace(joint[1], "-1 1"))
+        self.write("new.xml", moved.replace("AAHead_yaw", "Head_yaw"))
+        differs = self.run_tool("robots", "compare", "booster_k1", "--model", "new.xml")
+        self.assertEqual(differs.returncode, 1, differs.stderr)
+        for words in ("positions of axes: ", " 16 mm", "places of bodies in 32 configurations: ", "ranges: ",
+                      "Right_Elbow_Pitch", "joints that the model lacks: AAHead_yaw", "joints that the robot lacks: Head_yaw"):
+            self.assertIn(words, unwrapped(differs.stdout))
+
+    def test_the_table_of_revisions_is_that_of_the_profiles(self):
+        table = (SOURCE / "docs/robots.md").read_text(encoding="utf-8").split("## Revisions")[1].split("## Unitree G1")[0]
+        rows = {row.split("`")[1]: row for row in table.splitlines() if row.startswith("| `")}
+        profiles = {path.parent.name: json.loads(path.read_text()) for path in SOURCE.glob("robots/**/robot.json")}
+        self.assertEqual(set(rows), set(profiles))
+        for name, row in rows.items():
+            stated = re.findall(r"[0-9a-f]{7}(?= |;)", row.split(" | ")[2] + " ")
+            self.assertTrue(set(stated) <= set(re.findall(r"revision ([0-9a-f]{7})", profiles[name]["source"])), name)
+            if "revision " in profiles[name]["source"]:
+                self.assertTrue(stated, name)
+
+    def test_overlaps_are_one_note(self):
+        """Hips and thighs of both sides overlap: one note has the first of them, decisions.md all."""
+        ball = '<geom type="sphere" size="0.25" mass="0"/>'
+        text = K1.read_text()
+        for body in ("Left_Hip_Yaw", "Right_Hip_Yaw", "Left_Shank", "Right_Shank", "Trunk"):
+            head, tail = text.split(f'<body name="{body}"', 1)
+            tag, tail = tail.split(">", 1)
+            text = f'{head}<body name="{body}"{tag}>{ball}{tail}'
+        self.write("thick.xml", text)
+        added = self.run_tool("robots", "add", "thick", "--model", "thick.xml")
+        self.assert_done(added)
+        told = unwrapped(added.stderr)
+        self.assertEqual(told.count("their contact is ignored"), 1)
+        self.assertRegex(told, r"and [0-9]+ more")
+        decisions = (self.folder / "thick/decisions.md").read_text()
+        self.assertGreater(decisions.split("## Overlaps")[1].count(" overlap "), 8)
 
 
 class RobotsThatAreNotInstalled(ToolTest):

@@ -200,6 +200,28 @@ TEST(HandSolverTest, FistsCloseAndOpenHandsOpen) {
   }
 }
 
+// Fingers of four joints, of which one turns sideways, bend as far as the human's.
+TEST(HandSolverTest, FingersOfFourJointsClose) {
+  for (const bool thumb_is_named : {true, false}) {
+    const Solved of(robot_from_text(leap_like_hands(thumb_is_named)));
+    const HandTarget target = of.target(fist_shape());
+    HandSolver solver = of.solver();
+    HandPosture posture(of.hand);
+    posture.set_variables(solver.solve(target));
+    for (const RobotFinger& finger : of.hand.fingers) {
+      if (finger.finger == Finger::kThumb) continue;
+      HandTarget::Parts parts;
+      posture.directions(finger, parts);
+      const HandTarget::Parts& wanted = target.parts[static_cast<std::size_t>(finger.finger)];
+      ASSERT_EQ(parts.count, wanted.count);
+      for (int k = 0; k < parts.count; ++k) {
+        EXPECT_LT(angle_between(parts.directions[k], wanted.directions[k]), 20.0 * kDegree)
+            << finger_name(finger.finger) << " part " << k;
+      }
+    }
+  }
+}
+
 TEST(HandSolverTest, ALongerHandClosesAsFar) {
   // The same hand at twice the size gives the same targets.
   HandShape shape = pinch_shape(Finger::kIndex), large = shape;

@@ -43,5 +43,16 @@ TEST(RigHandsTest, CouplingsOfHandsAreKept) {
   EXPECT_EQ(hands[0]->variables.size(), 6U);
 }
 
+TEST(RigHandsTest, DecisionsNameTheBranchOfEveryFinger) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("made.xml", leap_like_hands()), "made");
+  ASSERT_TRUE(made.has_value()) << describe(made.error());
+  EXPECT_THAT(made->decisions,
+              HasSubstr("| left thumb | left_thumb_base - left_thumb_fingertip | 4 | its name |"));
+  EXPECT_THAT(made->decisions, HasSubstr("| right ring | right_mcp_3 - right_fingertip_3 | 4 | "
+                                         "its place and direction |"));
+  EXPECT_THAT(made->decisions, HasSubstr("rename its first body in model.xml"));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -146,6 +146,42 @@ TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
                  "has no elbow");
 }
 
+TEST_F(ModelFaults, NameTheLimbWithoutACounterpart) {
+  // Removes a body with all that it carries.
+  const auto without = [](std::string text, const std::string& body) {
+    const std::size_t begin = text.find("<body name=\"" + body + "\"");
+    EXPECT_NE(begin, std::string::npos);
+    std::size_t end = begin;
+    for (int depth = 0; depth > 0 || end == begin;) {
+      const std::size_t open = text.find("<body", end), close = text.find("</body>", end);
+      depth += open < close ? 1 : -1;
+      end = open < close ? open + 5 : close + 7;
+    }
+    return text.erase(begin, end - begin);
+  };
+  const std::string whole = plain_humanoid().mjcf();
+  expect_refused(without(whole, "left_hip_pitch"),
+                 "the limb starting at \"right_hip_pitch\" has no counterpart");
+  expect_refused(without(whole, "right_shoulder_pitch"),
+                 "the limb starting at \"left_shoulder_pitch\" has no counterpart");
+  expect_refused(without(whole, "right_ankle_roll"),
+                 "have 6 and 5 joints: \"left_ankle_roll\" has no counterpart");
+  std::string text = whole;
+  const std::size_t elbow = text.find("<joint name=\"left_elbow\"");
+  text.erase(elbow, text.find("/>", elbow) + 2 - elbow);
+  expect_refused(text, "\"right_elbow\" has no counterpart");
+}
+
+TEST_F(ModelFaults, ReportWristsTakenForElbows) {
+  expect_refused(changed([](BuiltHumanoid& built) {
+                   built.arm.joints.pop_back();
+                   built.arm.joints.push_back({"wrist_pitch", kAxisY, {0, 0, -0.33}, -1, 1});
+                   built.arm.joints.push_back({"wrist_roll", kAxisX, {0, 0, 0}, -1, 1});
+                   built.arm.end = {0, 0, -0.1};
+                 }).mjcf(),
+                 "elbow");
+}
+
 TEST_F(ModelFaults, ReportDuplicateNames) {
   std::string text = plain_humanoid().mjcf();
   replace_all(text, "joint name=\"left_knee\"", "joint name=\"left_hip_yaw\"");

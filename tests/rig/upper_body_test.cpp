@@ -139,6 +139,40 @@ TEST_F(UpperBodyTest, RequiresAFixedBase) {
   }
 }
 
+// Joints without ranges, so that legs could reach a T-pose.
+TEST_F(UpperBodyTest, RejectsLegs) {
+  const auto legs = [](const std::string& names, const std::string& x) {
+    std::string text;
+    for (const std::string side : {"left", "right"}) {
+      const std::string name = side + names, y = side == "left" ? "0.1" : "-0.1";
+      const auto body = [&](const std::string& part, const std::string& at,
+                            const std::string& axis) {
+        return "<body name=\"" + name + part + "\" pos=\"" + at +
+               "\"><inertial pos=\"0 0 -0.1\" mass=\"1\" diaginertia=\"1 1 1\"/><joint name=\"" +
+               name + part + "\" axis=\"" + axis + "\"/>";
+      };
+      text += body("hip_roll", x + " " + y + " 0", "1 0 0") + body("hip_pitch", "0 0 0", "0 1 0") +
+              body("knee", "0 0 -0.3", "0 1 0") +
+              "<body pos=\"0 0 -0.3\"><inertial pos=\"0 0 0\" mass=\"0.1\" diaginertia=\"1 1 "
+              "1\"/></body>"
+              "</body></body></body>";
+    }
+    return text;
+  };
+  const auto refusal = [&](const std::string& limbs) {
+    const std::string model = folder_.write(
+        "legs.xml",
+        "<mujoco><worldbody><body name=\"base\" pos=\"0 0 0.7\"><inertial pos=\"0 0 0\" mass=\"9\" "
+        "diaginertia=\"1 1 1\"/>" +
+            limbs + "</body></worldbody></mujoco>");
+    const auto made = make_robot(model, "legs", RobotBase::kFixed);
+    EXPECT_FALSE(made.has_value());
+    return made ? std::string() : made.error().message;
+  };
+  EXPECT_THAT(refusal(legs("_", "0")), HasSubstr("have the names of legs"));
+  EXPECT_THAT(refusal(legs("_front_", "0.2") + legs("_rear_", "-0.2")), HasSubstr("a quadruped"));
+}
+
 TEST_F(UpperBodyTest, ArmsFollowAsOnAFloatingBaseAndTheBaseIsFixed) {
   const std::string whole = made("whole", tiny_humanoid(true), RobotBase::kAuto);
   const std::string cart = made("cart", body_on_cart("pos=\"0 0 0.6\"", true), RobotBase::kFixed);

@@ -80,6 +80,47 @@ inline std::string six_motor_hands() {
   return with_ties;
 }
 
+/// Hands like the LEAP hand: three equal fingers and a thumb, of four joints each. A finger bends,
+/// turns sideways, and bends twice more. Only the thumb has a name.
+/// @param thumb_is_named  false: none has.
+inline std::string leap_like_hands(bool thumb_is_named = true) {
+  const auto hand = [&](const std::string& side, const std::string& s) {
+    const std::string bend = s.empty() ? "-1 0 0" : "1 0 0", aside = "0 0 1";
+    int number = 0;
+    const auto link = [&](const std::string& name, const std::string& pos, const std::string& axis,
+                          const std::string& range, const std::string& inner) {
+      return "<body name=\"" + side + "_" + name + "\" pos=\"" + pos +
+             "\"><inertial pos=\"0 0 0\" mass=\"0.03\" diaginertia=\"1e-5 1e-5 1e-5\"/><joint "
+             "name=\"" +
+             side + "_j" + std::to_string(number++) + "\" axis=\"" + axis + "\" range=\"" + range +
+             "\"/>" + inner + "</body>";
+    };
+    const auto tip = [](const std::string& at) {
+      return "<geom type=\"sphere\" size=\"0.01\" pos=\"" + at + "\"/>";
+    };
+    std::string all;
+    const char* const places[] = {"0.045", "0", "-0.045"};
+    for (int i = 0; i < 3; ++i) {
+      const std::string n = std::to_string(i + 1);
+      all += link("mcp_" + n, std::string(places[i]) + " " + s + "0.07 -0.01", bend, "-0.31 2.23",
+                  link("pip_" + n, "0 " + s + "0.015 0.014", aside, "-1.05 1.05",
+                       link("dip_" + n, "0 " + s + "0.036 -0.014", bend, "-0.5 1.88",
+                            link("fingertip_" + n, "0 " + s + "0.036 0", bend, "-0.36 2.04",
+                                 tip("0 " + s + "0.04 0")))));
+    }
+    // The thumb begins below the palm and points forwards.
+    const std::string flex = s.empty() ? "0 0 1" : "0 0 -1";
+    const std::string name = thumb_is_named ? "thumb_" : "branch_";
+    all += link(name + "base", "0.04 " + s + "0.02 -0.02", "0 1 0", "-0.35 2.09",
+                link(name + "pip", "0.015 0 0", flex, "-0.47 2.44",
+                     link(name + "dip", "0.035 " + s + "0.01 0", flex, "-1.2 1.9",
+                          link(name + "fingertip", "0.045 " + s + "0.01 0", flex, "-1.34 1.88",
+                               tip("0.035 " + s + "0.01 0")))));
+    return all;
+  };
+  return humanoid_with_hands(hand);
+}
+
 /// Grippers with two coupled jaws, front and back, that slide towards each other.
 inline std::string grippers() {
   std::string ties;

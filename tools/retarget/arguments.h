@@ -114,7 +114,7 @@ struct ViewArguments : MeasureArguments {
 };
 
 /// Subcommands of `retarget robots`.
-enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd, kInstall };
+enum class RobotsAction : unsigned char { kList, kShow, kCheck, kCompare, kAdd, kInstall };
 
 /// Arguments of `retarget robots`, which lists, shows, checks, adds and installs robots.
 struct RobotsArguments {

@@ -169,6 +169,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   describe_as("--bvh", "Source of the motions");
   describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
+  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
   describe_as("--source-fps",
               "Frames per second of the source; overrides its header; without a source: frame "
               "rate of the motions");
@@ -263,6 +264,7 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   describe_as("--bvh", "Source of the motions, drawn next to them");
   describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
+  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
   describe_as("--scene",
               "Page: the scene around the human, drawn as the robot's world; without --bvh, the "
               "robot's world itself (docs/viewing.md)");
@@ -298,6 +300,11 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
       {robot("ROBOT", "Name or folder"), json});
   add(RobotsAction::kCheck, "check", "List errors and anomalies of a robot; exit code 4 on errors",
       {robot("ROBOT", "Name, folder or model file"), base});
+  add(RobotsAction::kCompare, "compare",
+      "Compare a robot with another model of it; exit code 1 if they differ",
+      {robot("ROBOT", "Name or folder"),
+       option("model", arguments.model, kInputGroup, "FILE",
+              "MJCF or URDF with the same names, such as the maker's", {.required = true})});
   add(RobotsAction::kAdd, "add", "Create a robot folder from a model",
       {word("name", arguments.robot, "NAME", "Name of the new robot"),
        option("model", arguments.model, kInputGroup, "FILE", "MJCF or URDF; meshes are not needed",

@@ -85,10 +85,14 @@ Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& c
 Result<std::vector<std::string>> check_inputs(const MeasureArguments& arguments) {
   const Run& run = arguments.run.run;
   const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
-  if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
-    return usage_failure(
-        std::string(arguments.fps == "source" ? "--fps source" : "--start") + " needs the source",
-        "add --bvh FILE");
+  const PartOptions& part = run.options.part;
+  const char* const of_source = arguments.fps == "source" ? "--fps source"
+                                : part.start_s >= 0.0     ? "--start"
+                                : part.end_s >= 0.0       ? "--end"
+                                : !part.frames.empty()    ? "--frames"
+                                                          : nullptr;
+  if (!source && of_source != nullptr) {
+    return usage_failure(std::string(of_source) + " needs the source", "add --bvh FILE");
   }
   const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
   if (inputs > 1) return usage_failure("standard input can be read only once");

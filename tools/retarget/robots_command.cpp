@@ -66,8 +66,20 @@ Result<ExitCode> check(const RobotsArguments& arguments) {
   return faults > 0 ? kBadConfig : kDone;
 }
 
+Result<ExitCode> compare(const RobotsArguments& arguments) {
+  RETARGET_TRY_ASSIGN(const auto data_folder, data_folder_of(arguments.common));
+  RETARGET_TRY_ASSIGN(const auto robot, find_robot_sources(arguments.robot, data_folder));
+  RETARGET_TRY_ASSIGN(const auto differences, compare_robot(robot, arguments.model));
+  std::string text;
+  for (const std::string& line : differences) text += line + "\n";
+  if (differences.empty()) text = "joints, axes, ranges, places of bodies and masses are equal\n";
+  RETARGET_TRY(write_file("-", printable(text)));
+  return differences.empty() ? kDone : kRunFailed;
+}
+
 Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
-  RETARGET_TRY(check_new_robot(arguments.model, arguments.robot, arguments.output));
+  RETARGET_TRY(
+      check_new_robot(arguments.model, arguments.robot, arguments.output, arguments.force));
   RETARGET_TRY_ASSIGN(const auto made,
                       make_robot(arguments.model, arguments.robot, arguments.base));
   for (const std::string& line : made.summary) {
@@ -111,6 +123,8 @@ Result<ExitCode> robots(const RobotsArguments& arguments, Console& console) {
       return install(arguments, console);
     case RobotsAction::kCheck:
       return check(arguments);
+    case RobotsAction::kCompare:
+      return compare(arguments);
     case RobotsAction::kList:
     case RobotsAction::kShow:
       break;

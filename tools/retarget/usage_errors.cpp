@@ -111,7 +111,8 @@ std::vector<Need> needs_of(const CLI::App& command) {
   const bool merges = is_given(command, "--merge");
   std::vector<Need> needs;
   // The positional names of `compare`, A and B, need an explanation.
-  if (name == "compare" && !is_given(command, "b")) {
+  const bool compares_motions = name == "compare" && command.get_option_no_throw("b") != nullptr;
+  if (compares_motions && !is_given(command, "b")) {
     if (is_given(command, "a")) return {{"second motion file", "B"}};
     return {{"motion files", "A and B, the two motion files to compare"}};
   }

@@ -203,10 +203,10 @@ OptionTable part_table(PartOptions& options) {
                  {.min = 0.0, .max = kMaxTime, .uses = kJudged | OptionUse::kEdit}),
           option("end", options.end_s, kInputGroup, "S",
                  "End at this time of the source, seconds, inclusive",
-                 {.min = 0.0, .max = kMaxTime, .uses = OptionUse::kShowBatch | OptionUse::kEdit}),
+                 {.min = 0.0, .max = kMaxTime, .uses = kJudged | OptionUse::kEdit}),
           option("frames", options.frames, kInputGroup, "A:B",
                  "Source frames A to B, excluding B; either may be omitted",
-                 {.uses = OptionUse::kShowBatch | OptionUse::kEdit}),
+                 {.uses = kJudged | OptionUse::kEdit}),
           option("lead-in", options.lead_in, kInputGroup, "",
                  "Leading frames before a jump (a T-pose, all zeros), unless " OPTION(
                      "start") " or " OPTION("frames") " is given: auto drops them except "

@@ -17,6 +17,7 @@
 #include "retarget/robots.h"
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
+#include "robot/anatomy/overlaps.h"
 #include "robot/model/variant.h"
 
 namespace retarget {
@@ -74,7 +75,7 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
                                count_text(completed->overlaps.size(), "pair"),
                                completed->overlaps.size() == 1 ? "this contact is ignored"
                                                                : "these contacts are ignored",
-                               fmt::join(completed->overlaps, "; "))});
+                               list_overlaps(completed->overlaps))});
   }
   loaded.robot = std::move(completed->robot);
 }

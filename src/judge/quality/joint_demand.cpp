@@ -55,7 +55,7 @@ void JointDemand::find_spans(const Robot& robot, const std::vector<Target>& targ
 }
 
 bool JointDemand::reaches(int frame, int joint, bool upper) const {
-  constexpr double kNearly = 0.05;  // Radians.
+  constexpr double kNearly = 0.02;  // Radians; TrunkAim keeps waists farther inside their ranges.
   if (!targets_ || frame >= frames_ || !spans_[joint]) return false;
   if (frame != frame_) {
     frame_ = frame;

@@ -15,6 +15,7 @@
 #include "retarget/measure.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
+#include "robot/anatomy/robot_hands.h"
 #include "solve/hands/hand_errors.h"
 
 namespace retarget {
@@ -193,6 +194,28 @@ std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
   return trunk;
 }
 
+namespace {
+
+// Hands that are relaxed or that the body solver includes keep their fingers still.
+bool fingers_move(const RobotClip& clip) {
+  constexpr double kStill = 0.02;  // Radians or metres.
+  for (const auto& hand : find_hands(clip.robot())) {
+    if (!hand) continue;
+    for (const int joint : hand->variables) {
+      const int at = clip.robot().joints()[joint].qpos_address;
+      double lowest = INFINITY, highest = -INFINITY;
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        lowest = std::min(lowest, clip.qpos(frame)[at]);
+        highest = std::max(highest, clip.qpos(frame)[at]);
+      }
+      if (highest - lowest > kStill) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
                QualityReport& report) {
   HandErrors errors = measure_hands(source, map, clip);
@@ -201,7 +224,9 @@ void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
   for (double& angle : errors.angles) angle *= kDegreesPerRadian;
   for (double& gap : errors.touching_gaps) gap *= kInCm;
   if (!errors.angles.empty()) {
-    draft.set("finger_angle_deg", mean(errors.angles), percentile(errors.angles, 95.0));
+    const double p95 = percentile(errors.angles, 95.0);
+    draft.set("finger_angle_deg", mean(errors.angles), p95);
+    if (fingers_move(clip)) draft.set("driven_finger_angle_deg", mean(errors.angles), p95);
   }
   if (!errors.touching_gaps.empty()) {
     draft.set("touch_gap_cm", mean(errors.touching_gaps), percentile(errors.touching_gaps, 95.0));

@@ -246,6 +246,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Angle between the segments of the robot's and the human's fingers at equal fractions of "
      "their lengths, both relative to the palm, without thumbs. Mean and 95th percentile.",
      kOwn},
+    {"driven_finger_angle_deg", "deg",
+     "The same for motions whose fingers move: those of relaxed hands do not.", kOwn},
     {"touch_gap_cm", "cm",
      "Distance between the skins of the robot's thumb and finger while the human's touch; amount, "
      "mean and 95th percentile.",

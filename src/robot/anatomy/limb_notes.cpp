@@ -60,6 +60,16 @@ int middle_vote_of_names(const Robot& robot, int joint, bool is_leg) {
   return names_one_of(name, kOther) ? -1 : 0;
 }
 
+LimbNames limb_named_by(const Robot& robot, int joint) {
+  using namespace std::string_view_literals;
+  constexpr std::array kLeg = {"hip"sv,   "thigh"sv, "knee"sv, "calf"sv, "shin"sv,
+                               "shank"sv, "ankle"sv, "foot"sv, "leg"sv};
+  constexpr std::array kArm = {"shoulder"sv, "arm"sv, "elbow"sv, "wrist"sv, "hand"sv, "gripper"sv};
+  const std::string name = lower_case(robot.joints()[joint].name + " " +
+                                      robot.bodies()[robot.joints()[joint].body].name);
+  return {names_one_of(name, kLeg), names_one_of(name, kArm)};
+}
+
 namespace {
 
 constexpr double kLeaning = 15.0;  // Degrees.

@@ -25,6 +25,12 @@ struct MiddleJoint {
 /// limb, 0 unknown.
 [[nodiscard]] int middle_vote_of_names(const Robot& robot, int joint, bool is_leg);
 
+/// Limbs that the names of a joint and its body mention.
+struct LimbNames {
+  bool leg = false, arm = false;
+};
+[[nodiscard]] LimbNames limb_named_by(const Robot& robot, int joint);
+
 /// Observations in the zero configuration.
 struct ZeroPose {
   double lean = 0.0;       ///< Lean of the line from hips to shoulders, degrees.

@@ -16,6 +16,7 @@
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
+#include "robot/anatomy/counterparts.h"
 #include "robot/anatomy/limb_flexion.h"
 #include "robot/anatomy/limb_notes.h"
 #include "robot/anatomy/limb_shape.h"
@@ -78,12 +79,16 @@ class LimbFinder {
   Result<RobotAnatomy> find();
 
  private:
+  [[nodiscard]] Result<void> check_counterparts(const std::vector<BranchPair>& pairs) const;
   Result<void> choose_pairs();
+  [[nodiscard]] Result<void> check_are_arms(const std::vector<BranchPair>& pairs,
+                                            const BranchPair& arms) const;
   Result<void> choose_arms();
   [[nodiscard]] Failure no_legs(const std::string& found, const std::string& hint = {}) const;
   [[nodiscard]] bool is_round(int joint) const;
   [[nodiscard]] bool stands_on_wheels() const;
   [[nodiscard]] Failure no_middle(int first, bool is_leg) const;
+  [[nodiscard]] bool is_wrist(const LimbShape& arm) const;
   Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
   void find_facing();
   [[nodiscard]] double foot_vote(const Eigen::Vector3d& forward) const;
@@ -174,6 +179,13 @@ Failure LimbFinder::no_middle(int first, bool is_leg) const {
                   : ", and that the arm's end is identifiable by a hand or the forearm's mass"));
 }
 
+// Returns true if a name says that the middle joint is no elbow, and what it bends is short.
+bool LimbFinder::is_wrist(const LimbShape& arm) const {
+  constexpr double kShort = 0.4;
+  const double upper = (arm.bend - arm.root).norm(), lower = (arm.end - arm.bend).norm();
+  return lower < kShort * upper && middle_vote_of_names(robot_, arm.joints[arm.middle], false) < 0;
+}
+
 Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const {
   ShapedPair shaped{pair, {}};
   const std::array<int, 2> first = {pair.first, pair.second};
@@ -185,6 +197,10 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
     const auto limb = shape_side(side, std::nullopt);
     if (!limb) return no_middle(first[side], is_leg);
     shaped.limbs[side] = *limb;
+  }
+  // A hand is no forearm.
+  for (std::size_t side = 0; side < 2 && !is_leg; ++side) {
+    if (is_wrist(shaped.limbs[side])) return no_middle(first[side], is_leg);
   }
   // Mirrored limbs bend at the same joint: use the one with the best score on both sides.
   if (shaped.limbs[0].middle == shaped.limbs[1].middle) return shaped;
@@ -204,9 +220,17 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
   return shaped;
 }
 
+Result<void> LimbFinder::check_counterparts(const std::vector<BranchPair>& pairs) const {
+  const auto missing = missing_counterpart(robot_, posed_, pairs);
+  if (!missing) return {};
+  return config_failure(file_, *missing,
+                        "add it to the model, or remove the joints that only one side has");
+}
+
 Result<void> LimbFinder::choose_pairs() {
   std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
   if (stands_on_wheels()) return no_legs("the model stands on wheels");
+  if (pairs.size() < 2) TRY(check_counterparts(pairs));
   if (pairs.empty()) {
     return no_legs("no two branches of the model are mirror images of each other (" +
                        std::to_string(robot_.joints().size()) + " joints: a single arm?)",
@@ -229,9 +253,14 @@ Result<void> LimbFinder::choose_pairs() {
       std::max_element(pairs.begin() + 1, pairs.end(),
                        [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
   TRY_ASSIGN(auto shaped_legs, shape(pairs.front(), true));
-  TRY_ASSIGN(auto shaped_arms, shape(*arms, false));
+  auto shaped_arms = shape(*arms, false);
+  if (!shaped_arms) {
+    // The arms may have no counterparts, so that their fingers were taken for arms.
+    TRY(check_counterparts(pairs));
+    return failure(shaped_arms.error());
+  }
   legs_ = shaped_legs;
-  arms_ = shaped_arms;
+  arms_ = *shaped_arms;
   const auto middle = [](const ShapedPair& pair) -> Eigen::Vector3d {
     return 0.5 * (pair.limbs[0].root + pair.limbs[1].root);
   };
@@ -242,12 +271,46 @@ Result<void> LimbFinder::choose_pairs() {
   return {};
 }
 
+// Rejects the legs of a quadruped and of a biped without arms.
+Result<void> LimbFinder::check_are_arms(const std::vector<BranchPair>& pairs,
+                                        const BranchPair& arms) const {
+  constexpr int kLimbJoints = 3;
+  const std::string expected = ": expected an upper body with two arms";
+  double lowest = INFINITY, highest = -INFINITY;
+  for (const BranchPair& pair : pairs) lowest = std::min(lowest, pair.lowest);
+  for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
+    highest = std::max(highest, posed_.world_from_body(static_cast<int>(b)).translation.z());
+  }
+  const double floor = lowest + kGroundShare * (highest - lowest);
+  const auto stands = [&](const BranchPair& pair) {
+    return pair.joint_count >= kLimbJoints && pair.lowest < floor;
+  };
+  if (stands(arms) && std::ranges::count_if(pairs, stands) > 1) {
+    return config_failure(file_, "two pairs of limbs reach the ground (a quadruped?)" + expected);
+  }
+  int votes_of_legs = 0, votes_of_arms = 0;
+  for (const int first : {arms.first, arms.second}) {
+    for (const int joint : joint_chain(robot_, arms, first)) {
+      const LimbNames names = limb_named_by(robot_, joint);
+      votes_of_legs += names.leg ? 1 : 0;
+      votes_of_arms += names.arm ? 1 : 0;
+    }
+  }
+  if (votes_of_legs > 0 && votes_of_arms == 0) {
+    return config_failure(
+        file_, "the only limbs, which start at " + name_of(robot_, body_of(arms.first)) + " and " +
+                   name_of(robot_, body_of(arms.second)) + ", have the names of legs" + expected);
+  }
+  return {};
+}
+
 // Chooses the arms of an upper body: the highest pair with enough joints for shoulder and elbow.
 Result<void> LimbFinder::choose_arms() {
   constexpr int kFewestJoints = 2;
   std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
   std::erase_if(pairs, [](const BranchPair& pair) { return pair.joint_count < kFewestJoints; });
   if (pairs.empty()) {
+    TRY(check_counterparts(pairs));
     return config_failure(
         file_,
         "no two branches of the model are mirror images of each other (" +
@@ -259,6 +322,7 @@ Result<void> LimbFinder::choose_arms() {
   const auto arms = std::ranges::max_element(pairs, {}, [&](const BranchPair& pair) {
     return posed_.anchor(links[pair.first].joint).z() + posed_.anchor(links[pair.second].joint).z();
   });
+  TRY(check_are_arms(pairs, *arms));
   TRY_ASSIGN(auto shaped_arms, shape(*arms, false));
   arms_ = shaped_arms;
   found_.has_legs = false;

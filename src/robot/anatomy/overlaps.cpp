@@ -175,6 +175,13 @@ std::string overlap_text(const Robot& robot, const ModelOverlap& overlap) {
                      100.0 * overlap.share);
 }
 
+std::string list_overlaps(const std::vector<std::string>& texts) {
+  constexpr std::size_t kMost = 8;
+  if (texts.size() <= kMost) return fmt::format("{}", fmt::join(texts, "; "));
+  const std::vector<std::string> first(texts.begin(), texts.begin() + kMost);
+  return fmt::format("{}; and {} more", fmt::join(first, "; "), texts.size() - kMost);
+}
+
 AllowedContacts find_allowed_contacts(const Robot& robot, const RobotAnatomy& limbs,
                                       std::span<const std::pair<std::string, std::string>> excluded,
                                       std::span<const std::vector<double>> poses) {

@@ -35,6 +35,13 @@ struct ModelOverlap {
 /// `"left_thigh" and "right_thigh" overlap by 2.1 cm at rest and in 43 % of poses`
 [[nodiscard]] std::string overlap_text(const Robot& robot, const ModelOverlap& overlap);
 
+/// Returns texts of pairs as a list, shortened to the first eight of them.
+[[nodiscard]] std::string list_overlaps(const std::vector<std::string>& texts);
+
+/// Introduces a list of pairs whose contact is ignored.
+inline constexpr const char* kOverlapsIgnored =
+    "their shapes overlap in the model, so their contact is ignored: ";
+
 /// Allowed contacts, with the reasons for those that the tree does not explain.
 struct AllowedContacts {
   std::vector<std::pair<int, int>> pairs;  ///< neighbours(), then the model's exclusions, then

@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,28 @@ struct FingerWords {
   Finger finger;
   std::vector<std::string_view> words;
 };
+
+// Parts of names between separators, as of LEAP's (`if_bs`) and Shadow's hands (`FFJ3`).
+struct FingerLetters {
+  Finger finger;
+  std::string_view alone, before_j;
+};
+constexpr std::array kFingerLetters = {
+    FingerLetters{Finger::kThumb, "th", "thj"}, FingerLetters{Finger::kIndex, "if", "ffj"},
+    FingerLetters{Finger::kMiddle, "mf", "mfj"}, FingerLetters{Finger::kRing, "rf", "rfj"},
+    FingerLetters{Finger::kLittle, "lf", "lfj"}};
+
+std::optional<Finger> finger_of_letters(const std::string& lower) {
+  for (std::size_t begin = 0; begin <= lower.size();) {
+    const std::size_t end = std::min(lower.find_first_of("_-. ", begin), lower.size());
+    const std::string_view part = std::string_view(lower).substr(begin, end - begin);
+    for (const FingerLetters& letters : kFingerLetters) {
+      if (part == letters.alone || part.starts_with(letters.before_j)) return letters.finger;
+    }
+    begin = end + 1;
+  }
+  return std::nullopt;
+}
 
 const std::vector<FingerWords>& finger_words() {
   static const std::vector<FingerWords> kWords = {{Finger::kThumb, {"thumb"}},
@@ -42,7 +65,7 @@ std::optional<Finger> finger_of(const std::string& name) {
       if (has_finger_word(lower, word)) return finger;
     }
   }
-  return std::nullopt;
+  return finger_of_letters(lower);
 }
 
 class HandFinder {
@@ -209,6 +232,7 @@ void HandFinder::find_tip(int link, const Eigen::Vector3d& before, RobotFinger& 
 
 HandFinder::Branch HandFinder::branch(int first) const {
   constexpr double kSamePlace = 0.1;  // Fraction of the finger's length.
+  constexpr double kAlike = 0.7;      // Cosine of the angle between two axes.
   Branch found;
   RobotFinger& finger = found.finger;
   const std::vector<int> path = path_to_end(first);
@@ -217,7 +241,8 @@ HandFinder::Branch HandFinder::branch(int first) const {
     finger.joints.push_back(hand_index(link));
     points.push_back(joint_in_palm(hand_index(link)));
     const RobotJoint& joint = robot_.joints()[tree_.links()[link].joint];
-    for (const std::string* name : {&joint.name, &robot_.bodies()[joint.body].name}) {
+    // Bodies first: renaming one does not change the columns of motions.
+    for (const std::string* name : {&robot_.bodies()[joint.body].name, &joint.name}) {
       if (!found.named) found.named = finger_of(*name);
     }
   }
@@ -231,12 +256,15 @@ HandFinder::Branch HandFinder::branch(int first) const {
   points.push_back(tip_in_palm(finger));
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
-  // Joints at the same position form one corner.
+  // Joints at the same position form one corner. A joint that turns a finger sideways between two
+  // that bend it is none: its offset from the knuckle is not a phalanx.
+  const Eigen::Vector3d& bend = posed_.axis(tree_.links()[path.back()].joint);
   std::size_t last = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const bool near_tip = (points.back() - points[i]).norm() < kSamePlace * length;
     const bool same = i > 0 && (points[i] - points[last]).norm() < kSamePlace * length;
-    if (i > 0 && (same || near_tip)) continue;
+    const bool aside = std::abs(posed_.axis(tree_.links()[path[i]].joint).dot(bend)) < kAlike;
+    if (i > 0 && (same || near_tip || aside)) continue;
     if (i > 0) finger.length += (points[i] - points[last]).norm();
     last = i;
     finger.corners.push_back(finger.joints[i]);
@@ -263,12 +291,15 @@ bool HandFinder::name_fingers() {
   }
   if (named.size() < 2) return false;
   branches_ = std::move(named);
-  for (Branch& branch : branches_) branch.finger.finger = *branch.named;
+  for (Branch& branch : branches_) {
+    branch.finger.finger = *branch.named;
+    branch.finger.is_named = true;
+  }
   return true;
 }
 
-// The thumb points away from the other fingers or begins behind them; the others follow in order
-// from its side.
+// The thumb is the only branch with its name. Otherwise, it points away from the other fingers or
+// begins behind them. The others follow in order from its side.
 void HandFinder::name_by_shape() {
   const auto oddness = [&](const Branch& branch) {
     Eigen::Vector3d way = Eigen::Vector3d::Zero(), base = Eigen::Vector3d::Zero();
@@ -283,9 +314,14 @@ void HandFinder::name_by_shape() {
   };
   std::vector<double> odd;
   for (const Branch& branch : branches_) odd.push_back(oddness(branch));
-  const auto thumb = std::ranges::max_element(odd) - odd.begin();
+  const auto is_named = [](const Branch& branch) { return branch.named == Finger::kThumb; };
+  const auto named = std::ranges::find_if(branches_, is_named);
+  const bool thumb_is_named = std::ranges::count_if(branches_, is_named) == 1;
+  const auto thumb =
+      thumb_is_named ? named - branches_.begin() : std::ranges::max_element(odd) - odd.begin();
   std::swap(branches_.front(), branches_[static_cast<std::size_t>(thumb)]);
   branches_.front().finger.finger = Finger::kThumb;
+  branches_.front().finger.is_named = thumb_is_named;
   // Order the others along the row of knuckles, starting with the nearest to the thumb.
   const Eigen::Vector3d thumb_base = branches_.front().base + 0.5 * branches_.front().way;
   const std::vector<Branch> others(branches_.begin() + 1, branches_.end());

@@ -38,7 +38,8 @@ struct RobotFinger {
   /// metres.
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();
   double tip_radius = 0.0;
-  double length = 0.0;  ///< Length along the line, metres.
+  double length = 0.0;    ///< Length along the line, metres.
+  bool is_named = false;  ///< True if a name identifies the finger, false if the shape does.
 };
 
 /// A hand: the links beyond an arm's last joint, with at least two fingers.
@@ -61,7 +62,7 @@ struct RobotHand {
 using RobotHands = std::array<std::optional<RobotHand>, 2>;
 
 /// Finds a robot's hands from its tree: every branch beyond the arm's last joint is a finger. Names
-/// identify the fingers. Without names, the thumb is the branch that points away from the others or
+/// of bodies, then of joints identify the fingers. Without names, the thumb is the branch that points away from the others or
 /// begins nearer to the wrist, and the others follow in order from its side. Two unnamed branches
 /// form a gripper. Fingers bend to the side that their ranges favour. Couplings come from the
 /// profile (RobotProfile::coupled_joints).

@@ -314,16 +314,6 @@ std::vector<ModelOverlap> overlaps_of(const Robot& robot, const RobotAnatomy& li
   return model_overlaps(own, limbs, poses);
 }
 
-std::string list(const std::vector<std::string>& texts) {
-  constexpr std::size_t kMost = 8;
-  if (texts.size() <= kMost) return fmt::format("{}", fmt::join(texts, "; "));
-  const std::vector<std::string> first(texts.begin(), texts.begin() + kMost);
-  return fmt::format("{}; and {} more", fmt::join(first, "; "), texts.size() - kMost);
-}
-
-constexpr const char* kNotCounted =
-    "their shapes overlap in the model, so their contact is ignored: ";
-
 }  // namespace
 
 std::vector<RobotFinding> check_robot(const Robot& robot, const RetargetingConfig* config) {
@@ -340,7 +330,7 @@ std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& mo
     if (!completed) return findings;
     findings.push_back({false, "a run uses the soles from " + completed->note});
     if (!completed->overlaps.empty()) {
-      findings.push_back({false, kNotCounted + list(completed->overlaps)});
+      findings.push_back({false, kOverlapsIgnored + list_overlaps(completed->overlaps)});
     }
     return findings;
   }
@@ -358,9 +348,11 @@ std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& mo
     findings.push_back({false,
                         "shapes overlap in the model and count as self-collision; "
                         "\"allowed_self_contact\" in robot.json excludes them: " +
-                            list(counted)});
+                            list_overlaps(counted)});
   }
-  if (!not_counted.empty()) findings.push_back({false, kNotCounted + list(not_counted)});
+  if (!not_counted.empty()) {
+    findings.push_back({false, kOverlapsIgnored + list_overlaps(not_counted)});
+  }
   return findings;
 }
 

@@ -119,6 +119,39 @@ std::string rest_section(const RobotFindings& findings) {
       findings.shapes.sole_note, metres(findings.shapes.ankle_height), shapes_text);
 }
 
+// Empty without hands.
+std::string hands_section(const RobotFindings& findings) {
+  const Robot& robot = findings.robot;
+  std::string rows;
+  for (const auto& hand : findings.hands) {
+    if (!hand) continue;
+    for (const RobotFinger& finger : hand->fingers) {
+      const int first = hand->joints[finger.joints.front()].joint;
+      const int last = hand->joints[finger.joints.back()].joint;
+      rows += fmt::format("| {} {} | {} - {} | {} | {} |\n",
+                          hand->side == Side::kLeft ? "left" : "right", finger_name(finger.finger),
+                          robot.bodies()[robot.joints()[first].body].name,
+                          robot.bodies()[robot.joints()[last].body].name, finger.joints.size(),
+                          finger.is_named ? "its name" : "its place and direction");
+    }
+  }
+  if (rows.empty()) return {};
+  return "## Hands\n\n| finger | branch | joints | identified by |\n|---|---|---|---|\n" + rows +
+         "\nIf a branch is another finger, rename its first body in model.xml (and in robot.json "
+         "and "
+         "ik.json, if they name it) so that the name contains thumb, index, middle, ring or "
+         "little. "
+         "Name at least two branches of a hand, or only the thumb.\n\n";
+}
+
+// Empty without overlaps.
+std::string overlaps_section(const RobotFindings& findings) {
+  if (findings.overlaps.empty()) return {};
+  std::string text = "## Overlaps\n\nContacts of these bodies are ignored:\n\n";
+  for (const std::string& overlap : findings.overlaps) text += "* " + overlap + "\n";
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string degrees_text(double radians) {
@@ -187,7 +220,8 @@ std::string decisions_text(const RobotFindings& findings, const std::vector<std:
   if (notes.empty()) text += "Nothing stands out.\n";
   for (const std::string& note : notes) text += "* " + note + "\n";
   return text + "\n" + limbs_section(findings) + "\n" + t_pose_section(findings) + "\n" +
-         self_test_section(findings.self_test) + "\n" + rest_section(findings);
+         self_test_section(findings.self_test) + "\n" + hands_section(findings) +
+         overlaps_section(findings) + rest_section(findings);
 }
 
 }  // namespace retarget

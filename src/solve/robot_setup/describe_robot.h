@@ -6,6 +6,7 @@
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "robot/anatomy/limbs.h"
+#include "robot/anatomy/robot_hands.h"
 #include "robot/anatomy/shapes.h"
 #include "solve/robot_setup/derive_config.h"
 #include "solve/robot_setup/self_test.h"
@@ -19,8 +20,10 @@ struct RobotFindings {
   const RobotAnatomy& limbs;
   const TPose& t_pose;
   const RobotShapes& shapes;
+  const std::vector<std::string>& overlaps;  ///< Pairs of bodies whose contact is ignored.
   const RetargetingConfig& config;
   const SelfTest& self_test;
+  const RobotHands& hands;
   std::size_t speed_count = 0;  ///< Number of joints whose speed limit the model states.
   std::string source;           ///< The model's file name.
 };

@@ -132,6 +132,7 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   RobotProfile profile = robot.profile();
   keep_couplings_of_hands(find_hands(robot, limbs), robot, profile, made.notes);
   robot.set_profile(std::move(profile));
+  const RobotHands hands = find_hands(robot, limbs);
   const RobotShapes shapes = find_shapes(robot, limbs, mesh_points(robot, model_path));
   const TPose t_pose = solve_t_pose(robot, limbs);
   if (const auto fault = t_pose_fault(robot, t_pose)) {
@@ -142,9 +143,9 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   robot.set_collision_shapes(std::move(all_shapes));
   const std::vector<std::vector<double>> poses = {reference_configuration(robot), t_pose.qpos};
   const AllowedContacts contacts = find_allowed_contacts(robot, limbs, imported.excluded, poses);
-  for (const ModelOverlap& overlap : contacts.overlaps) {
-    made.notes.push_back(overlap_text(robot, overlap) + " in the model: their contact is ignored");
-  }
+  std::vector<std::string> overlaps;
+  for (const ModelOverlap& each : contacts.overlaps) overlaps.push_back(overlap_text(robot, each));
+  if (!overlaps.empty()) made.notes.push_back(kOverlapsIgnored + list_overlaps(overlaps));
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);
@@ -160,7 +161,8 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   made.model = format_model(robot, name, shapes.shapes);
   made.profile = profile_text(robot, source, t_pose, shapes, contacts, speeds);
   made.config = format_retargeting_config(config);
-  const RobotFindings findings{robot, limbs, t_pose, shapes, config, test, speeds.size(), source};
+  const RobotFindings findings{robot,  limbs, t_pose, shapes,        overlaps,
+                               config, test,  hands,  speeds.size(), source};
   const std::vector<std::string> more = notes_about(findings);
   made.notes.insert(made.notes.end(), more.begin(), more.end());
   made.summary = summary_of(findings);
