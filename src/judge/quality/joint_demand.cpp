@@ -11,8 +11,13 @@ namespace retarget {
 JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
                          int frames)
     : clip_(clip), human_(source.human), frames_(frames), spans_(clip.robot().joints().size()) {
-  auto targets = make_targets(*human_, poses_of(*human_), clip.robot(), *source.config,
-                              source.scale, TrunkRule::kLines, &limits);
+  // The lines of the trunk, not its bones, tell how far a waist should bend; they need limbs.
+  const auto targets_of = [&](ScaleRule scale) {
+    return make_targets(*human_, poses_of(*human_), clip.robot(), *source.config, scale,
+                        TrunkRule::kLines, &limits);
+  };
+  auto targets = targets_of(ScaleRule::kLimbs);
+  if (!targets) targets = targets_of(source.scale);
   // There are no targets if the body lacks bones that the configuration needs.
   if (!targets) return;
   targets_ = std::move(*targets);
