@@ -48,9 +48,9 @@ struct RobotSources {
   bool licence_stated = true;
 };
 
-/// Compares a robot with another model of it, such as its maker's file, by the names of joints and
-/// bodies: joints, their order in motions, axes, ranges, places of bodies in configurations spread
-/// over the ranges, and masses. One line per kind of difference; empty if there is none.
+/// Compares a robot with another model of it, such as its maker's file, by joint and body names:
+/// joints, their order in motions, axes, ranges, body positions in configurations spread over the
+/// ranges, and masses. One line per kind of difference; empty if there is none.
 /// Errors: those of load_robot_files and make_robot's for a model that cannot be read.
 [[nodiscard]] Result<std::vector<std::string>> compare_robot(const RobotSources& robot,
                                                              const std::string& model_path);

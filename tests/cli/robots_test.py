@@ -301,7 +301,7 @@ class Robots(ToolTest):
         self.write("new.xml", moved.replace("AAHead_yaw", "Head_yaw"))
         differs = self.run_tool("robots", "compare", "booster_k1", "--model", "new.xml")
         self.assertEqual(differs.returncode, 1, differs.stderr)
-        for words in ("positions of axes: ", " 16 mm", "places of bodies in 32 configurations: ", "ranges: ",
+        for words in ("positions of axes: ", " 16 mm", "body positions in 32 configurations: ", "ranges: ",
                       "Right_Elbow_Pitch", "joints that the model lacks: AAHead_yaw", "joints that the robot lacks: Head_yaw"):
             self.assertIn(words, unwrapped(differs.stdout))
 

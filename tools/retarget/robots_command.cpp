@@ -72,7 +72,7 @@ Result<ExitCode> compare(const RobotsArguments& arguments) {
   RETARGET_TRY_ASSIGN(const auto differences, compare_robot(robot, arguments.model));
   std::string text;
   for (const std::string& line : differences) text += line + "\n";
-  if (differences.empty()) text = "joints, axes, ranges, places of bodies and masses are equal\n";
+  if (differences.empty()) text = "joints, axes, ranges, body positions and masses are equal\n";
   RETARGET_TRY(write_file("-", printable(text)));
   return differences.empty() ? kDone : kRunFailed;
 }

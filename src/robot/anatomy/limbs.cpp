@@ -255,7 +255,7 @@ Result<void> LimbFinder::choose_pairs() {
   TRY_ASSIGN(auto shaped_legs, shape(pairs.front(), true));
   auto shaped_arms = shape(*arms, false);
   if (!shaped_arms) {
-    // The arms may have no counterparts, so that their fingers were taken for arms.
+    // The arms may have no counterparts, so that their fingers are mistaken for arms.
     TRY(check_counterparts(pairs));
     return failure(shaped_arms.error());
   }

@@ -257,7 +257,7 @@ HandFinder::Branch HandFinder::branch(int first) const {
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
   // Joints at the same position form one corner. A joint that turns a finger sideways between two
-  // that bend it is none: its offset from the knuckle is not a phalanx.
+  // that bend it is not a corner: its offset from the knuckle is not a phalanx.
   const Eigen::Vector3d& bend = posed_.axis(tree_.links()[path.back()].joint);
   std::size_t last = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {

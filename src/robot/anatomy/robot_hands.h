@@ -61,8 +61,8 @@ struct RobotHand {
 /// Left and right hand; empty if an arm has no fingers or a variant locks them.
 using RobotHands = std::array<std::optional<RobotHand>, 2>;
 
-/// Finds a robot's hands from its tree: every branch beyond the arm's last joint is a finger. Names
-/// of bodies, then of joints identify the fingers. Without names, the thumb is the branch that points away from the others or
+/// Finds a robot's hands from its tree: every branch beyond the arm's last joint is a finger. Body
+/// names, then joint names identify the fingers. Without names, the thumb is the branch that points away from the others or
 /// begins nearer to the wrist, and the others follow in order from its side. Two unnamed branches
 /// form a gripper. Fingers bend to the side that their ranges favour. Couplings come from the
 /// profile (RobotProfile::coupled_joints).

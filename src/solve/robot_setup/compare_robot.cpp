@@ -151,7 +151,7 @@ void RobotComparison::compare_ranges() {
   if (ranges.any()) lines_.push_back(ranges.text("ranges", 1.0, "rad or m", 3));
 }
 
-// Places of bodies with the same name in configurations spread over the ranges.
+// Body positions with the same name in configurations spread over the ranges.
 void RobotComparison::compare_poses() {
   constexpr int kSamples = 32;
   constexpr double kApart = 1e-4;  // Metres.
@@ -185,8 +185,8 @@ void RobotComparison::compare_poses() {
     places.add(largest[i], robot_.bodies()[bodies_[i].first].name);
   }
   if (places.any()) {
-    lines_.push_back(places.text(fmt::format("places of bodies in {} configurations", kSamples),
-                                 1000.0, "mm", 1));
+    lines_.push_back(
+        places.text(fmt::format("body positions in {} configurations", kSamples), 1000.0, "mm", 1));
   }
 }
 
