@@ -17,7 +17,7 @@ namespace RETARGET_API retarget {
 /// errors: the name is not a valid folder name, the model is inside the robot's folder, and those
 /// of save_robot.
 [[nodiscard]] Result<void> check_new_robot(const std::string& model_path, const std::string& name,
-                                           const std::filesystem::path& into, bool force = false);
+                                           const std::filesystem::path& into, bool force);
 
 /// Writes the robot's folder into the folder `into`, completely or not at all. If the name already
 /// exists, `force` replaces it atomically, but only if it is a folder whose robot.json make_robot

@@ -85,7 +85,7 @@ nb::tuple add_robot(const nb::object& model, const nb::object& name, const nb::o
   const std::filesystem::path into = bytes_of_path(output, "output");
   std::string folder;
   const MadeRobot made = without_gil([&]() -> Result<MadeRobot> {
-    RETARGET_TRY(check_new_robot(path, robot, into));
+    RETARGET_TRY(check_new_robot(path, robot, into, force));
     RETARGET_TRY_ASSIGN(MadeRobot robot_folder, make_robot(path, robot, base));
     RETARGET_TRY_ASSIGN(folder, save_robot(robot_folder, into, force));
     return robot_folder;

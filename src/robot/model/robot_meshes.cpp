@@ -226,8 +226,9 @@ std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& mo
   auto meshes = load_robot_meshes(robot, model, models.empty() ? folder.string() : models.front());
   if (meshes) return std::move(*meshes);
   RobotMeshes none;
-  none.notes.push_back("the meshes in " + printable(folder.string()) +
-                       " are not drawn: " + meshes.error().message);
+  const std::string file = fs::path(meshes.error().location.file).filename().string();
+  none.notes.push_back("the meshes in " + printable(folder.string()) + " are not drawn: " +
+                       (file.empty() ? "" : printable(file) + ": ") + meshes.error().message);
   return none;
 }
 
