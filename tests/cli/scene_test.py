@@ -72,6 +72,16 @@ class SceneTest(ToolTest):
         self.assertIn("scene_pen_1cm_pct", self.missed_when_moved(0.0, -0.05, *source))
         self.assertIn("scene_contact_kept_pct", self.missed_when_moved(0.0, 0.05, *source))
 
+    def test_a_scene_moves_with_the_start(self):
+        self.write("raised.bvh", raised_clip())
+        self.write("room.json", json.dumps(SCENE))
+        source = ("--bvh", "raised.bvh", "--scene", "room.json")
+        motion = self.report(*source, "--normalize-start", "--sidecar")
+        self.assertEqual(motion["scene_contact_kept_pct"], 100.0)
+        self.assertEqual(motion["scene_pen_1cm_pct"], 0.0)
+        result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", *source)
+        self.assertIn("--normalize-start", result.stderr)
+
     def test_climbs(self):
         self.need_shared()
         source = (SCENES / "climb_seq_1__mocap_climb_seq_1_joint_positions_f0-2422.npy", "--scene",

@@ -98,17 +98,17 @@ void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
   observer.line("travel", travel + ", as the sidecar records it");
 }
 
-// A motion without its objects is measured beside their given paths.
-void warn_of_fitted_objects(const MeasureRequest& request, Observer& observer) {
+// The scene of a motion from a file is the given one, scaled.
+void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
   if (request.run.options.solve.scene.empty()) return;
   for (const std::string& motion : request.motions) {
-    if (recorded_object_motion(motion) != ObjectMotion::kFitted) continue;
-    observer.warn(
-        {{0, 0,
-          "the sidecar records " OPTION("object-motion") " fitted, but the objects are "
-                                                         "measured on their given paths; the "
-                                                         "report of the run has the figures"}},
-        motion);
+    const std::string move = recorded_scene_move(motion);
+    if (move.empty()) continue;
+    observer.warn({{0, 0,
+                    "the sidecar records " + move +
+                        ", but the scene is measured in its given place; the report of the run has "
+                        "the figures"}},
+                  motion);
   }
 }
 
@@ -145,7 +145,7 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
       read_motion_options(request.reading, memory_share(run.options.source.memory_gb));
   if (!run.motion.empty()) {
     choose_travel(request.motions, run.options.solve, observer);
-    warn_of_fitted_objects(request, observer);
+    warn_of_moved_scene(request, observer);
     TRY(add_source(request, run, std::move(robot), measures, observer));
   } else {
     TRY(add_scene(run.options.solve, measures));

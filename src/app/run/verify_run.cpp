@@ -217,9 +217,13 @@ std::string recorded_travel(const std::string& path) {
   return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();
 }
 
-ObjectMotion recorded_object_motion(const std::string& path) {
+std::string recorded_scene_move(const std::string& path) {
   const auto sidecar = own_sidecar(path);
-  return sidecar ? sidecar->run.options.solve.object_motion : ObjectMotion::kGiven;
+  if (!sidecar) return {};
+  const Options& options = sidecar->run.options;
+  if (options.save.normalize_start) return OPTION("normalize-start");
+  return options.solve.object_motion == ObjectMotion::kFitted ? OPTION("object-motion") " fitted"
+                                                              : "";
 }
 
 Result<RobotMotion> load_recorded_motion(const std::string& path,
