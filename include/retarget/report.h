@@ -19,10 +19,9 @@ struct Metric {
                                 ///< ...
   std::string_view definition;  ///< Human-readable, one or two sentences.
   std::string_view source;      ///< Source of the definition.
-  /// The metric exists only right after solving. Its gate is skipped for motions read from files.
-  bool of_solver = false;
-  /// The metric exists only if the scene is known. Its gate is skipped without one.
-  bool of_scene = false;
+  /// The metric exists only right after solving, with a known scene, or for fingers that move. Its
+  /// gate is skipped in reports without it.
+  bool is_conditional = false;
 };
 
 /// All metrics, in report order.
@@ -224,9 +223,10 @@ struct QualityReport {
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
   std::optional<TrunkLean> trunk_lean;  ///< Needs a source with known hips and shoulders.
-  /// Counts frames against what the human's pose demands, or all if that is unknown; empty: none.
+  /// The joint that is at a limit in the most frames against the demand of the human's pose, or in
+  /// all frames if the demand is unknown; empty: none.
   std::optional<JointMostAtLimit> at_limit;
-  /// Counts frames as the human's pose demands; empty: none, or unknown.
+  /// The same for frames in which the human's pose demands the limit; empty: none, or unknown.
   std::optional<JointMostAtLimit> beyond_range;
   SourceContacts contacts;  ///< Heel and toe contacts of the source.
   /// Joints at a limit in at least 5 % of the frames, most frames first; needs a source and a
@@ -276,7 +276,7 @@ class Gates {
   [[nodiscard]] Result<void> add_file(const std::string& path);
 
   /// Checks a report against the gates and stores the results in the report. Gates on metrics with
-  /// Metric::of_solver or Metric::of_scene are skipped where the report lacks the metric.
+  /// Metric::is_conditional are skipped where the report lacks the metric.
   void judge(QualityReport& report) const;
 
  private:

@@ -13,7 +13,7 @@ import pytest
 import retarget
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
-pytestmark = pytest.mark.skipif(not PAGE.is_file(), reason="there are no documents here")
+pytestmark = pytest.mark.skipif(not PAGE.is_file(), reason="the documentation is missing")
 
 TABLE = {"bodies": [{"name": "table", "position": [2, 2, 0], "shapes": [
     {"type": "box", "size": [1.2, 0.6, 0.04], "position": [0, 0, 0.7]}]}]}

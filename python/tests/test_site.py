@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOK = ROOT / "docs/notebooks/training_set.ipynb"
 BUILD = Path(retarget.__file__).absolute().parents[2]
 pytestmark = [
-    pytest.mark.skipif(not NOTEBOOK.is_file(), reason="there are no documents here"),
+    pytest.mark.skipif(not NOTEBOOK.is_file(), reason="the documentation is missing"),
     pytest.mark.skipif("LD_PRELOAD" in os.environ, reason="a sanitizer does not start in a kernel"),
 ]
 

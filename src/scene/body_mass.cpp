@@ -6,6 +6,7 @@
 
 #include "retarget/triangle_mesh.h"
 #include "retarget/write_scene.h"
+#include "scene/mesh_volume.h"
 
 namespace retarget {
 namespace {
@@ -18,30 +19,19 @@ struct Volume {
   Vector3d centre = Vector3d::Zero();
 };
 
-// Sums the tetrahedra between the triangles and one vertex.
-Volume volume_of_mesh(const TriangleMesh& mesh) {
+Volume solid_volume(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
   if (box.isEmpty()) return {};
-  const Vector3d& apex = mesh.vertices.front();
-  double size = 0.0;
-  Vector3d moment = Vector3d::Zero();
-  for (const auto& triangle : mesh.triangles) {
-    const auto corner = [&](std::size_t i) -> Vector3d {
-      return mesh.vertices[static_cast<std::size_t>(triangle[i])] - apex;
-    };
-    const double part = corner(0).dot(corner(1).cross(corner(2))) / 6.0;
-    size += part;
-    moment += part * (corner(0) + corner(1) + corner(2)) / 4.0;
-  }
+  const MeshVolume enclosed = volume_of(mesh);
   constexpr double kHollow = 1e-3;  // Share of the box.
-  if (std::abs(size) < kHollow * box.volume()) return {box.volume(), box.center()};
-  const Vector3d centre = apex + moment / size;
+  if (std::abs(enclosed.size) < kHollow * box.volume()) return {box.volume(), box.center()};
+  const Vector3d centre = mesh.vertices.front() + enclosed.moment / enclosed.size;
   // The centroid of a mesh with holes may lie anywhere.
-  return {std::abs(size), box.contains(centre) ? centre : box.center()};
+  return {std::abs(enclosed.size), box.contains(centre) ? centre : box.center()};
 }
 
-Volume volume_of(const SceneShape& shape) {
+Volume solid_volume(const SceneShape& shape) {
   using Type = SceneShape::Type;
   const double disc = std::numbers::pi * shape.radius * shape.radius;
   const double ball = 4.0 / 3.0 * disc * shape.radius;
@@ -57,7 +47,7 @@ Volume volume_of(const SceneShape& shape) {
     case Type::kCylinder:
       return {2.0 * shape.half_length * disc};
     case Type::kMesh:
-      return shape.mesh ? volume_of_mesh(*shape.mesh) : Volume{};
+      return shape.mesh ? solid_volume(*shape.mesh) : Volume{};
   }
   return {};
 }
@@ -68,7 +58,7 @@ BodyMass body_mass(const SceneBody& body) {
   double size = 0.0;
   Vector3d moment = Vector3d::Zero();
   for (const SceneShape& shape : body.shapes) {
-    const Volume volume = volume_of(shape);
+    const Volume volume = solid_volume(shape);
     size += volume.size;
     moment += volume.size * (shape.body_from_shape * volume.centre);
   }

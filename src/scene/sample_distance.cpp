@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "scene/mesh_volume.h"
 #include "scene/triangle_tree.h"
 
 namespace retarget {
@@ -14,19 +15,6 @@ using Eigen::Vector3d;
 
 // Twice more changes samples by less than a tenth of a millimetre on scanned objects.
 constexpr int kRounds = 2;
-
-double volume_of(const TriangleMesh& mesh) {
-  double volume = 0.0;
-  // Relative to a vertex, so that a closed mesh far from the origin keeps its digits.
-  const Vector3d& from = mesh.vertices.front();
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const auto corner = [&](int index) -> Vector3d {
-      return mesh.vertices[static_cast<std::size_t>(index)] - from;
-    };
-    volume += corner(a).dot(corner(b).cross(corner(c))) / 6.0;
-  }
-  return volume;
-}
 
 // The nearest triangle of every node.
 class NearestTriangles {
@@ -124,7 +112,7 @@ class NearestTriangles {
 std::vector<float> sample_distance(const TriangleMesh& mesh, const GridLayout& layout) {
   const NearestTriangles nearest(mesh, layout);
   const TriangleTree tree(mesh);
-  const double facing = volume_of(mesh) < 0.0 ? -1.0 : 1.0;
+  const double facing = volume_of(mesh).size < 0.0 ? -1.0 : 1.0;
   // Across holes, the sign changes within this range about a half.
   constexpr double kRange = 0.1;
   // Away from the surface, nodes share the winding number of the even node below them; the way to

@@ -105,16 +105,17 @@ TEST(SceneSupports, ABodyOnTheFloorIsNoLoad) {
   const auto robot = load_shipped("unitree_g1");
   const TreeState state(robot->tree(), robot->zero_configuration());
   const Pose& pose = state.world_from_link[4];
-  const SupportPoint point{4, pose.inverse() * Vector3d(0.0, 0.0, 0.31), 0.0, false};
+  const Vector3d on_top(0.0, 0.0, 0.31);
+  const SupportPoint point{4, pose.inverse() * on_top, 0.0, false};
   std::vector<LinkLoad> loads;
   supports.find_loads(2, {point}, state, 0.04, loads);
   EXPECT_TRUE(loads.empty());
-  const auto touched = supports.touched(2, point, state, Vector3d::Zero(), 0.02, 0.5);
+  const auto touched = supports.touched(2, on_top, 0.0, Vector3d::Zero(), 0.02, 0.5);
   ASSERT_TRUE(touched);
-  const ContactPlace place = supports.place(2, point, state, *touched);
+  const ContactPlace place = supports.place(2, on_top, 0.0, *touched);
   EXPECT_LT((place.normal - Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_NEAR(place.position.z(), 0.31, 1e-9);
-  EXPECT_FALSE(supports.touched(2, point, state, Vector3d(1.0, 0.0, 0.0), 0.02, 0.5)) << "too fast";
+  EXPECT_FALSE(supports.touched(2, on_top, 0.0, Vector3d(1.0, 0.0, 0.0), 0.02, 0.5)) << "too fast";
 }
 
 TEST(SceneSupports, NeedNoFramesBesides) {

@@ -60,7 +60,8 @@ def write_page(folder: str | os.PathLike[str], file: str | os.PathLike[str], *,
         '<!DOCTYPE html><html lang="en"><meta charset="utf-8">',
         f"<title>{_text(title)}</title><style>{_STYLE}</style><h1>{_text(title)}</h1>",
         _totals(results), _histograms(results), _sources(results), _errors(results),
-        _twins(results), _groups(results) if near_duplicates else "", _worst(results), _sample(results), "</html>\n"])
+        _twins(results), _groups(results) if near_duplicates else "",
+        _worst(results), _sample(results), "</html>\n"])
     with new_file(Path(file)) as unfinished:
         unfinished.write_text(text, encoding="utf-8", errors="replace")
     return Path(file)

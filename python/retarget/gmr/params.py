@@ -59,11 +59,11 @@ _LAFAN1 = ("bvh_lafan1", "bvh")
 _HUMANS = ("smplx", *_LAFAN1, "bvh_nokov", "bvh_xsens", "fbx", "fbx_offline", "xrobot", "xsens_mvn")
 
 ROBOT_XML_DICT: dict[str, pathlib.Path] = {}
-"""The model of each robot, by its published name."""
+"""Maps the published name of a robot to its model."""
 IK_CONFIG_DICT: dict[str, dict[str, pathlib.Path]] = {human: {} for human in _HUMANS}
-"""The configuration of each robot, by the name of the source and by that of the robot."""
+"""Maps the name of a source, then that of a robot, to the configuration."""
 ROBOT_BASE_DICT: dict[str, str] = {name: base for name, (_, _, base, _) in _ROBOTS.items()}
-"""The root body of each robot."""
+"""Maps the name of a robot to its root body."""
 VIEWER_CAM_DISTANCE_DICT: dict[str, float] = {
     name: distance for name, (_, _, _, distance) in _ROBOTS.items()}
 """The distance of the viewer's camera for each robot, metres."""

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "app/plan/motion_target.h"
 #include "app/plan/surroundings.h"
 #include "base/try.h"
 #include "human/skeleton/human_clip.h"
@@ -13,8 +14,6 @@
 #include "retarget/measure.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
-#include "retarget/motion_scene.h"
-#include "retarget/normalize_start.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -113,13 +112,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The world of a solved robot, moved like its file; empty if it has none.
+// The world of a solved robot; empty if it has none.
 std::optional<SceneWorld> solved_world(const Motion& motion) {
-  std::optional<MotionScene> scene = motion_scene(motion);
-  if (!scene) return std::nullopt;
+  if (!motion.scene) return std::nullopt;
   SceneWorld world = scaled_world(*motion.scene->human, motion.scene->scale);
-  world.clip = std::move(scene->robot);
+  world.clip = motion.scene->clip;
   return world;
+}
+
+// Moves a motion and its world as its file.
+void normalize_start(RobotClip& clip, std::optional<SceneWorld>& world) {
+  WriteMotionOptions moved;
+  if (world) moved.scene = std::move(world->clip);
+  normalize_start(clip, moved);
+  if (world) world->clip = std::move(*moved.scene);
 }
 
 }  // namespace
@@ -129,10 +135,10 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
   // Measure the values that a file would contain, with their limited precision.
   RobotClip moved = motion.clip;
-  if (plan.options.save.normalize_start) normalize_start(moved);
+  std::optional<SceneWorld> world = solved_world(motion);
+  if (plan.options.save.normalize_start) normalize_start(moved, world);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
-  const std::optional<SceneWorld> world = solved_world(motion);
   const QualitySource source{&human, &plan.config, plan.scale,
                              motion.scene ? motion.scene->human.get() : nullptr,
                              world ? &*world : nullptr};

@@ -88,22 +88,12 @@ Result<void> Gates::add_file(const std::string& path) {
   return add_json(content.view(), path);
 }
 
-namespace {
-
-// Gates that are skipped without a value: of motions from files, without a scene, and for hands that
-// are not driven.
-bool needs_a_value(const Metric& metric) {
-  return metric.of_solver || metric.of_scene || metric.key == "driven_finger_angle_deg";
-}
-
-}  // namespace
-
 void Gates::judge(QualityReport& report) const {
   report.gates.clear();
   for (const Metric& metric : quality_metrics()) {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
-    if (needs_a_value(metric) && report.find(metric.key) == nullptr) continue;
+    if (metric.is_conditional && report.find(metric.key) == nullptr) continue;
     GateResult result{gate->metric, gate->min, gate->max, std::nullopt, true};
     if (gate->leg && report.leg) {
       const double size = *report.leg / *gate->leg;

@@ -12,10 +12,10 @@
 
 namespace retarget {
 
-/// Tells what the human's pose demands of single joints: the position that turns the next body
+/// Finds the positions of single joints that the human's pose demands. Each turns the next body
 /// with a target, relative to the body with a target before it, as their targets are turned to each
-/// other. Errors elsewhere in the body, such as a pelvis that leans wrongly, therefore demand
-/// nothing.
+/// other. Errors elsewhere in the body, such as a pelvis that leans wrongly, therefore have
+/// no influence.
 class JointDemand {
  public:
   /// @param source  with a configuration, at least as long as `frames`; refers to it.

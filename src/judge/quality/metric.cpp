@@ -163,31 +163,31 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"scene_pen_1cm_pct", "%",
      "Frames in which a collision primitive or sole point is more than 1 cm inside a body of the "
      "scene.",
-     kHolosoma, false, true},
-    {"scene_pen_max_cm", "cm", "Depth of the deepest of these.", kHolosoma, false, true},
+     kHolosoma, true},
+    {"scene_pen_max_cm", "cm", "Depth of the deepest of these.", kHolosoma, true},
     {"scene_contact_pct", "%",
      "Number of knees, elbows, hands, seat, back and feet of the source on bodies of the scene, "
      "summed over frames.",
-     kOwn, false, true},
+     kOwn, true},
     {"scene_contact_kept_pct", "%",
      "Share of these contacts in which the robot's corresponding part is within 3 cm of the body.",
-     "OmniRetarget, contact preservation", false, true},
+     "OmniRetarget, contact preservation", true},
     {"scene_gap_p95_cm", "cm",
      "Distance of the robot's part from the surface, inside or outside, in these contacts; 95th "
      "percentile.",
-     kOwn, false, true},
+     kOwn, true},
     {"scene_contact_precision_pct", "%",
      "Share of the frames in which a part of the robot is within 2 cm of a body in which the "
      "source's part touches it, two frames earlier or later; feet are left out.",
-     kOwn, false, true},
+     kOwn, true},
     {"scene_contact_recall_pct", "%",
      "Share of the contacts of the source's parts in which the robot's part is within 2 cm, two "
      "frames earlier or later; feet are left out.",
-     kOwn, false, true},
+     kOwn, true},
     {"scene_slip_mean", "m/s",
      "Mean speed of the robot's part relative to the body while the source's part touches it "
      "without sliding.",
-     kOwn, false, true},
+     kOwn, true},
     {"flights", "count",
      "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
      "rise and fall as in free fall.",
@@ -247,7 +247,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "their lengths, both relative to the palm, without thumbs. Mean and 95th percentile.",
      kOwn},
     {"driven_finger_angle_deg", "deg",
-     "The same for motions whose fingers move: those of relaxed hands do not.", kOwn},
+     "The same for motions whose fingers move: those of relaxed hands do not.", kOwn, true},
     {"touch_gap_cm", "cm",
      "Distance between the skins of the robot's thumb and finger while the human's touch; amount, "
      "mean and 95th percentile.",

@@ -62,10 +62,10 @@ struct RobotHand {
 using RobotHands = std::array<std::optional<RobotHand>, 2>;
 
 /// Finds a robot's hands from its tree: every branch beyond the arm's last joint is a finger. Body
-/// names, then joint names identify the fingers. Without names, the thumb is the branch that points away from the others or
-/// begins nearer to the wrist, and the others follow in order from its side. Two unnamed branches
-/// form a gripper. Fingers bend to the side that their ranges favour. Couplings come from the
-/// profile (RobotProfile::coupled_joints).
+/// names, then joint names identify the fingers. Without names, the thumb is the branch that points
+/// away from the others or begins nearer to the wrist, and the others follow in order from its side.
+/// Two unnamed branches form a gripper. Fingers bend to the side that their ranges favour. Couplings
+/// come from the profile (RobotProfile::coupled_joints).
 [[nodiscard]] RobotHands find_hands(const Robot& robot, const RobotAnatomy& anatomy);
 
 /// The same without a known anatomy; returns no hands if the robot's limbs cannot be found.

@@ -205,10 +205,6 @@ bool is_model(const std::string& named) {
   return (ending == ".xml" || ending == ".urdf" || ending == ".mjcf") && is_file(named);
 }
 
-}  // namespace
-
-namespace {
-
 // The meshes that the user keeps for a robot, if there are any.
 std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& model) {
   const auto data = user_data_folder();

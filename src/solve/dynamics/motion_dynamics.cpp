@@ -62,31 +62,34 @@ class SupportTracks {
 
   void find_contacts(double floor, double rate, const Sizes& sizes) {
     const std::size_t count = points_->size(), samples = places_.size() / count;
-    const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));
     for (std::size_t p = 0; p < count; ++p) {
-      std::size_t until = 0;  // Samples before this one are already marked.
       for (std::size_t i = 0; i < samples; ++i) {
         const bool low = at(i, p).z() - floor < kContactHeight * sizes.length;
         const bool slow = velocity(i, p).norm() * rate < kContactSpeed * sizes.speed;
-        if (!low || !slow) continue;
-        const std::size_t from = std::max(until, i < reach ? 0 : i - reach);
-        until = std::min(samples, i + reach + 1);
-        for (std::size_t k = from; k < until; ++k) pushed_by_[k * count + p] = kFloor;
+        if (low && slow) mark(i, p, kFloor, rate);
       }
     }
   }
 
-  // Adds a contact with a body of the scene; the floor has precedence.
-  void touch(std::size_t sample, std::size_t point, std::size_t body, double rate) {
+  // Adds the contacts with bodies of the scene; the floor has precedence. @param frame_of  the frame
+  // of the scene for each sample
+  template <typename FrameOf>
+  void find_contacts(const SceneSupports& scene, const FrameOf& frame_of, double rate,
+                     const Sizes& sizes) {
     const std::size_t count = points_->size(), samples = places_.size() / count;
-    const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));
-    const auto surface = static_cast<Surface>(
-        std::min<std::size_t>(kFirstBody + body, std::numeric_limits<Surface>::max()));
-    for (std::size_t k = sample < reach ? 0 : sample - reach;
-         k < std::min(samples, sample + reach + 1); ++k) {
-      Surface& pushed = pushed_by_[k * count + point];
-      if (pushed == kNothing) pushed = surface;
+    for (std::size_t i = 0; i < samples; ++i) {
+      for (std::size_t p = 0; p < count; ++p) {
+        const auto body =
+            scene.touched(frame_of(i), centre(i, p), (*points_)[p].radius, velocity(i, p) * rate,
+                          kContactHeight * sizes.length, kContactSpeed * sizes.speed);
+        if (body) mark(i, p, static_cast<Surface>(kFirstBody + *body), rate);
+      }
     }
+  }
+
+  // The centre of a point's ball.
+  [[nodiscard]] Vector3d centre(std::size_t sample, std::size_t point) const {
+    return at(sample, point) + (*points_)[point].radius * Vector3d::UnitZ();
   }
 
   [[nodiscard]] Surface surface(std::size_t sample, int point) const {
@@ -102,6 +105,18 @@ class SupportTracks {
     keep_outermost(at(sample), ContactForces::kMaxPoints, chosen);
   }
 
+ private:
+  // A contact counts a little before and after as well.
+  void mark(std::size_t sample, std::size_t point, Surface surface, double rate) {
+    const std::size_t count = points_->size(), samples = places_.size() / count;
+    const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate));
+    const std::size_t end = std::min(samples, sample + reach + 1);
+    for (std::size_t k = sample < reach ? 0 : sample - reach; k < end; ++k) {
+      Surface& pushed = pushed_by_[k * count + point];
+      if (pushed == kNothing) pushed = surface;
+    }
+  }
+
   // Velocity of a point, metres per sample.
   [[nodiscard]] Vector3d velocity(std::size_t sample, std::size_t point) const {
     const std::size_t samples = places_.size() / points_->size();
@@ -111,7 +126,6 @@ class SupportTracks {
     return (at(after, point) - at(before, point)) / static_cast<double>(after - before);
   }
 
- private:
   const std::vector<SupportPoint>* points_;
   std::vector<Vector3d> places_;    // Sample-major.
   std::vector<Surface> pushed_by_;  // Sample-major.
@@ -195,7 +209,10 @@ class Analyser {
     if (!points_.empty()) {
       result_.floor_height = standing_height(tracks, points_, samples, rate, sizes_);
       tracks.find_contacts(result_.floor_height, rate, sizes_);
-      if (scene_) find_scene_contacts(samples, rate, tracks);
+      if (scene_) {
+        const auto frame_of = [this](std::size_t sample) { return scene_frame(sample); };
+        tracks.find_contacts(*scene_, frame_of, rate, sizes_);
+      }
     }
     result_.samples.resize(samples);
     for (std::size_t i = 0; i < samples; ++i) measure(i, tracks);
@@ -216,18 +233,6 @@ class Analyser {
     return result_.frame_of(sample) + (2 * within >= result_.samples_per_frame ? 1 : 0);
   }
 
-  void find_scene_contacts(std::size_t samples, double rate, SupportTracks& tracks) {
-    for (std::size_t i = 0; i < samples; ++i) {
-      place(i);
-      for (std::size_t p = 0; p < points_.size(); ++p) {
-        const auto body =
-            scene_->touched(scene_frame(i), points_[p], state_, tracks.velocity(i, p) * rate,
-                            kContactHeight * sizes_.length, kContactSpeed * sizes_.speed);
-        if (body) tracks.touch(i, p, *body, rate);
-      }
-    }
-  }
-
   void add_place(std::size_t index, int point, const SupportTracks& tracks) {
     const auto p = static_cast<std::size_t>(point);
     const Surface surface = tracks.surface(index, point);
@@ -236,7 +241,8 @@ class Analyser {
       places_.push_back({tracks.at(index, p)});
     } else {
       on_floor_ = false;
-      places_.push_back(scene_->place(scene_frame(index), points_[p], state_,
+      places_.push_back(scene_->place(scene_frame(index), tracks.centre(index, p),
+                                      points_[p].radius,
                                       static_cast<std::size_t>(surface - kFirstBody)));
     }
   }

@@ -75,16 +75,15 @@ SceneSupports::BodyMotion SceneSupports::motion_of(int frame, std::size_t body) 
   return motion;
 }
 
-std::optional<std::size_t> SceneSupports::touched(int frame, const SupportPoint& point,
-                                                  const TreeState& state, const Vector3d& velocity,
-                                                  double height, double speed) const {
+std::optional<std::size_t> SceneSupports::touched(int frame, const Vector3d& centre, double radius,
+                                                  const Vector3d& velocity, double height,
+                                                  double speed) const {
   constexpr double kHeld = 0.5;  // A body that is lifted farther supports nothing.
   const int at = inside(frame);
-  const Vector3d centre = state.world_from_link[point.link] * point.in_link;
   std::optional<std::size_t> nearest;
   double least = height;
   for (std::size_t body = 0; body < world_.body_count(); ++body) {
-    if (world_.is_beyond(at, body, centre, point.radius + least)) continue;
+    if (world_.is_beyond(at, body, centre, radius + least)) continue;
     Vector3d relative = velocity;
     if (const BodyMotion* moves = motion(at, body)) {
       if (moves->lifted > kHeld) continue;
@@ -92,7 +91,7 @@ std::optional<std::size_t> SceneSupports::touched(int frame, const SupportPoint&
           moves->velocity + moves->spin.cross(centre - world_.clip.pose(at, body).translation);
     }
     if (!(relative.norm() < speed)) continue;
-    const double distance = world_.distance(at, body, centre).distance - point.radius;
+    const double distance = world_.distance(at, body, centre).distance - radius;
     if (distance >= least) continue;
     least = distance;
     nearest = body;
@@ -100,11 +99,10 @@ std::optional<std::size_t> SceneSupports::touched(int frame, const SupportPoint&
   return nearest;
 }
 
-ContactPlace SceneSupports::place(int frame, const SupportPoint& point, const TreeState& state,
+ContactPlace SceneSupports::place(int frame, const Vector3d& centre, double radius,
                                   std::size_t body) const {
-  const Vector3d centre = state.world_from_link[point.link] * point.in_link;
   const SurfaceDistance found = world_.distance(inside(frame), body, centre);
-  return {centre - point.radius * found.normal, found.normal};
+  return {centre - radius * found.normal, found.normal};
 }
 
 void SceneSupports::find_loads(int frame, const std::vector<SupportPoint>& points,

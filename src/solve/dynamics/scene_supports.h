@@ -27,17 +27,17 @@ class SceneSupports {
     return moves == nullptr ? 0.0 : moves->lifted;
   }
 
-  /// The nearest body of the scene that supports a point.
-  /// @param velocity  of the point, world, m/s.
-  /// @param height    largest distance between the point's surface and the body, metres.
-  /// @param speed     largest speed of the point relative to the body, m/s.
+  /// The nearest body of the scene that supports a ball of the robot.
+  /// @param centre    world, metres.
+  /// @param velocity  of the ball, world, m/s.
+  /// @param height    largest distance between the ball and the body, metres.
+  /// @param speed     largest speed of the ball relative to the body, m/s.
   /// @return index of the body; nothing if there is none.
-  [[nodiscard]] std::optional<std::size_t> touched(int frame, const SupportPoint& point,
-                                                   const TreeState& state,
-                                                   const Eigen::Vector3d& velocity, double height,
-                                                   double speed) const;
-  /// Where a point touches a body.
-  [[nodiscard]] ContactPlace place(int frame, const SupportPoint& point, const TreeState& state,
+  [[nodiscard]] std::optional<std::size_t> touched(int frame, const Eigen::Vector3d& centre,
+                                                   double radius, const Eigen::Vector3d& velocity,
+                                                   double height, double speed) const;
+  /// Where a ball touches a body.
+  [[nodiscard]] ContactPlace place(int frame, const Eigen::Vector3d& centre, double radius,
                                    std::size_t body) const;
 
   /// Finds the forces that carry the lifted bodies. Links within `reach` of a body share its weight

@@ -168,7 +168,9 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
 
 ContactPlace FitDynamics::place_of(int t, const FitContact& contact) const {
   if (!contact.body) return {lowest_of(contact.point, pose_)};
-  return scene_->place(window_.begin + t, contact.point, pose_, *contact.body);
+  const SupportPoint& point = contact.point;
+  return scene_->place(window_.begin + t, pose_.world_from_link[point.link] * point.in_link,
+                       point.radius, *contact.body);
 }
 
 bool FitDynamics::touches(const SupportPoint& point, double height, double speed) const {
@@ -243,7 +245,7 @@ void FitDynamics::add_touched_bodies(int t, double height, double speed,
   for (const SupportPoint& point : points_) {
     const Vector3d centre = pose_.world_from_link[point.link] * point.in_link;
     const auto body =
-        scene_->touched(window_.begin + t, point, pose_,
+        scene_->touched(window_.begin + t, centre, point.radius,
                         inverse_.velocity_of(point.link, centre, pose_), height, speed);
     if (body) contacts.push_back({point, body});
   }
