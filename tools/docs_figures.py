@@ -16,7 +16,7 @@ HTML comments, which a rendered page does not show:
 A figure is a key of a quality report, or `gates` (the number of default gates), `robots` (the number of robots; with
 `of=unverified` of those in robots/unverified), `verdict` (`22 of 22 gates kept`), `passed` and `motions` (the number of
 motions that pass all gates, and of all motions). `of` names clips, separated by commas: walk, samples, lafan1, cuts,
-skeletons, walks. `method` is fit (the default), gmr, dynamics, as-published or published (Unitree's motions). `robot`
+skeletons, walks. `method` is fit (the default), gmr, without-dynamics, as-published or published (Unitree's motions). `robot`
 selects another robot than unitree_g1. `take` combines several clips: mean (the default), sum, min, max or range. `scale`
 and `format` give the form of the number. No line may begin with the mark of a figure, because Markdown would show it as
 text.

@@ -8,8 +8,8 @@ of source. For robots with a published configuration these are `--ik-config publ
 
     tools/quality_tables.py --tool ... --dynamics
 
-prints the tables of docs/dynamics.md instead: published motions, the published method, the fit, and the fit with
-`--with dynamics`, side by side.
+prints the tables of docs/dynamics.md instead: published motions, the published method, the fit `--without dynamics`, and
+the fit, side by side.
 
     tools/quality_tables.py --tool ... --all-robots
 
@@ -48,10 +48,10 @@ NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root",
 DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
             "root_jerk_mean": 0, "stance_slip_mean": 4, "torque_over_pct": 1}
 # Methods and the options that run them; None: Unitree's published motion of the clip.
-METHODS = {"fit": (), "gmr": ("--method", "gmr"), "dynamics": ("--with", "dynamics"),
+METHODS = {"fit": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
            "as-published": ("--ik-config", "published", "--scale", "table"), "published": None}
-METHOD_TITLES = {"published": "published data", "gmr": "`--method gmr`", "fit": "fit",
-                 "dynamics": "fit `--with dynamics`"}
+METHOD_TITLES = {"published": "published data", "gmr": "`--method gmr`",
+                 "without-dynamics": "fit `--without dynamics`", "fit": "fit"}
 # Marks a value that was not measured.
 SKIPPED = object()
 

@@ -146,7 +146,7 @@ struct FitOptions {
   bool self_collision = true;  ///< Bodies of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
   bool speed = true;           ///< Joints stay below `soft_joint_speed`.
-  bool dynamics = false;       ///< Contact forces can produce the motion.
+  bool dynamics = true;        ///< Contact forces can produce the motion.
 
   TrackingWeights weights;
 
@@ -172,7 +172,7 @@ struct FitOptions {
   double scene_palm_weight = 10.0;
   double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
 
-  double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_weight = 500.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Metres; shapes closer than this count as overlapping.
 
   /// Joints within 5 % of their range of a limit, relative to that margin.
@@ -182,15 +182,15 @@ struct FitOptions {
                                  ///< velocity; times smoothing_time: per rad/s^2.
   double smoothness_arm = 2.15;
   double smoothness_wrist = 1.65;
-  double smoothness_root_position = 40.0;  ///< Per m/s, relative to the reference.
+  double smoothness_root_position = 60.0;  ///< Per m/s, relative to the reference.
   /// Share of the low-passed target's accelerations that the root may have without cost.
   double smoothness_root_reference = 1.0;
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Time constant of the velocity smoothing, about, in seconds.
 
   // Options of `dynamics`, for the size and mass of a G1.
-  double com_weight = 600.0;      ///< Centre of mass to its planned position, per metre.
-  double spin_weight = 200.0;     ///< Angular momentum as the rotation it causes, per kg m^2.
+  double com_weight = 1400.0;     ///< Centre of mass to its planned position, per metre.
+  double spin_weight = 280.0;     ///< Angular momentum as the rotation it causes, per kg m^2.
   int dynamics_iterations = 6;    ///< Number of final solver steps that include dynamics.
   double support_friction = 0.6;  ///< Friction coefficient for planning contact forces.
   double sole_shrink = 0.15;      ///< Fraction by which soles are shrunk towards their middle.

@@ -120,7 +120,7 @@ class StandingStill(ToolTest):
                         for _ in range(60)]
                 clip = self.write("still.bvh", "\n".join(
                     [*lines[:motion], "Frames: 60", lines[motion + 1], *rows]) + "\n")
-                self.assert_done(self.retarget("--with", "dynamics", "--report", "r.json", bvh=clip))
+                self.assert_done(self.retarget("--report", "r.json", bvh=clip))
                 report = json.loads((self.folder / "r.json").read_text())["motions"][0]
                 self.assertTrue(report["fit"]["solver"]["converged"], report["fit"]["notes"])
                 self.assertGreaterEqual(report["fit"]["solver"]["steps"], 10)
@@ -154,7 +154,7 @@ class FailedSolvers(ToolTest):
         self.assertEqual(count, 1)
         model.write_text(text)
         self.write("clips/wave.bvh", sample("wave").read_bytes())
-        self.options = ["--with", "dynamics", "--end", "1.5"]
+        self.options = ["--end", "1.5"]
 
     def test_verdict_reports_the_failure(self):
         result = self.retarget(*self.options, "--report", "r.json", robot="heavy")
@@ -169,14 +169,15 @@ class FailedSolvers(ToolTest):
         self.assertEqual([fault["where"] for fault in report["faults"]
                           if fault["metric"] == "solver_failures"], ["fit with dynamics"])
         # The frames equal those without dynamics.
-        self.assert_done(self.retarget("--end", "1.5", robot="heavy", output="without.csv"))
+        self.assert_done(self.retarget("--end", "1.5", "--without", "dynamics", robot="heavy",
+                                       output="without.csv"))
         self.assertEqual((self.folder / "out.csv").read_bytes(),
                          (self.folder / "without.csv").read_bytes())
         self.assertEqual(self.retarget(*self.options, "--gate", "default", robot="heavy",
                                        output="gated.csv").returncode, 1)
 
     def test_its_motion_is_measured(self):
-        self.assert_done(self.retarget("--end", "1.5", robot="heavy"))
+        self.assert_done(self.retarget("--end", "1.5", "--without", "dynamics", robot="heavy"))
         result = self.run_tool("evaluate", "out.csv", "--robot", "heavy", "--dynamics", "--json",
                                "q.json")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -116,11 +116,13 @@ class Preset(TravelTest):
         self.assertNotEqual(preset, without)
         smoother = {f"smoothness_{part}": 2 * weight
                     for part, weight in (("leg", 1.75), ("arm", 2.15), ("wrist", 1.65))}
-        root = {"smoothness_root_reference": 0.0, "smoothness_root_rotation": 8.0}
+        root = {"smoothness_root_position": 40.0, "smoothness_root_reference": 0.0,
+                "smoothness_root_rotation": 8.0}
         self.write("fit.json", json.dumps({**smoother, **root}))
-        self.assertEqual(self.run_walk("c.csv", *fast, "--fit-config", "fit.json"), without)
-        self.assertEqual(self.run_walk("d.csv", *fast, "--fit-config", "fit.json", "--with",
-                                       "dynamics", "--travel", "auto"), preset)
+        self.assertEqual(self.run_walk("c.csv", *fast, "--fit-config", "fit.json", "--without",
+                                       "dynamics"), without)
+        self.assertEqual(self.run_walk("d.csv", *fast, "--fit-config", "fit.json", "--travel",
+                                       "auto"), preset)
 
     def test_unknown_presets(self):
         self.assert_fails(self.retarget("--for", "trackin"), 2, 'did you mean "tracking"')

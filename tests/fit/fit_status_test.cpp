@@ -69,6 +69,7 @@ TEST_F(FitStatusTest, ContinuesWindowsThatHaveNotConverged) {
   FitOptions options;
   options.iterations = 2;
   options.anchor_iterations = 1;
+  options.dynamics = false;
   const FitReport report = report_of(options);
   EXPECT_TRUE(report.status.converged);
   EXPECT_GT(report.status.steps, 2);
@@ -164,6 +165,7 @@ TEST_F(FitStatusTest, StepsThatAreNotFiniteAreAFailure) {
 
 TEST_F(FitStatusTest, DynamicsThatAreNotFiniteLeaveTheFitWithoutThem) {
   FitOptions options;
+  options.dynamics = false;
   const FitResult without = result_of(options);
   options.dynamics = true;
   options.com_weight = 1e200;

@@ -306,6 +306,7 @@ TEST_F(FitTest, WindowsMatchTheWholeClip) {
   FitOptions options;
   options.iterations = 8;
   options.self_collision = false;
+  options.dynamics = false;
   options.window = 1000.0;
   const RobotClip whole = fitted(clip, options).clip;
   options.window = 1.1;

@@ -152,8 +152,7 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
 
 // If the solver meets non-finite numbers, the motion is written, and its verdict is a miss.
 TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
-  Options options = short_options();
-  options.solve.with = {"dynamics"};
+  const Options options = short_options();
   auto plan = make_plan(*load_clip(sample("walk")), *g1(), options);
   ASSERT_TRUE(plan) << describe(plan.error());
   const auto sound = solve(*plan);

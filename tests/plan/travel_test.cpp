@@ -192,8 +192,8 @@ TEST(Preset, IsRefusedForThePublishedMethod) {
 TEST(Preset, EqualsItsOptions) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "fit.json").string();
-  const FitOptions usual, chosen = fit_of(for_tracking());
-  EXPECT_TRUE(chosen.dynamics);
+  const FitOptions usual;
+  FitOptions chosen = fit_of(for_tracking());
   EXPECT_DOUBLE_EQ(chosen.smoothness_root_reference, 0.0);
   EXPECT_DOUBLE_EQ(chosen.smoothness_root_rotation, 2.0 * usual.smoothness_root_rotation);
   const double smoother = chosen.smoothness_leg / usual.smoothness_leg;
@@ -201,11 +201,8 @@ TEST(Preset, EqualsItsOptions) {
   EXPECT_LE(smoother, 4.0);
   EXPECT_DOUBLE_EQ(chosen.smoothness_arm, smoother * usual.smoothness_arm);
   EXPECT_DOUBLE_EQ(chosen.smoothness_wrist, smoother * usual.smoothness_wrist);
-  FitOptions given = chosen;
-  given.dynamics = false;
-  ASSERT_TRUE(write_file(file, options_text(fit_table(given))));
+  ASSERT_TRUE(write_file(file, options_text(fit_table(chosen))));
   Options options = with_travel("auto");
-  options.solve.with = {"dynamics"};
   options.solve.fit_config = file;
   const Clip clip = clip_at_rate("walk", 50.0);
   EXPECT_EQ(csv_of(clip, short_part(for_tracking())), csv_of(clip, short_part(options)));
@@ -231,9 +228,8 @@ TEST(Preset, GivenOptionsWin) {
   EXPECT_EQ(fit_of(options).smoothness_arm, 2.0);
 
   options = for_tracking();
-  options.solve.fit_given = {"smoothness_wrist", "dynamics"};
+  options.solve.fit_given = {"smoothness_wrist"};
   EXPECT_EQ(fit_of(options).smoothness_wrist, FitOptions().smoothness_wrist);
-  EXPECT_FALSE(fit_of(options).dynamics);
 
   options = for_tracking();
   options.solve.travel = "1";

@@ -249,9 +249,8 @@ OptionTable purpose_table(SolveOptions& options) {
   return {
       option("for", options.purpose, kRobotGroup, "",
              "Preset: tracking is for training a policy that tracks the motion: " OPTION(
-                 "with") " dynamics, " OPTION("travel") " auto, smoother joints and root "
-                                                        "(docs/fit.md); options that are given "
-                                                        "win",
+                 "travel") " auto, smoother joints and root (docs/fit.md); options that are given "
+                           "win",
              {.uses = OptionUse::kShowBatch, .recorded_if_given = true}),
       text_option("travel", options.travel, kRobotGroup, "S|auto",
                   "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
@@ -285,10 +284,10 @@ OptionTable solve_table(SolveOptions& options) {
              "look-ahead (default: 20)",
              {.min = 0.1, .max = 1e6}),
       option("with", options.with, kRobotGroup, "TERM,...",
-             "Additional terms of the fit: dynamics moves the body so that its contacts can supply "
-             "the required forces (docs/dynamics.md)"),
+             "Terms of the fit that would be off: dynamics in a scene, or for a robot's motion "
+             "(docs/dynamics.md)"),
       option("without", options.without, kRobotGroup, "TERM,...",
-             "Terms to omit from the fit: floor, self-collision, contact, ...",
+             "Terms to omit from the fit: dynamics, floor, self-collision, contact, ...",
              {.uses = OptionUse::kLive}),
       option("engine", options.engine, kRobotGroup, "",
              "Inverse kinematics engine; both produce the same iterates",

@@ -98,9 +98,11 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
   for (double* weight : {&fit.smoothness_leg, &fit.smoothness_arm, &fit.smoothness_wrist}) {
     *weight *= 1.5;
   }
-  fit.smoothness_root_position *= 2.5;
+  fit.smoothness_root_position *= 5.0 / 3.0;
   fit.smoothness_root_rotation *= 2.5;
   fit.body_contact_weight *= 1.5;
+  // The motion of a robot is what a program computed, and is kept as it is.
+  fit.dynamics = false;
   return fit;
 }
 

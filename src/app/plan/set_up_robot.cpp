@@ -28,12 +28,18 @@ struct WeightFactor {
 };
 
 // docs/fit.md, "Motions for policies", has the measurements.
-constexpr std::array<WeightFactor, 5> kTrackingFactors = {
+constexpr std::array<WeightFactor, 6> kTrackingFactors = {
     {{"smoothness_leg", &FitOptions::smoothness_leg, 2.0},
      {"smoothness_arm", &FitOptions::smoothness_arm, 2.0},
      {"smoothness_wrist", &FitOptions::smoothness_wrist, 2.0},
+     {"smoothness_root_position", &FitOptions::smoothness_root_position, 2.0 / 3.0},
      {"smoothness_root_reference", &FitOptions::smoothness_root_reference, 0.0},
      {"smoothness_root_rotation", &FitOptions::smoothness_root_rotation, 2.0}}};
+
+// Whether a member of the fit's options was given, also with its default value.
+bool is_given(const SolveOptions& options, const char* name) {
+  return std::ranges::find(options.fit_given, name) != options.fit_given.end();
+}
 
 }  // namespace
 
@@ -44,6 +50,9 @@ Result<FitOptions> choose_fit(const Options& options, FitOptions fit) {
   // The limits hold for the written values; lower precision than this is not useful.
   constexpr int kMinDecimals = 3;
   fit.decimals = std::max(kMinDecimals, options.save.precision);
+  // In a scene, hands and feet would reach surfaces with jolts (docs/world.md).
+  const bool has_scene = !solve.scene.empty() || !solve.terrain.empty();
+  if (has_scene && !is_given(solve, "dynamics")) fit.dynamics = false;
   apply_preset(solve, fit);
   if (!solve.fit_config.empty()) {
     TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMaxTextBytes));
@@ -87,13 +96,11 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
 void apply_preset(const SolveOptions& options, FitOptions& fit) {
   if (options.purpose != Purpose::kTracking) return;
   const FitOptions usual;
-  const auto is_given = [&](const char* name) {
-    return std::ranges::find(options.fit_given, name) != options.fit_given.end();
-  };
   for (const auto& [name, weight, factor] : kTrackingFactors) {
-    if (!is_given(name) && options.fit.*weight == usual.*weight) fit.*weight *= factor;
+    if (!is_given(options, name) && options.fit.*weight == usual.*weight) fit.*weight *= factor;
   }
-  if (!is_given("dynamics")) fit.dynamics = true;
+  // Also in a scene and for the motion of a robot.
+  if (options.fit.dynamics && !is_given(options, "dynamics")) fit.dynamics = true;
 }
 
 std::string chosen_travel(const SolveOptions& options) {

@@ -15,8 +15,9 @@ constexpr std::size_t kBlock = 6;
 constexpr std::size_t kBand = 3 * kBlock;     // The diagonal and the entries left of it.
 constexpr std::size_t kFixed = 2;             // Number of coefficients held at 0 at either end.
 constexpr double kRho = 1.0 / (0.02 * 0.02);  // Weight per squared share of body weight.
-// Share of body weight below which a missing wrench has no effect.
-constexpr double kDeadZone = 0.01;
+// Share of body weight below which a missing wrench has no effect. It is three fifths of what the
+// metrics call bad: a smaller one moves the body where no controller would notice.
+constexpr double kDeadZone = 0.06;
 
 // Ratio of the gradient of the squared norm beyond the dead zone to that of the full squared norm.
 double pull_share(const Vector6d& rest) {
@@ -194,6 +195,10 @@ void CentroidalStep::find_unexplained(std::vector<CentroidalFrame>& frames,
   for (CentroidalFrame& frame : frames) {
     unexplained_before_.push_back(projector_.project(frame.cone, frame.needed));
   }
+}
+
+bool CentroidalStep::is_missing(std::size_t frame) const {
+  return unexplained_before_[frame].norm() > kDeadZone;
 }
 
 std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames,

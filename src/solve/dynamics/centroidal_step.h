@@ -32,7 +32,7 @@ struct CentroidalScale {
 ///                  + 1/2 sum |x + moved|^2 + |x''|^2, each weighted
 ///
 /// x is a cubic spline with coefficients b, so x'' at the frames is b's second difference.
-/// Distances below 1 % of the weight do not count. Solved by a damped semismooth Newton method on a
+/// Distances below 6 % of the weight do not count. Solved by a damped semismooth Newton method on a
 /// banded system. The first and last frames stay fixed.
 class CentroidalStep {
  public:
@@ -51,6 +51,8 @@ class CentroidalStep {
   [[nodiscard]] bool has_failed() const { return failed_; }
   /// Second derivative of the result of solve() by frame, per second squared.
   [[nodiscard]] const std::vector<Vector6d>& accelerations() const { return accelerations_; }
+  /// Whether the missing wrench of a frame has an effect. Call it after find_unexplained().
+  [[nodiscard]] bool is_missing(std::size_t frame) const;
   /// By frame: part of the needed wrench that contacts could not supply before the change.
   [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 

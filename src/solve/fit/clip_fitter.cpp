@@ -12,9 +12,9 @@
 #include "solve/fit/block_chain.h"
 #include "solve/fit/contact_places.h"
 #include "solve/fit/fit_dynamics.h"
+#include "solve/fit/held_limits.h"
 #include "solve/fit/joint_speeds.h"
 #include "solve/fit/shorthand.h"
-#include "solve/ik/active_set.h"
 
 namespace retarget {
 namespace {
@@ -53,12 +53,6 @@ class WindowFitter final : public MovingFit {
   bool step() override;
 
  private:
-  // A variable held at its limit. Its row of the frame's Hessian is in held_rows_.
-  struct Held {
-    int frame, dof;
-    double gradient, before, after;
-  };
-
   // All state that the steps change.
   struct Before {
     std::vector<double> qpos;
@@ -82,8 +76,6 @@ class WindowFitter final : public MovingFit {
   [[nodiscard]] bool has_finite_solution() const;
   void adapt_damping(int local, double cost);
   void add_steps(int frame, double* h, double* g);
-  void hold_limits(int frame, double* h, double* g);
-  void release_limits();
   void move_base(std::span<const double> x, std::span<double> qpos);
   void apply(int frame);
   [[nodiscard]] bool owns(std::size_t phase) const {
@@ -94,8 +86,6 @@ class WindowFitter final : public MovingFit {
     return left <= 0.0 ? 1.0 : 1.0 - (1.0 - kFirstHold) * left / options_.anchor_iterations;
   }
   [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
-  BoundSide& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
-  bool is_held(int frame, int dof) { return held(frame, dof) != BoundSide::kFree; }
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -111,9 +101,7 @@ class WindowFitter final : public MovingFit {
   BlockChain chain_;
   std::vector<std::vector<std::uint32_t>> pairs_;  // By frame.
   std::vector<double> damping_, cost_;             // By frame.
-  std::vector<BoundSide> held_;                    // By frame and degree of freedom.
-  std::vector<Held> rows_;
-  std::vector<double> held_rows_;
+  HeldLimits held_;
   std::vector<int> ages_;  // By frame: number of steps so far; only for a sliding window.
   std::vector<StepTerm> steps_before_, steps_after_;  // Step terms before and after the current
                                                       // frame, by dof.
@@ -142,15 +130,12 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       pairs_(at(window.end - window.begin)),
       damping_(pairs_.size(), 0.0),
       cost_(pairs_.size(), 1e300),
-      held_(pairs_.size() * at(dofs_), BoundSide::kFree),
+      held_(model, pairs_.size()),
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
       applied_(at(dofs_)),
       places_(model, clip),
       status_{.begin = window.begin, .end = window.end} {
-  for (int frame = window.begin; model.base_is_held && frame < window.end; ++frame) {
-    for (int i = 0; i < kBase; ++i) held(frame, i) = BoundSide::kLower;
-  }
   if (options.dynamics && FitDynamics::possible(model)) {
     dynamics_.emplace(model, options, window, clip);
   }
@@ -179,6 +164,10 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   const Before before = state();
   const double unexplained = dynamics_->begin(clip_);
   bool failed = !std::isfinite(unexplained), go_on = !failed;
+  if (!failed && !dynamics_->is_needed()) {
+    if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
+    return;
+  }
   if (!failed) {
     with_dynamics_ = true;
     go_on = steps(first_step, options_.iterations, keep_going) && finish(keep_going);
@@ -195,7 +184,8 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   restore(before);
   if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
   status_.distrusted_frames = 0;
-  status_.dynamics_failed = failed;
+  // A window that fails without dynamics as well is not their fault.
+  status_.dynamics_failed = failed && !status_.failed;
   status_.dynamics_taken_back = !failed;
 }
 
@@ -235,7 +225,8 @@ WindowFitter::Before WindowFitter::state() const {
   const auto size = at(model_.configuration_size);
   const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
   const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
-  Before before{{begin, end}, {}, damping_, cost_, held_, places_.pushes(), pairs_, status_};
+  Before before{{begin, end},     {},     damping_, cost_, held_.sides(),
+                places_.pushes(), pairs_, status_};
   // The other anchors belong to windows that may run concurrently.
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
     if (owns(i)) before.anchors.push_back(clip_.anchors[i]);
@@ -253,7 +244,7 @@ void WindowFitter::restore(const Before& before) {
   }
   damping_ = before.damping;
   cost_ = before.cost;
-  held_ = before.held;
+  held_.set_sides(before.held);
   places_.set_pushes(before.anchor_pushes);
   pairs_ = before.pairs;
   status_ = before.status;
@@ -264,8 +255,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   const int last = std::min(window_.end + (after_ ? 1 + window_.context : 0), clip_.frame_count);
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
-  rows_.clear();
-  held_rows_.clear();
+  held_.begin_step();
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   const auto decrease = eliminate(move_anchors, look_for_pairs);
   status_.predicted_decrease = decrease.value_or(1.0);
@@ -277,7 +267,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
     return;
   }
   ++status_.steps;
-  release_limits();
+  held_.release(chain_);
   for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
 }
 
@@ -341,7 +331,10 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   double asked = 0.0;
   if (with_dynamics_) asked = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
-  hold_limits(frame, h, g);
+  const std::span<const StepTerm> none;
+  held_.hold(t, h, g, chain_.stride(), chain_.coupling(t),
+             frame > window_.begin ? std::span<const StepTerm>(steps_before_) : none,
+             frame + 1 < window_.end ? std::span<const StepTerm>(steps_after_) : none);
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
   if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
   return std::accumulate(costs.begin(), costs.end(), asked);
@@ -399,50 +392,6 @@ void WindowFitter::add_steps(int frame, double* h, double* g) {
   }
 }
 
-// Holds variables at their limits for this step and saves their rows; release_limits() uses them to
-// compute the multipliers. Entries that an earlier held variable has already cleared do not count.
-void WindowFitter::hold_limits(int frame, double* h, double* g) {
-  const int stride = chain_.stride();
-  const bool from = frame > window_.begin, to = frame + 1 < window_.end;
-  double* const coupling = chain_.coupling(local(frame));
-  for (int i = model_.base_is_held ? 0 : kBase; i < dofs_; ++i) {
-    if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
-    if (!is_held(frame, i)) continue;
-    Held row{frame, i, g[i], 0.0, 0.0};
-    for (int j = 0; j < dofs_; ++j) {
-      held_rows_.push_back(
-          h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)]);
-    }
-    row.before = from ? -steps_before_[at(i)].weight : 0.0;
-    row.after = to ? -steps_after_[at(i)].weight : 0.0;
-    rows_.push_back(row);
-    double* const own = h + static_cast<std::ptrdiff_t>(i) * stride;
-    std::fill_n(own, i, 0.0);
-    for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
-    own[i] = 1.0;
-    g[i] = coupling[i] = 0.0;
-  }
-}
-
-// Releases held variables that the solved step pulls back inside; the gradient before the step does
-// not decide. ActiveSet uses the same rule, but its loop would factorise the whole clip again for
-// each of the many bounds that change. Here each step is one round.
-void WindowFitter::release_limits() {
-  const double* of_row = held_rows_.data();
-  for (const Held& row : rows_) {
-    const auto x = chain_.solution(local(row.frame));
-    double force = row.gradient;
-    for (int j = 0; j < dofs_; ++j) force += *of_row++ * x[at(j)];
-    if (row.before != 0.0) {
-      force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
-    }
-    if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
-    BoundSide& side = held(row.frame, row.dof);
-    const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
-    if (inward_pull(side, force) > 0.0 && !fixed) side = BoundSide::kFree;
-  }
-}
-
 void WindowFitter::move_base(std::span<const double> x, std::span<double> qpos) {
   for (int k = 0; k < 3; ++k) {
     applied_[at(k)] = std::clamp(x[at(k)], -kMaxMove, kMaxMove);
@@ -466,11 +415,11 @@ void WindowFitter::apply(int frame) {
   if (!model_.base_is_held) move_base(x, qpos);
   for (int i = kBase; i < dofs_; ++i) {
     applied_[at(i)] = 0.0;
-    if (is_held(frame, i)) continue;
+    if (held_.is_held(local(frame), i)) continue;
     double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
     const double before = value;
     value += std::clamp(x[at(i)], -kMaxTurn, kMaxTurn);
-    held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
+    held_.clamp(local(frame), i, value);
     applied_[at(i)] = value - before;
   }
   if (with_dynamics_) dynamics_->moved(frame, applied_);
@@ -482,14 +431,14 @@ void WindowFitter::move(int begin, int forgotten) {
   window_.begin = begin;
   window_.end = clip_.frame_count;
   before_ = begin > 0;
-  const auto take = [&](auto& values, std::size_t each, const auto& value) {
-    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(gone * each));
-    values.resize(size * each, value);
+  const auto take = [&](auto& values, const auto& value) {
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(gone));
+    values.resize(size, value);
   };
-  take(damping_, 1, 0.0);
-  take(cost_, 1, 1e300);
-  take(held_, at(dofs_), BoundSide::kFree);
-  take(ages_, 1, 0);
+  take(damping_, 0.0);
+  take(cost_, 1e300);
+  held_.move(gone, size);
+  take(ages_, 0);
   // Rotating instead of erasing keeps the memory of the lists.
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);

@@ -85,6 +85,13 @@ double FitDynamics::measure(const FitClip& clip) {
   return missing_share();
 }
 
+bool FitDynamics::is_needed() const {
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    if (frames_[t].trust > 0.0 && step_.is_missing(t)) return true;
+  }
+  return false;
+}
+
 double FitDynamics::missing_share() const {
   double sum = 0.0;
   for (std::size_t t = 0; t < frames_.size(); ++t) {

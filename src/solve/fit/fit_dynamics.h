@@ -40,6 +40,8 @@ class FitDynamics {
   /// Finds the contacts and how far they can be trusted. Call it first.
   /// @return measure(clip); NaN if the movement is too large to compute with.
   double begin(const FitClip& clip);
+  /// Whether the contacts cannot supply the forces of some frame. Call it after begin().
+  [[nodiscard]] bool is_needed() const;
   /// Mean over the frames of the wrench that the contacts cannot supply for the current clip, in
   /// body weights. Each frame counts at most 1, scaled by the trust in its contacts.
   double measure(const FitClip& clip);

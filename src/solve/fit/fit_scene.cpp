@@ -259,11 +259,10 @@ double keep_outside(const FitScene& scene, int frame, std::size_t scene_body,
 FitOptions smoother_in_scene(FitOptions options) {
   // Measured on two climbs and a carried box (docs/world.md): a third of the accelerations, with as
   // many contacts kept.
-  constexpr double kJoints = 2.5, kRoot = 1.5;
+  constexpr double kJoints = 2.5;
   options.smoothness_leg *= kJoints;
   options.smoothness_arm *= kJoints;
   options.smoothness_wrist *= kJoints;
-  options.smoothness_root_position *= kRoot;
   return options;
 }
 
