@@ -265,7 +265,7 @@ Result<SpecPtr> parse_model(const std::string& path, std::vector<std::string>& w
   const std::string first_error = spec ? std::string() : error.data();
   std::string complaint = spec ? later_complaint(spec.get()) : first_error;
   ModelRepair repair(path);
-  constexpr int kMaxRepairs = 20;
+  constexpr int kMaxRepairs = 10;
   for (int i = 0; i < kMaxRepairs && !complaint.empty(); ++i) {
     const auto text = repair.mend(complaint);
     if (!text) break;
