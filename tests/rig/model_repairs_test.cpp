@@ -174,7 +174,7 @@ TEST_F(ModelRepairs, BodiesThatStandForTheWorldAreLeftOut) {
   expect_same(below("<body name=\"dummy\">", "</body>"), plain,
               "the body \"dummy\" stands for the world");
   expect_same(below("<body name=\"world\"><body name=\"dummy\"><site/>", "</body></body>"), plain,
-              "the body \"world\", \"dummy\" stands for the world");
+              "the bodies \"world\", \"dummy\" stand for the world");
 }
 
 TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {

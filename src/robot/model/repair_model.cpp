@@ -243,8 +243,12 @@ bool ModelRepair::free_world_bodies() {
     }
   }
   if (names.empty()) return false;
-  notes_.push_back("the body " + list_names(names, 3) +
-                   " stands for the world: it has no mass and no joint, and is left out");
+  notes_.push_back(names.size() == 1
+                       ? "the body " + names[0] +
+                             " stands for the world: it has no mass and no joint, and is left out"
+                       : "the bodies " + list_names(names, 3) +
+                             " stand for the world: they have no mass and no joint, and are left "
+                             "out");
   return true;
 }
 
