@@ -27,7 +27,7 @@ namespace RETARGET_API retarget {
 ///
 /// | key | value |
 /// |---|---|
-/// | `name`, `description`, `source`, `licence` | text |
+/// | `name`, `description`, `source`, `licence`, `revision`, `revision_date` | text |
 /// | `base` | `floating` (default) or `fixed`: the robot has no soles, `soles` is ignored |
 /// | `joint_order` | joint names: the output columns; joints not named are not written |
 /// | `limit_sets` | name: `{"source": text, "ranges": {joint: [lower, upper]}}`, rad or m; joints

@@ -218,7 +218,10 @@ struct QualityReport {
   int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
                                      ///< with assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s.
-  std::vector<MetricValue> values;   ///< Ordered as quality_metrics().
+  /// How the soles were estimated: feet may float or sink, although their gates are kept. Empty: the
+  /// soles are measured, or the robot has a fixed base.
+  std::string estimated_soles;
+  std::vector<MetricValue> values;  ///< Ordered as quality_metrics().
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;

@@ -112,7 +112,9 @@ struct JointCoupling {
 struct RobotProfile {
   std::string name;
   std::string description, source, licence;  ///< Human-readable.
-  std::vector<std::string> joint_order;      ///< Output columns; empty: the model's order.
+  std::string revision;                  ///< Of the source, human-readable; empty: not recorded.
+  std::string revision_date;             ///< Of that revision, YYYY-MM-DD; empty: not recorded.
+  std::vector<std::string> joint_order;  ///< Output columns; empty: the model's order.
   std::vector<LimitSet> limit_sets;
   std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
   std::map<std::string, std::string> method_limits;  ///< Default set of a method.

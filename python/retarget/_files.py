@@ -126,6 +126,10 @@ class RobotFacts:
     licence: str
     licence_stated: bool
     """Whether the maker states a licence of the model."""
+    revision: str | None = None
+    """Revision of the source; None: not recorded, or not installed."""
+    revision_date: str | None = None
+    """Date of the revision, YYYY-MM-DD; None: as `revision`."""
 
 
 def robots(*, data_dir: StrPath | None = None) -> list[RobotFacts]:
@@ -141,7 +145,8 @@ def robots(*, data_dir: StrPath | None = None) -> list[RobotFacts]:
                        installed=each.get("installed", True), joints=each.get("joints"),
                        height=each.get("height_m"), has_configuration=each.get("mapping", False),
                        licence=each.get("licence", ""),
-                       licence_stated=each.get("licence_stated", False))
+                       licence_stated=each.get("licence_stated", False),
+                       revision=each.get("revision"), revision_date=each.get("revision_date"))
             for each in json.loads(_retarget.robots_json(data_dir))]
 
 

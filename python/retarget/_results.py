@@ -83,13 +83,15 @@ class Report:
                      "kept" if gate["passed"] else "<b>missed</b>")
             rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
         head = "".join(f"<th>{name}</th>" for name in ("figure", "value", "unit", "gate", ""))
-        verdict = "passed" if self.passed else f"{len(self.missed)} gates missed"
-        return (f"<table><caption>{html.escape(self.data['file'])}: {verdict}</caption>"
+        return (f"<table><caption>{html.escape(self.data['file'])}: {self._verdict()}</caption>"
                 f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>")
 
-    def __repr__(self) -> str:
+    def _verdict(self) -> str:
         verdict = "passed" if self.passed else f"{len(self.missed)} gates missed"
-        return f"<retarget.Report of {self.data['file']!r}: {verdict}>"
+        return verdict + (", soles estimated" if self.data.get("estimated_soles") else "")
+
+    def __repr__(self) -> str:
+        return f"<retarget.Report of {self.data['file']!r}: {self._verdict()}>"
 
 
 def _units() -> dict[str, str]:

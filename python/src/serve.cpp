@@ -58,11 +58,28 @@ nb::dict summary_of(const ServeSummary& summary) {
   return all;
 }
 
+std::string message_of(std::string_view label, std::string_view text) {
+  return std::string(label) + (label.empty() ? "" : ": ") + spell_options(text);
+}
+
+// Collects what loading a robot has to say.
+class LoadingObserver : public Observer {
+ public:
+  void line(std::string_view label, std::string_view text) override {
+    messages.push_back(message_of(label, text));
+  }
+  void warn(const std::vector<Warning>& warnings, std::string_view file) override {
+    for (const Warning& each : warnings) messages.push_back(describe(each, file));
+  }
+
+  std::vector<std::string> messages;
+};
+
 // A live run. run() is called once, on a thread of its own; the other functions from any thread.
 class PythonServer {
  public:
-  PythonServer(RobotSetup robot, ServeRequest request)
-      : robot_(std::move(robot)), request_(std::move(request)) {}
+  PythonServer(RobotSetup robot, ServeRequest request, std::vector<std::string> messages)
+      : robot_(std::move(robot)), request_(std::move(request)), messages_(std::move(messages)) {}
 
   // Runs until it is stopped or over. Returns its summary.
   nb::dict run() {
@@ -87,7 +104,7 @@ class PythonServer {
  private:
   void tell(std::string_view label, std::string_view text) {
     const std::lock_guard lock(mutex_);
-    messages_.push_back(std::string(label) + ": " + spell_options(text));
+    messages_.push_back(message_of(label, text));
   }
 
   RobotSetup robot_;
@@ -107,13 +124,12 @@ void open_server(PythonServer* self, const nb::object& robot, const nb::object& 
   if (!robot.is_none()) request.robot.name = bytes_of_path(robot, "robot");
   value_of(prepare_serve(request));
   const DataFolder folder{value_of(data_folder_of(bytes_of_folder(data_dir)))};
-  LoadedRobot loaded = without_gil([&] {
-    Observer silent;
-    return load_robot(request.robot, folder, silent);
-  });
+  LoadingObserver told;
+  LoadedRobot loaded = without_gil([&] { return load_robot(request.robot, folder, told); });
   RobotSetup setup =
       without_gil([&] { return set_up_robot(std::move(loaded), request.serve.pipeline.run); });
-  new (self) PythonServer(std::move(setup), std::move(request));
+  told.lines(setup.follow_lines());
+  new (self) PythonServer(std::move(setup), std::move(request), std::move(told.messages));
 }
 
 // Returns the number of frames that were sent.

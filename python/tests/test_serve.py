@@ -51,6 +51,12 @@ def test_a_recording_gives_the_command_s_bytes(take: tuple[Path, retarget.Server
     assert (tmp_path / "command.csv").read_bytes() == frames
 
 
+def test_messages_begin_with_what_loading_the_robot_says(data: Path, tmp_path: Path) -> None:
+    with retarget.serve("g1", input="udp:0?format=bvh", output=tmp_path / "frames.csv",
+                        skeleton=data / "walk.bvh") as server:
+        assert server.messages[0] == 'robot: "g1" is unitree_g1'
+
+
 def test_a_recording_of_the_command_is_replayed(data: Path, tool: str, command,
                                                 tmp_path: Path) -> None:
     stream = command("live", "--play", data / "wave.bvh", "--to", "stdout", "--speed", 0).stdout

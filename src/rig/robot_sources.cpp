@@ -71,6 +71,10 @@ std::optional<Heights> heights_of(const Robot& robot) {
   return Heights{root - lowest, highest - lowest};
 }
 
+Json text_or_null(const std::string& text) {
+  return text.empty() ? Json() : Json(text);
+}
+
 Json number_or_null(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
@@ -116,6 +120,9 @@ Json robot_json(const Robot& robot, const RobotSources& files) {
   json["description"] = robot.profile().description;
   json["source"] = robot.profile().source;
   json["licence"] = robot.profile().licence;
+  json["revision"] = text_or_null(robot.profile().revision);
+  json["revision_date"] = text_or_null(robot.profile().revision_date);
+  json["soles_estimated"] = robot.profile().soles_estimated;
   const auto heights = heights_of(robot);
   json["height_m"] = heights ? Json(heights->whole) : Json();
   json["sole_height_m"] = heights ? Json(heights->sole) : Json();
@@ -142,11 +149,16 @@ std::string range_text(const Json& range) {
   return end(range[0]) + " " + end(range[1]);
 }
 
+std::string recorded(const Json& text) {
+  return text.is_null() ? "not recorded" : text.get<std::string>();
+}
+
 std::string plain_text(const Json& json) {
   std::string text =
       json["name"].get<std::string>() + ": " + json["description"].get<std::string>();
   text += "\nsource   " + json["source"].get<std::string>() + "\nlicence  " +
-          json["licence"].get<std::string>() + "\n";
+          json["licence"].get<std::string>() + "\nrevision " + recorded(json["revision"]) +
+          ", date " + recorded(json["revision_date"]) + "\n";
   if (!json["height_m"].is_null()) {
     text += "height   " + number_text(json["height_m"].get<double>(), 3) + " m; root body \"" +
             json["root_body"].get<std::string>() + "\" " +
@@ -199,6 +211,8 @@ Json left_out_json(const RobotSources& robot) {
           {"height_m", nullptr},
           {"mapping", false},
           {"licence", robot.licence},
+          {"revision", nullptr},
+          {"revision_date", nullptr},
           {"licence_stated", robot.licence_stated},
           {"installed", false}};
 }
@@ -268,6 +282,8 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
                    {"height_m", heights ? Json(heights->whole) : Json()},
                    {"mapping", !each.config.empty()},
                    {"licence", robot->profile().licence},
+                   {"revision", text_or_null(robot->profile().revision)},
+                   {"revision_date", text_or_null(robot->profile().revision_date)},
                    {"licence_stated", !is_unverified(each.model)},
                    {"installed", true}});
     text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -174,14 +176,27 @@ TEST(RobotHandsTest, TwoJawsAreAGripper) {
   }
 }
 
-TEST(RobotHandsTest, FindsNoneOnOtherRobots) {
+TEST(RobotHandsTest, FindsThoseOfOtherShippedRobots) {
+  const std::map<std::string, std::size_t> fingers = {{"engineai_t800", 3}, {"unitree_h2_plus", 5}};
+  for (const auto& [name, count] : fingers) {
+    const RobotHands hands = find_hands(*load_shipped_robot(name));
+    for (const auto& hand : hands) {
+      ASSERT_TRUE(hand) << name;
+      ASSERT_EQ(hand->fingers.size(), count) << name;
+      for (const RobotFinger& finger : hand->fingers) EXPECT_TRUE(finger.is_named) << name;
+    }
+  }
+}
+
+TEST(RobotHandsTest, FindsNoneOnRobotsWithoutThem) {
+  const std::set<std::string> with_hands = {"engineai_t800", "unitree_g1_with_hands",
+                                            "unitree_h2_plus"};
   int looked_at = 0;
   for (const char* const folder : {"robots", "robots/unverified"}) {
     for (const auto& entry :
          std::filesystem::directory_iterator(std::filesystem::path(RETARGET_SOURCE_DIR) / folder)) {
       const std::string name = entry.path().filename().string();
-      if (!entry.is_directory() || name == "unverified" || name == "unitree_g1_with_hands")
-        continue;
+      if (!entry.is_directory() || name == "unverified" || with_hands.contains(name)) continue;
       const auto robot = load_robot_files((entry.path() / "model.xml").string(),
                                           (entry.path() / "robot.json").string());
       ASSERT_TRUE(robot) << name;

@@ -333,6 +333,30 @@ class EvaluateCommand(ToolTest):
                 for key in set(run) - {"gates", "passed", "fit", "solver_failures"}:
                     self.assertEqual(found[key], run[key], key)
 
+    def test_a_part_of_the_source(self):
+        """--start and --end name the part of the source that a motion shows."""
+        clip = tool.sample("wave")
+        part = ("--start", "1", "--end", "2")
+        self.assert_done(self.retarget(*part, "--report", "run.json", bvh=clip))
+        run, = json.loads((self.folder / "run.json").read_text())["motions"]
+
+        def found(*options):
+            result = self.evaluate("out.csv", "--bvh", clip, *options, "--json", "e.json", "--gate", "none")
+            self.assert_done(result)
+            motion, = json.loads((self.folder / "e.json").read_text())["motions"]
+            return motion, result.stderr
+
+        same, told = found(*part)
+        self.assertNotIn("measured only up to its end", told)
+        for key in set(run) - {"gates", "passed", "fit", "solver_failures"}:
+            self.assertEqual(same[key], run[key], key)
+        # Without --end, the rest of the source may matter, but not its frames beyond the motion.
+        self.assertEqual(found("--start", "1")[0]["source_frames"], run["source_frames"])
+        shorter, told = found("--start", "1", "--end", "1.5")
+        self.assertIn("measured only up to its end", told)
+        self.assertAlmostEqual(shorter["source_frames"], run["source_frames"] / 2, delta=1)
+        self.assertGreater(found("--end", "1")[0]["track_pos_cm"][0], same["track_pos_cm"][0])
+
     def test_standard_input_and_other_layouts(self):
         text = self.good.read_text()
         for name, other in (("blank", text.replace(",", " ")), ("tab", text.replace(",", "\t")),
@@ -358,6 +382,7 @@ class EvaluateCommand(ToolTest):
         self.assert_fails(self.run_tool("evaluate", self.good), 2, "no robot is given")
         self.assert_fails(self.evaluate(), 2, "motions")
         self.assert_fails(self.evaluate(self.good, "--start", "1"), 2, "--start needs the source")
+        self.assert_fails(self.evaluate(self.good, "--end", "1"), 2, "--end needs the source")
         self.assert_fails(self.evaluate(self.good, "--fps", "source"), 2, "needs the source")
         self.assert_fails(self.evaluate("-", "-"), 2, "only once")
         self.assert_fails(self.evaluate(self.good, "--json", "no/r.json"), 2, "no")

@@ -36,7 +36,13 @@ class Robots(ToolTest):
         self.assertEqual(shown["joints"][0]["speed_limit"], 32)
         self.assertAlmostEqual(shown["sole_height_m"], 0.79, delta=0.02)
         self.assertAlmostEqual(shown["height_m"], 1.3, delta=0.1)
+        self.assertEqual((shown["revision"], shown["revision_date"]), ("rev 1.0, adb48c7", None))
+        dated = {robot["name"]: (robot["revision"], robot["revision_date"]) for robot in listed}
+        self.assertEqual(dated["hightorque_pi_plus"], ("c05257c", "2025-11-03"))
+        self.assertEqual(dated["kuavo_s45"], (None, None))
+        self.assertIn("revision c05257c, date 2025-11-03", self.output_of("show", "pi_plus"))
         text = self.output_of("show", "unitree_g1")
+        self.assertIn("revision rev 1.0, adb48c7, date not recorded", text)
         self.assertIn("left_hip_pitch_joint", text)
         self.assertIn("LeftForeArm", text)
 
@@ -162,6 +168,18 @@ class Robots(ToolTest):
             self.assert_done(run)
             self.assertIn(words, unwrapped(run.stderr))
             self.assertIn("feet may float or sink", unwrapped(run.stderr))
+            self.assertRegex(unwrapped(run.stderr), r"verdict +[0-9]+ of [0-9]+ gates kept.*; soles estimated")
+        for options in ((), ("--all",)):
+            told = self.run_tool("evaluate", "x.csv", "x.csv", "--robot", "feet", *options)
+            self.assertEqual(told.stdout.count(", soles estimated"), 2)
+        told = self.run_tool("evaluate", "x.csv", "--robot", "feet", "--json", "x.json")
+        self.assertIn(f"note: the soles are {words}", unwrapped(told.stdout))
+        self.assertIn("soles estimated", told.stdout.splitlines()[0])
+        report, = json.loads((self.folder / "x.json").read_text())["motions"]
+        self.assertIn(words, report["estimated_soles"])
+        known = json.loads(self.run_tool("evaluate", SOURCE / "tests/golden/wave.csv", "--robot", "unitree_g1",
+                                         "--json", "-").stdout)
+        self.assertIsNone(known["motions"][0]["estimated_soles"])
 
     def test_a_model_without_its_folder_moves_like_the_robot(self):
         """The G1's own model elsewhere, without a profile: soles and contacts are found, feet stand."""
@@ -311,10 +329,11 @@ class Robots(ToolTest):
         profiles = {path.parent.name: json.loads(path.read_text()) for path in SOURCE.glob("robots/**/robot.json")}
         self.assertEqual(set(rows), set(profiles))
         for name, row in rows.items():
-            stated = re.findall(r"[0-9a-f]{7}(?= |;)", row.split(" | ")[2] + " ")
-            self.assertTrue(set(stated) <= set(re.findall(r"revision ([0-9a-f]{7})", profiles[name]["source"])), name)
-            if "revision " in profiles[name]["source"]:
-                self.assertTrue(stated, name)
+            profile = profiles[name]
+            told = [profile.get(key, "not recorded") for key in ("revision", "revision_date")]
+            self.assertEqual(row.strip("| ").split(" | ")[2:], told, name)
+            stated = re.findall(r"\b[0-9a-f]{7}\b", profile.get("revision", ""))
+            self.assertEqual(set(stated), set(re.findall(r"revision ([0-9a-f]{7})", profile["source"])), name)
 
     def test_overlaps_are_one_note(self):
         """Hips and thighs of both sides overlap: one note has the first of them, decisions.md all."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from mujoco_python import load_mujoco
 from pages import data_of, tracks_of
-from tool import SOURCE, ToolTest
+from tool import SOURCE, ToolTest, unwrapped
 
 # Half a step of the page's vertices along each axis.
 TOLERANCE = 0.5 * 4e-4 * np.sqrt(3) + 1e-6
@@ -187,6 +187,20 @@ class Meshes(ToolTest):
         self.assert_done(result)
         self.assertIn("left_knee_link.STL", result.stderr + result.stdout)
         self.assertEqual(self.shown("run.html"), {})
+        # They cost only the meshes of their bodies, beside a model of the maker too.
+        self.make(f"{kept}/right_knee_link.STL", text_stl())
+        model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
+        for side in ("left", "right"):
+            model = model.replace("<worldbody>", f'<asset><mesh file="{side}_knee_link.STL"/></asset><worldbody>', 1)
+            model = model.replace(f'<joint name="{side}_knee_joint"', f'<geom type="mesh" mesh="{side}_knee_link"/>'
+                                  f'<joint name="{side}_knee_joint"', 1)
+        for text in (None, model):
+            if text:
+                self.make(f"{kept}/g1.xml", text)
+            result = self.run_tool(*run, env=environment)
+            self.assert_done(result)
+            self.assertIn("the meshes of a body cannot be read: left_knee_link.STL", unwrapped(result.stderr))
+            self.assertEqual(list(self.shown("run.html")), ["right_knee_link"])
 
     def test_urdf(self):
         self.write("g1.csv", "")

@@ -48,6 +48,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
     "method_limits": {"gmr": "model"},
     "speed_limits": {"left_elbow": 7.5},
     "speed_limits_source": "a sheet",
+    "revision": "v2, 0123abc",
+    "revision_date": "2026-01-02",
     "soles_source": "a ruler",
     "soles_estimated": true,
     "default_speed_limit": 12,
@@ -73,6 +75,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_EQ(robot.limits_for("fit"), "narrow");
   EXPECT_THAT(robot.profile().speed_limits, ElementsAre(Pair("left_elbow", 7.5)));
   EXPECT_EQ(robot.profile().speed_limits_source, "a sheet");
+  EXPECT_EQ(robot.profile().revision, "v2, 0123abc");
+  EXPECT_EQ(robot.profile().revision_date, "2026-01-02");
   EXPECT_EQ(robot.profile().soles_source, "a ruler");
   EXPECT_TRUE(robot.profile().soles_estimated);
   EXPECT_EQ(robot.speed_limit(0), 12.0);
@@ -214,9 +218,10 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
                                            "{\"left\": {\"body\": \"base\", \"points\": [1], "
                                            "\"labels\": \"x\"}}"};
   for (const char* key :
-       {"name", "description", "joint_order", "limit_sets", "default_limits", "method_limits",
-        "speed_limits", "speed_limits_source", "coupled_joints", "t_pose", "soles", "soles_source",
-        "soles_estimated", "allowed_self_contact", "joint_frames", "variants"}) {
+       {"name", "description", "revision", "revision_date", "joint_order", "limit_sets",
+        "default_limits", "method_limits", "speed_limits", "speed_limits_source", "coupled_joints",
+        "t_pose", "soles", "soles_source", "soles_estimated", "allowed_self_contact",
+        "joint_frames", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {

@@ -142,9 +142,11 @@ TEST(ShippedRobotsList, ContainsTheKnownRobots) {
                                           "booster_t1",
                                           "booster_t1_29dof",
                                           "engineai_pm01",
+                                          "engineai_t800",
                                           "fourier_gr3",
                                           "fourier_n1",
                                           "hightorque_hi",
+                                          "hightorque_pi_plus",
                                           "kuavo_s45",
                                           "limx_oli",
                                           "pal_talos",
@@ -156,6 +158,7 @@ TEST(ShippedRobotsList, ContainsTheKnownRobots) {
                                           "unitree_h1",
                                           "unitree_h1_2",
                                           "unitree_h2",
+                                          "unitree_h2_plus",
                                           "unitree_r1"};
   EXPECT_THAT(list_robots({robots_folder()}), testing::IsSupersetOf(known));
 }

@@ -103,8 +103,9 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
   TRY_ASSIGN(loaded.robot, load_robot_files(loaded.model, loaded.profile, base));
   const bool bare =
       loaded.robot->fixed_base() ? loaded.profile.empty() : loaded.robot->profile().soles.empty();
-  if (soles == Soles::kFound && bare) find_soles(choice, loaded);
-  if (loaded.robot->profile().soles_estimated && !loaded.robot->fixed_base()) {
+  if (soles == Soles::kFound && bare) {
+    find_soles(choice, loaded);
+  } else if (loaded.robot->profile().soles_estimated && !loaded.robot->fixed_base()) {
     loaded.notes.push_back({"soles", loaded.robot->profile().soles_source + ": " + loaded.profile});
     warn_of_guessed_soles(loaded);
   }

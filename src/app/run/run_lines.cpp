@@ -208,6 +208,7 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
     text += "; " + short_name(limited->joint) + " at its limit in " +
             number_text(limited->frames_pct, 0) + " % of frames";
   }
+  if (!report.estimated_soles.empty()) text += "; soles estimated";
   lines.push_back({"verdict", text});
   return lines;
 }

@@ -137,6 +137,10 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   report.frames = clip.frame_count();
   report.fps = clip.rate().fps();
   report.limits = limits.name;
+  const RobotProfile& profile = clip.robot().profile();
+  if (profile.soles_estimated && !clip.robot().fixed_base()) {
+    report.estimated_soles = profile.soles_source.empty() ? "estimated" : profile.soles_source;
+  }
   const ReportBuilder draft{clip, options, report};
   measure_joints(draft, limits);
   measure_body_accelerations(draft);

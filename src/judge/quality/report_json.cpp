@@ -179,6 +179,7 @@ Json json_of(const QualityReport& report) {
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},
                           {"assumed_rad_s", report.assumed_speed_limit}};
+  json["estimated_soles"] = report.estimated_soles.empty() ? Json() : Json(report.estimated_soles);
   for (const MetricValue& value : report.values) {
     const std::string key(value.metric->key);
     if (value.p95) {

@@ -168,6 +168,7 @@ ReportLine verdict_of(const QualityReport& report) {
     line.push_back({std::to_string(missed) + " missed", ReportTone::kBad});
   }
   if (unmeasured > 0) line.push_back({", " + std::to_string(unmeasured) + " not measured"});
+  if (!report.estimated_soles.empty()) line.push_back({", soles estimated"});
   return line;
 }
 

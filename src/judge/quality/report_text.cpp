@@ -125,14 +125,22 @@ Lines missed_lines(std::span<const QualityReport> reports, int room) {
   return lines;
 }
 
-// A robot whose range is smaller than the pose is not at fault.
-Lines range_notes(const QualityReport& report) {
+// Facts that gates do not measure: estimated soles may be in another place, and a robot whose range
+// is smaller than the pose is not at fault.
+Lines notes_on(const QualityReport& report) {
   constexpr double kOften = 10.0;  // Percent of the frames.
+  Lines notes;
+  if (!report.estimated_soles.empty()) {
+    notes.push_back({{"note: the soles are " + report.estimated_soles +
+                      "; feet may float or sink by centimetres"}});
+  }
   const auto& beyond = report.beyond_range;
-  if (!beyond || beyond->frames_pct < kOften) return {};
-  return {{{"note: " + beyond->joint + " is at its " + (beyond->at_upper ? "upper" : "lower") +
-            " limit in " + number_text(beyond->frames_pct, 0) +
-            " % of frames, where the human's pose is beyond its range"}}};
+  if (!beyond || beyond->frames_pct < kOften) return notes;
+  notes.push_back(
+      {{"note: " + beyond->joint + " is at its " + (beyond->at_upper ? "upper" : "lower") +
+        " limit in " + number_text(beyond->frames_pct, 0) +
+        " % of frames, where the human's pose is beyond its range"}});
+  return notes;
 }
 
 Lines short_lines(const QualityReport& report) {
@@ -143,7 +151,7 @@ Lines short_lines(const QualityReport& report) {
   }
   Lines groups = grouped(report, true);
   const bool has_gates = !report.gates.empty();
-  const Lines notes = range_notes(report);
+  const Lines notes = notes_on(report);
   // One line for the verdict, one for the legend.
   const int others = 1 + static_cast<int>(notes.size()) + (has_gates ? 1 : 0);
   const auto room = [&] { return kReportLines - others - static_cast<int>(groups.size()); };

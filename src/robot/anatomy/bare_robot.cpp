@@ -18,6 +18,8 @@ Result<CompletedRobot> complete_bare_robot(const Robot& bare, const std::string&
   RobotShapes found = find_shapes(bare, limbs, mesh_points(bare, model_path));
   RobotProfile profile = bare.profile();
   profile.soles = std::move(found.soles);
+  profile.soles_source = found.sole_note;
+  profile.soles_estimated = found.sole_source == ShapeSource::kEstimated;
   const bool contacts_known = !profile.allowed_self_contact.empty();
   std::vector<CollisionShape> shapes;
   int shapeless = 0;
@@ -42,7 +44,7 @@ Result<CompletedRobot> complete_bare_robot(const Robot& bare, const std::string&
     with_contacts.allowed_self_contact = std::move(allowed.pairs);
     robot->set_profile(std::move(with_contacts));
   }
-  const bool guessed = found.sole_source == ShapeSource::kEstimated;
+  const bool guessed = robot->profile().soles_estimated;
   return CompletedRobot{std::move(robot), (guessed ? "" : "from ") + found.sole_note, guessed,
                         shapeless, std::move(overlaps)};
 }

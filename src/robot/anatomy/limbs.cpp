@@ -1,44 +1,24 @@
 #include "robot/anatomy/limbs.h"
 
-#include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/anatomy/branches.h"
-#include "robot/anatomy/counterparts.h"
 #include "robot/anatomy/limb_flexion.h"
 #include "robot/anatomy/limb_notes.h"
+#include "robot/anatomy/limb_pairs.h"
 #include "robot/anatomy/limb_shape.h"
-#include "robot/model/model_values.h"
 
 namespace retarget {
 namespace {
-
-constexpr double kGroundShare = 0.15;  // Fraction of the height within which a point counts as on
-                                       // the floor.
-constexpr double kPerRadian = 180.0 / std::numbers::pi;
-constexpr double kLying = 60.0;  // Degrees.
-
-// Shapes of a pair's limbs; index 0 is the first branch, towards which `across` points.
-struct ShapedPair {
-  BranchPair pair;
-  std::array<LimbShape, 2> limbs;
-};
-
-std::string name_of(const Robot& robot, int body) {
-  return "\"" + robot.bodies()[body].name + "\"";
-}
 
 // Returns +1 if the names mark the first as the left one, -1 for the second, 0 if unclear.
 int side_by_names(const std::string& first, const std::string& second) {
@@ -79,17 +59,6 @@ class LimbFinder {
   Result<RobotAnatomy> find();
 
  private:
-  [[nodiscard]] Result<void> check_counterparts(const std::vector<BranchPair>& pairs) const;
-  Result<void> choose_pairs();
-  [[nodiscard]] Result<void> check_are_arms(const std::vector<BranchPair>& pairs,
-                                            const BranchPair& arms) const;
-  Result<void> choose_arms();
-  [[nodiscard]] Failure no_legs(const std::string& found, const std::string& hint = {}) const;
-  [[nodiscard]] bool is_round(int joint) const;
-  [[nodiscard]] bool stands_on_wheels() const;
-  [[nodiscard]] Failure no_middle(int first, bool is_leg) const;
-  [[nodiscard]] bool is_wrist(const LimbShape& arm) const;
-  Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
   void find_facing();
   [[nodiscard]] double foot_vote(const Eigen::Vector3d& forward) const;
   [[nodiscard]] Limb limb_of(const LimbShape& shape, bool is_leg) const;
@@ -104,230 +73,9 @@ class LimbFinder {
   std::vector<double> reference_;
   TreeState posed_;
   ShapedPair legs_, arms_;
-  double lean_ = 0.0;  // Lean of the line from hips to shoulders, degrees.
+  double lean_ = 0.0;  // LimbPairs::lean.
   RobotAnatomy found_;
 };
-
-Failure LimbFinder::no_legs(const std::string& found, const std::string& hint) const {
-  const std::string upper = "for an upper body on a stand or wheels, use " OPTION("base") " fixed";
-  return config_failure(file_, found + ": expected a humanoid with two legs and two arms",
-                        hint.empty() ? upper : hint + "; " + upper);
-}
-
-// Returns true if the masses and shapes that a joint carries are centred on its axis, as for a
-// wheel.
-bool LimbFinder::is_round(int joint) const {
-  constexpr double kOff = 0.02;  // Metres.
-  const KinematicTree& tree = robot_.tree();
-  const int first = tree.link_of_joint(joint);
-  Eigen::Vector3d mass = Eigen::Vector3d::Zero(), outline = mass;
-  double weight = 0.0, count = 0.0;
-  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
-    for (const int body : tree.rigid_group(tree.links()[link].body)) {
-      const double kg = robot_.model()->body_mass[body];
-      mass += kg * (posed_.world_from_body(body) * vector_at(robot_.model()->body_ipos, body));
-      weight += kg;
-    }
-    for (const Eigen::Vector3d& point : outline_points(robot_, posed_, tree.links()[link].body)) {
-      outline += point;
-      count += 1.0;
-    }
-  }
-  const auto off_axis = [&](const Eigen::Vector3d& point) {
-    return (point - posed_.anchor(joint)).cross(posed_.axis(joint)).norm();
-  };
-  return (weight == 0.0 || off_axis(mass / weight) < kOff) &&
-         (count == 0.0 || off_axis(outline / count) < kOff);
-}
-
-// Returns true if the lowest joint is an unlimited hinge with a horizontal axis and a round load.
-bool LimbFinder::stands_on_wheels() const {
-  const LimitSet& limits = robot_.model_limits();
-  int lowest = -1;
-  for (int j = 0; j < static_cast<int>(robot_.joints().size()); ++j) {
-    if (lowest < 0 || posed_.anchor(j).z() < posed_.anchor(lowest).z() - 1e-6) lowest = j;
-  }
-  return lowest >= 0 && std::abs(posed_.axis(lowest).z()) < 0.5 &&
-         robot_.joints()[lowest].type == RobotJoint::Type::kHinge &&
-         !std::isfinite(limits.upper[lowest]) && !std::isfinite(limits.lower[lowest]) &&
-         std::ranges::any_of(limits.upper, [](double upper) { return std::isfinite(upper); }) &&
-         is_round(lowest);
-}
-
-// Explains why a branch is not a limb: names the joint at the position of its knee or elbow.
-Failure LimbFinder::no_middle(int first, bool is_leg) const {
-  const KinematicTree& tree = robot_.tree();
-  const std::vector<int> chain = joint_chain(robot_, first);
-  const std::string limb = is_leg ? "leg" : "arm";
-  const std::string middle = is_leg ? "knee" : "elbow";
-  const std::string name = "the " + limb + " starting at " + name_of(robot_, body_of(first));
-  for (int link = first; link <= tree.links()[first].last_descendant; ++link) {
-    if (!tree.links()[link].slides) continue;
-    return config_failure(file_,
-                          name + " has a slide, \"" +
-                              robot_.joints()[tree.links()[link].joint].name +
-                              "\", before its end: a " + middle + " must be a hinge",
-                          "replace it with the hinge that it drives");
-  }
-  return config_failure(
-      file_,
-      fmt::format("{} has no {}: none of its {} divides it into {}", name, middle,
-                  count_text(static_cast<long>(chain.size()), "joint"),
-                  is_leg ? "a thigh and a shin" : "an upper arm and a forearm"),
-      "check that no joint of the " + limb + " is fixed by mistake" +
-          (is_leg ? ""
-                  : ", and that the arm's end is identifiable by a hand or the forearm's mass"));
-}
-
-// Returns true if a name says that the middle joint is no elbow, and what it bends is short.
-bool LimbFinder::is_wrist(const LimbShape& arm) const {
-  constexpr double kShort = 0.4;
-  const double upper = (arm.bend - arm.root).norm(), lower = (arm.end - arm.bend).norm();
-  return lower < kShort * upper && middle_vote_of_names(robot_, arm.joints[arm.middle], false) < 0;
-}
-
-Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const {
-  ShapedPair shaped{pair, {}};
-  const std::array<int, 2> first = {pair.first, pair.second};
-  const auto shape_side = [&](std::size_t side, std::optional<int> at) {
-    return shape_limb(robot_, posed_, reference_, joint_chain(robot_, pair, first[side]), is_leg,
-                      pair.across.cross(Eigen::Vector3d::UnitZ()), at);
-  };
-  for (std::size_t side = 0; side < 2; ++side) {
-    const auto limb = shape_side(side, std::nullopt);
-    if (!limb) return no_middle(first[side], is_leg);
-    shaped.limbs[side] = *limb;
-  }
-  // A hand is no forearm.
-  for (std::size_t side = 0; side < 2 && !is_leg; ++side) {
-    if (is_wrist(shaped.limbs[side])) return no_middle(first[side], is_leg);
-  }
-  // Mirrored limbs bend at the same joint: use the one with the best score on both sides.
-  if (shaped.limbs[0].middle == shaped.limbs[1].middle) return shaped;
-  const auto sum_of = [&](int middle) {
-    return shaped.limbs[0].scores[middle] + shaped.limbs[1].scores[middle];
-  };
-  const std::size_t better =
-      sum_of(shaped.limbs[0].middle) < sum_of(shaped.limbs[1].middle) ? 1 : 0;
-  const auto again = shape_side(1 - better, shaped.limbs[better].middle);
-  if (!again) {
-    return config_failure(file_, "the branches of " + name_of(robot_, body_of(first[0])) + " and " +
-                                     name_of(robot_, body_of(first[1])) + " should be " +
-                                     (is_leg ? "a leg" : "an arm") +
-                                     " each, but their structures differ");
-  }
-  shaped.limbs[1 - better] = *again;
-  return shaped;
-}
-
-Result<void> LimbFinder::check_counterparts(const std::vector<BranchPair>& pairs) const {
-  const auto missing = missing_counterpart(robot_, posed_, pairs);
-  if (!missing) return {};
-  return config_failure(file_, *missing,
-                        "add it to the model, or remove the joints that only one side has");
-}
-
-Result<void> LimbFinder::choose_pairs() {
-  std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
-  if (stands_on_wheels()) return no_legs("the model stands on wheels");
-  if (pairs.size() < 2) TRY(check_counterparts(pairs));
-  if (pairs.empty()) {
-    return no_legs("no two branches of the model are mirror images of each other (" +
-                       std::to_string(robot_.joints().size()) + " joints: a single arm?)",
-                   "check that it stands upright along z in its zero configuration, not along y");
-  }
-  std::ranges::stable_sort(pairs, {}, &BranchPair::lowest);
-  double highest = pairs.front().lowest;
-  for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
-    highest = std::max(highest, posed_.world_from_body(static_cast<int>(b)).translation.z());
-  }
-  const double floor = pairs.front().lowest + kGroundShare * (highest - pairs.front().lowest);
-  if (pairs.size() > 1 && pairs[1].lowest < floor) {
-    return no_legs("two pairs of limbs reach the ground (a quadruped, or a model that lies down?)");
-  }
-  if (pairs.size() == 1) {
-    return no_legs("the model has only one pair of limbs whose joints turn",
-                   "check that the joints of its arms are not fixed");
-  }
-  const auto arms =
-      std::max_element(pairs.begin() + 1, pairs.end(),
-                       [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
-  TRY_ASSIGN(auto shaped_legs, shape(pairs.front(), true));
-  auto shaped_arms = shape(*arms, false);
-  if (!shaped_arms) {
-    // The arms may have no counterparts, so that their fingers are mistaken for arms.
-    TRY(check_counterparts(pairs));
-    return failure(shaped_arms.error());
-  }
-  legs_ = shaped_legs;
-  arms_ = *shaped_arms;
-  const auto middle = [](const ShapedPair& pair) -> Eigen::Vector3d {
-    return 0.5 * (pair.limbs[0].root + pair.limbs[1].root);
-  };
-  lean_ = kPerRadian * angle_between(middle(arms_) - middle(legs_), Eigen::Vector3d::UnitZ());
-  if (lean_ > kLying || !(legs_.limbs[0].root.z() > legs_.limbs[0].end.z())) {
-    return no_legs("the model does not stand upright along z in its zero configuration");
-  }
-  return {};
-}
-
-// Rejects the legs of a quadruped and of a biped without arms.
-Result<void> LimbFinder::check_are_arms(const std::vector<BranchPair>& pairs,
-                                        const BranchPair& arms) const {
-  constexpr int kLimbJoints = 3;
-  const std::string expected = ": expected an upper body with two arms";
-  double lowest = INFINITY, highest = -INFINITY;
-  for (const BranchPair& pair : pairs) lowest = std::min(lowest, pair.lowest);
-  for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
-    highest = std::max(highest, posed_.world_from_body(static_cast<int>(b)).translation.z());
-  }
-  const double floor = lowest + kGroundShare * (highest - lowest);
-  const auto stands = [&](const BranchPair& pair) {
-    return pair.joint_count >= kLimbJoints && pair.lowest < floor;
-  };
-  if (stands(arms) && std::ranges::count_if(pairs, stands) > 1) {
-    return config_failure(file_, "two pairs of limbs reach the ground (a quadruped?)" + expected);
-  }
-  int votes_of_legs = 0, votes_of_arms = 0;
-  for (const int first : {arms.first, arms.second}) {
-    for (const int joint : joint_chain(robot_, arms, first)) {
-      const LimbNames names = limb_named_by(robot_, joint);
-      votes_of_legs += names.leg ? 1 : 0;
-      votes_of_arms += names.arm ? 1 : 0;
-    }
-  }
-  if (votes_of_legs > 0 && votes_of_arms == 0) {
-    return config_failure(
-        file_, "the only limbs, which start at " + name_of(robot_, body_of(arms.first)) + " and " +
-                   name_of(robot_, body_of(arms.second)) + ", have the names of legs" + expected);
-  }
-  return {};
-}
-
-// Chooses the arms of an upper body: the highest pair with enough joints for shoulder and elbow.
-Result<void> LimbFinder::choose_arms() {
-  constexpr int kFewestJoints = 2;
-  std::vector<BranchPair> pairs = branch_pairs(robot_, posed_);
-  std::erase_if(pairs, [](const BranchPair& pair) { return pair.joint_count < kFewestJoints; });
-  if (pairs.empty()) {
-    TRY(check_counterparts(pairs));
-    return config_failure(
-        file_,
-        "no two branches of the model are mirror images of each other (" +
-            std::to_string(robot_.joints().size()) +
-            " joints): expected an upper body with two arms",
-        "check that it stands upright along z in its zero configuration, not along y");
-  }
-  const auto& links = robot_.tree().links();
-  const auto arms = std::ranges::max_element(pairs, {}, [&](const BranchPair& pair) {
-    return posed_.anchor(links[pair.first].joint).z() + posed_.anchor(links[pair.second].joint).z();
-  });
-  TRY(check_are_arms(pairs, *arms));
-  TRY_ASSIGN(auto shaped_arms, shape(*arms, false));
-  arms_ = shaped_arms;
-  found_.has_legs = false;
-  return {};
-}
 
 // Returns the extent of the feet ahead of the ankles minus that behind them, relative to their
 // size.
@@ -482,7 +230,11 @@ Result<void> LimbFinder::check_lean() const {
 }
 
 Result<RobotAnatomy> LimbFinder::find() {
-  TRY(robot_.fixed_base() ? choose_arms() : choose_pairs());
+  TRY_ASSIGN(const LimbPairs pairs, find_limb_pairs(robot_, posed_, reference_, file_));
+  legs_ = pairs.legs;
+  arms_ = pairs.arms;
+  lean_ = pairs.lean;
+  found_.has_legs = !robot_.fixed_base();
   find_facing();
   if (found_.has_legs) TRY(compare_flexion(robot_, file_, true, legs_.limbs, found_));
   TRY(compare_flexion(robot_, file_, false, arms_.limbs, found_));
@@ -497,7 +249,7 @@ Result<RobotAnatomy> LimbFinder::find() {
     found_.arms[side] = limb_of(arms_.limbs[side], false);
   }
   if (found_.has_legs && (!found_.legs[0].end || !found_.legs[1].end)) {
-    return no_legs("the legs have no ankle joints (a stand or wheels?)");
+    return no_legs_failure(file_, "the legs have no ankle joints (a stand or wheels?)");
   }
   found_.head = head();
   note_limbs(robot_, {lean_, legs_.limbs[0].toe}, found_);

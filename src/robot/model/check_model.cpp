@@ -21,6 +21,7 @@
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/urdf_extensions.h"
 
 namespace retarget {
 namespace {
@@ -80,10 +81,11 @@ std::optional<std::vector<double>> numbers_in(std::string_view text) {
 // Position of an element in the nested files of a model.
 struct Place {
   const std::string& file;
-  fs::path folder;      // Folder of the file.
-  double copies = 1.0;  // Product of the counts of all enclosing <replicate> elements.
-  int depth = 0;        // Number of enclosing elements, including those of including files.
-  int files = 0;        // Number of enclosing files.
+  fs::path folder;           // Folder of the file.
+  double copies = 1.0;       // Product of the counts of all enclosing <replicate> elements.
+  int depth = 0;             // Number of enclosing elements, including those of including files.
+  int files = 0;             // Number of enclosing files.
+  bool is_template = false;  // The file must be expanded by xacro.
 };
 
 class ModelChecker {
@@ -181,7 +183,8 @@ Result<void> ModelChecker::vet_file(const std::string& file, const Place& from) 
   }
   const XMLElement* top = document.RootElement();
   if (top == nullptr) return {};
-  return vet(*top, {file, fs::path(file).parent_path(), from.copies, from.depth, from.files + 1});
+  return vet(*top, {file, fs::path(file).parent_path(), from.copies, from.depth, from.files + 1,
+                    is_xacro_template(*top)});
 }
 
 // Returns the product of an attribute's numbers; 1 if the attribute is missing.
@@ -294,7 +297,7 @@ Result<void> refuse_template(const XMLElement& element, const Place& place) {
         element, place, what + ": the file is a template, not a robot",
         "expand it first: xacro " + fs::path(place.file).filename().string() + " > robot.urdf");
   };
-  if (std::string_view(element.Name()).starts_with("xacro:")) return refuse("belongs to xacro");
+  if (is_xacro(element)) return refuse("belongs to xacro");
   for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
        attribute = attribute->Next()) {
     const std::string_view name = attribute->Name(), value = attribute->Value();
@@ -304,14 +307,6 @@ Result<void> refuse_template(const XMLElement& element, const Place& place) {
         fmt::format("{} is \"{}\", which xacro must substitute", name, value.substr(0, 60)));
   }
   return {};
-}
-
-// Detects simulator and controller extensions of URDF, which MuJoCo ignores.
-bool is_extension_of_urdf(const XMLElement& element) {
-  const XMLElement* top = element.GetDocument()->RootElement();
-  if (element.Parent() != top || lower_case(top->Name()) != "robot") return false;
-  const std::string name = lower_case(element.Name());
-  return name == "gazebo" || name == "transmission" || name == "ros2_control" || name == "sensor";
 }
 
 Result<void> ModelChecker::vet_kind(const XMLElement& element, Place& place) {
@@ -371,7 +366,7 @@ Result<void> ModelChecker::vet(const XMLElement& element, Place place) {
     return fault(element, place, "is nested more than " + std::to_string(kMaxDepth) + " deep");
   }
   elements_ += place.copies;
-  if (is_extension_of_urdf(element)) return {};
+  if (is_extension_of_urdf(element) || (!place.is_template && is_xacro(element))) return {};
   TRY(refuse_template(element, place));
   TRY(vet_kind(element, place));
   TRY(check_total(place.file));

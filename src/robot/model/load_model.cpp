@@ -21,6 +21,8 @@
 #include "robot/model/mend_spec.h"
 #include "robot/model/mesh_geoms.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/repair_model.h"
+#include "robot/model/urdf_extensions.h"
 #include "robot/model/urdf_materials.h"
 #include "version_numbers.h"
 
@@ -228,21 +230,58 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 }
 
 using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
+using MessageBuffer = std::array<char, 2000>;
 
-// Reads the XML. MuJoCo rejects several materials of one visual, which other readers of URDF accept.
-Result<SpecPtr> parse_model(const std::string& path) {
-  std::array<char, 2000> error{};
-  const auto room = static_cast<int>(error.size());
-  SpecPtr spec(mj_parseXML(path.c_str(), nullptr, error.data(), room));
+// Reads a changed text of the file at `path`, whose assets are relative to its folder.
+SpecPtr parse_text(const std::string& text, const std::string& path, MessageBuffer& error) {
+  SpecPtr spec(
+      mj_parseXMLString(text.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  if (spec) mjs_setString(spec->modelfiledir, folder.c_str());
+  return spec;
+}
+
+// MuJoCo's complaint about a model that it read but will not compile; empty: none.
+std::string later_complaint(mjSpec* spec) {
+  const mjsBody* world = mjs_findBody(spec, "world");
+  for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
+    if (mjs_asJoint(element)->type != mjJNT_FREE) continue;
+    const mjsBody* body = mjs_getParent(element);
+    if (body != nullptr && mjs_getParent(body->element) != world) return kNestedFreeJoint;
+  }
+  return {};
+}
+
+// Reads the XML. MuJoCo rejects several materials of one visual, which other readers of URDF
+// accept, and unknown parts that do not affect kinematics; those are removed, with a warning.
+Result<SpecPtr> parse_model(const std::string& path, std::vector<std::string>& warnings) {
+  MessageBuffer error{};
+  SpecPtr spec(mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   if (!spec && std::string_view(error.data()).find("repeated element: 'material'") !=
                    std::string_view::npos) {
     TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
-    const std::string bare = without_materials(std::string(text.view()));
-    spec.reset(mj_parseXMLString(bare.c_str(), nullptr, error.data(), room));
-    const std::string folder = std::filesystem::path(path).parent_path().string();
-    if (spec) mjs_setString(spec->modelfiledir, folder.c_str());
+    spec = parse_text(without_materials(std::string(text.view())), path, error);
   }
-  if (!spec) return model_failure(path, error.data());
+  const std::string first_error = spec ? std::string() : error.data();
+  std::string complaint = spec ? later_complaint(spec.get()) : first_error;
+  ModelRepair repair(path);
+  constexpr int kMaxRepairs = 10;
+  for (int i = 0; i < kMaxRepairs && !complaint.empty(); ++i) {
+    const auto text = repair.mend(complaint);
+    if (!text) break;
+    if (SpecPtr mended = parse_text(*text, path, error)) {
+      complaint = later_complaint(mended.get());
+      spec = std::move(mended);
+    } else {
+      complaint = error.data();
+    }
+  }
+  if (!spec) return model_failure(path, first_error);
+  warnings.insert(warnings.end(), repair.notes().begin(), repair.notes().end());
+  if (const auto names = xacro_leftovers(path); !names.empty()) {
+    warnings.push_back("elements of xacro without a definition are ignored: " +
+                       list_names(names, 4));
+  }
   return spec;
 }
 
@@ -255,8 +294,8 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
 
   const std::lock_guard lock(mujoco_mutex());
   const MessageGuard guard;
-  TRY_ASSIGN(const SpecPtr spec, parse_model(path));
   LoadedModel loaded;
+  TRY_ASSIGN(const SpecPtr spec, parse_model(path, loaded.warnings));
   for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
     const mjsExclude* exclude = mjs_asExclude(e);
     loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),

@@ -22,6 +22,8 @@ const std::vector<std::string> kKeys = {"name",
                                         "description",
                                         "source",
                                         "licence",
+                                        "revision",
+                                        "revision_date",
                                         "base",
                                         "joint_order",
                                         "limit_sets",
@@ -78,6 +80,8 @@ class ProfileReader {
     profile_.description = members_.text("description");
     profile_.source = members_.text("source");
     profile_.licence = members_.text("licence");
+    profile_.revision = members_.text("revision");
+    profile_.revision_date = members_.text("revision_date");
     read_base();
     read_joint_order();
     read_limit_sets();

@@ -135,6 +135,7 @@ class RobotMeshLoader {
   const std::string folder_;
   const bool must_;            // If true, report errors as errors instead of notes.
   std::vector<bool> covered_;  // By body.
+  std::vector<std::string> unreadable_;
   RobotMeshes result_;
 };
 
@@ -171,6 +172,7 @@ void RobotMeshLoader::note_missing(const std::string& model, const BodySurfaces&
                     model + (missing.size() == 1 ? " is" : " are") + " missing, such as ") +
         missing.front() + primitives);
   }
+  for (const Error& each : unreadable) unreadable_.push_back(each.location.file);
   if (!unreadable.empty()) {
     result_.notes.push_back(
         "the meshes of " +
@@ -181,17 +183,28 @@ void RobotMeshLoader::note_missing(const std::string& model, const BodySurfaces&
   }
 }
 
+Result<TriangleMesh> read_simple_mesh(const std::string& path) {
+  RETARGET_TRY_ASSIGN(const FileContent content, read_mesh_file(path));
+  RETARGET_TRY_ASSIGN(const TriangleMesh mesh, read_mesh(content.view(), path));
+  return simple_mesh(mesh, path);
+}
+
 Result<void> RobotMeshLoader::add_folder() {
   const std::vector<MeshFile> files = mesh_files(folder_);
+  BodySurfaces surfaces;
   for (std::size_t i = 1; i < robot_.bodies().size(); ++i) {
     const std::string& name = robot_.bodies()[i].name;
     const auto path = name.empty() || covered_[i] ? std::nullopt : file_of_body(files, name);
-    if (!path) continue;
-    RETARGET_TRY_ASSIGN(const FileContent content, read_mesh_file(path->string()));
-    RETARGET_TRY_ASSIGN(const TriangleMesh mesh, read_mesh(content.view(), path->string()));
-    RETARGET_TRY_ASSIGN(TriangleMesh simple, simple_mesh(mesh, path->string()));
-    result_.bodies.push_back({static_cast<int>(i), std::move(simple)});
+    if (!path || std::ranges::find(unreadable_, path->string()) != unreadable_.end()) continue;
+    auto simple = read_simple_mesh(path->string());
+    if (!simple && must_) return failure(simple.error());
+    if (!simple) {
+      surfaces.unreadable.push_back(std::move(simple.error()));
+      continue;
+    }
+    result_.bodies.push_back({static_cast<int>(i), std::move(*simple)});
   }
+  note_missing(folder_, surfaces);
   return {};
 }
 
@@ -205,7 +218,11 @@ bool is_model(const std::string& named) {
   return (ending == ".xml" || ending == ".urdf" || ending == ".mjcf") && is_file(named);
 }
 
-// The meshes that the user keeps for a robot, if there are any.
+Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
+                                const std::string& named, bool must);
+
+// The meshes that the user keeps for a robot, if there are any. A file that cannot be read costs
+// only the mesh of its body.
 std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& model) {
   const auto data = user_data_folder();
   const auto is_plain = [](char letter) { return letter != '/' && letter != '\\'; };
@@ -219,7 +236,7 @@ std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& mo
     if (is_model(entry.path().string())) models.push_back(entry.path().string());
   }
   std::ranges::sort(models);
-  auto meshes = load_robot_meshes(robot, model, models.empty() ? folder.string() : models.front());
+  auto meshes = load_meshes(robot, model, models.empty() ? folder.string() : models.front(), false);
   if (meshes) return std::move(*meshes);
   RobotMeshes none;
   const std::string file = fs::path(meshes.error().location.file).filename().string();
@@ -228,13 +245,9 @@ std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& mo
   return none;
 }
 
-}  // namespace
-
-Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& model,
-                                      const std::string& named) {
-  if (named.empty()) {
-    if (auto kept = kept_meshes(robot, model)) return std::move(*kept);
-  }
+// @param must  if true, report unreadable files as errors instead of notes.
+Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
+                                const std::string& named, bool must) {
   std::error_code ignored;
   const bool other_model = is_model(named);
   const std::string folder = other_model ? std::string() : named;
@@ -242,7 +255,7 @@ Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& mod
     return usage_failure("no folder \"" + folder + "\" with meshes",
                          "give a folder or a model (MJCF or URDF)");
   }
-  RobotMeshLoader loader(robot, folder, !named.empty());
+  RobotMeshLoader loader(robot, folder, must);
   const std::string& used = other_model ? named : model;
   if (!used.empty()) RETARGET_TRY(loader.add_model(used));
   if (!folder.empty()) RETARGET_TRY(loader.add_folder());
@@ -254,6 +267,16 @@ Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& mod
                        other_model ? "the model names no mesh for a body of " + robot.name()
                                    : "no STL or OBJ file is named like a body of " + robot.name(),
                        hint);
+}
+
+}  // namespace
+
+Result<RobotMeshes> load_robot_meshes(const Robot& robot, const std::string& model,
+                                      const std::string& named) {
+  if (named.empty()) {
+    if (auto kept = kept_meshes(robot, model)) return std::move(*kept);
+  }
+  return load_meshes(robot, model, named, !named.empty());
 }
 
 }  // namespace retarget

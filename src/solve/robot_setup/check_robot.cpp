@@ -328,7 +328,7 @@ std::vector<RobotFinding> check_shapes(const Robot& robot, const std::string& mo
   if (profile.soles.empty() && !profile.fixed_base) {
     const auto completed = complete_bare_robot(robot, model_path);
     if (!completed) return findings;
-    findings.push_back({false, "a run uses the soles from " + completed->note});
+    findings.push_back({false, "a run uses the soles " + completed->note});
     if (!completed->overlaps.empty()) {
       findings.push_back({false, kOverlapsIgnored + list_overlaps(completed->overlaps)});
     }

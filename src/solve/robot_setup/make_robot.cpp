@@ -123,6 +123,7 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   RETARGET_TRY_ASSIGN(auto imported, import_robot(model_path, name, base));
   Robot& robot = *imported.robot;
   made.notes = std::move(imported.notes);
+  made.notes.insert(made.notes.end(), robot.warnings().begin(), robot.warnings().end());
   for (RobotFinding& finding : model_findings(robot)) {
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
     made.notes.push_back(std::move(finding.text));

@@ -1,0 +1,307 @@
+#include "robot/model/repair_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "base/parse_xml.h"
+#include "retarget/file.h"
+#include "retarget/text.h"
+#include "robot/model/mujoco_messages.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using tinyxml2::XMLElement;
+
+// Parts of an MJCF that do not affect its kinematics and that nothing else refers to.
+constexpr std::array<std::string_view, 7> kSections = {
+    "sensor", "actuator", "keyframe", "visual", "statistic", "camera", "light"};
+// Defaults of actuators.
+constexpr std::array<std::string_view, 9> kActuatorDefaults = {
+    "motor",    "position", "velocity", "intvelocity", "damper",
+    "cylinder", "muscle",   "adhesion", "general"};
+constexpr int kMaxIncludeDepth = 16;
+
+template <std::size_t kCount>
+bool is_one_of(std::string_view name, const std::array<std::string_view, kCount>& names) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+bool is_named(const XMLElement& element, std::string_view name) {
+  return element.Name() == name;
+}
+
+std::string attribute_of(const XMLElement& element, const char* name) {
+  const char* text = element.Attribute(name);
+  return text == nullptr ? std::string() : text;
+}
+
+// Calls `visit` for the elements below `root`, parents first. An element for which it returns false
+// is deleted. The checker of models bounds the depth.
+void visit_elements(XMLElement& root, const std::function<bool(XMLElement&)>& visit) {
+  XMLElement* next = nullptr;
+  for (XMLElement* each = root.FirstChildElement(); each != nullptr; each = next) {
+    next = each->NextSiblingElement();
+    if (visit(*each)) {
+      visit_elements(*each, visit);
+    } else {
+      root.DeleteChild(each);
+    }
+  }
+}
+
+bool parse_file(const std::string& path, tinyxml2::XMLDocument& document) {
+  const auto text = read_file(path, ErrorKind::kConfig);
+  return text && parse_xml(text->view(), document) && document.RootElement() != nullptr;
+}
+
+// Replaces <include> elements by the contents of their files. False if a file cannot be read.
+bool expand_includes(XMLElement& element, const fs::path& root, const fs::path& folder, int depth) {
+  XMLElement* next = nullptr;
+  for (XMLElement* each = element.FirstChildElement(); each != nullptr; each = next) {
+    next = each->NextSiblingElement();
+    if (!is_named(*each, "include")) {
+      if (!expand_includes(*each, root, folder, depth)) return false;
+      continue;
+    }
+    const std::string name = attribute_of(*each, "file");
+    const fs::path file = is_file(root / name) ? root / name : folder / name;
+    tinyxml2::XMLDocument included;
+    if (depth >= kMaxIncludeDepth || !parse_file(file.string(), included)) return false;
+    if (!expand_includes(*included.RootElement(), root, file.parent_path(), depth + 1))
+      return false;
+    tinyxml2::XMLNode* last = each;
+    for (const auto* child = included.RootElement()->FirstChild(); child != nullptr;
+         child = child->NextSibling()) {
+      last = element.InsertAfterChild(last, child->DeepClone(element.GetDocument()));
+    }
+    element.DeleteChild(each);
+  }
+  return true;
+}
+
+// The first part of a message that `before` and `after` enclose.
+std::string between(const std::string& text, std::string_view before, std::string_view after) {
+  const std::size_t start = text.find(before);
+  if (start == std::string::npos) return {};
+  const std::size_t from = start + before.size();
+  const std::size_t end = text.find(after, from);
+  return end == std::string::npos ? std::string() : text.substr(from, end - from);
+}
+
+// Whether a body is only a coordinate frame: no joint moves it, and no inertia is given for it.
+bool is_only_frame(const XMLElement& body) {
+  return std::ranges::none_of(std::array{"joint", "freejoint", "inertial", "geom"},
+                              [&](const char* kind) { return body.FirstChildElement(kind); });
+}
+
+bool holds_free_joint(const XMLElement& body) {
+  if (body.FirstChildElement("freejoint") != nullptr) return true;
+  for (const auto* joint = body.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    if (attribute_of(*joint, "type") == "free") return true;
+  }
+  for (const auto* child = body.FirstChildElement("body"); child != nullptr;
+       child = child->NextSiblingElement("body")) {
+    if (holds_free_joint(*child)) return true;
+  }
+  return false;
+}
+
+// Turns a body into a frame, which keeps only the pose of the body.
+void make_frame(XMLElement& body) {
+  body.SetName("frame");
+  constexpr std::array<std::string_view, 8> kKept = {"name",      "childclass", "pos",   "quat",
+                                                     "axisangle", "xyaxes",     "zaxis", "euler"};
+  for (const auto* attribute = body.FirstAttribute(); attribute != nullptr;) {
+    const std::string name = attribute->Name();
+    attribute = attribute->Next();
+    if (!is_one_of(name, kKept)) body.DeleteAttribute(name.c_str());
+  }
+}
+
+// A link without mass, and a joint of a URDF that holds it at the origin of its parent.
+bool is_massless(const XMLElement& link) {
+  const auto* inertial = link.FirstChildElement("inertial");
+  const auto* mass = inertial == nullptr ? nullptr : inertial->FirstChildElement("mass");
+  return mass == nullptr || mass->DoubleAttribute("value") == 0.0;
+}
+
+bool is_at_origin(const XMLElement& joint) {
+  const auto* origin = joint.FirstChildElement("origin");
+  if (origin == nullptr) return true;
+  std::istringstream numbers(attribute_of(*origin, "xyz") + " " + attribute_of(*origin, "rpy"));
+  double number = 0.0;
+  while (numbers >> number) {
+    if (number != 0.0) return false;
+  }
+  return true;
+}
+
+XMLElement* joint_from(XMLElement& robot, const char* end, const std::string& link) {
+  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const auto* named = joint->FirstChildElement(end);
+    if (named != nullptr && attribute_of(*named, "link") == link) return joint;
+  }
+  return nullptr;
+}
+
+XMLElement* link_named(XMLElement& robot, const std::string& name) {
+  for (auto* link = robot.FirstChildElement("link"); link != nullptr;
+       link = link->NextSiblingElement("link")) {
+    if (attribute_of(*link, "name") == name) return link;
+  }
+  return nullptr;
+}
+
+XMLElement* floating_joint(XMLElement& robot) {
+  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    if (attribute_of(*joint, "type") == "floating") return joint;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool ModelRepair::load() {
+  if (document_.RootElement() != nullptr) return true;
+  if (!parse_file(path_, document_)) return false;
+  const fs::path folder = fs::path(path_).parent_path();
+  return expand_includes(*document_.RootElement(), folder, folder, 0);
+}
+
+// Unknown attributes of sites, which equalities may refer to.
+bool ModelRepair::drop_attribute(const std::string& complaint) {
+  const std::string name = between(complaint, "unrecognized attribute: '", "'");
+  if (name.empty() || between(complaint, "Element '", "'") != "site") return false;
+  bool dropped = false;
+  visit_elements(*document_.RootElement(), [&](XMLElement& element) {
+    if (is_named(element, "site") && element.Attribute(name.c_str()) != nullptr) {
+      element.DeleteAttribute(name.c_str());
+      dropped = true;
+    }
+    return true;
+  });
+  if (dropped) notes_.push_back("MuJoCo does not know \"" + name + "\" of sites: it is ignored");
+  return dropped;
+}
+
+bool ModelRepair::drop_sections(const std::string& complaint) {
+  if (std::exchange(dropped_sections_, true)) return false;
+  bool dropped = false;
+  visit_elements(*document_.RootElement(), [&](XMLElement& element) {
+    const auto* parent = element.Parent()->ToElement();
+    const bool is_default = parent != nullptr && is_named(*parent, "default");
+    const bool is_kept = !is_one_of(element.Name(), kSections) &&
+                         !(is_default && is_one_of(element.Name(), kActuatorDefaults));
+    dropped = dropped || !is_kept;
+    return is_kept;
+  });
+  if (dropped) {
+    std::string reason = one_line(complaint);
+    for (const char* prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {
+      if (reason.starts_with(prefix)) reason.erase(0, std::string_view(prefix).size());
+    }
+    notes_.push_back(
+        "sensors, actuators, cameras and lights are ignored, because MuJoCo cannot "
+        "read one of them: " +
+        reason);
+  }
+  return dropped;
+}
+
+// Bodies of an MJCF that stand for the world: above the body with the free joint, or named "world".
+bool ModelRepair::free_world_bodies() {
+  std::vector<std::string> names;
+  for (auto* world = document_.RootElement()->FirstChildElement("worldbody"); world != nullptr;
+       world = world->NextSiblingElement("worldbody")) {
+    auto* body = world->FirstChildElement("body");
+    while (body != nullptr) {
+      auto* next = body->NextSiblingElement("body");
+      const std::string name = attribute_of(*body, "name");
+      if (is_only_frame(*body) && (name == "world" || holds_free_joint(*body))) {
+        names.push_back("\"" + name + "\"");
+        auto* inner = body->FirstChildElement("body");
+        // The bodies below are now at the top.
+        if (inner != nullptr && is_only_frame(*inner) &&
+            inner->NextSiblingElement("body") == nullptr)
+          next = inner;
+        make_frame(*body);
+      }
+      body = next;
+    }
+  }
+  if (names.empty()) return false;
+  notes_.push_back(names.size() == 1
+                       ? "the body " + names[0] +
+                             " stands for the world: it has no mass and no joint, and is left out"
+                       : "the bodies " + list_names(names, 3) +
+                             " stand for the world: they have no mass and no joint, and are left "
+                             "out");
+  return true;
+}
+
+// A URDF whose floating joint hangs below links that stand for the world. The parent of the joint
+// takes the name that MuJoCo reserves for the world.
+bool ModelRepair::free_world_links() {
+  XMLElement& robot = *document_.RootElement();
+  XMLElement* floating = floating_joint(robot);
+  auto* parent = floating == nullptr ? nullptr : floating->FirstChildElement("parent");
+  if (parent == nullptr) return false;
+  const std::string name = attribute_of(*parent, "link");
+  std::vector<XMLElement*> removed;
+  for (std::string link = name;;) {
+    XMLElement* element = link_named(robot, link);
+    if (element == nullptr || !is_massless(*element)) return false;
+    if (link != name) removed.push_back(element);
+    XMLElement* joint = joint_from(robot, "child", link);
+    if (joint == nullptr) break;
+    const auto* above = joint->FirstChildElement("parent");
+    const bool is_fixed = attribute_of(*joint, "type") == "fixed" && is_at_origin(*joint);
+    if (!is_fixed || above == nullptr || removed.size() > 10) return false;
+    removed.push_back(joint);
+    link = attribute_of(*above, "link");
+  }
+  link_named(robot, name)->SetAttribute("name", "world");
+  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    auto* from = joint->FirstChildElement("parent");
+    if (from != nullptr && attribute_of(*from, "link") == name) from->SetAttribute("link", "world");
+  }
+  for (XMLElement* each : removed) robot.DeleteChild(each);
+  notes_.push_back("the link \"" + name +
+                   "\" stands for the world: it has no mass, and is left out");
+  return true;
+}
+
+bool ModelRepair::apply(const std::string& complaint) {
+  const bool is_urdf = is_named(*document_.RootElement(), "robot");
+  if (complaint.find(kNestedFreeJoint) != std::string::npos) {
+    return is_urdf ? free_world_links() : free_world_bodies();
+  }
+  if (is_urdf) return false;
+  if (complaint.find("repeated name 'world' in body") != std::string::npos) {
+    return free_world_bodies();
+  }
+  return drop_attribute(complaint) || drop_sections(complaint);
+}
+
+std::optional<std::string> ModelRepair::mend(const std::string& complaint) {
+  if (!load() || !apply(complaint)) return std::nullopt;
+  tinyxml2::XMLPrinter printer;
+  document_.Print(&printer);
+  return std::string(printer.CStr());
+}
+
+}  // namespace retarget
