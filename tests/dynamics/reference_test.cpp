@@ -349,20 +349,20 @@ TEST(Reference, LimitsHoldBetweenFrames) {
   const auto limits = load_limits(*robot, robot->limits_for({}));
   ASSERT_TRUE(limits.has_value());
   const int knee = *robot->find_joint("left_knee_joint");
-  const int elbow = *robot->find_joint("left_elbow_joint");
+  const int shoulder = *robot->find_joint("left_shoulder_pitch_joint");
   const auto address = [&](int joint) {
     return static_cast<std::size_t>(robot->joints()[static_cast<std::size_t>(joint)].qpos_address);
   };
   const double top = limits->upper[static_cast<std::size_t>(knee)];
-  const double step = robot->speed_limit(elbow) / 30.0;
+  const double step = robot->speed_limit(shoulder) / 30.0;
   RobotClip clip = reference_stand(robot, 60);
   for (int t = 0; t < 60; ++t) {
     clip.qpos(t)[2] += 1.0;
     // The knee reaches its limit at once and stays there.
     clip.qpos(t)[address(knee)] = t < 20 ? top - 0.3 : top;
-    // The elbow swings at its speed limit.
+    // The shoulder swings at its speed limit.
     const int phase = t % 4 < 2 ? t % 4 : 4 - t % 4;
-    clip.qpos(t)[address(elbow)] = 0.2 + step * 0.999 * phase;
+    clip.qpos(t)[address(shoulder)] = step * 0.999 * (phase - 1);
   }
   for (const double rate : {50.0, 1000.0}) {
     const MotionReference reference = reference_of(clip, rate);
@@ -370,7 +370,7 @@ TEST(Reference, LimitsHoldBetweenFrames) {
       return static_cast<std::size_t>(std::ranges::find(reference.joint_names, name) -
                                       reference.joint_names.begin());
     };
-    const std::size_t k = column("left_knee_joint"), e = column("left_elbow_joint");
+    const std::size_t k = column("left_knee_joint"), e = column("left_shoulder_pitch_joint");
     double highest = -10.0, fastest = 0.0;
     for (std::size_t i = 0; i < reference.samples; ++i) {
       highest = std::max(highest, reference.qpos[36 * i + 7 + k]);
@@ -378,7 +378,7 @@ TEST(Reference, LimitsHoldBetweenFrames) {
     }
     EXPECT_LE(highest, top);
     EXPECT_GT(highest, top - 0.01);
-    EXPECT_LE(fastest, robot->speed_limit(elbow));
+    EXPECT_LE(fastest, robot->speed_limit(shoulder));
     ASSERT_EQ(reference.corrections.size(), 2U);
     for (const ReferenceLimit& beyond : reference.beyond) {
       EXPECT_EQ(beyond.kind, ReferenceLimit::Kind::kTorque) << beyond.joint;

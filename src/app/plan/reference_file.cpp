@@ -64,8 +64,8 @@ Result<ReferenceFile> write_reference(const std::string& path, const RobotClip& 
   TRY_ASSIGN(OutputFile file, OutputFile::create(path));
   TRY(file.write(bytes));
   ReferenceFile written{std::move(file), {}};
-  written.lines.push_back({"reference", path + ": " + count_text(reference.samples, "sample") +
-                                            " at " + to_text(reference.rate) + " per second"});
+  written.lines.push_back({"sampled", path + ": " + count_text(reference.samples, "sample") +
+                                          " at " + to_text(reference.rate) + " per second"});
   for (std::string& note : reference_notes(reference)) {
     written.lines.push_back({"", std::move(note)});
   }

@@ -9,11 +9,12 @@
 #include <string>
 #include <utility>
 
+#include "app/plan/limb_errors.h"
+#include "app/plan/time_planner.h"
 #include "base/math/uniform_spline.h"
-#include "base/option_name.h"
 #include "base/try.h"
-#include "motion/time_warp.h"
 #include "retarget/option_table.h"
+#include "retarget/robot.h"
 #include "retarget/text.h"
 #include "scene/scene_world.h"
 #include "solve/dynamics/motion_dynamics.h"
@@ -23,17 +24,16 @@ namespace {
 
 constexpr double kKnotTime = 0.1;  // Seconds.
 constexpr double kAim = 0.95;      // Share of a limit that a slowed stretch may use.
-constexpr double kEase = 0.2;      // Change of the pace from knot to knot at most.
-constexpr int kMaxRounds = 5;      // Solves.
-constexpr double kStep = 1e-4;     // Coefficients are multiples of this.
-constexpr double kMaxPace = 1.0 / kLeastTimeScale;
-// A place that is slowed by this factor and hardly moves slower is a jump, which stays.
-constexpr double kTried = 1.4, kNoHelp = 0.75;
+constexpr int kMaxRounds = 5;      // Solves with stretched time.
+constexpr double kMostSlower = 1.0 / kLeastTimeScale;
+// A limb that is this much farther from the human than without speed limits is distorted, degrees.
+constexpr double kDistorted = 3.0;
+// Limits act at this distance in time, seconds.
+constexpr double kActsWithin = 0.1;
 
-// How far a step between two frames is beyond a limit.
-struct Excess {
-  double ratio = 1.0;   // Of the value to the limit; 1 or less: within it.
-  double slower = 1.0;  // Seconds per second that bring it to kAim.
+// How far a step between two frames is beyond a speed limit.
+struct FastStep {
+  double ratio = 0.0;  // Of the speed to the limit.
   std::string cause;
 };
 
@@ -50,13 +50,16 @@ double joint_speed_limit(const Plan& plan, int joint) {
 }
 
 // By step: exact speeds of the spline between frames.
-void find_fast_joints(const Plan& plan, const RobotClip& clip, std::vector<Excess>& steps) {
+// @param limit_of  speed limit of a joint
+template <typename Limit>
+std::vector<FastStep> fast_steps(const RobotClip& clip, const Limit& limit_of) {
   const Robot& robot = clip.robot();
   const double fps = clip.rate().fps();
+  std::vector<FastStep> steps(static_cast<std::size_t>(clip.frame_count() - 1));
   std::vector<double> column(static_cast<std::size_t>(clip.frame_count()));
   for (const int joint : robot.output_joints()) {
     const RobotJoint& of = robot.joints()[static_cast<std::size_t>(joint)];
-    const double limit = joint_speed_limit(plan, joint);
+    const double limit = limit_of(joint);
     if (!std::isfinite(limit)) continue;
     for (int t = 0; t < clip.frame_count(); ++t) {
       column[static_cast<std::size_t>(t)] = clip.qpos(t)[static_cast<std::size_t>(of.qpos_address)];
@@ -66,9 +69,24 @@ void find_fast_joints(const Plan& plan, const RobotClip& clip, std::vector<Exces
       const UniformSpline::Range speeds = spline.velocities(static_cast<int>(i));
       const double ratio =
           fps * std::max(std::abs(speeds.least.value), std::abs(speeds.greatest.value)) / limit;
-      if (ratio > steps[i].ratio) steps[i] = {ratio, ratio / kAim, of.name + " speed"};
+      if (ratio > steps[i].ratio) steps[i] = {ratio, of.name + " speed"};
     }
   }
+  return steps;
+}
+
+// By step: the fastest step near it.
+std::vector<FastStep> fastest_near(const std::vector<FastStep>& steps, double fps) {
+  const auto reach = static_cast<std::size_t>(std::max(1.0, std::round(kActsWithin * fps)));
+  std::vector<FastStep> near;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const std::size_t begin = i < reach ? 0 : i - reach,
+                      end = std::min(steps.size(), i + reach + 1);
+    near.push_back(*std::ranges::max_element(steps.begin() + static_cast<std::ptrdiff_t>(begin),
+                                             steps.begin() + static_cast<std::ptrdiff_t>(end), {},
+                                             &FastStep::ratio));
+  }
+  return near;
 }
 
 // The largest torque ratio of every step, and its link; only where contacts can supply the forces.
@@ -98,7 +116,7 @@ RobotClip at_half_speed(const RobotClip& clip) {
 
 // A torque has a part that rests and one that grows with the square of the speed. Half the speed
 // separates the two.
-void find_torques(const Plan& plan, const Motion& motion, std::vector<Excess>& steps) {
+void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>& needs) {
   if (!plan.fit.dynamics || plan.options.solve.method != Method::kFit) return;
   // A scene moves at its own speed.
   if (motion.scene) return;
@@ -107,156 +125,149 @@ void find_torques(const Plan& plan, const Motion& motion, std::vector<Excess>& s
   if (std::ranges::none_of(now, over)) return;
   const auto slow = torque_ratios(at_half_speed(motion.clip), nullptr);
   const Robot& robot = motion.clip.robot();
-  for (std::size_t i = 0; i < steps.size(); ++i) {
+  for (std::size_t i = 0; i < now.size(); ++i) {
     const auto& [ratio, link] = now[i];
-    if (!over(now[i]) || ratio <= steps[i].ratio) continue;
+    if (!over(now[i])) continue;
     const double moving = (ratio - slow[i].first) / 0.75, resting = ratio - moving;
     const int joint = robot.tree().links()[static_cast<std::size_t>(link)].joint;
-    const double slower =
-        moving > 0.0 && resting < kAim ? std::sqrt(moving / (kAim - resting)) : kMaxPace;
-    steps[i] = {ratio, std::clamp(slower, 1.01, kMaxPace),
-                robot.joints()[static_cast<std::size_t>(joint)].name + " torque"};
+    // A torque that rests above its limit needs another pose.
+    if (moving <= 0.0 || resting >= kAim) continue;
+    needs.push_back({static_cast<int>(i), StepNeed::kTorque, ratio,
+                     std::clamp(std::sqrt(moving / (kAim - resting)), 1.05, kMostSlower),
+                     robot.joints()[static_cast<std::size_t>(joint)].name + " torque"});
   }
 }
 
-// The pace that a place of the source needs, for the time between two knots.
-struct PlaceNeed {
-  double pace = 1.0;
-  double first_ratio = 0.0;  // Before it was slowed.
-  std::string cause;
-  bool is_jump = false;  // Slowing does not help.
-};
+double part_duration(const Plan& plan) {
+  const int frames = plan.part.end - plan.part.begin;
+  return frames < 2 ? 0.0 : plan.clip->rate().time_of(frames - 1);
+}
 
-class TimePlanner {
+// Finds the time scale of a plan by solving it.
+class TimeScaleSearch {
  public:
-  TimePlanner(const Plan& plan, double duration)
-      : duration_(duration),
-        rate_(plan.rate),
-        needs_(static_cast<std::size_t>(std::max(1.0, std::ceil(duration / kKnotTime)))) {}
+  TimeScaleSearch(const Plan& plan, const SolveControl& control, double duration)
+      : plan_(plan), control_(control), planner_(duration, plan.rate) {
+    control_.frame_solved = {};
+  }
 
-  // Takes what a solved motion exceeds. Returns whether the pace changed.
-  bool take(const std::vector<Excess>& steps) {
-    const TimeWarp warp(scale_, duration_);
-    bool changed = false;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      if (steps[i].ratio <= 1.0) continue;
-      const double from = warp.source_time(rate_.time_of(static_cast<std::int64_t>(i)));
-      const double to = warp.source_time(rate_.time_of(static_cast<std::int64_t>(i) + 1));
-      for (std::size_t knot = place(from); knot <= place(to); ++knot) {
-        changed |= raise(needs_[knot], steps[i], warp.pace(0.5 * (from + to)));
-      }
+  Result<std::optional<TimeScale>> run() {
+    TRY_ASSIGN(Motion motion, solve_now(true));
+    if (motion.clip.frame_count() < 3) return std::optional<TimeScale>();
+    usual_ = limb_errors(motion);
+    TRY(solve_freely(motion));
+    for (int round = 0; round < kMaxRounds && planner_.take(needs_of(motion)); ++round) {
+      TRY_ASSIGN(motion, solve_now(true));
     }
-    if (changed) set_pace();
-    return changed;
+    give_back_what_does_not_help(motion);
+    return planner_.decision();
   }
-
-  // The decision; nothing if no place needs anything.
-  [[nodiscard]] std::optional<TimeScale> decision() {
-    find_stretches();
-    if (scale_.stretches.empty()) scale_.pace.clear();
-    if (scale_.stretches.empty() && scale_.left.empty()) return std::nullopt;
-    return scale_;
-  }
-
-  [[nodiscard]] const TimeScale& scale() const { return scale_; }
 
  private:
-  [[nodiscard]] std::size_t place(double source) const {
-    return std::min(static_cast<std::size_t>(std::max(0.0, source) / kKnotTime), needs_.size() - 1);
+  Result<Motion> solve_now(bool limit_speeds) const {
+    Plan trial = plan_;
+    if (!planner_.scale().pace.empty()) trial.time_scale = planner_.scale();
+    return solve_in_time(std::move(trial), control_, limit_speeds);
   }
 
-  static bool raise(PlaceNeed& need, const Excess& excess, double pace) {
-    if (need.is_jump) return false;
-    if (need.first_ratio == 0.0) {
-      need.first_ratio = excess.ratio;
-      need.cause = excess.cause;
-    }
-    if (pace > kTried && excess.ratio > kNoHelp * need.first_ratio) {
-      need.is_jump = true;
-      need.pace = 1.0;
-      return true;
-    }
-    const double wanted = std::min(kMaxPace, pace * excess.slower);
-    if (wanted <= need.pace) return false;
-    need.pace = wanted;
-    return true;
+  [[nodiscard]] bool is_fit() const { return plan_.options.solve.method == Method::kFit; }
+
+  // Solves without speed limits if they act on the motion.
+  Result<void> solve_freely(const Motion& usual) {
+    constexpr double kActs = 0.9;
+    if (!is_fit()) return {};
+    const auto steps = fast_steps(usual.clip, [&](int joint) { return soft_speed(joint); });
+    const bool acts =
+        std::ranges::any_of(steps, [](const FastStep& step) { return step.ratio > kActs; });
+    if (!acts) return {};
+    TRY_ASSIGN(const Motion free, solve_now(false));
+    free_ = limb_errors(free);
+    fast_ = fastest_near(
+        fast_steps(free.clip, [&](int joint) { return joint_speed_limit(plan_, joint); }),
+        plan_.rate.fps());
+    return {};
   }
 
-  // A piece depends on four coefficients, so all of them must be as large as it needs.
-  void set_pace() {
-    std::vector<double>& pace = scale_.pace;
-    pace.assign(needs_.size() + 3, 1.0);
-    for (std::size_t i = 0; i < needs_.size(); ++i) {
-      const double wanted = std::min(kMaxPace, std::ceil(needs_[i].pace / kStep) * kStep);
-      for (std::size_t k = i; k < i + 4; ++k) pace[k] = std::max(pace[k], wanted);
-    }
-    for (std::size_t k = 1; k < pace.size(); ++k) pace[k] = std::max(pace[k], pace[k - 1] - kEase);
-    for (std::size_t k = pace.size() - 1; k-- > 0;) {
-      pace[k] = std::max(pace[k], pace[k + 1] - kEase);
-    }
-    for (double& each : pace) each = std::max(1.0, std::round(each / kStep) * kStep);
+  // The speed from which the fit slows a joint down.
+  [[nodiscard]] double soft_speed(int joint) const {
+    const double limit = joint_speed_limit(plan_, joint);
+    const bool is_hinge = plan_.robot.robot->joints()[static_cast<std::size_t>(joint)].type ==
+                          RobotJoint::Type::kHinge;
+    return is_hinge ? std::min(limit, plan_.fit.soft_joint_speed) : limit;
   }
 
-  void find_stretches() {
-    scale_.knot_time = kKnotTime;
-    scale_.stretches.clear();
-    scale_.left.clear();
-    const TimeWarp warp(scale_, duration_);
-    scale_.longer = warp.duration() - duration_;
-    bool inside = false;
-    double strongest = 0.0;
-    for (std::size_t i = 0; i < needs_.size(); ++i) {
-      const double begin = static_cast<double>(i) * kKnotTime;
-      const double end = std::min(duration_, begin + kKnotTime);
-      const double pace =
-          std::max({warp.pace(begin), warp.pace(0.5 * (begin + end)), warp.pace(end)});
-      if (pace <= 1.0 + kStep) {
-        inside = false;
-      } else {
-        if (!inside) {
-          scale_.stretches.push_back({begin, end, 1.0, {}});
-          strongest = 0.0;
-        }
-        inside = true;
-        SlowedStretch& stretch = scale_.stretches.back();
-        stretch.end = end;
-        stretch.factor = std::min(stretch.factor, 1.0 / pace);
-        if (!needs_[i].is_jump && needs_[i].first_ratio > strongest) {
-          strongest = needs_[i].first_ratio;
-          stretch.cause = needs_[i].cause;
-        }
+  [[nodiscard]] std::vector<StepNeed> needs_of(const Motion& motion) const {
+    std::vector<StepNeed> needs;
+    if (is_fit()) {
+      find_distortions(motion, needs);
+    } else {
+      const auto steps =
+          fast_steps(motion.clip, [&](int joint) { return joint_speed_limit(plan_, joint); });
+      for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i].ratio <= 1.0) continue;
+        needs.push_back({static_cast<int>(i), StepNeed::kSpeed, steps[i].ratio,
+                         steps[i].ratio / kAim, steps[i].cause});
       }
-      if (needs_[i].is_jump) add_left(i, begin, end);
+    }
+    find_torques(plan_, motion, needs);
+    return needs;
+  }
+
+  // Steps that are too fast without limits, and in which limits turn a limb away from the human.
+  void find_distortions(const Motion& motion, std::vector<StepNeed>& needs) const {
+    constexpr double kLeastFirst = 1.15, kMostFirst = 1.5, kMore = 1.3;
+    if (fast_.empty()) return;
+    const std::vector<LimbErrors> errors = limb_errors(motion);
+    for (int i = 0; i + 1 < motion.clip.frame_count(); ++i) {
+      const double source = planner_.source_time(i);
+      const std::size_t at = unslowed_frame(source, fast_.size());
+      const double increase = largest_increase(free_[at], errors[static_cast<std::size_t>(i)]);
+      if (fast_[at].ratio <= 1.0 || increase <= kDistorted) continue;
+      const bool is_first = planner_.pace_at(source) < kLeastFirst;
+      needs.push_back({i, StepNeed::kSpeed, increase,
+                       is_first ? std::clamp(fast_[at].ratio, kLeastFirst, kMostFirst) : kMore,
+                       fast_[at].cause});
     }
   }
 
-  void add_left(std::size_t i, double begin, double end) {
-    const bool continues = i > 0 && needs_[i - 1].is_jump;
-    if (!continues) scale_.left.push_back({begin, end, 1.0, {}});
-    SlowedStretch& left = scale_.left.back();
-    left.end = end;
-    const double factor = 1.0 / needs_[i].first_ratio;
-    if (left.cause.empty() || factor < left.factor) {
-      left.factor = factor;
-      left.cause = needs_[i].cause;
+  [[nodiscard]] std::size_t unslowed_frame(double source, std::size_t count) const {
+    return std::min(static_cast<std::size_t>(std::lround(source * plan_.rate.fps())), count - 1);
+  }
+
+  // A stretch is worth its time only if the limbs come nearer to the human than without it, or if
+  // they stay as near and a torque falls.
+  void give_back_what_does_not_help(const Motion& motion) {
+    constexpr double kGain = 0.1, kLoss = 0.2;  // Degrees.
+    const auto decided = planner_.decision();
+    if (!decided) return;
+    const std::vector<LimbErrors> errors = limb_errors(motion);
+    for (const SlowedStretch& stretch : decided->stretches) {
+      double before = 0.0, after = 0.0, time = 0.0;
+      for (int i = 0; i + 1 < motion.clip.frame_count(); ++i) {
+        const double from = planner_.source_time(i), to = planner_.source_time(i + 1);
+        if (from < stretch.begin || from >= stretch.end) continue;
+        before += (to - from) * mean_error(usual_[unslowed_frame(from, usual_.size())]);
+        after += (to - from) * mean_error(errors[static_cast<std::size_t>(i)]);
+        time += to - from;
+      }
+      const bool is_torque = stretch.cause.ends_with("torque");
+      const double gain = time > 0.0 ? (before - after) / time : 0.0;
+      if (gain >= (is_torque || !is_fit() ? -kLoss : kGain)) continue;
+      planner_.give_back(stretch.begin, stretch.end - 0.5 * kKnotTime);
     }
   }
 
-  double duration_;
-  FrameRate rate_;  // Of the motion.
-  std::vector<PlaceNeed> needs_;
-  TimeScale scale_;
+  const Plan& plan_;
+  SolveControl control_;
+  TimePlanner planner_;
+  std::vector<LimbErrors> usual_, free_;  // By frame, at the usual speed; with and without limits.
+  std::vector<FastStep> fast_;            // By step, without limits; empty: limits do not act.
 };
 
 std::string stretch_text(const SlowedStretch& stretch) {
   const std::string cause = stretch.cause.empty() ? "" : " (" + stretch.cause + ")";
   return fmt::format("{:.1f}-{:.1f} s to {:.2f}{}", stretch.begin, stretch.end, stretch.factor,
                      cause);
-}
-
-double part_duration(const Plan& plan) {
-  const int frames = plan.part.end - plan.part.begin;
-  return frames < 2 ? 0.0 : plan.clip->rate().time_of(frames - 1);
 }
 
 }  // namespace
@@ -301,8 +312,8 @@ std::vector<SummaryLine> time_scale_lines(const TimeScale& scale) {
         {"slowed", fmt::format("{}; {:.2f} s longer", listed(scale.stretches), scale.longer)});
   }
   if (!scale.left.empty()) {
-    lines.push_back(
-        {"not slowed", "beyond limits, but slower movement does not help: " + listed(scale.left)});
+    lines.push_back({scale.stretches.empty() ? "slowed" : "",
+                     "not where slower movement does not help: " + listed(scale.left)});
   }
   return lines;
 }
@@ -312,20 +323,7 @@ Result<Plan> decide_time_scale(Plan plan, const SolveControl& control) {
   if (given != "auto" || plan.time_scale || !plan.clip) return plan;
   const double duration = part_duration(plan);
   if (duration <= 0.0) return plan;
-  SolveControl quiet = control;
-  quiet.frame_solved = {};
-  TimePlanner planner(plan, duration);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    Plan trial = plan;
-    if (!planner.scale().pace.empty()) trial.time_scale = planner.scale();
-    TRY_ASSIGN(const Motion motion, solve_in_time(std::move(trial), quiet, false));
-    if (motion.clip.frame_count() < 3) break;
-    std::vector<Excess> steps(static_cast<std::size_t>(motion.clip.frame_count() - 1));
-    find_fast_joints(plan, motion.clip, steps);
-    find_torques(plan, motion, steps);
-    if (!planner.take(steps)) break;
-  }
-  plan.time_scale = planner.decision();
+  TRY_ASSIGN(plan.time_scale, TimeScaleSearch(plan, control, duration).run());
   if (plan.time_scale) {
     for (SummaryLine& line : time_scale_lines(*plan.time_scale)) {
       plan.clip_notes.push_back(std::move(line));

@@ -17,6 +17,11 @@ constexpr double kInside = 1e-9;
 // Excess that ends the correction, relative likewise.
 constexpr double kEnough = 1e-12;
 constexpr int kMaxRounds = 2000;
+// Rounded samples may exceed a bound by this share of it.
+constexpr double kRounding = 1e-6;
+// Pieces as near to a sample beyond a bound as this are not bounded: there the spline swings around
+// the samples.
+constexpr int kSwings = 2;
 
 // Weights of the four coefficients of a piece in its value.
 std::array<double, 4> value_weights(double s) {
@@ -116,13 +121,28 @@ UniformSpline::Range UniformSpline::velocities(int piece) const {
 
 std::vector<UniformSpline::PieceBounds> UniformSpline::piece_bounds(
     const SplineBounds& bounds) const {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const double slack = kRounding * (bounds.upper - bounds.lower);
   std::vector<PieceBounds> all;
+  std::vector<int> beyond_place, beyond_speed;
   for (int i = 0; i < piece_count(); ++i) {
     const Polynomial p = polynomial(i);
     const double from = p.a, to = p.value(1.0);
-    all.push_back({std::min({bounds.lower, from, to}), std::max({bounds.upper, from, to}),
-                   std::max(bounds.speed, std::abs(to - from))});
+    const double low = std::min(from, to), high = std::max(from, to);
+    all.push_back({std::min(bounds.lower, low), std::max(bounds.upper, high),
+                   std::max(bounds.speed, high - low)});
+    if (low < bounds.lower - slack || high > bounds.upper + slack) beyond_place.push_back(i);
+    if (high - low > (1.0 + kRounding) * bounds.speed) beyond_speed.push_back(i);
   }
+  const auto near = [&](int i, const auto& release) {
+    for (int k = std::max(0, i - kSwings); k <= std::min(piece_count() - 1, i + kSwings); ++k) {
+      release(all[static_cast<std::size_t>(k)]);
+    }
+  };
+  for (const int i : beyond_place) {
+    near(i, [](PieceBounds& piece) { piece.lower = -(piece.upper = kNone); });
+  }
+  for (const int i : beyond_speed) near(i, [](PieceBounds& piece) { piece.speed = kNone; });
   return all;
 }
 

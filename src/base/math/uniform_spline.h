@@ -50,10 +50,10 @@ class UniformSpline {
   [[nodiscard]] Range values(int piece) const;
   [[nodiscard]] Range velocities(int piece) const;
 
-  /// Moves coefficients until no piece leaves the bounds. A bound that the samples at the ends of a
-  /// piece exceed themselves is widened there to what they need, so the correction never has to
-  /// move samples far: it removes what the spline adds between them. Each step projects the
-  /// coefficients onto the half-space in which the worst point of a piece keeps its bound.
+  /// Moves coefficients until no piece leaves the bounds. Each step projects the coefficients onto
+  /// the half-space in which the worst point of a piece keeps its bound. Where samples exceed a
+  /// bound themselves, the pieces within two of them have no such bound, so samples never move far:
+  /// the correction removes what the spline adds between them.
   SplineCorrection keep_inside(const SplineBounds& bounds);
 
  private:
