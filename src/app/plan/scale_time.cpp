@@ -27,7 +27,8 @@ constexpr double kAim = 0.95;      // Share of a limit that a slowed stretch may
 constexpr int kMaxRounds = 5;      // Solves with stretched time.
 constexpr double kMostSlower = 1.0 / kLeastTimeScale;
 // A limb that is this much farther from the human than without speed limits is distorted, degrees.
-constexpr double kDistorted = 3.0;
+// Where time is stretched already, it is stretched until little of that is left.
+constexpr double kDistorted = 3.0, kLittle = 1.0;
 // Limits act at this distance in time, seconds.
 constexpr double kActsWithin = 0.1;
 
@@ -215,15 +216,17 @@ class TimeScaleSearch {
 
   // Steps that are too fast without limits, and in which limits turn a limb away from the human.
   void find_distortions(const Motion& motion, std::vector<StepNeed>& needs) const {
-    constexpr double kLeastFirst = 1.15, kMostFirst = 1.5, kMore = 1.3;
+    constexpr double kStretched = 1.02, kLeastFirst = 1.15, kMostFirst = 1.5, kMore = 1.3;
     if (fast_.empty()) return;
     const std::vector<LimbErrors> errors = limb_errors(motion);
     for (int i = 0; i + 1 < motion.clip.frame_count(); ++i) {
       const double source = planner_.source_time(i);
       const std::size_t at = unslowed_frame(source, fast_.size());
       const double increase = largest_increase(free_[at], errors[static_cast<std::size_t>(i)]);
-      if (fast_[at].ratio <= 1.0 || increase <= kDistorted) continue;
-      const bool is_first = planner_.pace_at(source) < kLeastFirst;
+      const double pace = planner_.pace_at(source);
+      const double accepted = pace > kStretched ? kLittle : kDistorted;
+      if (fast_[at].ratio <= 1.0 || increase <= accepted) continue;
+      const bool is_first = pace < kLeastFirst;
       needs.push_back({i, StepNeed::kSpeed, increase,
                        is_first ? std::clamp(fast_[at].ratio, kLeastFirst, kMostFirst) : kMore,
                        fast_[at].cause});
@@ -237,7 +240,7 @@ class TimeScaleSearch {
   // A stretch is worth its time only if the limbs come nearer to the human than without it, or if
   // they stay as near and a torque falls.
   void give_back_what_does_not_help(const Motion& motion) {
-    constexpr double kGain = 0.1, kLoss = 0.2;  // Degrees.
+    constexpr double kGain = 0.3, kLoss = 0.2;  // Degrees.
     const auto decided = planner_.decision();
     if (!decided) return;
     const std::vector<LimbErrors> errors = limb_errors(motion);
