@@ -133,7 +133,7 @@ void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>&
     const int joint = robot.tree().links()[static_cast<std::size_t>(link)].joint;
     // A torque that rests above its limit needs another pose.
     if (moving <= 0.0 || resting >= kAim) continue;
-    needs.push_back({static_cast<int>(i), StepNeed::kTorque, ratio,
+    needs.push_back({static_cast<int>(i), StepNeed::kTorque, ratio - 1.0,
                      std::clamp(std::sqrt(moving / (kAim - resting)), 1.05, kMostSlower),
                      robot.joints()[static_cast<std::size_t>(joint)].name + " torque"});
   }
@@ -173,13 +173,14 @@ class TimeScaleSearch {
 
   [[nodiscard]] bool is_fit() const { return plan_.options.solve.method == Method::kFit; }
 
+  // Limits act on joints that are faster than this share of them.
+  static constexpr double kActs = 0.88;
+
   // Solves without speed limits if they act on the motion.
   Result<void> solve_freely(const Motion& usual) {
-    constexpr double kActs = 0.9;
     if (!is_fit()) return {};
-    const auto steps = fast_steps(usual.clip, [&](int joint) { return soft_speed(joint); });
-    const bool acts =
-        std::ranges::any_of(steps, [](const FastStep& step) { return step.ratio > kActs; });
+    const bool acts = std::ranges::any_of(fast_near(usual),
+                                          [](const FastStep& step) { return step.ratio > kActs; });
     if (!acts) return {};
     TRY_ASSIGN(const Motion free, solve_now(false));
     free_ = limb_errors(free);
@@ -187,6 +188,12 @@ class TimeScaleSearch {
         fast_steps(free.clip, [&](int joint) { return joint_speed_limit(plan_, joint); }),
         plan_.rate.fps());
     return {};
+  }
+
+  // By step: the speeds of a motion near it, relative to those from which the fit slows joints down.
+  [[nodiscard]] std::vector<FastStep> fast_near(const Motion& motion) const {
+    return fastest_near(fast_steps(motion.clip, [&](int joint) { return soft_speed(joint); }),
+                        plan_.rate.fps());
   }
 
   // The speed from which the fit slows a joint down.
@@ -206,7 +213,7 @@ class TimeScaleSearch {
           fast_steps(motion.clip, [&](int joint) { return joint_speed_limit(plan_, joint); });
       for (std::size_t i = 0; i < steps.size(); ++i) {
         if (steps[i].ratio <= 1.0) continue;
-        needs.push_back({static_cast<int>(i), StepNeed::kSpeed, steps[i].ratio,
+        needs.push_back({static_cast<int>(i), StepNeed::kSpeed, steps[i].ratio - 1.0,
                          steps[i].ratio / kAim, steps[i].cause});
       }
     }
@@ -219,7 +226,9 @@ class TimeScaleSearch {
     constexpr double kStretched = 1.02, kLeastFirst = 1.15, kMostFirst = 1.5, kMore = 1.3;
     if (fast_.empty()) return;
     const std::vector<LimbErrors> errors = limb_errors(motion);
+    const std::vector<FastStep> now = fast_near(motion);
     for (int i = 0; i + 1 < motion.clip.frame_count(); ++i) {
+      if (now[static_cast<std::size_t>(i)].ratio <= kActs) continue;
       const double source = planner_.source_time(i);
       const std::size_t at = unslowed_frame(source, fast_.size());
       const double increase = largest_increase(free_[at], errors[static_cast<std::size_t>(i)]);
