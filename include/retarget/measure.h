@@ -103,7 +103,8 @@ struct MeasuredSource {
   ResolvedConfig config;
   std::string config_file;  ///< Recorded name of the file.
   ScaleRule scale = ScaleRule::kTable;
-  std::optional<TravelReport> travel;  ///< As in Plan.
+  std::optional<TravelReport> travel;   ///< As in Plan.
+  std::optional<TimeScale> time_scale;  ///< As in Plan.
 };
 
 /// Errors: those of prepare_clip.

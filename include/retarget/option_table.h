@@ -269,6 +269,9 @@ inline constexpr const char* kGeneralGroup = "General";
 /// Parses a travel factor; nothing for `auto`.
 [[nodiscard]] Result<std::optional<double>> travel_from_text(const std::string& text);
 
+/// Parses a time scale; nothing for `auto`.
+[[nodiscard]] Result<std::optional<double>> time_scale_from_text(const std::string& text);
+
 /// The option rows of FitOptions. Rows are named like its members, terms with hyphens.
 [[nodiscard]] OptionTable fit_table(FitOptions& options);
 

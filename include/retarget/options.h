@@ -314,6 +314,8 @@ struct SolveOptions {
   /// Factor for the path over the ground of hips and planted feet, or `auto`: by speed. Empty: that
   /// of the preset, else 1.
   std::string travel;
+  /// `auto`: slow down where the motion exceeds limits; or a factor from 0.25 to 1. Empty: 1.
+  std::string time_scale;
   std::string limits;     ///< Limit set of the robot, or a JSON or MJCF file; empty: by method.
   std::string ik_config;  ///< `published`, `derived`, or a file; empty: chosen for the source.
   Method method = Method::kFit;
@@ -373,6 +375,9 @@ struct SaveOptions {
   std::string motion_name;                ///< PBHC: name of the motion; empty: from the file name.
   std::string contacts;   ///< Also write the planted feet to this CSV file; empty: do not.
   std::string scene_out;  ///< Also write the robot's scene to this file; empty: do not.
+  /// Also write a reference for controllers with this many samples per second; 0: do not.
+  double reference_rate = 0.0;
+  std::string reference;  ///< File of the reference, .npz or .csv; empty: beside the output.
 };
 
 /// All inputs of a motion other than the clip and the robot.

@@ -17,6 +17,7 @@
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "retarget/scene.h"
+#include "retarget/time_scale.h"
 
 namespace RETARGET_API retarget {
 
@@ -71,6 +72,9 @@ struct Plan {
   bool is_config_of_others = false;  ///< `config` was chosen because the clip is not LAFAN1.
   ScaleRule scale = ScaleRule::kLimbs;
   std::optional<TravelReport> travel;  ///< Set if the travel of `clip` is scaled.
+  /// How prepare_clip stretches time. With SolveOptions::time_scale `auto`, decide_time_scale finds
+  /// it, which solve() calls.
+  std::optional<TimeScale> time_scale;
   FitOptions fit;
   std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.
   std::vector<ObjectTrack> object_tracks;

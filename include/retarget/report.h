@@ -9,6 +9,7 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/human.h"
+#include "retarget/time_scale.h"
 
 namespace RETARGET_API retarget {
 
@@ -212,6 +213,7 @@ struct QualityReport {
   int source_frames = 0;  ///< Frames of the motion that the source covers.
   /// Set if the motion is compared with a source whose travel was scaled (SolveOptions::travel).
   std::optional<TravelReport> travel;
+  std::optional<TimeScale> time_scale;  ///< Set if time was stretched.
   std::optional<double>
       leg;  ///< Robot leg, hip to knee to ankle, metres; needs a source and a configuration.
   int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.

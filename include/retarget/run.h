@@ -161,6 +161,8 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 
 /// The travel (SolveOptions::travel, also that of a preset) recorded likewise; empty for none.
 [[nodiscard]] std::string recorded_travel(const std::string& path);
+/// The stretched time recorded likewise; empty for none.
+[[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);
 /// The option recorded likewise that moves a robot's scene away from its given, scaled place; empty
 /// for none.
 [[nodiscard]] std::string recorded_scene_move(const std::string& path);

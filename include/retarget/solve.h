@@ -55,7 +55,14 @@ struct Motion {
   std::vector<SolverFailure> solver_failures;
 };
 
-/// Cuts a plan's clip to the plan's part and resamples it to the motion's rate.
+/// Finds Plan::time_scale for SolveOptions::time_scale `auto` (docs/references.md): solves the
+/// motion without speed limits, slows down where it exceeds them, and repeats this until it does
+/// not. Other plans, and plans whose time scale is known, are returned unchanged. A motion within
+/// its limits gets no time scale.
+/// Errors: as solve().
+[[nodiscard]] Result<Plan> decide_time_scale(Plan plan, const SolveControl& control = {});
+
+/// Cuts a plan's clip to the plan's part, resamples it to the motion's rate and stretches its time.
 /// Errors (kInput): rates that give an implausible number of frames; a body kilometres away.
 [[nodiscard]] Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan);
 

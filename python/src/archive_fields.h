@@ -7,6 +7,7 @@
 #include "retarget/report.h"
 #include "retarget/scene.h"
 #include "retarget/solved_scene.h"
+#include "retarget/time_scale.h"
 #include "retarget/triangle_mesh.h"
 
 // Members of the library's structs, for archives. The functions are in the structs' namespace, where
@@ -38,6 +39,15 @@ void fields(Archive& archive, ContactPhase& phase) {
 template <typename Archive>
 void fields(Archive& archive, FootContacts& contacts) {
   archive(contacts.planted);
+}
+
+template <typename Archive>
+void fields(Archive& archive, SlowedStretch& stretch) {
+  archive(stretch.begin, stretch.end, stretch.factor, stretch.cause);
+}
+template <typename Archive>
+void fields(Archive& archive, TimeScale& scale) {
+  archive(scale.knot_time, scale.pace, scale.stretches, scale.left, scale.longer);
 }
 
 template <typename Archive>

@@ -13,6 +13,7 @@
 #include "handles.h"
 #include "keywords.h"
 #include "raise.h"
+#include "reference.h"
 #include "retarget/check_options.h"
 #include "retarget/motion_io.h"
 #include "retarget/option_table.h"
@@ -259,6 +260,12 @@ void bind_motion(nb::module_& module) {
                    "typing.Any]"),
            "The arrays of a tracking NPZ, as float64: joint_pos, joint_vel (T, N), body_pos_w, "
            "body_quat_w (wxyz), body_lin_vel_w, body_ang_vel_w (T, B, 3 or 4), fps and names.")
+      .def("reference", &reference_arrays, "rate"_a = 200.0,
+           nb::sig("def reference(self, rate: float = 200.0) -> dict[str, typing.Any]"),
+           "The motion for a controller, rate samples per second from 10 to 1000 "
+           "(docs/references.md): time, qpos, qvel, qacc (T, 7 + N or 6 + N), torque (T, N), "
+           "residual, com, com_vel, com_acc, angular_momentum, contacts (T, P), contact_pos, "
+           "contact_force (T, P, 3), limits and names; `notes` says what is beyond limits.")
       .def_prop_ro(
           "name", [](const MotionHandle& motion) { return text_of(motion.name); },
           "Name of the motion in reports: its file, or that of its source.")

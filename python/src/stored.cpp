@@ -130,7 +130,17 @@ Result<StoredPlan> stored_plan(const Plan& plan, const std::shared_ptr<const Cli
   all.fit = stored_rows(fit_table(options.solve.fit));
   all.fit_given = options.solve.fit_given;
   RETARGET_TRY_ASSIGN(all.decisions, decisions_of(plan));
+  all.time_scale = plan.time_scale;
   return all;
+}
+
+Result<void> check_time_scale(const TimeScale& scale) {
+  const auto is_pace = [](double pace) { return pace >= 1.0 && pace <= 1.0 / kLeastTimeScale; };
+  if (scale.knot_time >= 1e-3 && scale.knot_time <= 1e3 &&
+      std::ranges::all_of(scale.pace, is_pace)) {
+    return {};
+  }
+  return usage_failure("the pickle is damaged");
 }
 
 struct PlanAgain {
@@ -153,6 +163,10 @@ Result<PlanAgain> plan_again(const StoredPlan& stored) {
                           "the plan of the pickle cannot be made again: a file that its options "
                           "name, or a configuration of the robot, has changed",
                           "restore the file, or make the pickle again");
+  }
+  if (stored.time_scale) {
+    RETARGET_TRY(check_time_scale(*stored.time_scale));
+    plan.time_scale = stored.time_scale;
   }
   return PlanAgain{std::move(plan), std::move(robot), clip.shared()};
 }

@@ -16,7 +16,7 @@
 namespace retarget::python {
 
 /// Increases with every change of the stored members.
-inline constexpr std::string_view kStoredVersion = "retarget pickle 1\n";
+inline constexpr std::string_view kStoredVersion = "retarget pickle 2\n";
 
 struct StoredOption {
   std::string name;
@@ -59,11 +59,13 @@ struct StoredPlan {
   StoredOptions options, fit;
   std::vector<std::string> fit_given;
   std::string decisions;  // Their hash.
+  std::optional<TimeScale> time_scale;
 };
 
 template <typename Archive>
 void fields(Archive& archive, StoredPlan& plan) {
-  archive(plan.clip, plan.robot, plan.options, plan.fit, plan.fit_given, plan.decisions);
+  archive(plan.clip, plan.robot, plan.options, plan.fit, plan.fit_given, plan.decisions,
+          plan.time_scale);
 }
 
 struct StoredSolution {

@@ -107,6 +107,22 @@ def test_tracking_arrays_are_those_of_the_file(walked: retarget.Motion, tmp_path
         assert arrays["fps"] == 40.0 == file["fps"][0]
 
 
+def test_reference_arrays_are_those_of_the_file(walked: retarget.Motion, tmp_path: Path) -> None:
+    walked.save(tmp_path / "walk.csv", reference_rate=125)
+    arrays = walked.reference(125)
+    with np.load(tmp_path / "walk.reference.npz") as file:
+        for name in file.files:
+            np.testing.assert_array_equal(np.asarray(arrays[name]).ravel(), file[name].ravel(),
+                                          name)
+        assert set(arrays) == {*file.files, "notes"}
+    assert arrays["qvel"].shape == (len(arrays["time"]), 35)
+    steps = np.diff(arrays["qpos"][:, 7:], axis=0) * 125
+    middle = 0.5 * (arrays["qvel"][1:, 6:] + arrays["qvel"][:-1, 6:])
+    assert np.abs(steps - middle).max() < 0.05
+    with pytest.raises(retarget.UsageError, match="from 10 to 1000"):
+        walked.reference(5)
+
+
 def test_motions_are_read_again(walked: retarget.Motion, g1: retarget.Robot,
                                 tmp_path: Path) -> None:
     for ending in ("csv", "npz", "pkl"):

@@ -99,6 +99,8 @@ OPTIONS = {
     "fit": {},
     "gmr": {"method": "gmr", "limits": "gmr", "fps": "source"},
     "tracking": {"for_": "tracking", "format": "npz-mjlab", "start": 0.5},
+    "slower": {"time_scale": 0.8},
+    "slowed": {"time_scale": "auto", "fit": {"max_joint_speed": 3.0}},
     "weights": {"fit": {"contact_weight": 500.0, "floor": False}, "without": ["speed"],
                 "precision": 9},
 }

@@ -37,6 +37,8 @@ bool is_of_human(const ConvertArguments& arguments) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (to_text(rows[i].get()) != to_text(defaults[i].get())) return false;
   }
+  // Only robots have references.
+  if (arguments.save.reference_rate > 0.0 || !arguments.save.reference.empty()) return false;
   const auto items = plan_outputs(arguments.output, arguments.save);
   return items && items->size() == 1 && items->front().format == MotionFormat::kGlb;
 }

@@ -6,7 +6,9 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/option_table.h"
+#include "retarget/reference.h"
 #include "retarget/text.h"
+#include "retarget/time_scale.h"
 
 namespace retarget {
 namespace {
@@ -63,6 +65,11 @@ Result<std::string> checked_travel(const std::string& text) {
   return text;
 }
 
+Result<std::string> checked_time_scale(const std::string& text) {
+  if (!text.empty()) TRY(time_scale_from_text(text));
+  return text;
+}
+
 std::string rate_text(const std::optional<double>& fps) {
   return fps ? fmt::format("{}", *fps) : "source";
 }
@@ -91,6 +98,13 @@ Result<std::optional<double>> travel_from_text(const std::string& text) {
   if (const auto factor = number_in(text, kMinTravel, kMaxTravel)) return factor;
   return usage_failure(fmt::format("expected a number from {} to {} or `auto`, found \"{}\"",
                                    kMinTravel, kMaxTravel, text));
+}
+
+Result<std::optional<double>> time_scale_from_text(const std::string& text) {
+  if (text == "auto") return std::optional<double>();
+  if (const auto factor = number_in(text, kLeastTimeScale, 1.0)) return factor;
+  return usage_failure(
+      fmt::format("expected a number from {} to 1 or `auto`, found \"{}\"", kLeastTimeScale, text));
 }
 
 Option memory_row(double& memory_gb) {
@@ -256,7 +270,12 @@ OptionTable purpose_table(SolveOptions& options) {
                   "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
                   "heights, turns and times stay. auto: 1 for a slow walk, 0.85 for a run, by the "
                   "Froude number of the robot's legs (default: 1)",
-                  plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true})};
+                  plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true}),
+      text_option("time-scale", options.time_scale, kTimeGroup, "S|auto",
+                  "Speed of the motion relative to the source, 0.25 to 1. auto: slow down only "
+                  "where joints exceed their speed limits, or with " OPTION(
+                      "with") " dynamics their torque limits (docs/references.md; default: 1)",
+                  plain_text, checked_time_scale, {.uses = kJudged, .recorded_if_given = true})};
 }
 
 }  // namespace
@@ -359,7 +378,19 @@ OptionTable save_table(SaveOptions& options) {
       option("scene-out", options.scene_out, kOutputGroup, "FILE",
              "Also write the scene scaled to the robot: .xml is the robot with its scene as MJCF, "
              ".json the scene alone, .obj its static bodies",
-             {.uses = OptionUse::kOneClip})};
+             {.uses = OptionUse::kOneClip}),
+      option("reference-rate", options.reference_rate, kOutputGroup, "N",
+             "Also write a reference for controllers with N samples per second, 10 to 1000: "
+             "positions, velocities, accelerations, contacts, forces and torques "
+             "(docs/references.md)",
+             {.min = kMinReferenceRate,
+              .max = kMaxReferenceRate,
+              .decides = false,
+              .uses = OptionUse::kOneClip}),
+      option("reference", options.reference, kOutputGroup, "FILE",
+             "Name of the reference, .npz or .csv (default: the output's name with "
+             ".reference.npz; 200 samples per second unless " OPTION("reference-rate") " is given)",
+             {.decides = false, .uses = OptionUse::kOneClip})};
 }
 
 OptionTable run_table(Run& run) {

@@ -114,6 +114,11 @@ Result<void> check_solving_options(const Options& options) {
     return usage_failure(OPTION("for") " and " OPTION("travel") " require " OPTION("method") " fit",
                          "omit " OPTION("method"));
   }
+  if (!solve.time_scale.empty()) {
+    if (const auto scale = time_scale_from_text(solve.time_scale); !scale) {
+      return usage_failure(OPTION("time-scale") ": " + scale.error().message);
+    }
+  }
   if (!solve.travel.empty()) {
     if (const auto travel = travel_from_text(solve.travel); !travel) {
       return usage_failure(OPTION("travel") ": " + travel.error().message);

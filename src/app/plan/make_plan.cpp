@@ -10,11 +10,13 @@
 #include "app/plan/check_scene_fit.h"
 #include "app/plan/clean_source.h"
 #include "app/plan/follow_arms.h"
+#include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"
 #include "app/plan/vary_scene.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
+#include "motion/time_warp.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/clip_range.h"
@@ -140,7 +142,9 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
 
 std::int64_t Plan::frame_count() const {
   const FrameRate& source = clip ? clip->rate() : rate;
-  return resampled_frame_count(part.end - part.begin, source, rate);
+  const std::int64_t frames = resampled_frame_count(part.end - part.begin, source, rate);
+  const bool stretched = time_scale && !time_scale->pace.empty();
+  return stretched ? warped_frame_count(*time_scale, rate, frames) : frames;
 }
 
 Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options) {
@@ -175,6 +179,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   TRY(vary_scene(clip, plan));
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));
+  TRY(set_time_scale(plan));
   TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},
                  options.source.memory_gb, options.save));
   return plan;

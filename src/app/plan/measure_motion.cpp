@@ -60,9 +60,11 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
   source.scale = plan.scale;
   source.travel = plan.travel;
+  source.time_scale = plan.time_scale;
   source.map = plan.human.map;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
-  if (plan.lead_in_frames == 0) return source;
+  // Stretched time starts with the used part.
+  if (plan.lead_in_frames == 0 || plan.time_scale) return source;
   plan.part.begin = 0;
   TRY_ASSIGN(source.human_with_lead_in,
              human_of(plan, source.fingers_with_lead_in, source.scene_with_lead_in));
@@ -97,6 +99,7 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
   measure.source_frames = human->frame_count;
   measure.report.source = source->name;
   measure.report.travel = source->travel;
+  measure.report.time_scale = source->time_scale;
   measure.report.config = source->config_file;
   return measure;
 }
@@ -149,6 +152,7 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);
   report.travel = plan.travel;
+  report.time_scale = plan.time_scale;
   report.fit = motion.fit;
   gates.judge(report);
   return report;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/plan/motion_target.h"
+#include "app/plan/reference_file.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/registry/format.h"
@@ -30,10 +31,12 @@ struct SavedMotion {
   std::optional<FootContacts> contacts;
   std::optional<SceneClip> scene;
   std::optional<ContactLabels> labels;
+  const LimitSet* limits;  // Null: the robot's default set.
 };
 
 Result<void> save_with(SavedMotion motion, const std::string& output, const SaveOptions& options) {
   TRY_ASSIGN(const auto items, plan_outputs(output, options));
+  TRY_ASSIGN(const std::string reference, reference_path(output, options));
   WriteMotionOptions write = write_options(output, options);
   write.human = std::move(motion.human);
   write.contacts = std::move(motion.contacts);
@@ -58,6 +61,10 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
     TRY_ASSIGN(auto file, write_scene(options.scene_out, moved, write.scene));
     others.push_back(std::move(file));
   }
+  if (!reference.empty()) {
+    TRY_ASSIGN(auto made, write_reference(reference, moved, write, options, motion.limits));
+    others.push_back(std::move(made.file));
+  }
   // Commit all files together after they are written.
   for (MotionTarget& target : targets) TRY(target.commit());
   for (OutputFile& file : others) TRY(file.commit());
@@ -67,13 +74,16 @@ Result<void> save_with(SavedMotion motion, const std::string& output, const Save
 }  // namespace
 
 Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
-  return save_with({clip, std::nullopt, std::nullopt, std::nullopt, std::nullopt}, output, options);
+  return save_with({clip, std::nullopt, std::nullopt, std::nullopt, std::nullopt, nullptr}, output,
+                   options);
 }
 
 Result<void> save(const Motion& motion, const std::string& output,
                   const std::optional<SaveOptions>& options) {
-  SavedMotion saved{motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
-                    contacts_of(motion), std::nullopt, std::nullopt};
+  SavedMotion saved{
+      motion.clip,         human_in_world(*motion.source, motion.plan.human.calibration),
+      contacts_of(motion), std::nullopt,
+      std::nullopt,        &motion.plan.limits};
   if (motion.scene) {
     saved.scene = motion.scene->clip;
     saved.labels = contact_labels(motion);

@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"
 #include "base/located.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "motion/time_warp.h"
 #include "retarget/machine.h"
 #include "retarget/resample.h"
 #include "retarget/scene.h"
@@ -77,7 +79,7 @@ void write_hands(const HandTrack& hands, Motion& motion) {
 }
 
 Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>& scene,
-                       const SolveControl& control, Motion& motion) {
+                       const SolveControl& control, bool limit_speeds, Motion& motion) {
   FitOptions options = plan.fit;
   if (options.threads == 0) {
     options.threads = control.threads > 0 ? control.threads : usable_cores();
@@ -91,6 +93,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   }
   run.scene = scene.get();
   run.object_motion = plan.options.solve.object_motion;
+  run.limit_speeds = limit_speeds;
   const HandTrack hands = hand_track(plan, *motion.source);
   if (!hands.empty() && motion.source->frame_count() > 0) {
     run.held = plan.robot.robot->zero_configuration();
@@ -150,18 +153,27 @@ Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
     }
     clip = std::make_shared<const Clip>(std::move(part));
   }
+  if (plan.time_scale && !plan.time_scale->pace.empty()) {
+    clip = std::make_shared<const Clip>(warp_time(*clip, *plan.time_scale));
+  }
   TRY(check_place(*clip, plan));
   return clip;
 }
 
 Result<Motion> solve(Plan plan, const SolveControl& control) {
+  TRY_ASSIGN(plan, decide_time_scale(std::move(plan), control));
+  return solve_in_time(std::move(plan), control, true);
+}
+
+Result<Motion> solve_in_time(Plan plan, const SolveControl& control, bool limit_speeds) {
   Motion motion;
   TRY_ASSIGN(motion.source, prepare_clip(plan));
   TRY_ASSIGN(const auto scene, human_surroundings(plan, *motion.source));
   // The original clip is not needed any more; release its memory.
   plan.clip = nullptr;
   const bool is_fit = plan.options.solve.method == Method::kFit;
-  TRY(is_fit ? solve_fit(plan, scene, control, motion) : solve_frames(plan, control, motion));
+  TRY(is_fit ? solve_fit(plan, scene, control, limit_speeds, motion)
+             : solve_frames(plan, control, motion));
   motion.plan = std::move(plan);
   return motion;
 }

@@ -10,6 +10,7 @@
 #include "retarget/check_options.h"
 #include "retarget/plan.h"
 #include "retarget/resample.h"
+#include "retarget/solve.h"
 #include "retarget/text.h"
 
 namespace retarget {
@@ -17,10 +18,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Stretches the time of the source as the sidecar of the motions records it, unless an option gives
+// a factor. Without a record, `auto` is decided again.
+Result<void> choose_time_scale(const std::vector<std::string>& motions, Plan& plan,
+                               Observer& observer) {
+  if (plan.time_scale || motions.empty()) return {};
+  plan.time_scale = recorded_time_scale(motions.front());
+  if (plan.time_scale) {
+    observer.line("slowed", number_text(plan.time_scale->longer, 2) +
+                                " s longer, as the sidecar of " + motions.front() + " records it");
+    return {};
+  }
+  TRY_ASSIGN(plan, decide_time_scale(std::move(plan)));
+  return {};
+}
+
 Result<void> add_source(const MeasureRequest& request, const Run& run, LoadedRobot robot,
                         Measures& measures, Observer& observer) {
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   TRY_ASSIGN(Plan plan, read_and_plan(run, request.of_source, setup, observer));
+  TRY(choose_time_scale(request.motions, plan, observer));
   // Restores the tasks of bones that the human lacks, which the plan leaves out: they are measured
   // as well.
   plan.config = setup.config_for(plan.human);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
+#include "app/plan/reference_file.h"
 #include "base/try.h"
 #include "retarget/hash.h"
 #include "retarget/text.h"
@@ -157,6 +158,7 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(
   outputs->in_memory_ = in_memory;
   TRY_ASSIGN(outputs->items_, plan_outputs(output, options));
   outputs->write_options_ = write_options(output, options);
+  TRY_ASSIGN(outputs->reference_, reference_path(output, options));
   for (const OutputItem& item : outputs->items_) {
     outputs->sinks_.push_back(nullptr);
     if (!is_csv(item.format)) {
@@ -243,12 +245,18 @@ Result<void> MotionOutputs::write_beside(const OutputMotion& motion) {
                                          motion.labels));
     sidecars_.push_back(std::move(file));
   }
+  if (options_.scene_out.empty() && reference_.empty()) return {};
+  RobotClip moved = *motion.clip;
+  WriteMotionOptions write = with_surroundings(write_options_, motion);
+  if (options_.normalize_start) normalize_start(moved, write);
   if (!options_.scene_out.empty()) {
-    RobotClip moved = *motion.clip;
-    WriteMotionOptions write = with_surroundings(write_options_, motion);
-    if (options_.normalize_start) normalize_start(moved, write);
     TRY_ASSIGN(auto file, write_scene(options_.scene_out, moved, write.scene));
     sidecars_.push_back(std::move(file));
+  }
+  if (!reference_.empty()) {
+    TRY_ASSIGN(auto made, write_reference(reference_, moved, write, options_, motion.limits));
+    sidecars_.push_back(std::move(made.file));
+    lines_ = std::move(made.lines);
   }
   return {};
 }
@@ -310,6 +318,7 @@ Result<std::vector<WrittenFile>> write_motion(const RobotClip& clip,
   for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
   const OutputMotion written{&clip, std::nullopt, contacts};
   TRY_ASSIGN(auto files, outputs->finish({&written, 1}));
+  observer.lines(outputs->lines());
   warn_of_losses(clip, files, observer);
   observer.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
                              " at " + to_text(clip.rate()) + " fps");

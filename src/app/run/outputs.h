@@ -88,6 +88,7 @@ struct OutputMotion {
   std::optional<FootContacts> contacts;           ///< Empty if unknown.
   std::optional<SceneClip> scene = std::nullopt;  ///< Of the robot; empty: none.
   std::optional<ContactLabels> labels = std::nullopt;  ///< Contacts in the scene.
+  const LimitSet* limits = nullptr;  ///< Joint ranges for a reference; null: the robot's default.
 };
 
 /// Formats the sidecar of a file.
@@ -119,6 +120,9 @@ class MotionOutputs {
                                                         const SidecarText& sidecar = {},
                                                         std::vector<Error>* left_out = nullptr);
 
+  /// Lines for the summary about the reference, after finish().
+  [[nodiscard]] const std::vector<SummaryLine>& lines() const { return lines_; }
+
  private:
   MotionOutputs() = default;
   Result<void> write_others(std::span<const OutputMotion> motions, std::vector<Error>* left_out);
@@ -131,7 +135,9 @@ class MotionOutputs {
   std::vector<OutputItem> items_;
   std::vector<std::unique_ptr<CsvSink>> sinks_;      // By item; null: not a CSV.
   std::vector<std::optional<MotionTarget>> others_;  // By item; nothing: a CSV.
-  std::vector<OutputFile> sidecars_;                 // Includes the files of contacts and scene.
+  std::vector<OutputFile> sidecars_;  // Includes the files of contacts, scene and reference.
+  std::string reference_;             // Path of the reference; empty: none.
+  std::vector<SummaryLine> lines_;
   std::vector<WrittenFile> written_;
 };
 

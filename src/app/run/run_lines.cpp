@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "app/plan/reference_file.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -326,6 +327,8 @@ Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::
   }
   TRY(written.take(run.options.save.contacts));
   TRY(written.take(run.options.save.scene_out));
+  TRY_ASSIGN(const std::string reference, reference_path(run.output, run.options.save));
+  TRY(written.take(reference));
   for (const OutputItem& item : items) {
     TRY(written.take(item.path));
     if (!sidecar) continue;

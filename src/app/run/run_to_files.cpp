@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
+#include "app/plan/reference_file.h"
+#include "app/plan/scale_time.h"
 #include "app/run/sidecar.h"
 #include "base/located.h"
 #include "base/try.h"
@@ -58,6 +60,23 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
                               " IK steps per frame");
   if (observer.is_read() && outputs != nullptr) observer.lines(limit_lines(*motion));
   return motion;
+}
+
+// Finds where the motion has to be slower, if the options ask for it, once for all rates.
+Result<Plan> scale_observed(Plan plan, const RunRequest& request, Observer& observer) {
+  const bool is_known = plan.time_scale.has_value();
+  SolveControl control;
+  control.threads = request.threads;
+  control.keep_going = [&](const Progress& progress) {
+    observer.progress(progress);
+    return !observer.is_stopped();
+  };
+  auto scaled = decide_time_scale(std::move(plan), control);
+  observer.end_progress();
+  if (scaled && scaled->time_scale && !is_known) {
+    observer.lines(time_scale_lines(*scaled->time_scale));
+  }
+  return scaled;
 }
 
 // Adds the failures of a motion at another rate to the first motion, whose verdict is the run's.
@@ -134,6 +153,7 @@ std::vector<OutputMotion> output_motions(const std::vector<SolvedMotion>& solved
   for (const auto& [motion, quality] : solved) {
     motions.push_back({&motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
                        contacts_of(motion)});
+    motions.back().limits = &motion.plan.limits;
     if (!motion.scene) continue;
     motions.back().scene = motion.scene->clip;
     motions.back().labels = contact_labels(motion);
@@ -193,7 +213,10 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
   for (const WrittenFile& file : outcome.motions) {
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }
-  for (const std::string& file : {run.options.save.contacts, run.options.save.scene_out}) {
+  observer.lines(outputs.lines());
+  TRY_ASSIGN(const std::string reference, reference_path(run.output, run.options.save));
+  for (const std::string& file :
+       {run.options.save.contacts, run.options.save.scene_out, reference}) {
     if (!file.empty()) outcome.others.push_back(file);
   }
   if (report) TRY(report->commit());
@@ -242,6 +265,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   observer.lines(plan.robot_lines());
   // An interrupt now stops the run between two frames and leaves no files behind.
   const auto interrupts = observer.hold_interrupts();
+  TRY_ASSIGN(plan, scale_observed(std::move(plan), request, observer));
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));
   TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));

@@ -54,6 +54,47 @@ Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
   return {};
 }
 
+// The pace from its first coefficient above 1 to its last.
+Json time_scale_json(const TimeScale& scale) {
+  const auto slowed = [](double pace) { return pace > 1.0; };
+  const auto first = std::ranges::find_if(scale.pace, slowed);
+  auto last = scale.pace.end();
+  while (last != first && !slowed(*(last - 1))) --last;
+  return {{"knot_s", scale.knot_time},
+          {"first_knot", first - scale.pace.begin()},
+          {"pace", std::vector<double>(first, last)},
+          {"longer_s", scale.longer}};
+}
+
+double number_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? found->get<double>() : -1.0;
+}
+
+// The same read back; damaged members count as absent.
+std::optional<TimeScale> time_scale_from(const Json& found) {
+  constexpr double kMaxKnots = 1e6;
+  const auto json = found.find("time_scale");
+  if (json == found.end() || !json->is_object()) return std::nullopt;
+  const double knot_time = number_of(*json, "knot_s");
+  const double first = number_of(*json, "first_knot");
+  const auto pace = json->find("pace");
+  if (!(knot_time >= 1e-3 && knot_time <= 1e3) || !(first >= 0.0 && first <= kMaxKnots) ||
+      pace == json->end() || !pace->is_array()) {
+    return std::nullopt;
+  }
+  TimeScale scale;
+  scale.knot_time = knot_time;
+  scale.longer = number_of(*json, "longer_s");
+  scale.pace.assign(static_cast<std::size_t>(first), 1.0);
+  for (const Json& each : *pace) {
+    const double value = each.is_number() ? each.get<double>() : 0.0;
+    if (!(value >= 1.0 && value <= 1.0 / kLeastTimeScale)) return std::nullopt;
+    scale.pace.push_back(value);
+  }
+  return scale;
+}
+
 // Facts detected in the motion or chosen for it.
 Json found_json(const Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
@@ -71,6 +112,7 @@ Json found_json(const Plan& plan) {
     found["travel"] = {
         {"factor", travel->factor}, {"least", travel->least}, {"greatest", travel->greatest}};
   }
+  if (plan.time_scale) found["time_scale"] = time_scale_json(*plan.time_scale);
   found["limits"] = plan.limits.name;
   found["fps"] = plan.rate.fps();
   found["lead_in_frames"] = plan.lead_in_frames;
@@ -186,6 +228,7 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     if (const auto fps = found->find("fps"); fps != found->end() && fps->is_number()) {
       sidecar.fps = fps->get<double>();
     }
+    sidecar.time_scale = time_scale_from(*found);
   }
   // Sidecars from before these options existed describe runs that used all frames, uncleaned.
   sidecar.run.options.part.lead_in = LeadIn::kKeep;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "retarget/options.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"
+#include "retarget/time_scale.h"
 
 namespace retarget {
 
@@ -40,8 +42,9 @@ struct Sidecar {
   std::string hash;     ///< Hash of that file.
   double fps = 0.0;     ///< Frame rate of its motion; 0: not recorded.
   Run run;
-  bool mirror = false;          ///< RunRequest::mirror.
-  std::vector<ReadFile> files;  ///< Their paths are unknown.
+  bool mirror = false;                  ///< RunRequest::mirror.
+  std::optional<TimeScale> time_scale;  ///< Plan::time_scale.
+  std::vector<ReadFile> files;          ///< Their paths are unknown.
 };
 
 /// Parses a sidecar. Errors (kInput): the text is not a sidecar, or its options are invalid.

@@ -217,6 +217,11 @@ std::string recorded_travel(const std::string& path) {
   return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();
 }
 
+std::optional<TimeScale> recorded_time_scale(const std::string& path) {
+  const auto sidecar = own_sidecar(path);
+  return sidecar ? sidecar->time_scale : std::nullopt;
+}
+
 std::string recorded_scene_move(const std::string& path) {
   const auto sidecar = own_sidecar(path);
   if (!sidecar) return {};

@@ -141,6 +141,24 @@ Json json_of(const TravelReport& travel) {
   return {{"factor", travel.factor}, {"least", travel.least}, {"greatest", travel.greatest}};
 }
 
+Json json_of(const std::vector<SlowedStretch>& stretches) {
+  Json json = Json::array();
+  for (const SlowedStretch& stretch : stretches) {
+    json.push_back({{"begin", stretch.begin},
+                    {"end", stretch.end},
+                    {"factor", stretch.factor},
+                    {"cause", stretch.cause}});
+  }
+  return json;
+}
+
+Json json_of(const TimeScale& scale) {
+  return {{"least", scale.least_factor()},
+          {"longer_s", scale.longer},
+          {"stretches", json_of(scale.stretches)},
+          {"not_slowed", json_of(scale.left)}};
+}
+
 void add_verdict(Json& json, const QualityReport& report) {
   json["passed"] = report.passed();
   json["gates"] = Json::array();
@@ -175,6 +193,7 @@ Json json_of(const QualityReport& report) {
   json["source_frames"] = report.source_frames;
   json["mapping"] = report.config.empty() ? Json() : Json(report.config);
   if (report.travel) json["travel"] = json_of(*report.travel);
+  if (report.time_scale) json["time_scale"] = json_of(*report.time_scale);
   json["leg_m"] = json_of(report.leg);
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},

@@ -86,6 +86,7 @@ void InverseDynamics::weigh_links(const TreeState& state) {
   }
   if (inertias_->mass > 0.0) com_ /= inertias_->mass;
   angular_momentum_.setZero();
+  com_velocity_.setZero();
   for (std::size_t i = 0; i < motions_.size(); ++i) {
     const LinkInertia& inertia = inertias_->links[i];
     const LinkMotion& motion = motions_[i];
@@ -98,8 +99,11 @@ void InverseDynamics::weigh_links(const TreeState& state) {
                                            w.cross(w.cross(com)));
     wrenches_[i] = {force, com.cross(force) + about_com * motion.angular_rate + w.cross(spin)};
     const Vector3d lever = state.world_from_link[i].translation + com - com_;
-    angular_momentum_ += spin + inertia.mass * lever.cross(motion.velocity + w.cross(com));
+    const Vector3d velocity = motion.velocity + w.cross(com);
+    angular_momentum_ += spin + inertia.mass * lever.cross(velocity);
+    com_velocity_ += inertia.mass * velocity;
   }
+  if (inertias_->mass > 0.0) com_velocity_ /= inertias_->mass;
 }
 
 void InverseDynamics::add_loads(const TreeState& state, std::span<const LinkLoad> loads) {

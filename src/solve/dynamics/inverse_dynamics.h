@@ -48,6 +48,8 @@ class InverseDynamics {
   /// Centre of mass of the whole robot, world, m, and its acceleration, m/s^2.
   [[nodiscard]] const Eigen::Vector3d& com() const { return com_; }
   [[nodiscard]] Eigen::Vector3d com_acceleration() const;
+  /// Velocity of the centre of mass, world, m/s.
+  [[nodiscard]] const Eigen::Vector3d& com_velocity() const { return com_velocity_; }
   /// The external wrench that the movement needs, about the centre of mass: m (c'' + g), the rate of
   /// the angular momentum, and the wrench of the loads. Ignores the spin of rotors.
   [[nodiscard]] const Wrench& needed() const { return needed_; }
@@ -76,6 +78,7 @@ class InverseDynamics {
                                   // origin.
   std::vector<double> forces_;
   Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d com_velocity_ = com_;
   Eigen::Vector3d angular_momentum_ = com_;
   Eigen::Vector3d load_ = com_;  // Sum of the loads' forces.
   Wrench needed_;

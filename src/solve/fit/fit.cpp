@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <thread>
@@ -127,7 +128,12 @@ class Fit {
         config_(config),
         limits_(limits),
         options_(options_for(*robot, options)),
-        run_(run) {}
+        run_(run) {
+    if (run.limit_speeds) return;
+    constexpr double kAnySpeed = 1e6;  // rad/s.
+    options_.speed = false;
+    options_.max_joint_speed = options_.max_joint_step = kAnySpeed;
+  }
 
   Result<FitResult> run();
 
@@ -426,6 +432,9 @@ Result<FitResult> Fit::run() {
   sides_ = sides_with_feet(info);
   model_ = make_fit_model(*robot_, config_, limits_, target_of_bone, options_, sides_);
   if (limbs) model_.leg = limbs->lengths.leg;
+  if (!run_.limit_speeds) {
+    model_.speed_limit.assign(model_.speed_limit.size(), std::numeric_limits<double>::infinity());
+  }
   hold_joints();
   FitReport& report = result.report;
   note_missing_feet(*robot_, sides_, report);

@@ -46,6 +46,9 @@ struct FitRun {
   /// the source or the robot it is ignored.
   const SceneWorld* scene = nullptr;
   ObjectMotion object_motion = ObjectMotion::kGiven;
+  /// Whether joints keep their speed limits, FitOptions::max_joint_speed and ::max_joint_step. False
+  /// shows how fast the human's movement would be.
+  bool limit_speeds = true;
 };
 
 /// Retargets a whole clip (docs/fit.md):

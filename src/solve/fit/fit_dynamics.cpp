@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solve/dynamics/ankle_reach.h"
 #include "solve/fit/shorthand.h"
 
 namespace retarget {
@@ -58,6 +59,9 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       rest_before_(at(count_), 0.0),
       share_(at(count_), 1.0),
       spin_rows_(3, count_ * model.dof_count()) {
+  // Accelerations add to the weight, and several feet do not share it equally.
+  constexpr double kOnOne = 1.1, kOnSeveral = 0.65;
+  sole_contacts_ = {soles_within_reach(kOnOne), soles_within_reach(kOnSeveral)};
   if (!clip.scene) return;
   scene_.emplace(clip.scene->world, window.begin, window.end);
   for (const FitFoot& foot : model.feet) {
@@ -71,6 +75,27 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       points_.push_back({static_cast<int>(link), point.position, point.radius, false});
     }
   }
+}
+
+// Soles shrink towards their middle, and to where the ankles can hold the robot.
+// @param load  on a foot, in weights.
+FitDynamics::SolePoints FitDynamics::soles_within_reach(double load) const {
+  const double force = load * scale_.mass * kGravity;
+  SolePoints soles;
+  for (const FitFoot& foot : model_.feet) {
+    const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
+    const Vector3d length = foot.ends[1].middle - foot.ends[0].middle;
+    const Vector3d normal = length.cross(foot.sideways).normalized();
+    auto& places = soles.emplace_back();
+    for (std::size_t e = 0; e < foot.ends.size(); ++e) {
+      for (const Vector3d& corner : foot.ends[e].points) {
+        const Vector3d shrunk = corner + options_.sole_shrink * (middle - corner);
+        places[e].push_back(
+            within_ankle_reach(model_.tree, model_.torque_limit, foot.link, normal, force, shrunk));
+      }
+    }
+  }
+  return soles;
 }
 
 double FitDynamics::begin(const FitClip& clip) {
@@ -218,16 +243,20 @@ void FitDynamics::keep_outermost_contacts(int t, std::vector<FitContact>& contac
 void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
                            std::vector<FitContact>& contacts) const {
   const auto goals = clip.feet.ends_of(window_.begin + t);
+  std::size_t standing = 0;
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    if (goals[2 * f].phase >= 0 || goals[2 * f + 1].phase >= 0) ++standing;
+  }
+  const SolePoints& soles = sole_contacts_[standing > 1 ? 1 : 0];
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
-    const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
     for (std::size_t e = 0; e < foot.ends.size(); ++e) {
       const bool planned = goals[2 * f + e].phase >= 0;
-      for (const Vector3d& corner : foot.ends[e].points) {
-        const SupportPoint point{foot.link, corner, 0.0, true};
+      for (std::size_t i = 0; i < foot.ends[e].points.size(); ++i) {
+        const SupportPoint point{foot.link, foot.ends[e].points[i], 0.0, true};
         if (!planned && !touches(point, height, speed)) continue;
         contacts.push_back({point, {}});
-        contacts.back().point.in_link += options_.sole_shrink * (middle - corner);
+        contacts.back().point.in_link = soles[f][e][i];
       }
     }
   }

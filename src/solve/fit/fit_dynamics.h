@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -58,6 +59,9 @@ class FitDynamics {
   void moved(int frame, std::span<const double> step);
 
  private:
+  // By foot and end, in the frame of the foot's link.
+  using SolePoints = std::vector<std::array<std::vector<Eigen::Vector3d>, 2>>;
+
   void read_frames(const FitClip& clip);
   [[nodiscard]] double missing_share() const;
   [[nodiscard]] int frames_within(double seconds) const;
@@ -76,6 +80,8 @@ class FitDynamics {
   void find_trust();
   void restrain(std::vector<Vector6d>& moves);
 
+  [[nodiscard]] SolePoints soles_within_reach(double load) const;
+
   const FitModel& model_;
   const FitOptions& options_;
   const FitWindow& window_;
@@ -89,6 +95,8 @@ class FitDynamics {
   std::vector<std::vector<FitContact>> contacts_;
   std::vector<std::vector<ContactPlace>> contact_places_;
   std::optional<SceneSupports> scene_;
+  // Points of the soles that may bear the robot, while one foot stands and while several do.
+  std::array<SolePoints, 2> sole_contacts_;
   std::vector<SupportPoint> points_;  // That may touch bodies of the scene.
   std::vector<LinkLoad> loads_;
   std::vector<Eigen::Vector3d> com_, first_com_;

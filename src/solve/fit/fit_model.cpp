@@ -10,6 +10,7 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "robot/model/sole_ends.h"
+#include "solve/dynamics/support_tracks.h"
 
 namespace retarget {
 namespace {
@@ -88,6 +89,7 @@ void ModelMaker::add_dofs() {
     model_.upper.push_back(limits_.upper[joint]);
     model_.speed_limit.push_back(robot_.speed_limit(joint));
   }
+  model_.torque_limit = torque_limits_of(robot_);
 }
 
 int ModelMaker::link_of_bone(Bone bone) const {

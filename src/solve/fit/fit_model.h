@@ -100,8 +100,9 @@ struct FitModel {
   /// Limits by degree of freedom; infinite for a moving root, 0 for a fixed base.
   std::vector<double> lower, upper;
   bool base_is_held = false;
-  std::vector<double> speed_limit;  ///< By degree of freedom, rad/s or m/s; infinite if unlimited.
-  std::vector<double> smoothness;   ///< Weight by degree of freedom, per rad/s or m/s.
+  std::vector<double> speed_limit;   ///< By degree of freedom, rad/s or m/s; infinite if unlimited.
+  std::vector<double> torque_limit;  ///< By link, N m or N; infinite if unknown.
+  std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
   std::vector<FitTask> tasks;
   std::vector<FitFoot> feet;
   std::vector<SupportBody> supports;                  ///< Other bodies that may support the robot.

@@ -1,0 +1,134 @@
+"""`--time-scale`: slower motions, what they keep, reports, sidecars and what refuses it."""
+
+import json
+import unittest
+
+from tool import ToolTest, read_rows, sample
+
+# Three times as fast, for joints that are slower than the G1's.
+FAST = ("--source-fps", "90", "--fit-config", "slow_joints.json")
+
+
+class TimeScaleTest(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write("slow_joints.json", json.dumps({"max_joint_speed": 4.0}))
+
+    def run_sample(self, name, output, *arguments):
+        self.assert_done(self.retarget("-q", *arguments, bvh=sample(name), output=output))
+        return (self.folder / output).read_bytes()
+
+    def rows(self, name):
+        return read_rows((self.folder / name).read_text())
+
+    def report(self, name):
+        return json.loads((self.folder / name).read_text())["motions"][0]
+
+
+class Factor(TimeScaleTest):
+    def test_a_factor_makes_the_motion_longer(self):
+        self.run_sample("walk", "whole.csv")
+        self.run_sample("walk", "slow.csv", "--time-scale", "0.8", "--report", "slow.json",
+                        "--gate", "default")
+        whole, slow = self.rows("whole.csv"), self.rows("slow.csv")
+        self.assertAlmostEqual((len(slow) - 1) / (len(whole) - 1), 1.25, delta=0.01)
+        for axis in (0, 1):
+            self.assertAlmostEqual(slow[-1][axis], whole[-1][axis], delta=0.02)
+        report = self.report("slow.json")
+        self.assertEqual(report["fps"], 30)
+        self.assertEqual(report["time_scale"]["least"], 0.8)
+        self.assertTrue(report["passed"])
+
+    def test_a_factor_of_one_changes_nothing(self):
+        plain = self.run_sample("squat", "plain.csv", "--end", "2")
+        self.assertEqual(self.run_sample("squat", "one.csv", "--end", "2", "--time-scale", "1"),
+                         plain)
+
+    def test_wrong_values(self):
+        for value in ("0.2", "1.1", "fast", "nan", "-1"):
+            result = self.retarget("--time-scale=" + value)
+            self.assert_fails(result, 2, "--time-scale", "a number from 0.25 to 1 or `auto`")
+
+
+class Auto(TimeScaleTest):
+    def test_a_motion_within_limits_keeps_its_bytes(self):
+        for name in ("squat", "walk"):
+            plain = self.run_sample(name, "plain.csv")
+            auto = self.run_sample(name, "auto.csv", "--time-scale", "auto", "--report",
+                                   "auto.json", "--sidecar")
+            self.assertEqual(plain, auto)
+            self.assertNotIn("time_scale", self.report("auto.json"))
+            found = json.loads((self.folder / "auto.csv.json").read_text())["found"]
+            self.assertNotIn("time_scale", found)
+
+    def test_a_fast_motion_becomes_slower_where_it_must(self):
+        self.run_sample("wave", "fast.csv", *FAST, "--report", "fast.json")
+        self.run_sample("wave", "slow.csv", *FAST, "--time-scale", "auto", "--report", "slow.json",
+                        "--sidecar")
+        fast, slow = self.report("fast.json"), self.report("slow.json")
+
+        def cut_off(report):
+            return max((bound["largest"] for bound in report["fit"]["bounded"]), default=0.0)
+
+        self.assertGreater(cut_off(fast), 0.1)  # Limits cut off the movement, rad.
+        self.assertLess(cut_off(slow), 0.03)
+        scale = slow["time_scale"]
+        self.assertTrue(scale["stretches"])
+        self.assertIn("speed", scale["stretches"][0]["cause"])
+        self.assertGreaterEqual(scale["least"], 0.25)
+        self.assertLess(scale["least"], 0.95)
+        self.assertGreater(slow["frames"], fast["frames"])
+        self.assertAlmostEqual(scale["longer_s"], (slow["frames"] - fast["frames"]) / 30,
+                               delta=0.05)
+        self.assertLess(slow["limb_angle_deg"][0], fast["limb_angle_deg"][0] - 1.0)
+        # The same contacts, in the same order.
+        for end, phases in fast["contacts"].items():
+            self.assertEqual(len(slow["contacts"][end]), len(phases), end)
+        self.assert_done(self.run_tool("verify", "slow.csv.json"))
+
+    def test_evaluate_uses_the_times_of_the_sidecar(self):
+        self.run_sample("wave", "slow.csv", *FAST, "--time-scale", "auto", "--report", "run.json",
+                        "--sidecar")
+        wanted = self.report("run.json")
+
+        def evaluate():
+            self.run_tool("evaluate", "slow.csv", "--robot", "g1", "--bvh", sample("wave"),
+                          "--source-fps", "90", "--json", "measured.json")
+            return self.report("measured.json")
+
+        found = evaluate()
+        self.assertEqual(found["limb_angle_deg"], wanted["limb_angle_deg"])
+        for key in ("lag_s", "root_slide_mean"):
+            self.assertAlmostEqual(found[key], wanted[key], delta=1e-9)
+        (self.folder / "slow.csv.json").unlink()
+        other = evaluate()
+        self.assertGreater(other["limb_angle_deg"][0], wanted["limb_angle_deg"][0] + 1.0)
+
+    def test_evaluate_decides_again_without_a_sidecar(self):
+        fast = ("--source-fps", "180")  # Six times as fast.
+        self.run_sample("squat", "slow.csv", *fast, "--time-scale", "auto", "--report", "run.json")
+        wanted = self.report("run.json")
+        self.assertIn("time_scale", wanted)
+        self.run_tool("evaluate", "slow.csv", "--robot", "g1", "--bvh", sample("squat"), *fast,
+                      "--time-scale", "auto", "--json", "measured.json")
+        self.assertEqual(self.report("measured.json")["limb_angle_deg"], wanted["limb_angle_deg"])
+
+    def test_without_it_reports_and_sidecars_do_not_name_it(self):
+        self.run_sample("walk", "out.csv", "--end", "1", "--sidecar", "--report", "out.json")
+        for name in ("out.json", "out.csv.json"):
+            text = (self.folder / name).read_text()
+            for word in ('"time_scale"', '"time-scale"', '"reference'):
+                self.assertNotIn(word, text)
+
+    def test_a_batch_gives_the_bytes_of_a_run(self):
+        clips = self.folder / "clips"
+        clips.mkdir()
+        (clips / "wave.bvh").write_bytes(sample("wave").read_bytes())
+        self.assert_done(self.run_tool("batch", "clips", "-o", "out", "--robot", "g1", *FAST,
+                                       "--time-scale", "auto"))
+        alone = self.run_sample("wave", "wave.csv", *FAST, "--time-scale", "auto")
+        self.assertEqual((self.folder / "out" / "wave.csv").read_bytes(), alone)
+
+
+if __name__ == "__main__":
+    unittest.main()
