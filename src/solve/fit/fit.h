@@ -3,11 +3,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "human/gait/contact_plan.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/contact_edits.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
@@ -46,6 +48,8 @@ struct FitRun {
   /// the source or the robot it is ignored.
   const SceneWorld* scene = nullptr;
   ObjectMotion object_motion = ObjectMotion::kGiven;
+  /// Changes to the contacts that are found in the source.
+  std::span<const ContactEdit> contact_edits = {};
 };
 
 /// Retargets a whole clip (docs/fit.md):
