@@ -152,7 +152,7 @@ build_libraries() {
   local sources=$deps/sources
   (cd "$sources"/zlib-* && cp zlib.h zconf.h "$deps/include" &&
     printf '%s\n' adler32.c compress.c crc32.c deflate.c inffast.c inflate.c inftrees.c trees.c uncompr.c zutil.c |
-    compile_all "$deps/bin/wasm-cc" -O2 -w -DZ_HAVE_UNISTD_H)
+    compile_all "$deps/bin/wasm-cc" -O2 -w)
   "$deps/bin/wasm-ar" rcs "$deps/lib/libz.a" "$deps"/objects/*.o && rm -f -- "$deps"/objects/*.o
   (cd "$sources"/tinyxml2-* && cp tinyxml2.h "$deps/include" &&
     echo tinyxml2.cpp | compile_all "$deps/bin/wasm-c++" -O2 -w)

@@ -60,7 +60,7 @@ class Engine(unittest.TestCase):
                 self.compare("wave", robot, "--frames", "0:40", frames="0:40")
 
     def test_variant_with_its_own_model(self):
-        self.compare("wave", "unitree_g1", "--variant", "23", "--frames", "0:40", variant="23", frames="0:40")
+        self.compare("wave", "unitree_g1", "--dof", "23", "--frames", "0:40", dof="23", frames="0:40")
 
     def test_contact_edits(self):
         edits = self.folder / "edits.json"

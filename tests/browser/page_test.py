@@ -6,8 +6,8 @@ import pathlib
 import tempfile
 import unittest
 
-from browser import Browser, chromium
 from browser_build import PAGE, need_page, run_native
+from browser import Browser, chromium  # found by browser_build
 from tool import absent, difference, read_rows, sample
 
 SOLVED = "document.documentElement.dataset.state !== 'solving'"

@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 constexpr int kEditFrames = 100;  // At 50 Hz: two seconds.
 
-SourceFeet standing_feet() {
+SourceFeet feet_on_floor() {
   SourceFeet source;
   source.frame_time = 0.02;
   source.foot_count = 2;
@@ -50,7 +50,7 @@ ContactPhase phase(int begin, int end, double support = 0.0) {
 
 ContactPlan edited(const std::vector<ContactEdit>& edits, std::size_t idle = 0) {
   ContactPlan plan = two_stances();
-  EXPECT_EQ(edit_contacts(edits, standing_feet(), plan).size(), idle);
+  EXPECT_EQ(edit_contacts(edits, feet_on_floor(), plan).size(), idle);
   return plan;
 }
 

@@ -8,7 +8,7 @@
 
 namespace retarget::cli {
 
-/// What to generate, and the robot of a pack.
+/// The kind of output to generate, and the robot of a pack.
 struct Generated {
   std::string what, robot;
 };
