@@ -90,6 +90,42 @@ class BrowserPage(unittest.TestCase):
         self.assertNotEqual(self.csv(), before)
         self.assertIsNone(difference(read_rows(self.csv()), read_rows(expected), 1e-6))
 
+    def drag(self, begin, end):
+        """Drags on the row of the left heel, between two times."""
+        points = self.browser.run(
+            f"""(() => {{
+              const row = document.querySelector('.row[data-part=left_heel]');
+              row.scrollIntoView({{ block: 'center' }});
+              const box = row.getBoundingClientRect();
+              const at = (seconds) => box.left + box.width * seconds / editor.seconds;
+              return [at({begin}), at({end}), box.top + box.height / 2];
+            }})()"""
+        )
+        for kind, x in (("mousePressed", points[0]), ("mouseMoved", points[1]), ("mouseReleased", points[1])):
+            self.browser.send(
+                "Input.dispatchMouseEvent",
+                {"type": kind, "x": x, "y": points[2], "button": "left", "buttons": 1, "clickCount": 1})
+
+    def test_timeline_makes_edits(self):
+        self.give("walk.bvh", sample("walk"))
+        self.wait_until_solved()
+        (first_begin, first_end), (begin, end) = self.browser.run("editor.contacts.left_heel.slice(0, 2)")
+        self.drag(first_end + 0.1, begin - 0.1)
+        self.drag((begin + end) / 2, (begin + end) / 2 + 0.2)
+        self.browser.run("document.getElementById('whole-foot').click()")
+        self.drag((first_begin + first_end) / 2, (first_begin + first_end) / 2)
+        self.browser.press("Delete")
+        edits = self.browser.run("editor.edits")
+        self.assertEqual([edit["action"] for edit in edits], ["add", "shift", "remove"])
+        self.assertEqual([edit["part"] for edit in edits], ["left_foot", "left_foot", "left_heel"])
+        self.assertAlmostEqual(edits[0]["start"], first_end + 0.1, delta=0.03)
+        self.assertAlmostEqual(edits[0]["end"], begin - 0.1, delta=0.03)
+        self.assertAlmostEqual(edits[1]["by"], 0.2, delta=0.03)
+        self.assertAlmostEqual(edits[2]["end"], first_end, delta=0.03)
+        # Each edit can be undone.
+        self.browser.run("document.querySelector('#edits button').click()")
+        self.assertEqual(self.browser.run("editor.edits.length"), 2)
+
     def test_options_and_method(self):
         self.browser.run(
             """(() => {
