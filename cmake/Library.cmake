@@ -10,20 +10,7 @@ set(retarget_exported "")      # targets to install
 set(retarget_taken_rooms "")   # by libraries beside the core
 set(retarget_shared_links "")  # of the rooms that a shared core takes in
 
-# Groups files of one room, up to RETARGET_UNITY_FILES: they share includes, and their names do not clash.
-function(retarget_group_by_rooms target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  foreach(source IN LISTS ARGN)
-    string(REGEX REPLACE "^.*/src/(.+)/[^/]+$" "\\1" room ${source})
-    if(room STREQUAL source)
-      continue()
-    endif()
-    string(REPLACE "/" "_" room ${room})
-    math(EXPR ${room}_files "${${room}_files} + 1")
-    math(EXPR group "${${room}_files} / ${RETARGET_UNITY_FILES}")
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${group})
-  endforeach()
-endfunction()
+include(cmake/GroupByRooms.cmake)
 
 macro(retarget_add_library name)
   cmake_parse_arguments(arg "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})

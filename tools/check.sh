@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs checks in addition to the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words]
-#                                                                        (default: all nine)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [browser]
+#                                                     (default: all but browser)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck has no findings in the scripts
@@ -16,6 +16,7 @@
 #   viewer  the script of pages is up to date with viewer/src; skipped without Node (tools/viewer_bundle.sh)
 #   words   comments, messages and pages contain none of the wording in tools/words.txt
 #           (tools/check_words.py)
+#   browser the browser page builds, and its results are those of the native tool (tools/browser.sh); not in CI
 #
 # Calls tools/setup.sh --dev to install dependencies. JOBS: the number of processes.
 set -euo pipefail
@@ -93,11 +94,15 @@ check_words() {
   python3 "$root/tools/check_words.py"
 }
 
+check_browser() {
+  JOBS=$jobs "$root/tools/browser.sh" --test
+}
+
 checks=("$@")
 [ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, browser)" >&2
     exit 2
   fi
 done
@@ -105,7 +110,7 @@ done
 # The compiler includes the sanitizers, and the words need only Python.
 case "${checks[*]}" in
   words) ;;
-  asan | tsan) "$root/tools/setup.sh" ;;
+  asan | tsan | browser) "$root/tools/setup.sh" ;;
   *) "$root/tools/setup.sh" --dev ;;
 esac
 cd -- "$root"

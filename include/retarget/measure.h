@@ -54,6 +54,8 @@ struct QualitySource {
   const SceneWorld* scene = nullptr;
   /// The scene around the robot; null: `scene`, scaled like the paths.
   const SceneWorld* around_robot = nullptr;
+  /// Changes to the contacts that are found in the source.
+  std::span<const ContactEdit> contact_edits = {};
 };
 
 struct QualityOptions {
@@ -103,8 +105,9 @@ struct MeasuredSource {
   ResolvedConfig config;
   std::string config_file;  ///< Recorded name of the file.
   ScaleRule scale = ScaleRule::kTable;
-  std::optional<TravelReport> travel;   ///< As in Plan.
-  std::optional<TimeScale> time_scale;  ///< As in Plan.
+  std::optional<TravelReport> travel;      ///< As in Plan.
+  std::optional<TimeScale> time_scale;     ///< As in Plan.
+  std::vector<ContactEdit> contact_edits;  ///< As in Plan.
 };
 
 /// Errors: those of prepare_clip.

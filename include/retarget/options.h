@@ -340,6 +340,8 @@ struct SolveOptions {
   std::string object_shift;
   double object_scale = 1.0;  ///< Size of the moving bodies; the hands follow.
   ObjectMotion object_motion = ObjectMotion::kGiven;
+  /// JSON file of changes to the contacts that are found (contact_edits.h); empty: none.
+  std::string contact_edits;
   std::vector<std::string> with;     ///< Terms of the fit to enable.
   std::vector<std::string> without;  ///< Terms of the fit to disable.
   IkEngine engine = IkEngine::kFast;

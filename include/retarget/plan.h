@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/contact_edits.h"
 #include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/human.h"
@@ -78,6 +79,8 @@ struct Plan {
   FitOptions fit;
   std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.
   std::vector<ObjectTrack> object_tracks;
+  /// Changes to the contacts that are found in the clip.
+  std::vector<ContactEdit> contact_edits;
   std::vector<Warning> scene_doubts;      ///< Reasons why the scene may not belong to the clip.
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.

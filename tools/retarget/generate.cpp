@@ -10,8 +10,12 @@
 
 #include "declare_table.h"
 #include "retarget/file.h"
+#include "retarget/load.h"
+#include "retarget/model_pack.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
+#include "retarget/robots.h"
+#include "retarget/try.h"
 #include "retarget/version.h"
 
 namespace retarget::cli {
@@ -260,16 +264,39 @@ std::string options_page(const std::vector<Command>& commands) {
 
 }  // namespace
 
-CLI::App* add_generate_command(CLI::App& app, std::string& what) {
-  CLI::App* command =
-      app.add_subcommand("generate", "Print shell completions, the man page or the options page");
-  Option row = word("what", what, "", "Kind of output");
-  row.choices = {"bash", "zsh", "fish", "man", "options"};
-  declare(*command, {row});
+namespace {
+
+Result<std::string> robot_pack(const std::string& robot) {
+  if (robot.empty()) {
+    return usage_failure("a robot pack needs a robot", "retarget generate robot-pack unitree_g1");
+  }
+  RETARGET_TRY_ASSIGN(const std::string data_folder, find_data_folder(DataFolder{}));
+  RETARGET_TRY_ASSIGN(const RobotFiles files, find_robot(robot, robot_folders(data_folder)));
+  return make_model_pack(files);
+}
+
+}  // namespace
+
+CLI::App* add_generate_command(CLI::App& app, Generated& generated) {
+  CLI::App* command = app.add_subcommand(
+      "generate", "Print shell completions, the man page, the options page or a robot pack");
+  Option row = word("what", generated.what, "", "Kind of output");
+  row.choices = {"bash", "zsh", "fish", "man", "options", "robot-pack"};
+  const Option robot =
+      word("robot", generated.robot, "ROBOT", "Robot of a pack (docs/browser.md)", false);
+  declare(*command, {row, robot});
   return command;
 }
 
-ExitCode print_generated(const CLI::App& app, const std::string& what) {
+ExitCode print_generated(const CLI::App& app, const Generated& generated) {
+  const std::string& what = generated.what;
+  if (what == "robot-pack") {
+    Console console(false);
+    const auto pack = robot_pack(generated.robot);
+    if (!pack) return console.fail(pack.error());
+    const auto written = write_file("-", *pack);
+    return written ? kDone : console.fail(written.error());
+  }
   std::vector<Command> commands;
   collect(app, "", commands);
   const std::string text = what == "bash"   ? bash_script(commands)

@@ -169,13 +169,13 @@ int main_with(int argc, char** argv) {
   commands.add(&app, run_of, run_of.common, run);
 
   app.add_subcommand("help", "Help for a command: retarget help edit path");
-  std::string what;
-  const CLI::App* generate = add_generate_command(app, what);
+  Generated generated;
+  const CLI::App* generate = add_generate_command(app, generated);
   add_help(app);
   refuse_empty_values(app);
   if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
-  return generate->parsed() ? print_generated(app, what) : commands.call();
+  return generate->parsed() ? print_generated(app, generated) : commands.call();
 }
 
 }  // namespace

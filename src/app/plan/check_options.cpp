@@ -129,6 +129,11 @@ Result<void> check_solving_options(const Options& options) {
                              "method") " fit: the published method does not use contacts",
                          "omit " OPTION("method"));
   }
+  if (solve.method != Method::kFit && !solve.contact_edits.empty()) {
+    return usage_failure(OPTION("contact-edits") " requires " OPTION(
+                             "method") " fit: the published method does not use contacts",
+                         "omit " OPTION("method"));
+  }
   if (!options.part.frames.empty() && (options.part.start_s >= 0.0 || options.part.end_s >= 0.0)) {
     return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
                              "end") " both choose a part of the clip",

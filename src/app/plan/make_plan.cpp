@@ -20,6 +20,7 @@
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/clip_range.h"
+#include "retarget/contact_edits.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
@@ -138,6 +139,19 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
   return {};
 }
 
+// Loads the changes to the contacts, and notes them.
+Result<void> load_edits(const Clip& clip, Plan& plan) {
+  const std::string& file = plan.options.solve.contact_edits;
+  if (file.empty()) return {};
+  TRY_ASSIGN(plan.contact_edits, load_contact_edits(file));
+  const std::int64_t frames =
+      resampled_frame_count(plan.part.end - plan.part.begin, clip.rate(), plan.rate);
+  TRY(check_contact_edits(plan.contact_edits, static_cast<double>(frames) / plan.rate.fps(), file));
+  plan.clip_notes.push_back(
+      {"contacts", fmt::format("{} of {}", count_text(plan.contact_edits.size(), "edit"), file)});
+  return {};
+}
+
 }  // namespace
 
 std::int64_t Plan::frame_count() const {
@@ -173,6 +187,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
     plan.config_notes.push_back(std::move(line));
   }
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
+  TRY(load_edits(clip, plan));
   TRY(load_surroundings(plan));
   TRY(check_scene_fit(clip, plan));
   TRY(scale_source_travel(clip, plan));

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -35,7 +36,9 @@ Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& finger
 // The source, with its lead-in or without.
 QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
   return {lead_in ? &*measured.human_with_lead_in : &measured.human, &measured.config,
-          measured.scale, (lead_in ? measured.scene_with_lead_in : measured.scene).get()};
+          measured.scale, (lead_in ? measured.scene_with_lead_in : measured.scene).get(), nullptr,
+          // Their times count from the end of the lead-in.
+          lead_in ? std::span<const ContactEdit>() : measured.contact_edits};
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
@@ -61,6 +64,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.scale = plan.scale;
   source.travel = plan.travel;
   source.time_scale = plan.time_scale;
+  source.contact_edits = plan.contact_edits;
   source.map = plan.human.map;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
   // Stretched time starts with the used part.
@@ -142,9 +146,12 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   if (plan.options.save.normalize_start) normalize_start(moved, world);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
-  const QualitySource source{&human, &plan.config, plan.scale,
+  const QualitySource source{&human,
+                             &plan.config,
+                             plan.scale,
                              motion.scene ? motion.scene->human.get() : nullptr,
-                             world ? &*world : nullptr};
+                             world ? &*world : nullptr,
+                             plan.contact_edits};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   add_hands(printed, *motion.source, plan.human.map, report);
   if (dynamics) add_dynamics(printed, report, source.around_robot);

@@ -92,6 +92,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
     };
   }
   run.scene = scene.get();
+  run.contact_edits = plan.contact_edits;
   run.object_motion = plan.options.solve.object_motion;
   run.limit_speeds = limit_speeds;
   const HandTrack hands = hand_track(plan, *motion.source);

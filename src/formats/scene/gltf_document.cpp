@@ -255,7 +255,8 @@ Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int wi
   if (!layout || layout->width != width || !count) {
     return fault(fmt::format("expected an accessor with elements of {} numbers", width));
   }
-  constexpr std::size_t kMost = std::size_t{1} << 32U;
+  // The products below fit into std::size_t, which has 32 bits in WebAssembly.
+  constexpr std::size_t kMost = std::size_t{1} << (sizeof(std::size_t) > 4 ? 32U : 24U);
   const std::size_t all = std::min(*count, kMost) * static_cast<std::size_t>(width);
   const auto view = accessor->find("bufferView");
   std::vector<double> result;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "human/gait/contact_plan.h"
+#include "human/gait/edit_contacts.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/surface_contacts.h"
 #include "human/skeleton/human_clip.h"
@@ -103,8 +104,9 @@ void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
   const bool tracked = source.config != nullptr;
   const SourceFeet feet(human, frames);
   // Find contacts in the compared frames only.
-  const ContactPlan contacts =
+  ContactPlan contacts =
       source.scene == nullptr ? find_contacts(feet) : find_contacts_on_ground(*source.scene, feet);
+  edit_contacts(source.contact_edits, feet, contacts);
   draft.report.contacts = contacts.of_ends();
   measure_contacts(draft, tracks, contacts, frames);
   measure_stances(draft, tracks, contacts, posture);

@@ -17,6 +17,7 @@
 #include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/gait/edit_contacts.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/surface_contacts.h"
 #include "retarget/kinematic_tree.h"
@@ -147,6 +148,7 @@ class Fit {
   Result<void> hold_scene_contacts(const FitWindows& plan, int threads);
   Result<void> follow_hands_of_robot(const FitWindows& plan, int threads, FitResult& result);
   Result<void> solve_again(const FitWindows& plan, int threads);
+  void edit_contacts_of(FitResult& result);
   void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                               FitResult& result);
   void keep_bounds(FitReport& report);
@@ -394,11 +396,19 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
   }
 }
 
+void Fit::edit_contacts_of(FitResult& result) {
+  for (const std::size_t idle : edit_contacts(run_.contact_edits, feet_, result.contacts)) {
+    result.report.notes.push_back("contact edit " + std::to_string(idle + 1) +
+                                  " changes nothing: " + run_.contact_edits[idle].part);
+  }
+}
+
 void Fit::find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                                  FitResult& result) {
   const SceneWorld& world = *run_.scene;
   const ContactOptions options = contact_options(options_);
   result.contacts = find_contacts_on_ground(world, feet_, options);
+  edit_contacts_of(result);
   SurfaceParts parts(info, result.contacts.scale);
   HumanPose bones;
   for (int frame = 0; frame < info.frame_count; ++frame) {
@@ -455,6 +465,7 @@ Result<FitResult> Fit::run() {
     find_contacts_in_scene(info, poser, scale, result);
   } else {
     result.contacts = find_contacts(feet_, contact_options(options_));
+    edit_contacts_of(result);
   }
   if (!model_.feet.empty()) {
     report.floor_found = result.contacts.standing.found;

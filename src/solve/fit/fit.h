@@ -3,11 +3,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "human/gait/contact_plan.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
+#include "retarget/contact_edits.h"
 #include "retarget/error.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
@@ -49,6 +51,8 @@ struct FitRun {
   /// Whether joints keep their speed limits, FitOptions::max_joint_speed and ::max_joint_step. False
   /// shows how fast the human's movement would be.
   bool limit_speeds = true;
+  /// Changes to the contacts that are found in the source.
+  std::span<const ContactEdit> contact_edits = {};
 };
 
 /// Retargets a whole clip (docs/fit.md):

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
+
+/// The effect of an edit on the contacts of a part of the human.
+enum class ContactAction : unsigned char {
+  kAdd,     ///< The part is in contact from start to end.
+  kRemove,  ///< The part is not in contact from start to end.
+  kShift,   ///< The contacts that touch start to end move by `by`.
+};
+
+/// A change to the contacts that are found in a clip (docs/fit.md, "Contacts by hand"). Times are
+/// seconds from the first frame of the motion.
+struct ContactEdit {
+  /// `left_foot`, `left_heel`, `left_toe`, `left_knee`, `left_elbow`, `left_hand`, the same for
+  /// right, `seat`, `back`. A foot stands for its heel and toe.
+  std::string part;
+  ContactAction action = ContactAction::kAdd;
+  double start = 0.0, end = 0.0;
+  double by = 0.0;  ///< kShift: seconds, later if positive.
+  double height =
+      0.0;  ///< kAdd: height of the surface above the floor, metres of the human's world.
+};
+
+/// Names of the parts, in the order of documentation.
+[[nodiscard]] std::vector<std::string> contact_part_names();
+
+/// Reads edits from JSON: `{"contacts": [{"part": "left_foot", "start": 1.2, "end": 1.8, "action":
+/// "add"}, ...]}`; `by` is required for `shift`, `height` is optional for `add`. All faults are
+/// reported together (kConfig): unknown parts and actions with the nearest name, missing or wrong
+/// times.
+/// @param file  name for messages.
+[[nodiscard]] Result<std::vector<ContactEdit>> parse_contact_edits(std::string_view text,
+                                                                   const std::string& file);
+[[nodiscard]] Result<std::vector<ContactEdit>> load_contact_edits(const std::string& file);
+
+/// Writes edits as parse_contact_edits reads them.
+[[nodiscard]] std::string contact_edits_text(std::span<const ContactEdit> edits);
+
+/// Refuses edits outside a motion (kConfig).
+/// @param seconds  length of the motion.
+/// @param file  name for messages.
+[[nodiscard]] Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seconds,
+                                               const std::string& file);
+
+}  // namespace retarget
