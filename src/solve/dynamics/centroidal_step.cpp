@@ -92,10 +92,10 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
     const Vector6d wrench =
         frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
     rest_[t] = projector_.project(frame.cone, wrench);
-    complement_[t] = projector_.complement();
     // std::max would hide NaN.
     double missing = rest_[t].norm() - kDeadZone;
     if (missing < 0.0) missing = 0.0;
+    if (missing > 0.0) complement_[t] = projector_.complement();
     cost += 0.5 * (kRho * frame.trust * missing * missing +
                    position_weight_.dot((x + frame.moved).cwiseAbs2()) +
                    acceleration_weight_.dot(xdd.cwiseAbs2()));
@@ -109,9 +109,13 @@ void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
   system_.begin(frames.size() * kBlock, kBand);
   const Matrix6d per_second = force_per_acceleration_.asDiagonal();
   for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
+    const double rho = kRho * frames[t].trust * pull_share(rest_[t]);
+    if (!(rho > 0.0)) {
+      add_diagonals(t, Vector6d::Zero(), Vector6d::Zero(), frames[t].moved, b);
+      continue;
+    }
     const Matrix6d side = per_second + coupling_[t] / 6.0;
     const Matrix6d middle = -2.0 * per_second + 4.0 * coupling_[t] / 6.0;
-    const double rho = kRho * frames[t].trust * pull_share(rest_[t]);
     // Up to the ridge, the complement is a projector.
     const Matrix6d side_part = rho * complement_[t] * side;
     const Matrix6d middle_part = rho * complement_[t] * middle;
