@@ -166,6 +166,7 @@ Json page_report(const QualityReport& report, const Robot& robot) {
           {"config", report.config},
           {"limits", report.limits},
           {"passed", report.passed()},
+          {"estimated_soles", !report.estimated_soles.empty()},
           {"figures", std::move(figures)},
           {"gates", std::move(gates)},
           {"faults", std::move(faults)},

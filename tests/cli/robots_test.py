@@ -6,6 +6,7 @@ import shutil
 import unittest
 import zipfile
 
+from pages import data_of
 from tool import SOURCE, ToolTest, read_rows, sample, short_clip, unwrapped
 
 K1 = SOURCE / "robots/unverified/booster_k1/model.xml"
@@ -177,6 +178,9 @@ class Robots(ToolTest):
         self.assertIn("soles estimated", told.stdout.splitlines()[0])
         report, = json.loads((self.folder / "x.json").read_text())["motions"]
         self.assertIn(words, report["estimated_soles"])
+        self.assert_done(self.run_tool("view", "x.csv", "--robot", "feet", "--bvh", sample("walk"), "-o", "x.html"))
+        motion, = data_of((self.folder / "x.html").read_text())[0]["motions"]
+        self.assertTrue(motion["report"]["estimated_soles"])
         known = json.loads(self.run_tool("evaluate", SOURCE / "tests/golden/wave.csv", "--robot", "unitree_g1",
                                          "--json", "-").stdout)
         self.assertIsNone(known["motions"][0]["estimated_soles"])

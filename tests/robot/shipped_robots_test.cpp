@@ -6,7 +6,10 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "retarget/robot.h"
 #include "robot_kinematics.h"
@@ -134,6 +137,61 @@ TEST_P(ShippedRobots, HaveASpeedLimitForEveryJoint) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots({robots_folder()})),
                          [](const auto& robot) { return robot.param; });
+
+// The body of the H2 Plus has the figures of the H2, whose file is another one.
+TEST(ShippedRobotsFigures, TheH2PlusHasTheBodyOfTheH2) {
+  const auto h2 = load_shipped("unitree_h2"), plus = load_shipped("unitree_h2_plus");
+  const std::vector<Pose> poses = own_kinematics(*h2, h2->zero_configuration());
+  const std::vector<Pose> theirs = own_kinematics(*plus, plus->zero_configuration());
+  for (std::size_t b = 1; b < h2->bodies().size(); ++b) {
+    const std::string& name = h2->bodies()[b].name;
+    const auto body = plus->find_body(name);
+    ASSERT_TRUE(body) << name;
+    const Pose difference =
+        (theirs[1].inverse() * theirs[*body]).inverse() * (poses[1].inverse() * poses[b]);
+    EXPECT_LT(difference.translation.norm(), 1e-7) << name;
+    EXPECT_LT(difference.rotation.vec().norm(), 1e-7) << name;
+    if (name.find("wrist_yaw") != std::string::npos) continue;  // It carries another hand.
+    EXPECT_NEAR(h2->model()->body_mass[b], plus->model()->body_mass[*body], 1e-9) << name;
+  }
+  for (std::size_t j = 0; j < h2->joints().size(); ++j) {
+    const auto joint = plus->find_joint(h2->joints()[j].name);
+    ASSERT_TRUE(joint) << h2->joints()[j].name;
+    EXPECT_EQ(h2->model_limits().lower[j], plus->model_limits().lower[*joint]);
+    EXPECT_EQ(h2->model_limits().upper[j], plus->model_limits().upper[*joint]);
+  }
+}
+
+// The makers' left and right sides are mirror images, except for fractions of a millimetre.
+TEST(ShippedRobotsFigures, SidesAreMirrorImages) {
+  const std::map<std::string, std::pair<std::string, std::string>> sides = {
+      {"engineai_t800", {"_L", "_R"}},
+      {"hightorque_pi_plus", {"l_", "r_"}},
+      {"unitree_h2_plus", {"left_", "right_"}}};
+  for (const auto& [name, words] : sides) {
+    const auto robot = load_shipped(name);
+    const std::vector<Pose> poses = own_kinematics(*robot, robot->zero_configuration());
+    const Pose base = poses[1];
+    int compared = 0;
+    for (std::size_t b = 1; b < robot->bodies().size(); ++b) {
+      std::string other = robot->bodies()[b].name;
+      const bool at_end = words.first.front() == '_';
+      if (!(at_end ? other.ends_with(words.first) : other.starts_with(words.first))) continue;
+      other.replace(at_end ? other.size() - words.first.size() : 0, words.first.size(),
+                    words.second);
+      const auto mirrored = robot->find_body(other);
+      ASSERT_TRUE(mirrored) << name << ": " << other;
+      const Eigen::Vector3d left = base.inverse() * poses[b].translation;
+      Eigen::Vector3d right = base.inverse() * poses[*mirrored].translation;
+      right.y() = -right.y();
+      EXPECT_LT((left - right).norm(), 2e-3) << name << ": " << other;
+      EXPECT_NEAR(robot->model()->body_mass[b], robot->model()->body_mass[*mirrored], 0.04)
+          << other;
+      ++compared;
+    }
+    EXPECT_GE(compared, 11) << name;
+  }
+}
 
 TEST(ShippedRobotsList, ContainsTheKnownRobots) {
   const std::vector<std::string> known = {"agibot_x2",

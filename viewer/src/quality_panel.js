@@ -21,11 +21,12 @@ const boundText = ({ min, max, unit }) =>
  * @returns {{state: 'good'|'bad'|'unjudged', text: string}}
  */
 export function verdict(motion) {
-  const { gates } = motion.report;
+  const { gates, estimated_soles: estimated } = motion.report;
   const measured = gates.filter((gate) => gate.value !== undefined).length;
   const missed = gates.filter((gate) => !gate.passed).length;
   if (measured === 0) return { state: 'unjudged', text: 'no gates' };
-  const rest = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
+  const unmeasured = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
+  const rest = unmeasured + (estimated ? ', soles estimated' : '');
   if (missed === 0) return { state: 'good', text: `all ${measured} gates kept${rest}` };
   return { state: 'bad', text: `${missed} of ${measured} gates missed${rest}` };
 }
