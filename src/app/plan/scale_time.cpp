@@ -115,12 +115,15 @@ RobotClip at_half_speed(const RobotClip& clip) {
   return slow;
 }
 
+// Torques count with the dynamics stage. A scene would have to be slowed down as well.
+bool takes_torques(const Plan& plan, const Motion& motion) {
+  return plan.fit.dynamics && plan.options.solve.method == Method::kFit && !motion.scene;
+}
+
 // A torque has a part that rests and one that grows with the square of the speed. Half the speed
 // separates the two.
 void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>& needs) {
-  if (!plan.fit.dynamics || plan.options.solve.method != Method::kFit) return;
-  // A scene moves at its own speed.
-  if (motion.scene) return;
+  if (!takes_torques(plan, motion)) return;
   const auto now = torque_ratios(motion.clip, nullptr);
   const auto over = [](const auto& entry) { return entry.first > 1.0; };
   if (std::ranges::none_of(now, over)) return;
@@ -156,6 +159,7 @@ class TimeScaleSearch {
     TRY_ASSIGN(Motion motion, solve_now(true));
     if (motion.clip.frame_count() < 3) return std::optional<TimeScale>();
     usual_ = limb_errors(motion);
+    usual_excess_ = torque_excess(motion);
     TRY(solve_freely(motion));
     for (int round = 0; round < kMaxRounds && planner_.take(needs_of(motion)); ++round) {
       TRY_ASSIGN(motion, solve_now(true));
@@ -246,25 +250,41 @@ class TimeScaleSearch {
     return std::min(static_cast<std::size_t>(std::lround(source * plan_.rate.fps())), count - 1);
   }
 
+  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not matter.
+  [[nodiscard]] std::vector<double> torque_excess(const Motion& motion) const {
+    std::vector<double> excess;
+    if (!takes_torques(plan_, motion)) return excess;
+    for (const auto& [ratio, link] : torque_ratios(motion.clip, nullptr)) {
+      excess.push_back(std::max(0.0, ratio - 1.0));
+    }
+    return excess;
+  }
+
   // A stretch is worth its time only if the limbs come nearer to the human than without it, or if
-  // they stay as near and a torque falls.
+  // they stay as near and torques fall.
   void give_back_what_does_not_help(const Motion& motion) {
     constexpr double kGain = 0.3, kLoss = 0.2;  // Degrees.
+    constexpr double kLighter = 0.5;            // Share of the torque beyond limits.
     const auto decided = planner_.decision();
     if (!decided) return;
     const std::vector<LimbErrors> errors = limb_errors(motion);
+    const std::vector<double> excess = torque_excess(motion);
     for (const SlowedStretch& stretch : decided->stretches) {
-      double before = 0.0, after = 0.0, time = 0.0;
+      double before = 0.0, after = 0.0, time = 0.0, torque_before = 0.0, torque_after = 0.0;
       for (int i = 0; i + 1 < motion.clip.frame_count(); ++i) {
         const double from = planner_.source_time(i), to = planner_.source_time(i + 1);
         if (from < stretch.begin || from >= stretch.end) continue;
         before += (to - from) * mean_error(usual_[unslowed_frame(from, usual_.size())]);
         after += (to - from) * mean_error(errors[static_cast<std::size_t>(i)]);
         time += to - from;
+        if (excess.empty()) continue;
+        torque_before += (to - from) * usual_excess_[unslowed_frame(from, usual_excess_.size())];
+        torque_after += (to - from) * excess[static_cast<std::size_t>(i)];
       }
       const bool is_torque = stretch.cause.ends_with("torque");
       const double gain = time > 0.0 ? (before - after) / time : 0.0;
-      if (gain >= (is_torque || !is_fit() ? -kLoss : kGain)) continue;
+      const bool is_lighter = torque_after < kLighter * torque_before;
+      if (is_torque ? is_lighter && gain >= -kLoss : gain >= (is_fit() ? kGain : -kLoss)) continue;
       planner_.give_back(stretch.begin, stretch.end - 0.5 * kKnotTime);
     }
   }
@@ -273,13 +293,14 @@ class TimeScaleSearch {
   SolveControl control_;
   TimePlanner planner_;
   std::vector<LimbErrors> usual_, free_;  // By frame, at the usual speed; with and without limits.
+  std::vector<double> usual_excess_;      // By step, of torques.
   std::vector<FastStep> fast_;            // By step, without limits; empty: limits do not act.
 };
 
 std::string stretch_text(const SlowedStretch& stretch) {
-  const std::string cause = stretch.cause.empty() ? "" : " (" + stretch.cause + ")";
-  return fmt::format("{:.1f}-{:.1f} s to {:.2f}{}", stretch.begin, stretch.end, stretch.factor,
-                     cause);
+  std::string text = fmt::format("{:.1f}-{:.1f} s", stretch.begin, stretch.end);
+  if (stretch.factor < 1.0) text += fmt::format(" to {:.2f}", stretch.factor);
+  return stretch.cause.empty() ? text : text + " (" + stretch.cause + ")";
 }
 
 }  // namespace
