@@ -180,7 +180,8 @@ build_libraries() {
 link_headers() {
   local header file
   for header in Eigen/Core nlohmann/json.hpp fmt/format.h tl/expected.hpp; do
-    file=$(echo "#include <$header>" | c++ -xc++ -std=c++20 -I/usr/include/eigen3 -M - | tr ' ' '\n' | grep -m1 "/$header\$")
+    file=$(echo "#include <$header>" | c++ -xc++ -std=c++20 -I/usr/include/eigen3 -M - | tr ' ' '\n' | grep "/$header\$")
+    file=${file%%$'\n'*}
     ln -s "${file%/*}" "$deps/include/${header%%/*}"
   done
 }

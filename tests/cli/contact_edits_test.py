@@ -62,7 +62,7 @@ class ContactEdits(ToolTest):
 
     def test_the_sidecar_records_the_file_and_verify_needs_it(self):
         path = self.edits({"part": "left_foot", "action": "remove", "start": 0.5, "end": 0.8})
-        motion, _, _ = self.solve("edited", "--contact-edits", path)
+        motion, _, _ = self.solve("edited", "--sidecar", "--contact-edits", path)
         sidecar = self.folder / "edited.csv.json"
         self.assertIn("edits.json", sidecar.read_text())
         self.assert_done(self.run_tool("verify", sidecar))
