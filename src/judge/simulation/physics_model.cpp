@@ -21,6 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kStopDistance = 0.05;    // rad or m from the end of a range to the hard stop.
 constexpr double kSmallestRadius = 1e-4;  // Metres: MuJoCo's spheres have a radius.
 
 struct PhysicsSpecDeleter {
@@ -121,8 +122,8 @@ class Builder {
     const double upper = robot_.model_limits().upper[link.joint];
     if (std::isfinite(lower) && std::isfinite(upper) && lower < upper) {
       joint->limited = mjLIMITED_TRUE;
-      joint->range[0] = lower;
-      joint->range[1] = upper;
+      joint->range[0] = lower - kStopDistance;
+      joint->range[1] = upper + kStopDistance;
     } else {
       joint->limited = mjLIMITED_FALSE;
     }

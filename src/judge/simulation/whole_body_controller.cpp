@@ -6,13 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#ifdef DEV
-#include <map>
-#include <sstream>
-#include <string>
-#include <cstdlib>
-#include <cstdio>
-#endif
 #include "base/math/gravity.h"
 #include "retarget/so3.h"
 #include "solve/dynamics/force_cone.h"
@@ -84,9 +77,6 @@ WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robo
       weight_(physics.mass * kGravity),
       joint_count_(static_cast<int>(physics.joints.size())),
       qp_(joint_count_ + kEdges * static_cast<int>(kMaxPointsInAll)) {
-#ifdef DEV
-  if (const char* e = getenv("GAINS")) { std::string t(e); std::replace(t.begin(),t.end(),',','\n'); std::istringstream in(t); std::string l; const std::map<std::string,double*> at={{"ck",&gains_.com_stiffness},{"cd",&gains_.com_damping},{"cw",&gains_.com_weight},{"sd",&gains_.spin_damping},{"sw",&gains_.spin_weight},{"rk",&gains_.root_stiffness},{"rd",&gains_.root_damping},{"rw",&gains_.root_weight},{"fk",&gains_.foot_stiffness},{"fd",&gains_.foot_damping},{"fw",&gains_.foot_weight},{"jk",&gains_.joint_stiffness},{"jd",&gains_.joint_damping},{"jw",&gains_.joint_weight},{"tw",&gains_.torque_weight},{"ew",&gains_.force_weight},{"uw",&gains_.unplanned_weight},{"mu",&gains_.friction},{"sg",&gains_.step_gain},{"sr",&gains_.step_reach}}; while(std::getline(in,l)) { auto k=l.find('='); *at.at(l.substr(0,k))=atof(l.c_str()+k+1);} }
-#endif
   const double size = body_size(robot);
   lever_ = kLeverOfG1 * size;
   for (double* stiffness : {&gains_.com_stiffness, &gains_.root_stiffness, &gains_.foot_stiffness,
@@ -139,15 +129,6 @@ const ControlStep& WholeBodyController::compute(const ReferenceState& reference,
   add_feet(reference, data);
   add_joints(reference, data);
   solve(reference);
-#ifdef DEV
-  if (getenv("TRACE")) { static int n=0; if (n++%17==0) {
-    Vector3d c=vector_of(data->subtree_com+3); Vector3d e=c-reference.com, ev=vector_of(data->subtree_linvel+3)-reference.com_velocity;
-    printf("%.2f e(%.3f %.3f %.3f) ev(%.2f %.2f %.2f)", n/510.0, e.x(),e.y(),e.z(),ev.x(),ev.y(),ev.z());
-    for (size_t f=0;f<feet_.size();++f){ int np=0,nt=0; for(size_t i=0;i<physics_.points.size();++i) if(physics_.points[i].of_sole&&physics_.points[i].body==feet_[f].body) np+=reference.planned[i]; for(int p:step_.points) nt+=physics_.points[p].body==feet_[f].body; const Pose b{rotation_of(data->xquat + 4L * feet_[f].body),vector_of(data->xpos + 3L * feet_[f].body)}; Vector3d fe=b*feet_[f].frame.in_link-reference.feet[f].pose.translation-feet_[f].shift; double ang=log_so3(reference.feet[f].pose.rotation*b.rotation.conjugate()).norm()*57.3; double fz=0; for(size_t k=0;k<step_.points.size();++k) if(physics_.points[step_.points[k]].body==feet_[f].body) fz+=step_.forces[k].z();
-      printf(" | F%zu plan%d touch%d z%.3f err(%.3f %.3f %.3f) %.1fdeg shift(%.3f %.3f) fz%.0f",f,np,nt,reference.feet[f].pose.translation.z(),fe.x(),fe.y(),fe.z(),ang,feet_[f].shift.x(),feet_[f].shift.y(),fz);}
-    for(int i=0;i<joint_count_;++i) if(std::abs(amounts_[i])>0.98) printf(" %s",robot_.joints()[physics_.joints[i].joint].name.c_str());
-    printf("\n"); } }
-#endif
   return step_;
 }
 
@@ -341,7 +322,8 @@ void WholeBodyController::solve(const ReferenceState& reference) {
       upper_[i] = loads_[point] < 1.0 ? loads_[point] : std::numeric_limits<double>::infinity();
     }
   }
-  step_.converged = qp_.solve(hessian, gradient, lower_, upper_, amounts_).converged;
+  const BoxQpStats stats = qp_.solve(hessian, gradient, lower_, upper_, amounts_);
+  step_.converged = stats.converged;
   if (!step_.converged) amounts_.head(size).setZero();
   for (int i = 0; i < joint_count_; ++i) step_.torques[i] = amounts_[i] * scales_[i];
   step_.acceleration =
