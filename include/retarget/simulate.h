@@ -37,8 +37,8 @@ struct SimulationReport {
   bool knows_torque_limits = false;
   double torque_limit_pct = 0.0;  ///< Share of the time with a torque at its limit, %.
   double torque_p99_ratio = 0.0;  ///< 99th percentile of the largest torque relative to its limit.
-  double slip_cm_s = 0.0;   ///< Mean horizontal speed of sole points on the floor, cm/s.
-  int unsolved_steps = 0;   ///< Control steps whose QP was not solved; no torque acted in them.
+  double slip_cm_s = 0.0;         ///< Mean horizontal speed of sole points on the floor, cm/s.
+  int unsolved_steps = 0;  ///< Control steps whose QP was not solved; no torque acted in them.
 };
 
 /// A simulated motion, in the frames of its reference.

@@ -180,8 +180,8 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
 }
 
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "evaluate", "Measure motions, check gates (docs/quality.md)");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Measure motions, check gates (docs/quality.md)");
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
   declare_measuring(*command, evaluate_table(arguments), arguments);
@@ -189,17 +189,17 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
 }
 
 CLI::App* add_certify_command(CLI::App& app, CertifyArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "certify", "Measure, simulate, predict (docs/certificate.md)");
-  declare(*command, {word("motion", arguments.motions, "MOTION",
-                          "Robot motion, CSV, NPZ or pickle")});
+  CLI::App* command =
+      app.add_subcommand("certify", "Measure, simulate, predict (docs/certificate.md)");
+  declare(*command,
+          {word("motion", arguments.motions, "MOTION", "Robot motion, CSV, NPZ or pickle")});
   declare_measuring(*command, certify_table(arguments), arguments);
   return command;
 }
 
 CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "simulate", "Replay a motion in physics (docs/simulation.md)");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Replay a motion in physics (docs/simulation.md)");
   declare(*command, {word("motion", arguments.input, "MOTION",
                           "Robot motion, CSV, NPZ or pickle; - reads standard input")});
   declare(*command, simulate_table(arguments));
@@ -207,9 +207,9 @@ CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments) {
 }
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("verify", "Check a recorded run, or a certificate");
-  declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json, or a certificate")});
+  CLI::App* command = app.add_subcommand("verify", "Check a recorded run, or a certificate");
+  declare(*command, {word("file", arguments.file, "FILE",
+                          "The sidecar, such as walk.csv.json, or a certificate")});
   declare(*command, common_table(arguments.common));
   return command;
 }
@@ -270,8 +270,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command = app.add_subcommand("view",
-                                         "Show motions: an HTML page, or a picture of poses");
+  CLI::App* command =
+      app.add_subcommand("view", "Show motions: an HTML page, or a picture of poses");
   declare(*command,
           {word("motions", arguments.motions, "MOTION...",
                 "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "

@@ -50,8 +50,8 @@ Result<ExitCode> simulate(const SimulateArguments& arguments, Console& console) 
   if (!done && done.error().location.file.empty()) done.error().location.file = arguments.input;
   RETARGET_TRY_ASSIGN(const Simulation simulation, std::move(done));
   if (!arguments.output.empty()) {
-    RETARGET_TRY(write_motion(simulation.motion, std::nullopt, arguments.output, arguments.save,
-                              console));
+    RETARGET_TRY(
+        write_motion(simulation.motion, std::nullopt, arguments.output, arguments.save, console));
   }
   const std::string json = simulation_json(simulation.report);
   if (!arguments.report.empty()) RETARGET_TRY(write_file(arguments.report, json));

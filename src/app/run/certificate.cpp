@@ -95,8 +95,7 @@ Json file_json(const std::string& role, const std::string& file, const std::stri
 
 Result<Json> inputs_json(const MeasureRequest& request, const QualityReport& report,
                          const std::string& predictor, Observer& observer) {
-  TRY_ASSIGN(const LoadedRobot robot,
-             load_robot(request.run.robot, request.data_folder, observer));
+  TRY_ASSIGN(const LoadedRobot robot, load_robot(request.run.robot, request.data_folder, observer));
   TRY_ASSIGN(const std::vector<ReadFile> files,
              files_read(request.run, robot, request.run.motion.empty() ? "" : report.config));
   Json inputs = Json::array();

@@ -20,9 +20,9 @@ struct PhysicsJoint {
 
 /// A point of a robot that may touch the floor in a PhysicsModel.
 struct PhysicsPoint {
-  int body = 0;                                        ///< Body of the physics model.
+  int body = 0;                                       ///< Body of the physics model.
   Eigen::Vector3d in_body = Eigen::Vector3d::Zero();  ///< Metres.
-  double radius = 0.0;                                 ///< Metres.
+  double radius = 0.0;                                ///< Metres.
   bool of_sole = false;
 };
 

@@ -16,11 +16,11 @@ using Eigen::Vector3d;
 
 // A point is to bear if it is lower and slower than this; for a robot as large as a G1.
 constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
-constexpr double kLowestHeight = 0.03;    // Metres: a body whose lowest point is higher is in flight.
-constexpr double kPlannedSpeed = 0.35;    // Metres per second.
+constexpr double kLowestHeight = 0.03;  // Metres: a body whose lowest point is higher is in flight.
+constexpr double kPlannedSpeed = 0.35;  // Metres per second.
 
-constexpr double kLeastHeld = 0.2;    // Share of the weight, for the zero-moment point to be defined.
-constexpr double kSoleShare = 0.8;    // Share of the support area that the motion may use.
+constexpr double kLeastHeld = 0.2;  // Share of the weight, for the zero-moment point to be defined.
+constexpr double kSoleShare = 0.8;  // Share of the support area that the motion may use.
 
 Vector6d difference(const Pose& from, const Pose& to) {
   Vector6d step;
@@ -34,7 +34,8 @@ std::vector<FootFrame> make_foot_frames(const Robot& robot) {
   std::vector<FootFrame> feet;
   for (const Sole& sole : robot.profile().soles) {
     const KinematicTree::Attachment& at = robot.tree().attachment(sole.body);
-    const bool known = std::ranges::any_of(feet, [&](const FootFrame& f) { return f.link == at.link; });
+    const bool known =
+        std::ranges::any_of(feet, [&](const FootFrame& f) { return f.link == at.link; });
     if (at.link == KinematicTree::kWorld || known || sole.points.empty()) continue;
     Vector3d middle = Vector3d::Zero();
     for (const Vector3d& point : sole.points) middle += at.link_from_body * point;
@@ -81,10 +82,10 @@ void ReferenceTrack::preview_balance() {
     const double held = needed.force.z() / (inertias_.mass * kGravity);
     if (into.support.empty() || held < kLeastHeld || height <= 0.0) continue;
     into.pull = needed.force.z() / (inertias_.mass * height);
-    into.zmp = state.com.head<2>() +
-               Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
-                               needed.torque.x() - height * needed.force.y()) /
-                   needed.force.z();
+    into.zmp =
+        state.com.head<2>() + Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
+                                              needed.torque.x() - height * needed.force.y()) /
+                                  needed.force.z();
   }
   shift_ = balancing_shift(samples, time_step_, kSoleShare);
   for (Sample& each : window_) each.step = -1;
@@ -101,8 +102,8 @@ Vector3d ReferenceTrack::shift_at(int step) const {
 void ReferenceTrack::sample(int step, Sample& into) {
   into.step = step;
   // Beyond its ends the motion goes on along the splines of its first and last pieces.
-  const int frame = std::clamp(step / steps_per_frame_, 0,
-                               std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
+  const int frame =
+      std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
   const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;
   spline_.sample(frame, within, scratch_);
   scratch_.qpos[2] -= floor_;
@@ -131,9 +132,12 @@ const ReferenceState& ReferenceTrack::at(int step) {
   reference_.com = now.com;
   reference_.com_velocity = (window_[2].com - window_[0].com) / (2.0 * time_step_);
   reference_.com_acceleration = inverse_.com_acceleration();
-  const Vector3d last = shift_at(step - 1), shift = shift_at(step), next = shift_at(step + 1);
+  const Vector3d shift = shift_at(step), next = shift_at(step + 1);
+  // Before its first step, the shift goes on in a straight line.
+  const Vector3d last = step > 0 ? shift_at(step - 1) : Vector3d(2.0 * shift - next);
   reference_.com += shift;
-  reference_.com_velocity += (next - last) / (2.0 * time_step_);
+  reference_.shift_velocity = (next - last) / (2.0 * time_step_);
+  reference_.com_velocity += reference_.shift_velocity;
   reference_.com_acceleration += (next - 2.0 * shift + last) / (time_step_ * time_step_);
   reference_.momentum = inverse_.angular_momentum();
   reference_.momentum_rate = inverse_.needed().torque;
@@ -157,7 +161,8 @@ void ReferenceTrack::set_feet(const Sample& before, const Sample& now, const Sam
 void ReferenceTrack::set_planned(const Sample& before, const Sample& now, const Sample& after) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Vector3d& point : now.points) lowest = std::min(lowest, point.z());
-  const double top = kPlannedHeight * size_ + (lowest < kLowestHeight * size_ ? std::max(0.0, lowest) : 0.0);
+  const double top =
+      kPlannedHeight * size_ + (lowest < kLowestHeight * size_ ? std::max(0.0, lowest) : 0.0);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double speed = (after.points[i] - before.points[i]).norm() / (2.0 * time_step_);
     const bool bears = now.points[i].z() < top && speed < kPlannedSpeed * std::sqrt(size_);

@@ -34,7 +34,9 @@ struct DataDeleter {
   void operator()(mjData* data) const { mj_deleteData(data); }
 };
 
-Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) { return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]}; }
+Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) {
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
 
 class Simulator {
  public:
@@ -76,13 +78,15 @@ class Simulator {
     const ReferenceState& start = track_.at(0);
     physics_.set_positions(start.motion.qpos, robot_, data_->qpos);
     physics_.set_rates(start.motion.velocity, data_->qvel);
+    // The body moves as a whole with the velocity that its balance needs.
+    for (int k = 0; k < 2; ++k) data_->qvel[k] += start.shift_velocity[k];
     report_.robot = robot_.name();
     report_.frames = clip_.frame_count();
     report_.fps = clip_.rate().fps();
     report_.time_step = track_.time_step();
     report_.fall_time_s = report_.time_step * (track_.step_count() - 1);
-    report_.knows_torque_limits =
-        std::ranges::any_of(physics_.joints, [](const PhysicsJoint& j) { return std::isfinite(j.limit); });
+    report_.knows_torque_limits = std::ranges::any_of(
+        physics_.joints, [](const PhysicsJoint& j) { return std::isfinite(j.limit); });
   }
 
   // The first half of mj_step, without its checks, whose warnings MuJoCo prints.

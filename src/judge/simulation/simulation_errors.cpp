@@ -40,9 +40,9 @@ void set_errors(const RobotClip& reference, const RobotClip& simulated, int fram
       joints.push_back(kDegrees * std::abs(b[joint.qpos_address] - a[joint.qpos_address]));
     }
     for (std::size_t i = 0; i < is.world_from_link.size(); ++i) {
-      bodies.push_back(100.0 * (is.world_from_link[i].translation -
-                                wanted.world_from_link[i].translation)
-                                   .norm());
+      bodies.push_back(
+          100.0 *
+          (is.world_from_link[i].translation - wanted.world_from_link[i].translation).norm());
     }
   }
   report.joint_deg = summary_of(joints);

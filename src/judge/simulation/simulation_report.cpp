@@ -39,7 +39,8 @@ std::string simulation_text(const SimulationReport& report) {
     text += row("torque p99", fmt::format("{:.2f} of the limit", report.torque_p99_ratio));
   }
   text += row("foot slip", fmt::format("{:.2f} cm/s", report.slip_cm_s));
-  if (report.unsolved_steps > 0) text += row("unsolved steps", std::to_string(report.unsolved_steps));
+  if (report.unsolved_steps > 0)
+    text += row("unsolved steps", std::to_string(report.unsolved_steps));
   return text;
 }
 

@@ -107,7 +107,7 @@ Result<TrackingPredictor> parse_tracking_predictor(std::string_view text, const 
     if (!(predictor.window_s >= 1.0)) faults.emplace_back("\"window_s\": expected at least 1");
   }
   if (faults.empty()) return predictor;
-  Error error{ErrorKind::kConfig, {file}, "the predictor is not valid", faults, {}};
+  Error error{ErrorKind::kConfig, {file, 0, 0}, "the predictor is not valid", faults, {}};
   return failure(std::move(error));
 }
 

@@ -25,7 +25,9 @@ constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the an
 constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot takes its shift.
 constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
 
-Vector3d vector_of(const mjtNum* values) { return {values[0], values[1], values[2]}; }
+Vector3d vector_of(const mjtNum* values) {
+  return {values[0], values[1], values[2]};
+}
 
 Eigen::Quaterniond rotation_of(const mjtNum* wxyz) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
@@ -190,9 +192,8 @@ void WholeBodyController::build_inputs(mjData_* data) {
         pyramid.transpose() * jacobian;
   }
   mj_solveM(model, data, response_.data(), inputs_.data(), input_count_);
-  const Eigen::VectorXd loads =
-      Eigen::Map<const Eigen::VectorXd>(data->qfrc_passive, model->nv) -
-      Eigen::Map<const Eigen::VectorXd>(data->qfrc_bias, model->nv);
+  const Eigen::VectorXd loads = Eigen::Map<const Eigen::VectorXd>(data->qfrc_passive, model->nv) -
+                                Eigen::Map<const Eigen::VectorXd>(data->qfrc_bias, model->nv);
   mj_solveM(model, data, free_.data(), loads.data(), 1);
 }
 
@@ -202,15 +203,14 @@ void WholeBodyController::move_feet(const ReferenceState& reference, double time
   const Vector3d com = vector_of(data->subtree_com + 3);
   const Vector3d velocity = vector_of(data->subtree_linvel + 3);
   const double pace = std::sqrt(std::max(0.05, reference.com.z()) / kGravity);
-  Vector3d shift = gains_.step_gain * (com - reference.com +
-                                       pace * (velocity - reference.com_velocity));
+  Vector3d shift =
+      gains_.step_gain * (com - reference.com + pace * (velocity - reference.com_velocity));
   shift.z() = 0.0;
   if (shift.norm() > gains_.step_reach) shift *= gains_.step_reach / shift.norm();
   for (std::size_t i = 0; i < feet_.size(); ++i) {
     Foot& foot = feet_[i];
-    const bool touches = std::ranges::any_of(step_.points, [&](int p) {
-      return physics_.points[p].body == foot.body;
-    });
+    const bool touches = std::ranges::any_of(
+        step_.points, [&](int p) { return physics_.points[p].body == foot.body; });
     const bool stands = touches && reference.feet[i].planned;
     if (stands) {
       if (!foot.stands) {
@@ -243,8 +243,9 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
                           gains_.com_stiffness * (reference.com - com) +
                           gains_.com_damping * (reference.com_velocity - velocity);
   tasks_->add(force, wanted, gains_.com_weight);
-  const Vector3d rate = (reference.momentum_rate + gains_.spin_damping * (reference.momentum - spin)) /
-                        (physics_.mass * lever_ * lever_);
+  const Vector3d rate =
+      (reference.momentum_rate + gains_.spin_damping * (reference.momentum - spin)) /
+      (physics_.mass * lever_ * lever_);
   tasks_->add(moment, rate, gains_.spin_weight);
 }
 
@@ -276,8 +277,8 @@ void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* dat
     error << to.pose.translation + foot.shift - place,
         log_so3(to.pose.rotation * rotation.conjugate());
     const Vector6d wanted = to.acceleration + gains_.foot_stiffness * error +
-                            gains_.foot_damping * (to.velocity - jacobian * rates) -
-                            drift * rates - jacobian * free_;
+                            gains_.foot_damping * (to.velocity - jacobian * rates) - drift * rates -
+                            jacobian * free_;
     tasks_->add(jacobian * response_.topRows(input_count_).transpose(), wanted, gains_.foot_weight);
   }
 }
@@ -308,8 +309,8 @@ void WholeBodyController::solve(const ReferenceState& reference) {
   gradient.head(input_count_) = -(tasks_->rows().transpose() * tasks_->right());
   for (int i = 0; i < joint_count_; ++i) {
     hessian(i, i) += gains_.torque_weight * gains_.torque_weight;
-    upper_[i] = std::isfinite(physics_.joints[i].limit) ? 1.0
-                                                        : std::numeric_limits<double>::infinity();
+    upper_[i] =
+        std::isfinite(physics_.joints[i].limit) ? 1.0 : std::numeric_limits<double>::infinity();
     lower_[i] = -upper_[i];
   }
   // Points that the reference lifts bear only if no other point can.
@@ -331,8 +332,8 @@ void WholeBodyController::solve(const ReferenceState& reference) {
   const Eigen::Matrix<double, 3, kEdges> pyramid = weight_ * friction_pyramid(gains_.friction);
   step_.forces.clear();
   for (std::size_t p = 0; p < places_.size(); ++p) {
-    step_.forces.push_back(
-        pyramid * amounts_.segment<kEdges>(joint_count_ + kEdges * static_cast<int>(p)));
+    step_.forces.push_back(pyramid *
+                           amounts_.segment<kEdges>(joint_count_ + kEdges * static_cast<int>(p)));
   }
 }
 
