@@ -24,6 +24,7 @@ from retarget._retarget import (
     Clip, Motion, Plan, Robot, Scene, metrics, version_number, version_text)
 from retarget._scenes import ContactLabels, SceneBody, SceneShape, load_scene
 from retarget._serve import Server, play, serve
+from retarget._simulate import Simulation, simulate
 from retarget._view import Page, picture, view
 
 __version__ = version_number()
@@ -34,8 +35,8 @@ __all__ = [
     "ContactLabels", "Error", "Fault", "InputError", "Inspection", "LiveSession",
     "MissingConfigError", "MissingInputError", "Motion", "Page", "Plan", "Report",
     "RetargetWarning", "Robot", "RobotFacts", "RobotFrame", "RunError", "Scene", "SceneBody",
-    "SceneShape", "Server", "UsageError", "__version__", "add_robot", "batch", "compare",
+    "SceneShape", "Server", "Simulation", "UsageError", "__version__", "add_robot", "batch", "compare",
     "convert", "edit", "evaluate", "gallery", "inspect", "live", "load", "load_motion",
     "load_scene", "make_plan", "metrics", "picture", "play", "robot_facts", "robots", "serve",
-    "solve", "to_robot", "verify", "version_text", "view",
+    "simulate", "solve", "to_robot", "verify", "version_text", "view",
 ]

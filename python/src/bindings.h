@@ -12,6 +12,7 @@ void bind_robot(nanobind::module_& module);
 void bind_motion(nanobind::module_& module);
 void bind_solve(nanobind::module_& module);
 void bind_evaluate(nanobind::module_& module);
+void bind_simulate(nanobind::module_& module);
 void bind_edit(nanobind::module_& module);
 void bind_batch(nanobind::module_& module);
 void bind_frame_retargeter(nanobind::module_& module);

@@ -16,6 +16,7 @@ NB_MODULE(_retarget, module) {
   bind_motion(module);
   bind_solve(module);
   bind_evaluate(module);
+  bind_simulate(module);
   bind_edit(module);
   bind_batch(module);
   bind_frame_retargeter(module);

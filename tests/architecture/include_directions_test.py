@@ -18,7 +18,7 @@ FOLDERS = {
     "formats": ["containers", "bvh", "smpl", "scene", "robot_motion", "world", "registry"],
     "human": ["skeleton", "gait"],
     "solve": ["ik", "targets", "hands", "dynamics", "fit", "online", "robot_setup"],
-    "judge": ["quality", "inspect"],
+    "judge": ["quality", "inspect", "simulation"],
     "app": ["options", "provenance", "plan", "run"],
     "live": ["session", "stream"],
 }

@@ -112,6 +112,32 @@ OptionTable convert_table(ConvertArguments& arguments) {
   return table;
 }
 
+OptionTable certify_table(CertifyArguments& arguments) {
+  return {row("fps", arguments.fps, kTimeGroup, "N|source",
+              "Frame rate of a motion whose file has none, in frames per second, or `source`"),
+          row("output", arguments.output, kOutputGroup, "FILE",
+              "Certificate to write, JSON (default: MOTION.certificate.json); - writes standard "
+              "output",
+              {.basic = true, .letter = "o"}),
+          gate_row(arguments.gates)};
+}
+
+OptionTable simulate_table(SimulateArguments& arguments) {
+  OptionTable table = {memory_row(arguments.memory_gb)};
+  append(table, reading_table(arguments.reading));
+  append(table, rows_for(OptionUse::kConvert, robot_table(arguments.robot)));
+  Option output = output_row(arguments.output);
+  output.info.help = "Simulated motion to write; - writes standard output";
+  table.push_back(std::move(output));
+  table.push_back(row("report", arguments.report, kOutputGroup, "FILE", "Write the report as JSON",
+                      {.basic = true}));
+  table.push_back(
+      row("json", arguments.json, kOutputGroup, "", "Print the report as JSON", {.basic = true}));
+  append(table, without(save_table(arguments.save), {"scene-out"}));
+  append(table, common_table(arguments.common));
+  return table;
+}
+
 OptionTable contacts_table(ContactsArguments& arguments) {
   Run& run = arguments.run.run;
   OptionTable table = source_table(run.options.source);
@@ -195,6 +221,8 @@ std::set<std::string> advanced_option_names() {
   EvaluateArguments evaluate;
   InspectArguments inspect;
   ConvertArguments convert;
+  CertifyArguments certify;
+  SimulateArguments simulate;
   CompareArguments compare;
   ContactsArguments contacts;
   SceneFromMotionArguments scene;
@@ -205,6 +233,8 @@ std::set<std::string> advanced_option_names() {
   append(all, evaluate_table(evaluate));
   append(all, inspect_table(inspect));
   append(all, convert_table(convert));
+  append(all, certify_table(certify));
+  append(all, simulate_table(simulate));
   append(all, compare_table(compare));
   append(all, contacts_table(contacts));
   append(all, scene_from_motion_table(scene));

@@ -17,6 +17,8 @@ namespace retarget::cli {
 
 [[nodiscard]] Option write_map_row(std::string& file);
 [[nodiscard]] OptionTable convert_table(ConvertArguments& arguments);
+[[nodiscard]] OptionTable certify_table(CertifyArguments& arguments);
+[[nodiscard]] OptionTable simulate_table(SimulateArguments& arguments);
 [[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable contacts_table(ContactsArguments& arguments);

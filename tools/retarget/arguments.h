@@ -59,10 +59,15 @@ struct EvaluateArguments : MeasureArguments {
   bool all = false;  ///< Print every figure.
 };
 
+/// Arguments of `retarget certify`, which measures, simulates and predicts one motion.
+struct CertifyArguments : MeasureArguments {
+  std::string output;  ///< Certificate to write; empty: the motion's name with .certificate.json.
+};
+
 /// Arguments of `retarget verify`, which checks that a run still gives the same bytes.
 struct VerifyArguments {
   CommonArguments common;
-  std::string file;  ///< The sidecar.
+  std::string file;  ///< The sidecar, or a certificate.
 };
 
 /// Arguments of `retarget convert`, which converts robot motions between formats.
@@ -74,6 +79,19 @@ struct ConvertArguments {
   TimeOptions time{.fps = std::nullopt};
   SaveOptions save;
   std::string input, output;
+};
+
+/// Arguments of `retarget simulate`, which replays a robot motion in a physics simulation.
+struct SimulateArguments {
+  CommonArguments common;
+  RobotChoice robot;
+  double memory_gb = 0.0;
+  ReadingOptions reading;
+  SaveOptions save;
+  std::string input;
+  std::string output;  ///< Simulated motion; empty: none.
+  std::string report;  ///< Report to write as JSON; empty: none.
+  bool json = false;   ///< Print the report as JSON.
 };
 
 /// Arguments of `retarget compare`, which checks that two motions agree.

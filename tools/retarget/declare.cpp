@@ -111,6 +111,39 @@ OptionTable edit_table(Edit edit, EditArguments& arguments) {
   return table;
 }
 
+// Declares what commands that measure motions have in common. The rows of the command's own table
+// replace those of a run.
+void declare_measuring(CLI::App& app, const OptionTable& own, MeasureArguments& arguments) {
+  CLI::App* const command = &app;
+  const OptionTable of_run =
+      without_rows_of(own, rows_for(OptionUse::kMeasure, run_command_table(arguments.run)));
+  const OptionTable reading = without_rows_of(of_run, reading_table(arguments.reading));
+  declare(*command, of_run);
+  declare(*command, reading);
+  // Here, the option that convert calls --source-quat keeps its old name.
+  Option quaternion = *find_option(reading, "source-quat");
+  quaternion.name = "csv-quat";
+  declare(*command, {quaternion});
+  command->get_option("--csv-quat")->group("");
+  declare(*command, own);
+  const auto describe_as = [command](const char* name, const char* help) {
+    command->get_option(name)->description(help);
+  };
+  describe_as("--bvh", "Source of the motions");
+  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
+  describe_as("--start", "Start time of the motions in the source, seconds");
+  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
+  describe_as("--source-fps",
+              "Frames per second of the source; overrides its header; without a source: frame "
+              "rate of the motions");
+  describe_as("--ik-config",
+              "Retargeting configuration for tracking errors (default: as in a run)");
+  describe_as(
+      "--limits",
+      "Joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
+  describe_as("--scale", "Scaling of the targets for tracking errors");
+}
+
 }  // namespace
 
 void add_run_options(CLI::App& app, RunArguments& arguments) {
@@ -147,45 +180,36 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
 }
 
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "evaluate", "Measure robot motions; exit code 1 if a gate is missed (docs/quality.md)");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Measure motions, check gates (docs/quality.md)");
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
-  const OptionTable own = evaluate_table(arguments);
-  const OptionTable of_run =
-      without_rows_of(own, rows_for(OptionUse::kMeasure, run_command_table(arguments.run)));
-  const OptionTable reading = without_rows_of(of_run, reading_table(arguments.reading));
-  declare(*command, of_run);
-  declare(*command, reading);
-  // Here, the option that convert calls --source-quat keeps its old name.
-  Option quaternion = *find_option(reading, "source-quat");
-  quaternion.name = "csv-quat";
-  declare(*command, {quaternion});
-  command->get_option("--csv-quat")->group("");
-  declare(*command, own);
-  const auto describe_as = [command](const char* name, const char* help) {
-    command->get_option(name)->description(help);
-  };
-  describe_as("--bvh", "Source of the motions");
-  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
-  describe_as("--start", "Start time of the motions in the source, seconds");
-  describe_as("--end", "End time of the motions in the source, seconds, inclusive");
-  describe_as("--source-fps",
-              "Frames per second of the source; overrides its header; without a source: frame "
-              "rate of the motions");
-  describe_as("--ik-config",
-              "Retargeting configuration for tracking errors (default: as in a run)");
-  describe_as(
-      "--limits",
-      "Joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
-  describe_as("--scale", "Scaling of the targets for tracking errors");
+  declare_measuring(*command, evaluate_table(arguments), arguments);
+  return command;
+}
+
+CLI::App* add_certify_command(CLI::App& app, CertifyArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("certify", "Measure, simulate, predict (docs/certificate.md)");
+  declare(*command,
+          {word("motion", arguments.motions, "MOTION", "Robot motion, CSV, NPZ or pickle")});
+  declare_measuring(*command, certify_table(arguments), arguments);
+  return command;
+}
+
+CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "Replay a motion in physics (docs/simulation.md)");
+  declare(*command, {word("motion", arguments.input, "MOTION",
+                          "Robot motion, CSV, NPZ or pickle; - reads standard input")});
+  declare(*command, simulate_table(arguments));
   return command;
 }
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("verify", "Check that a recorded run gives the same output");
-  declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
+  CLI::App* command = app.add_subcommand("verify", "Check a recorded run, or a certificate");
+  declare(*command, {word("file", arguments.file, "FILE",
+                          "The sidecar, such as walk.csv.json, or a certificate")});
   declare(*command, common_table(arguments.common));
   return command;
 }
@@ -246,9 +270,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command = app.add_subcommand("view",
-                                         "Write an HTML page that plays robot motions, or draw a "
-                                         "motion as a strip of poses, PNG or SVG");
+  CLI::App* command =
+      app.add_subcommand("view", "Show motions: an HTML page, or a picture of poses");
   declare(*command,
           {word("motions", arguments.motions, "MOTION...",
                 "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "

@@ -22,6 +22,8 @@ CLI::App* add_edit_command(CLI::App& app, EditArguments& arguments);
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments);
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments);
 CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments);
+CLI::App* add_certify_command(CLI::App& app, CertifyArguments& arguments);
+CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments);
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments);
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments);
 CLI::App* add_live_command(CLI::App& app, LiveArguments& arguments);

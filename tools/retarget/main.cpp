@@ -39,7 +39,11 @@ Examples:
   retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
 
 // Example calls by command.
-constexpr std::array<std::pair<const char*, const char*>, 10> kExamples = {{
+constexpr std::array<std::pair<const char*, const char*>, 12> kExamples = {{
+    {"certify", "  retarget certify walk.csv --robot g1 --bvh walk.bvh"},
+    {"simulate",
+     "  retarget simulate walk.csv --robot g1 -o simulated.csv\n"
+     "  retarget view walk.csv simulated.csv --robot g1 -o both.html"},
     {"batch",
      "  retarget batch clips/ -o out/ --robot g1\n"
      "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
@@ -158,6 +162,10 @@ int main_with(int argc, char** argv) {
   commands.add(add_convert_command(app, convert_of), convert_of, convert_of.common, convert);
   CompareArguments compare_of;
   commands.add(add_compare_command(app, compare_of), compare_of, compare_of.common, compare);
+  CertifyArguments certify_of;
+  commands.add(add_certify_command(app, certify_of), certify_of, certify_of.run.common, certify);
+  SimulateArguments simulate_of;
+  commands.add(add_simulate_command(app, simulate_of), simulate_of, simulate_of.common, simulate);
   VerifyArguments verify_of;
   commands.add(add_verify_command(app, verify_of), verify_of, verify_of.common, verify);
   ViewArguments view_of;

@@ -13,6 +13,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "motion/clip.h"
+#include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/enum_names.h"
 #include "retarget/file.h"
@@ -109,6 +110,10 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
 
 Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
                         Observer& observer) {
+  if (const auto content = read_file(file, ErrorKind::kInput, kMaxTextBytes);
+      content && is_certificate(content->view())) {
+    return verify_certificate(file, data_folder, observer);
+  }
   TRY_ASSIGN(const Sidecar sidecar, load_sidecar(file));
   const fs::path beside = fs::path(file).parent_path();
   TRY_ASSIGN(const Run run, run_of(sidecar, beside, file));

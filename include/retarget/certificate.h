@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/load.h"
+#include "retarget/measure_files.h"
+#include "retarget/run.h"
+
+// Link retarget::batch.
+namespace RETARGET_API retarget {
+
+/// What is known about a motion, in one document (docs/certificate.md; schema:
+/// docs/certificate.schema.json).
+struct Certificate {
+  std::string json;
+  bool gates_passed = false;
+  bool fell = false;  ///< In the simulation.
+  /// Predicted probability that a controller tracks the motion; -1 if it is unknown.
+  double predicted_success = -1.0;
+
+  /// Whether the motion passed its gates and the simulation.
+  [[nodiscard]] bool passed() const { return gates_passed && !fell; }
+};
+
+/// Measures a motion with all figures, simulates it, and predicts whether a controller can track it.
+/// @param request  names exactly one motion file; `dynamics` is implied.
+/// Errors: those of load_measures, measure_file and simulate; standard input as the motion (kUsage).
+[[nodiscard]] Result<Certificate> certify(const MeasureRequest& request, Observer& observer);
+
+/// Whether a text looks like a certificate.
+[[nodiscard]] bool is_certificate(std::string_view text);
+
+/// Checks that a certificate's motion and inputs are unchanged, and that all of its figures are
+/// those that this version computes. Files that moved together with the certificate are found next
+/// to it.
+/// Errors: not a certificate (kInput); a file or a figure differs (kRun), with its name.
+[[nodiscard]] Result<void> verify_certificate(const std::string& file,
+                                              const DataFolder& data_folder, Observer& observer);
+
+}  // namespace retarget

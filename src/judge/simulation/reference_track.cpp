@@ -1,0 +1,177 @@
+#include "judge/simulation/reference_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/math/gravity.h"
+#include "judge/simulation/balance_preview.h"
+#include "retarget/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// A point is to bear if it is lower and slower than this; for a robot as large as a G1.
+constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
+constexpr double kLowestHeight = 0.03;  // Metres: a body whose lowest point is higher is in flight.
+constexpr double kPlannedSpeed = 0.35;  // Metres per second.
+
+constexpr double kLeastHeld = 0.2;  // Share of the weight, for the zero-moment point to be defined.
+constexpr double kSoleShare = 0.8;  // Share of the support area that the motion may use.
+
+Vector6d difference(const Pose& from, const Pose& to) {
+  Vector6d step;
+  step << to.translation - from.translation, log_so3(to.rotation * from.rotation.conjugate());
+  return step;
+}
+
+}  // namespace
+
+std::vector<FootFrame> make_foot_frames(const Robot& robot) {
+  std::vector<FootFrame> feet;
+  for (const Sole& sole : robot.profile().soles) {
+    const KinematicTree::Attachment& at = robot.tree().attachment(sole.body);
+    const bool known =
+        std::ranges::any_of(feet, [&](const FootFrame& f) { return f.link == at.link; });
+    if (at.link == KinematicTree::kWorld || known || sole.points.empty()) continue;
+    Vector3d middle = Vector3d::Zero();
+    for (const Vector3d& point : sole.points) middle += at.link_from_body * point;
+    feet.push_back({at.link, middle / static_cast<double>(sole.points.size())});
+  }
+  return feet;
+}
+
+ReferenceTrack::ReferenceTrack(const RobotClip& clip, int steps_per_frame, double floor)
+    : robot_(clip.robot()),
+      spline_(clip),
+      inertias_(make_inertias(robot_)),
+      points_(make_support_points(robot_)),
+      feet_(make_foot_frames(robot_)),
+      steps_per_frame_(steps_per_frame),
+      step_count_((clip.frame_count() - 1) * steps_per_frame + 1),
+      time_step_(1.0 / (clip.rate().fps() * steps_per_frame)),
+      floor_(floor),
+      size_(body_size(robot_)),
+      state_(robot_.tree()),
+      inverse_(robot_.tree(), inertias_),
+      scratch_(robot_),
+      reference_(robot_) {
+  for (Sample& each : window_) {
+    each.feet.resize(feet_.size());
+    each.points.resize(points_.size());
+  }
+  reference_.feet.resize(feet_.size());
+  reference_.planned.resize(points_.size());
+  preview_balance();
+}
+
+// Moves the centre of mass so that the feet can bear the motion.
+void ReferenceTrack::preview_balance() {
+  std::vector<BalanceSample> samples(static_cast<std::size_t>(step_count_));
+  for (int step = 0; step < step_count_; ++step) {
+    const ReferenceState& state = at(step);
+    BalanceSample& into = samples[static_cast<std::size_t>(step)];
+    const Wrench& needed = inverse_.needed();
+    const double height = state.com.z();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (state.planned[i] != 0) into.support.emplace_back(window_[1].points[i].head<2>());
+    }
+    const double held = needed.force.z() / (inertias_.mass * kGravity);
+    if (into.support.empty() || held < kLeastHeld || height <= 0.0) continue;
+    into.pull = needed.force.z() / (inertias_.mass * height);
+    into.zmp =
+        state.com.head<2>() + Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
+                                              needed.torque.x() - height * needed.force.y()) /
+                                  needed.force.z();
+  }
+  shift_ = balancing_shift(samples, time_step_, kSoleShare);
+  for (Sample& each : window_) each.step = -1;
+}
+
+// Shift of the centre of mass at a step; beyond the ends there is none.
+Vector3d ReferenceTrack::shift_at(int step) const {
+  const bool known = step >= 0 && step < static_cast<int>(shift_.size());
+  if (!known) return Vector3d::Zero();
+  const Eigen::Vector2d& shift = shift_[static_cast<std::size_t>(step)];
+  return {shift.x(), shift.y(), 0.0};
+}
+
+void ReferenceTrack::sample(int step, Sample& into) {
+  into.step = step;
+  // Beyond its ends the motion goes on along the splines of its first and last pieces.
+  const int frame =
+      std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
+  const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;
+  spline_.sample(frame, within, scratch_);
+  scratch_.qpos[2] -= floor_;
+  state_.update(scratch_.qpos);
+  inverse_.compute(state_, scratch_.velocity, scratch_.acceleration);
+  into.com = inverse_.com();
+  for (std::size_t i = 0; i < feet_.size(); ++i) {
+    const Pose& link = state_.world_from_link[feet_[i].link];
+    into.feet[i] = {link.rotation, link * feet_[i].in_link};
+  }
+  for (std::size_t i = 0; i < points_.size(); ++i) into.points[i] = lowest_of(points_[i], state_);
+}
+
+const ReferenceState& ReferenceTrack::at(int step) {
+  if (window_[1].step == step - 1 && window_[2].step == step) {
+    std::rotate(window_.begin(), window_.begin() + 1, window_.end());
+  } else {
+    sample(step - 1, window_[0]);
+    sample(step, window_[1]);
+  }
+  sample(step + 1, window_[2]);
+  // Last, because the derivatives of the step itself remain in the scratch memory.
+  Sample& now = window_[1];
+  sample(step, now);
+  reference_.motion = scratch_;
+  reference_.com = now.com;
+  reference_.com_velocity = (window_[2].com - window_[0].com) / (2.0 * time_step_);
+  reference_.com_acceleration = inverse_.com_acceleration();
+  const Vector3d shift = shift_at(step), next = shift_at(step + 1);
+  // Before its first step, the shift goes on in a straight line.
+  const Vector3d last = step > 0 ? shift_at(step - 1) : Vector3d(2.0 * shift - next);
+  reference_.com += shift;
+  reference_.shift_velocity = (next - last) / (2.0 * time_step_);
+  reference_.com_velocity += reference_.shift_velocity;
+  reference_.com_acceleration += (next - 2.0 * shift + last) / (time_step_ * time_step_);
+  reference_.momentum = inverse_.angular_momentum();
+  reference_.momentum_rate = inverse_.needed().torque;
+  set_feet(window_[0], now, window_[2]);
+  set_planned(window_[0], now, window_[2]);
+  return reference_;
+}
+
+void ReferenceTrack::set_feet(const Sample& before, const Sample& now, const Sample& after) {
+  for (std::size_t i = 0; i < feet_.size(); ++i) {
+    const Vector6d first = difference(before.feet[i], now.feet[i]);
+    const Vector6d second = difference(now.feet[i], after.feet[i]);
+    FootMotion& foot = reference_.feet[i];
+    foot.pose = now.feet[i];
+    foot.velocity = (first + second) / (2.0 * time_step_);
+    foot.acceleration = (second - first) / (time_step_ * time_step_);
+    foot.planned = false;
+  }
+}
+
+void ReferenceTrack::set_planned(const Sample& before, const Sample& now, const Sample& after) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Vector3d& point : now.points) lowest = std::min(lowest, point.z());
+  const double top =
+      kPlannedHeight * size_ + (lowest < kLowestHeight * size_ ? std::max(0.0, lowest) : 0.0);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const double speed = (after.points[i] - before.points[i]).norm() / (2.0 * time_step_);
+    const bool bears = now.points[i].z() < top && speed < kPlannedSpeed * std::sqrt(size_);
+    reference_.planned[i] = bears ? 1 : 0;
+    if (reference_.planned[i] == 0 || !points_[i].of_sole) continue;
+    for (std::size_t f = 0; f < feet_.size(); ++f) {
+      if (feet_[f].link == points_[i].link) reference_.feet[f].planned = true;
+    }
+  }
+}
+
+}  // namespace retarget

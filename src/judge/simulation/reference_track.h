@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "base/math/se3.h"
+#include "judge/simulation/physics_model.h"
+#include "retarget/kinematic_tree.h"
+#include "retarget/motion.h"
+#include "solve/dynamics/inertias.h"
+#include "solve/dynamics/inverse_dynamics.h"
+#include "solve/dynamics/motion_spline.h"
+#include "solve/dynamics/support_points.h"
+
+namespace retarget {
+
+/// A foot of a robot: the link with the sole, and the middle of the sole.
+struct FootFrame {
+  int link = 0;
+  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();  ///< Metres.
+};
+
+/// One per link with a sole.
+[[nodiscard]] std::vector<FootFrame> make_foot_frames(const Robot& robot);
+
+/// Movement of a foot: pose of the middle of its sole, and its first two derivatives: linear, then
+/// angular, world axes.
+struct FootMotion {
+  Pose pose;
+  Vector6d velocity = Vector6d::Zero();
+  Vector6d acceleration = Vector6d::Zero();
+  bool planned = false;  ///< Whether a point of the sole is to bear on the floor.
+};
+
+/// What a controller follows, at one instant. World axes, metres, seconds.
+struct ReferenceState {
+  explicit ReferenceState(const Robot& robot) : motion(robot) {}
+
+  MotionState motion;
+  Eigen::Vector3d com = Eigen::Vector3d::Zero(), com_velocity = com, com_acceleration = com;
+  Eigen::Vector3d shift_velocity = com;  ///< Part of com_velocity that the motion does not have.
+  /// Angular momentum about the centre of mass, kg m^2/s, and its rate.
+  Eigen::Vector3d momentum = com, momentum_rate = com;
+  std::vector<FootMotion> feet;  ///< By FootFrame.
+  std::vector<char> planned;     ///< By support point: it is to bear on the floor.
+};
+
+/// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
+/// at equal steps, with what follows from it. The floor, the height at which soles stand in the
+/// motion, is moved to 0. The centre of mass is shifted so that the planned points can bear it
+/// (balance_preview.h).
+class ReferenceTrack {
+ public:
+  /// @param steps_per_frame  samples between two frames.
+  /// @param floor            height of the floor in the motion, metres.
+  ReferenceTrack(const RobotClip& clip, int steps_per_frame, double floor);
+
+  [[nodiscard]] int step_count() const { return step_count_; }
+  [[nodiscard]] double time_step() const { return time_step_; }
+  /// Computes a step. Steps must be asked for in order.
+  const ReferenceState& at(int step);
+
+ private:
+  // What a step determines by itself; derivatives are differences of neighbouring ones.
+  struct Sample {
+    int step = -1;
+    Eigen::Vector3d com;
+    std::vector<Pose> feet;
+    std::vector<Eigen::Vector3d> points;
+  };
+
+  void preview_balance();
+  [[nodiscard]] Eigen::Vector3d shift_at(int step) const;
+  void sample(int step, Sample& into);
+  void set_feet(const Sample& before, const Sample& now, const Sample& after);
+  void set_planned(const Sample& before, const Sample& now, const Sample& after);
+
+  const Robot& robot_;
+  MotionSpline spline_;
+  Inertias inertias_;
+  std::vector<SupportPoint> points_;
+  std::vector<FootFrame> feet_;
+  int steps_per_frame_, step_count_;
+  double time_step_, floor_, size_;
+  TreeState state_;
+  InverseDynamics inverse_;
+  MotionState scratch_;
+  std::array<Sample, 3> window_;
+  ReferenceState reference_;
+  std::vector<Eigen::Vector2d> shift_;  // Of the centre of mass, by step; balancing_shift().
+};
+
+}  // namespace retarget

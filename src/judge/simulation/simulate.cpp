@@ -1,0 +1,243 @@
+#include "retarget/simulate.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "base/try.h"
+#include "judge/simulation/physics_model.h"
+#include "judge/simulation/reference_track.h"
+#include "judge/simulation/simulation_errors.h"
+#include "judge/simulation/whole_body_controller.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
+#include "retarget/trigonometry.h"
+#include "solve/dynamics/motion_dynamics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLongestStep = 0.002;  // Seconds.
+constexpr double kAtLimit = 0.999;      // Torque ratio.
+constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears.
+constexpr double kTooFast = 1e3;        // m/s or rad/s: the simulation has diverged.
+constexpr double kBrake = 0.02;         // Share of the torque limit per rad/s, after a fall.
+
+struct DataDeleter {
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+
+Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) {
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+class Simulator {
+ public:
+  Simulator(const RobotClip& reference, PhysicsModel physics, int steps_per_frame, double floor)
+      : clip_(reference),
+        robot_(reference.robot()),
+        physics_(std::move(physics)),
+        data_(mj_makeData(physics_.model.get())),
+        steps_per_frame_(steps_per_frame),
+        floor_(floor),
+        size_(body_size(robot_)),
+        track_(reference, steps_per_frame, floor),
+        controller_(physics_, robot_),
+        motion_(reference) {
+    for (const Sole& sole : robot_.profile().soles) sole_count_ += sole.points.size();
+  }
+
+  Result<Simulation> run(const SimulateOptions& options) {
+    begin();
+    for (int step = 0; step < track_.step_count(); ++step) {
+      const ReferenceState& reference = track_.at(step);
+      const bool of_frame = step % steps_per_frame_ == 0;
+      if (of_frame && options.is_stopped && options.is_stopped()) return interrupted_failure();
+      if (!evaluate()) {
+        if (!report_.fell) fall(step, "diverged");
+        hold_from(step);
+        break;
+      }
+      if (!report_.fell) check_fall(step, reference);
+      if (of_frame) record(step / steps_per_frame_);
+      advance(reference);
+    }
+    finish();
+    return Simulation{std::move(motion_), std::move(report_)};
+  }
+
+ private:
+  void begin() {
+    const ReferenceState& start = track_.at(0);
+    physics_.set_positions(start.motion.qpos, robot_, data_->qpos);
+    physics_.set_rates(start.motion.velocity, data_->qvel);
+    // The body moves as a whole with the velocity that its balance needs.
+    for (int k = 0; k < 2; ++k) data_->qvel[k] += start.shift_velocity[k];
+    report_.robot = robot_.name();
+    report_.frames = clip_.frame_count();
+    report_.fps = clip_.rate().fps();
+    report_.time_step = track_.time_step();
+    report_.fall_time_s = report_.time_step * (track_.step_count() - 1);
+    report_.knows_torque_limits = std::ranges::any_of(
+        physics_.joints, [](const PhysicsJoint& j) { return std::isfinite(j.limit); });
+  }
+
+  // The first half of mj_step, without its checks, whose warnings MuJoCo prints.
+  bool evaluate() {
+    const mjModel* model = physics_.model.get();
+    for (int i = 0; i < model->nq; ++i) {
+      if (!std::isfinite(data_->qpos[i])) return false;
+    }
+    for (int i = 0; i < model->nv; ++i) {
+      if (!(std::abs(data_->qvel[i]) < kTooFast)) return false;
+    }
+    mj_fwdPosition(model, data_.get());
+    mj_fwdVelocity(model, data_.get());
+    return true;
+  }
+
+  void advance(const ReferenceState& reference) {
+    const mjModel* model = physics_.model.get();
+    if (report_.fell) {
+      brake();
+    } else {
+      control(reference);
+      measure_slip();
+    }
+    mj_fwdActuation(model, data_.get());
+    mj_fwdAcceleration(model, data_.get());
+    mj_fwdConstraint(model, data_.get());
+    mj_implicit(model, data_.get());
+  }
+
+  void control(const ReferenceState& reference) {
+    const ControlStep& step = controller_.compute(reference, track_.time_step(), data_.get());
+    if (!step.converged) ++report_.unsolved_steps;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < physics_.joints.size(); ++i) {
+      const PhysicsJoint& joint = physics_.joints[i];
+      data_->qfrc_applied[joint.dof] = step.torques[i];
+      if (std::isfinite(joint.limit))
+        largest = std::max(largest, std::abs(step.torques[i]) / joint.limit);
+    }
+    torque_ratios_.push_back(largest);
+  }
+
+  void brake() {
+    for (const PhysicsJoint& joint : physics_.joints) {
+      const double limit = std::isfinite(joint.limit) ? joint.limit : 50.0;
+      data_->qfrc_applied[joint.dof] =
+          std::clamp(-kBrake * limit * data_->qvel[joint.dof], -limit, limit);
+    }
+  }
+
+  // Sole points come first.
+  void measure_slip() {
+    std::vector<Vector3d> now(sole_count_);
+    for (std::size_t i = 0; i < std::min(sole_count_, physics_.points.size()); ++i) {
+      const PhysicsPoint& point = physics_.points[i];
+      const mjtNum* at = data_->xpos + 3L * point.body;
+      now[i] = Pose{quaternion_at(data_->xquat + 4L * point.body), {at[0], at[1], at[2]}} *
+               point.in_body;
+      const double height = std::max(now[i].z(), last_points_.empty() ? 1.0 : last_points_[i].z());
+      if (height - point.radius > kOnFloor) continue;
+      slip_ += (now[i] - last_points_[i]).head<2>().norm() / track_.time_step();
+      ++slip_count_;
+    }
+    last_points_ = std::move(now);
+  }
+
+  void check_fall(int step, const ReferenceState& reference) {
+    const std::vector<double>& wanted = reference.motion.qpos;
+    const Vector3d off(data_->qpos[0] - wanted[0], data_->qpos[1] - wanted[1],
+                       data_->qpos[2] - wanted[2]);
+    const Vector3d up = Vector3d::UnitZ();
+    const Vector3d is_up = quaternion_at(data_->qpos + 3).conjugate() * up;
+    const Vector3d wanted_up =
+        Eigen::Quaterniond(wanted[3], wanted[4], wanted[5], wanted[6]).conjugate() * up;
+    const double tilt = angle_between(is_up, wanted_up) * 180.0 / std::numbers::pi;
+    if (-off.z() > kFallHeight * size_) return fall(step, "height");
+    if (tilt > kFallTilt) return fall(step, "tilt");
+    if (off.head<2>().norm() > kLostDistance * size_) return fall(step, "distance");
+  }
+
+  void fall(int step, const char* reason) {
+    report_.fell = true;
+    report_.fall_frame = (step + steps_per_frame_ - 1) / steps_per_frame_;
+    report_.fall_time_s = step * track_.time_step();
+    report_.fall_reason = reason;
+  }
+
+  void record(int frame) {
+    const auto qpos = motion_.qpos(frame);
+    std::copy_n(data_->qpos, 7, qpos.begin());
+    qpos[2] += floor_;
+    Eigen::Map<Eigen::Vector4d> quaternion(qpos.data() + 3);
+    quaternion.normalize();
+    if (frame > 0) {
+      align_sign(Eigen::Map<const Eigen::Vector4d>(motion_.qpos(frame - 1).data() + 3), quaternion);
+    }
+    for (const PhysicsJoint& joint : physics_.joints) {
+      qpos[robot_.joints()[joint.joint].qpos_address] = data_->qpos[joint.dof + 1];
+    }
+  }
+
+  // Fills the frames after a state that is not finite.
+  void hold_from(int step) {
+    const int first = (step + steps_per_frame_ - 1) / steps_per_frame_;
+    for (int frame = std::max(1, first); frame < motion_.frame_count(); ++frame) {
+      std::ranges::copy(motion_.qpos(frame - 1), motion_.qpos(frame).begin());
+    }
+  }
+
+  void finish() {
+    const int frames = report_.fell ? report_.fall_frame : report_.frames;
+    set_errors(clip_, motion_, frames, report_);
+    if (report_.knows_torque_limits && !torque_ratios_.empty()) {
+      const auto at = std::ranges::count_if(torque_ratios_, [](double r) { return r > kAtLimit; });
+      report_.torque_limit_pct =
+          100.0 * static_cast<double>(at) / static_cast<double>(torque_ratios_.size());
+      report_.torque_p99_ratio = percentile(torque_ratios_, 99.0);
+    }
+    if (slip_count_ > 0) report_.slip_cm_s = 100.0 * slip_ / static_cast<double>(slip_count_);
+  }
+
+  const RobotClip& clip_;
+  const Robot& robot_;
+  PhysicsModel physics_;
+  std::unique_ptr<mjData, DataDeleter> data_;
+  int steps_per_frame_;
+  double floor_, size_;
+  ReferenceTrack track_;
+  WholeBodyController controller_;
+  RobotClip motion_;
+  SimulationReport report_;
+  std::size_t sole_count_ = 0;
+  std::vector<double> torque_ratios_;  // Largest of a step.
+  std::vector<Vector3d> last_points_;
+  double slip_ = 0.0;
+  std::size_t slip_count_ = 0;
+};
+
+}  // namespace
+
+Result<Simulation> simulate(const RobotClip& reference, const SimulateOptions& options) {
+  if (reference.frame_count() < 3) {
+    return input_failure({}, "a simulation needs at least three frames");
+  }
+  const double frame_time = 1.0 / reference.rate().fps();
+  const int steps = std::max(1, static_cast<int>(std::ceil(frame_time / kLongestStep)));
+  RETARGET_TRY_ASSIGN(PhysicsModel physics,
+                      make_physics_model(reference.robot(), frame_time / steps));
+  const double floor = analyse_dynamics(reference).floor_height;
+  return Simulator(reference, std::move(physics), steps, floor).run(options);
+}
+
+}  // namespace retarget

@@ -1,0 +1,340 @@
+#include "judge/simulation/whole_body_controller.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/math/gravity.h"
+#include "retarget/so3.h"
+#include "solve/dynamics/force_cone.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr std::size_t kMaxPointsOfFoot = 6, kMaxPointsInAll = 16;
+constexpr int kEdges = ForceCone::kEdges;
+constexpr double kTouching = 0.002;    // Metres above the floor.
+constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot that touches.
+constexpr double kLoadTime = 0.06;     // Seconds in which a point that has touched down is loaded.
+constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
+constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot takes its shift.
+constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
+
+Vector3d vector_of(const mjtNum* values) {
+  return {values[0], values[1], values[2]};
+}
+
+Eigen::Quaterniond rotation_of(const mjtNum* wxyz) {
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+}  // namespace
+
+// Rows of the weighted least-squares problem.
+class WholeBodyController::Tasks {
+ public:
+  explicit Tasks(int inputs_at_most, int rows_at_most)
+      : rows_(rows_at_most, inputs_at_most), right_(rows_at_most) {}
+  void begin(int inputs) {
+    inputs_ = inputs;
+    count_ = 0;
+  }
+  template <typename Rows, typename Wanted>
+  void add(const Rows& rows, const Wanted& wanted, double weight) {
+    const Eigen::Index n = rows.rows();
+    rows_.block(count_, 0, n, inputs_) = weight * rows;
+    right_.segment(count_, n) = weight * wanted;
+    count_ += n;
+  }
+  [[nodiscard]] auto rows() const { return rows_.topLeftCorner(count_, inputs_); }
+  [[nodiscard]] auto right() const { return right_.head(count_); }
+
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+
+ private:
+  Eigen::MatrixXd rows_;
+  Eigen::VectorXd right_;
+  Eigen::Index inputs_ = 0, count_ = 0;
+};
+
+// A foot, and the horizontal shift and turn by which it stands off its reference.
+struct WholeBodyController::Foot {
+  FootFrame frame;
+  int body = 0;
+  Vector3d shift = Vector3d::Zero();
+  bool stands = false;
+};
+
+WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robot& robot,
+                                         const ControlGains& gains)
+    : physics_(physics),
+      robot_(robot),
+      gains_(gains),
+      weight_(physics.mass * kGravity),
+      joint_count_(static_cast<int>(physics.joints.size())),
+      qp_(joint_count_ + kEdges * static_cast<int>(kMaxPointsInAll)) {
+  const double size = body_size(robot);
+  lever_ = kLeverOfG1 * size;
+  for (double* stiffness : {&gains_.com_stiffness, &gains_.root_stiffness, &gains_.foot_stiffness,
+                            &gains_.joint_stiffness}) {
+    *stiffness /= size;
+  }
+  for (double* damping : {&gains_.com_damping, &gains_.spin_damping, &gains_.root_damping,
+                          &gains_.foot_damping, &gains_.joint_damping}) {
+    *damping /= std::sqrt(size);
+  }
+  gains_.step_reach *= size;
+  for (const FootFrame& frame : make_foot_frames(robot)) {
+    feet_.push_back({frame, frame.link + 1});
+  }
+  for (const PhysicsJoint& joint : physics.joints) {
+    scales_.push_back(std::isfinite(joint.limit) ? joint.limit : kFreeTorque * size);
+  }
+  const auto dofs = static_cast<int>(physics.model->nv);
+  const int inputs = joint_count_ + kEdges * static_cast<int>(kMaxPointsInAll);
+  tasks_ = std::make_unique<Tasks>(inputs, 9 + 6 * static_cast<int>(feet_.size()) + joint_count_);
+  inputs_.resize(inputs, dofs);
+  response_.resize(inputs, dofs);
+  free_.resize(dofs);
+  wanted_positions_.resize(physics.model->nq);
+  wanted_rates_.resize(dofs);
+  wanted_accelerations_.resize(dofs);
+  lower_.resize(inputs);
+  upper_.resize(inputs);
+  amounts_.resize(inputs);
+  tasks_->hessian.resize(inputs, inputs);
+  tasks_->gradient.resize(inputs);
+  step_.torques.resize(physics.joints.size());
+  loads_.assign(physics.points.size(), 1.0);
+}
+
+WholeBodyController::~WholeBodyController() = default;
+
+const ControlStep& WholeBodyController::compute(const ReferenceState& reference, double time_step,
+                                                mjData_* data) {
+  physics_.set_positions(reference.motion.qpos, robot_, wanted_positions_.data());
+  physics_.set_rates(reference.motion.velocity, wanted_rates_.data());
+  physics_.set_rates(reference.motion.acceleration, wanted_accelerations_.data());
+  mj_subtreeVel(physics_.model.get(), data);
+  find_points(reference, time_step, data);
+  build_inputs(data);
+  move_feet(reference, time_step, data);
+  tasks_->begin(input_count_);
+  add_centroid(reference, data);
+  add_root(reference, data);
+  add_feet(reference, data);
+  add_joints(reference, data);
+  solve(reference);
+  return step_;
+}
+
+// The points near the floor; the outermost ones of each foot, and of all.
+void WholeBodyController::find_points(const ReferenceState& reference, double time_step,
+                                      mjData_* data) {
+  std::vector<Vector3d> all(physics_.points.size());
+  std::vector<int> near;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const PhysicsPoint& point = physics_.points[i];
+    const Pose body{rotation_of(data->xquat + 4L * point.body),
+                    vector_of(data->xpos + 3L * point.body)};
+    all[i] = body * point.in_body - point.radius * Vector3d::UnitZ();
+    if (all[i].z() < kTouching) near.push_back(static_cast<int>(i));
+  }
+  // A standing foot that tips can press down its other end again.
+  std::vector<char> touches(physics_.model->nbody, 0);
+  for (const int i : near) touches[physics_.points[i].body] = 1;
+  near.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const PhysicsPoint& point = physics_.points[i];
+    const bool flat = point.of_sole && touches[point.body] != 0 && reference.planned[i] != 0;
+    if (all[i].z() < (flat ? kNearlyFlat : kTouching)) {
+      near.push_back(static_cast<int>(i));
+      loads_[i] = std::min(1.0, loads_[i] + time_step / kLoadTime);
+    } else {
+      loads_[i] = 0.0;
+    }
+  }
+  step_.points.clear();
+  for (const Foot& foot : feet_) {
+    std::vector<int> of_foot;
+    for (const int i : near) {
+      if (physics_.points[i].body == foot.body && physics_.points[i].of_sole) of_foot.push_back(i);
+    }
+    keep_outermost(all, kMaxPointsOfFoot, of_foot);
+    step_.points.insert(step_.points.end(), of_foot.begin(), of_foot.end());
+  }
+  for (const int i : near) {
+    if (!physics_.points[i].of_sole) step_.points.push_back(i);
+  }
+  keep_outermost(all, kMaxPointsInAll, step_.points);
+  places_.clear();
+  for (const int i : step_.points) places_.push_back(all[i]);
+}
+
+// Generalised forces per input, and the accelerations that they cause.
+void WholeBodyController::build_inputs(mjData_* data) {
+  const mjModel* model = physics_.model.get();
+  input_count_ = joint_count_ + kEdges * static_cast<int>(step_.points.size());
+  inputs_.topRows(input_count_).setZero();
+  for (int i = 0; i < joint_count_; ++i) inputs_(i, physics_.joints[i].dof) = scales_[i];
+  const Eigen::Matrix<double, 3, kEdges> pyramid = weight_ * friction_pyramid(gains_.friction);
+  RowMajor jacobian(3, model->nv);
+  for (std::size_t p = 0; p < places_.size(); ++p) {
+    mj_jac(model, data, jacobian.data(), nullptr, places_[p].data(),
+           physics_.points[step_.points[p]].body);
+    inputs_.middleRows(joint_count_ + kEdges * static_cast<int>(p), kEdges) =
+        pyramid.transpose() * jacobian;
+  }
+  mj_solveM(model, data, response_.data(), inputs_.data(), input_count_);
+  const Eigen::VectorXd loads = Eigen::Map<const Eigen::VectorXd>(data->qfrc_passive, model->nv) -
+                                Eigen::Map<const Eigen::VectorXd>(data->qfrc_bias, model->nv);
+  mj_solveM(model, data, free_.data(), loads.data(), 1);
+}
+
+// A swing foot takes up a share of the error of the capture point; a standing one keeps its shift.
+void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
+                                    mjData_* data) {
+  const Vector3d com = vector_of(data->subtree_com + 3);
+  const Vector3d velocity = vector_of(data->subtree_linvel + 3);
+  const double pace = std::sqrt(std::max(0.05, reference.com.z()) / kGravity);
+  Vector3d shift =
+      gains_.step_gain * (com - reference.com + pace * (velocity - reference.com_velocity));
+  shift.z() = 0.0;
+  if (shift.norm() > gains_.step_reach) shift *= gains_.step_reach / shift.norm();
+  for (std::size_t i = 0; i < feet_.size(); ++i) {
+    Foot& foot = feet_[i];
+    const bool touches = std::ranges::any_of(
+        step_.points, [&](int p) { return physics_.points[p].body == foot.body; });
+    const bool stands = touches && reference.feet[i].planned;
+    if (stands) {
+      if (!foot.stands) {
+        const Pose body{rotation_of(data->xquat + 4L * foot.body),
+                        vector_of(data->xpos + 3L * foot.body)};
+        foot.shift = body * foot.frame.in_link - reference.feet[i].pose.translation;
+        foot.shift.z() = 0.0;
+      }
+    } else {
+      foot.shift += std::min(1.0, time_step / kShiftTime) * (shift - foot.shift);
+    }
+    foot.stands = stands;
+  }
+}
+
+// Force and moment of the points about the centre of mass.
+void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_* data) {
+  const Vector3d com = vector_of(data->subtree_com + 3);
+  const Vector3d velocity = vector_of(data->subtree_linvel + 3);
+  const Vector3d spin = vector_of(data->subtree_angmom + 3);
+  const Eigen::Matrix<double, 3, kEdges> pyramid = weight_ * friction_pyramid(gains_.friction);
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, input_count_), moment = force;
+  for (std::size_t p = 0; p < places_.size(); ++p) {
+    const int at = joint_count_ + kEdges * static_cast<int>(p);
+    force.middleCols(at, kEdges) = pyramid / physics_.mass;
+    const double inertia = physics_.mass * lever_ * lever_;
+    moment.middleCols(at, kEdges) = skew(places_[p] - com) * pyramid / inertia;
+  }
+  const Vector3d wanted = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
+                          gains_.com_stiffness * (reference.com - com) +
+                          gains_.com_damping * (reference.com_velocity - velocity);
+  tasks_->add(force, wanted, gains_.com_weight);
+  const Vector3d rate =
+      (reference.momentum_rate + gains_.spin_damping * (reference.momentum - spin)) /
+      (physics_.mass * lever_ * lever_);
+  tasks_->add(moment, rate, gains_.spin_weight);
+}
+
+void WholeBodyController::add_root(const ReferenceState&, mjData_* data) {
+  const Eigen::Quaterniond is = rotation_of(data->qpos + 3);
+  const Eigen::Quaterniond is_from_wanted =
+      is.conjugate() * rotation_of(wanted_positions_.data() + 3);
+  const Vector3d rate = is_from_wanted * wanted_rates_.segment<3>(3) - vector_of(data->qvel + 3);
+  const Vector3d wanted = is_from_wanted * wanted_accelerations_.segment<3>(3) +
+                          gains_.root_stiffness * log_so3(is_from_wanted) +
+                          gains_.root_damping * rate - free_.segment<3>(3);
+  tasks_->add(response_.topRows(input_count_).middleCols(3, 3).transpose(), wanted,
+              gains_.root_weight);
+}
+
+void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* data) {
+  const mjModel* model = physics_.model.get();
+  RowMajor jacobian(6, model->nv), drift(6, model->nv);
+  const Eigen::Map<const Eigen::VectorXd> rates(data->qvel, model->nv);
+  for (std::size_t i = 0; i < feet_.size(); ++i) {
+    const Foot& foot = feet_[i];
+    const FootMotion& to = reference.feet[i];
+    const Eigen::Quaterniond rotation = rotation_of(data->xquat + 4L * foot.body);
+    const Vector3d place =
+        Pose{rotation, vector_of(data->xpos + 3L * foot.body)} * foot.frame.in_link;
+    mj_jac(model, data, jacobian.data(), jacobian.data() + 3L * model->nv, place.data(), foot.body);
+    mj_jacDot(model, data, drift.data(), drift.data() + 3L * model->nv, place.data(), foot.body);
+    Vector6d error;
+    error << to.pose.translation + foot.shift - place,
+        log_so3(to.pose.rotation * rotation.conjugate());
+    const Vector6d wanted = to.acceleration + gains_.foot_stiffness * error +
+                            gains_.foot_damping * (to.velocity - jacobian * rates) - drift * rates -
+                            jacobian * free_;
+    tasks_->add(jacobian * response_.topRows(input_count_).transpose(), wanted, gains_.foot_weight);
+  }
+}
+
+void WholeBodyController::add_joints(const ReferenceState&, mjData_* data) {
+  const auto n = static_cast<Eigen::Index>(joint_count_);
+  const Eigen::Map<const Eigen::VectorXd> positions(data->qpos + 7, n), rates(data->qvel + 6, n);
+  const Eigen::VectorXd wanted = wanted_accelerations_.tail(n) +
+                                 gains_.joint_stiffness * (wanted_positions_.tail(n) - positions) +
+                                 gains_.joint_damping * (wanted_rates_.tail(n) - rates) -
+                                 free_.tail(n);
+  tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), wanted,
+              gains_.joint_weight);
+}
+
+void WholeBodyController::solve(const ReferenceState& reference) {
+  const int size = static_cast<int>(amounts_.size());
+  Eigen::MatrixXd& hessian = tasks_->hessian;
+  Eigen::VectorXd& gradient = tasks_->gradient;
+  hessian.setZero();
+  hessian.diagonal().setOnes();
+  gradient.setZero();
+  lower_.setZero();
+  upper_.setZero();
+  auto used = hessian.topLeftCorner(input_count_, input_count_);
+  used.setZero();
+  used.selfadjointView<Eigen::Lower>().rankUpdate(tasks_->rows().transpose());
+  gradient.head(input_count_) = -(tasks_->rows().transpose() * tasks_->right());
+  for (int i = 0; i < joint_count_; ++i) {
+    hessian(i, i) += gains_.torque_weight * gains_.torque_weight;
+    upper_[i] =
+        std::isfinite(physics_.joints[i].limit) ? 1.0 : std::numeric_limits<double>::infinity();
+    lower_[i] = -upper_[i];
+  }
+  // Points that the reference lifts bear only if no other point can.
+  const bool any_planned =
+      std::ranges::any_of(step_.points, [&](int p) { return reference.planned[p] != 0; });
+  for (int i = joint_count_; i < input_count_; ++i) {
+    const int point = step_.points[(i - joint_count_) / kEdges];
+    hessian(i, i) += gains_.force_weight * gains_.force_weight;
+    if (!any_planned || reference.planned[point] != 0) {
+      upper_[i] = loads_[point] < 1.0 ? loads_[point] : std::numeric_limits<double>::infinity();
+    }
+  }
+  const BoxQpStats stats = qp_.solve(hessian, gradient, lower_, upper_, amounts_);
+  step_.converged = stats.converged;
+  if (!step_.converged) amounts_.head(size).setZero();
+  for (int i = 0; i < joint_count_; ++i) step_.torques[i] = amounts_[i] * scales_[i];
+  step_.acceleration =
+      free_ + response_.topRows(input_count_).transpose() * amounts_.head(input_count_);
+  const Eigen::Matrix<double, 3, kEdges> pyramid = weight_ * friction_pyramid(gains_.friction);
+  step_.forces.clear();
+  for (std::size_t p = 0; p < places_.size(); ++p) {
+    step_.forces.push_back(pyramid *
+                           amounts_.segment<kEdges>(joint_count_ + kEdges * static_cast<int>(p)));
+  }
+}
+
+}  // namespace retarget
