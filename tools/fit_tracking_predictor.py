@@ -25,11 +25,11 @@ WINDOW_S = 10.0
 ROBOTS = ["unitree_g1", "engineai_pm01", "booster_t1", "fourier_n1"]
 # Name, options of the run, speed of playback, lean in degrees.
 VARIANTS = [
-    ("fit", [], 1.0, 0.0),
-    ("dynamics", ["--with", "dynamics"], 1.0, 0.0),
+    ("fit", ["--without", "dynamics"], 1.0, 0.0),
+    ("dynamics", [], 1.0, 0.0),
     ("gmr", ["--method", "gmr"], 1.0, 0.0),
-    ("fast", [], 1.3, 0.0),
-    ("lean", ["--with", "dynamics"], 1.0, None),
+    ("fast", ["--without", "dynamics"], 1.3, 0.0),
+    ("lean", [], 1.0, None),
 ]
 LEANS = [-12.0, -8.0, -5.0, 5.0, 8.0, 12.0]
 # Metric, 95th percentile, square root. The square root brings shares and rare large values to one scale.
