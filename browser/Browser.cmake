@@ -10,7 +10,7 @@ find_path(RETARGET_MUJOCO_HEADERS mujoco/mujoco.h REQUIRED NO_DEFAULT_PATH
 
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp)
 # Rooms of other programs ...
-list(FILTER sources EXCLUDE REGEX "/src/(edit|rig|live|batch|app/provenance|app/run|solve/robot_setup|solve/online)/")
+list(FILTER sources EXCLUDE REGEX "/src/(edit|rig|live|batch|app/provenance|app/run|solve/robot_setup|solve/online|judge/simulation)/")
 # ... and files that read or write models through MuJoCo.
 list(FILTER sources EXCLUDE REGEX
   "/(load_model|check_model|mend_spec|mesh_geoms|mujoco_messages|mujoco_contacts|reference_solver|scene_model)\\.cpp$")
