@@ -5,7 +5,7 @@
 
 namespace retarget {
 
-/// What balance needs at one instant, horizontally.
+/// Support and zero-moment point at one instant, horizontally.
 struct BalanceSample {
   /// Zero-moment point: where a force on the floor has the moment that the motion needs. Metres.
   Eigen::Vector2d zmp = Eigen::Vector2d::Zero();

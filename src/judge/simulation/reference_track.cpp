@@ -101,7 +101,7 @@ Vector3d ReferenceTrack::shift_at(int step) const {
 
 void ReferenceTrack::sample(int step, Sample& into) {
   into.step = step;
-  // Beyond its ends the motion goes on along the splines of its first and last pieces.
+  // Beyond its ends the motion continues along the splines of its first and last pieces.
   const int frame =
       std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
   const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;
@@ -133,7 +133,7 @@ const ReferenceState& ReferenceTrack::at(int step) {
   reference_.com_velocity = (window_[2].com - window_[0].com) / (2.0 * time_step_);
   reference_.com_acceleration = inverse_.com_acceleration();
   const Vector3d shift = shift_at(step), next = shift_at(step + 1);
-  // Before its first step, the shift goes on in a straight line.
+  // Before its first step, the shift continues in a straight line.
   const Vector3d last = step > 0 ? shift_at(step - 1) : Vector3d(2.0 * shift - next);
   reference_.com += shift;
   reference_.shift_velocity = (next - last) / (2.0 * time_step_);
