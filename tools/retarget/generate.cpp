@@ -261,8 +261,7 @@ std::string options_page(const std::vector<Command>& commands) {
 }  // namespace
 
 CLI::App* add_generate_command(CLI::App& app, std::string& what) {
-  CLI::App* command =
-      app.add_subcommand("generate", "Print shell completions, the man page or the options page");
+  CLI::App* command = app.add_subcommand("generate", "Print completions, man page or options page");
   Option row = word("what", what, "", "Kind of output");
   row.choices = {"bash", "zsh", "fish", "man", "options"};
   declare(*command, {row});
