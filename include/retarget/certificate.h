@@ -11,7 +11,7 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// The measurements of a motion, in one document (docs/certificate.md; schema:
+/// The figures of a motion, its simulation and its prediction in one document (docs/certificate.md; schema:
 /// docs/certificate.schema.json).
 struct Certificate {
   std::string json;

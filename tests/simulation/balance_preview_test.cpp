@@ -32,7 +32,7 @@ TEST(BalancePreview, BalancedMotionStays) {
 // x'' = w^2 (x + d [t > T]) is -d/2 exp(w (t - T)) before T and -d (1 - exp(-w (t - T)) / 2) after.
 TEST(BalancePreview, LeansBeforeItHasTo) {
   constexpr double kStep = 0.001, kPull = 12.0, kBeyond = 0.05;
-  constexpr int kCount = 8000, kChange = 4000;
+  constexpr int kCount = 16000, kChange = 8000;
   std::vector<BalanceSample> samples(kCount);
   for (int i = 0; i < kCount; ++i) {
     samples[i] = {{i > kChange ? 1.0 + kBeyond : 0.5, 0.0}, kSquare, kPull};

@@ -129,8 +129,8 @@ OptionTable simulate_table(SimulateArguments& arguments) {
   Option output = output_row(arguments.output);
   output.info.help = "Simulated motion to write; - writes standard output";
   table.push_back(std::move(output));
-  table.push_back(row("report", arguments.report, kOutputGroup, "FILE", "Write the report as JSON",
-                      {.basic = true}));
+  table.push_back(
+      row("report", arguments.report, kOutputGroup, "FILE", "Write the report as JSON"));
   table.push_back(
       row("json", arguments.json, kOutputGroup, "", "Print the report as JSON", {.basic = true}));
   append(table, without(save_table(arguments.save), {"scene-out"}));

@@ -278,8 +278,8 @@ Result<std::string> robot_pack(const std::string& robot) {
 }  // namespace
 
 CLI::App* add_generate_command(CLI::App& app, Generated& generated) {
-  CLI::App* command = app.add_subcommand(
-      "generate", "Print shell completions, the man page, the options page or a robot pack");
+  CLI::App* command =
+      app.add_subcommand("generate", "Print completions, man page, options page or robot pack");
   Option row = word("what", generated.what, "", "Kind of output");
   row.choices = {"bash", "zsh", "fish", "man", "options", "robot-pack"};
   const Option robot =

@@ -33,7 +33,7 @@ struct FootMotion {
   bool planned = false;  ///< Whether a point of the sole is to bear on the floor.
 };
 
-/// The state that a controller tracks at one instant. World axes, metres, seconds.
+/// The reference of a controller at one instant. World axes, metres, seconds.
 struct ReferenceState {
   explicit ReferenceState(const Robot& robot) : motion(robot) {}
 
@@ -47,7 +47,7 @@ struct ReferenceState {
 };
 
 /// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
-/// at equal steps, with derived quantities. The floor, the height at which soles stand in the
+/// at equal steps, with the centre of mass, the feet and the contacts. The floor, the height at which soles stand in the
 /// motion, is moved to 0. The centre of mass is shifted so that the planned points can bear it
 /// (balance_preview.h).
 class ReferenceTrack {
@@ -62,7 +62,7 @@ class ReferenceTrack {
   const ReferenceState& at(int step);
 
  private:
-  // The quantities of a single step; derivatives are differences of neighbouring ones.
+  // The part of a state that needs no neighbours; derivatives are differences of neighbouring ones.
   struct Sample {
     int step = -1;
     Eigen::Vector3d com;
