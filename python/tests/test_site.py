@@ -71,9 +71,11 @@ def test_the_notebook_makes_a_training_set(sources) -> None:
     assert all(output.get("name") != "stderr" for cell in cells for output in cell.get("outputs", []))
     assert "passed</caption>" in outputs("retarget.evaluate")[0].data["text/html"]
     assert outputs("retarget.view")[0].data["text/html"].startswith("<iframe srcdoc=")
-    assert outputs("retarget.batch")[0].data["text/plain"].count("'done'") == 5
+    clips = eval(outputs("retarget.batch")[0].data["text/plain"])
+    assert [status for _, status, _, _ in clips] == 5 * ["done"]
+    passed = [frames for _, _, frames, missed in clips if not missed]
     shape, lengths = eval(outputs("bincount")[0].data["text/plain"])
-    assert shape == (sum(lengths), 36) and len(lengths) == 5
+    assert shape == (sum(lengths), 36) and sorted(lengths) == sorted(passed) and len(passed) >= 4
     assert "Data set motions" in outputs("write_page")[0].data["text/html"]
 
 

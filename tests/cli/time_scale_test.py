@@ -52,9 +52,10 @@ class Factor(TimeScaleTest):
 
 class Auto(TimeScaleTest):
     def test_a_motion_within_limits_keeps_its_bytes(self):
-        for name in ("squat", "walk"):
-            plain = self.run_sample(name, "plain.csv")
-            auto = self.run_sample(name, "auto.csv", "--time-scale", "auto", "--report",
+        # In the walk, torques exceed their limits for moments.
+        for name, options in (("squat", ()), ("walk", ("--without", "dynamics"))):
+            plain = self.run_sample(name, "plain.csv", *options)
+            auto = self.run_sample(name, "auto.csv", *options, "--time-scale", "auto", "--report",
                                    "auto.json", "--sidecar")
             self.assertEqual(plain, auto)
             self.assertNotIn("time_scale", self.report("auto.json"))

@@ -273,8 +273,8 @@ OptionTable purpose_table(SolveOptions& options) {
                   plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true}),
       text_option("time-scale", options.time_scale, kTimeGroup, "S|auto",
                   "Speed of the motion relative to the source, 0.25 to 1. auto: slow down only "
-                  "where joints exceed their speed limits, or with " OPTION(
-                      "with") " dynamics their torque limits (docs/references.md; default: 1)",
+                  "where joints exceed their speed limits or, unless the fit is " OPTION(
+                      "without") " dynamics, their torque limits (docs/references.md; default: 1)",
                   plain_text, checked_time_scale, {.uses = kJudged, .recorded_if_given = true})};
 }
 

@@ -93,11 +93,19 @@ Json file_json(const std::string& role, const std::string& file, const std::stri
   return json;
 }
 
+// The file of a recorded name. Names below the data folder are recorded relative to it.
+std::string file_of_recorded_name(const std::string& name, const std::string& data_folder) {
+  std::error_code ignored;
+  const fs::path below = fs::path(data_folder) / name;
+  return !name.empty() && fs::exists(below, ignored) ? below.string() : name;
+}
+
 Result<Json> inputs_json(const MeasureRequest& request, const QualityReport& report,
                          const std::string& predictor, Observer& observer) {
   TRY_ASSIGN(const LoadedRobot robot, load_robot(request.run.robot, request.data_folder, observer));
-  TRY_ASSIGN(const std::vector<ReadFile> files,
-             files_read(request.run, robot, request.run.motion.empty() ? "" : report.config));
+  const std::string config =
+      request.run.motion.empty() ? "" : file_of_recorded_name(report.config, robot.data_folder);
+  TRY_ASSIGN(const std::vector<ReadFile> files, files_read(request.run, robot, config));
   Json inputs = Json::array();
   for (const ReadFile& file : files) {
     const std::string role = file.role == "motion" ? "source" : file.role;
