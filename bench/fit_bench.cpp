@@ -28,6 +28,7 @@ void fit_clip(benchmark::State& state, const char* clip) {
   const FitCase bench = load_fit_case(clip);
   FitOptions options;
   options.threads = static_cast<int>(state.range(0));
+  options.dynamics = state.range(1) != 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
         fit(bench.clip, bench.calibration, bench.robot, bench.config, bench.limits, options));
@@ -48,10 +49,8 @@ BENCHMARK_CAPTURE(published_method, walk4, "walk4_subject1")
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fit_clip, walk4, "walk4_subject1")
-    ->ArgName("threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->Arg(4)
+    ->ArgNames({"threads", "dynamics"})
+    ->ArgsProduct({{1, 2, 4}, {0, 1}})
     ->UseRealTime()
     ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);

@@ -28,6 +28,7 @@ struct StagesCase {
   RobotClip first;
 
   StagesCase() {
+    options.dynamics = false;
     const TargetBuilder targets(bench.config, bench.human.height);
     BoneArray<int> target_of_bone;
     for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
