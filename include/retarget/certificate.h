@@ -35,8 +35,9 @@ struct Certificate {
 /// Checks that a certificate's motion and inputs are unchanged, and that all of its figures are
 /// those that this version computes. Files that moved together with the certificate are found next
 /// to it.
+/// @param text  the certificate.  @param file  its name.
 /// Errors: not a certificate (kInput); a file or a figure differs (kRun), with its name.
-[[nodiscard]] Result<void> verify_certificate(const std::string& file,
+[[nodiscard]] Result<void> verify_certificate(std::string_view text, const std::string& file,
                                               const DataFolder& data_folder, Observer& observer);
 
 }  // namespace retarget

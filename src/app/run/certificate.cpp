@@ -247,10 +247,9 @@ bool is_certificate(std::string_view text) {
   return text.substr(0, 200).find(kSchema) != std::string_view::npos;
 }
 
-Result<void> verify_certificate(const std::string& file, const DataFolder& data_folder,
-                                Observer& observer) {
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
-  TRY_ASSIGN(const Json recorded, parse_json(content.view(), file));
+Result<void> verify_certificate(std::string_view text, const std::string& file,
+                                const DataFolder& data_folder, Observer& observer) {
+  TRY_ASSIGN(const Json recorded, parse_json(text, file));
   const bool sound = recorded.is_object() && recorded.value("schema", Json()) == Json(kSchema) &&
                      recorded.contains("motion") && recorded["motion"].is_object() &&
                      recorded.contains("request");

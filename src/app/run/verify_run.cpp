@@ -44,15 +44,14 @@ void find_moved(std::string& file, const fs::path& beside) {
   }
 }
 
-Result<Sidecar> load_sidecar(const std::string& file) {
+Result<FileContent> read_record(const std::string& file) {
   std::error_code ignored;
   if (fs::is_directory(file, ignored)) {
     return input_failure(
         file, "expected a run's sidecar, found a directory",
         "give a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
   }
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
-  return read_sidecar(content.view(), file);
+  return read_file(file, ErrorKind::kInput, kMaxTextBytes);
 }
 
 // Returns the inputs whose content has changed, one line each.
@@ -110,11 +109,12 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
 
 Result<void> verify_run(const std::string& file, const DataFolder& data_folder,
                         Observer& observer) {
-  if (const auto content = read_file(file, ErrorKind::kInput, kMaxTextBytes);
-      content && is_certificate(content->view())) {
-    return verify_certificate(file, data_folder, observer);
+  // It may be a pipe, which can be read once.
+  TRY_ASSIGN(const auto content, read_record(file));
+  if (is_certificate(content.view())) {
+    return verify_certificate(content.view(), file, data_folder, observer);
   }
-  TRY_ASSIGN(const Sidecar sidecar, load_sidecar(file));
+  TRY_ASSIGN(const Sidecar sidecar, read_sidecar(content.view(), file));
   const fs::path beside = fs::path(file).parent_path();
   TRY_ASSIGN(const Run run, run_of(sidecar, beside, file));
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, data_folder, observer));
