@@ -117,11 +117,12 @@ class Killer(threading.Thread):
         except FileNotFoundError:
             return
         poison = POISON in about["clips"]
-        if file not in self.killed and (poison or len(self.killed) < 5):
+        if file in self.killed or not (poison or len(self.killed) < 5):
+            return
+        time.sleep(0.05)  # The worker's process has begun to solve.
+        if kill_if_there(about["pid"]):
             self.killed.add(file)
             self.with_poison += poison
-            time.sleep(0.15)  # The worker's process has begun to solve.
-            os.kill(about["pid"], signal.SIGKILL)
 
 
 def test_killed_workers_change_no_byte(clips: Path, undisturbed: dict[str, bytes],
@@ -214,11 +215,12 @@ def children_of(parent: int) -> set[int]:
     return found
 
 
-def kill_if_there(process: int) -> None:
+def kill_if_there(process: int) -> bool:
     try:
         os.kill(process, signal.SIGKILL)
     except ProcessLookupError:
-        pass
+        return False
+    return True
 
 
 def test_a_removed_node_changes_no_byte(clips: Path, undisturbed: dict[str, bytes], cluster,
