@@ -209,6 +209,24 @@ TEST(Preset, EqualsItsOptions) {
   EXPECT_NE(csv_of(clip, short_part(for_tracking())), csv_of(clip, short_part({})));
 }
 
+TEST(Dynamics, AreOffInScenesAndForRobotMotionsUnlessGiven) {
+  for (const bool of_robot : {false, true}) {
+    Options options;
+    if (!of_robot) options.solve.terrain = "stairs:0.1x0.3";
+    const auto has_dynamics = [&] {
+      const auto setup = set_up_robot(loaded_g1(), options);
+      EXPECT_TRUE(setup);
+      return (of_robot ? setup->fit_of_robots : setup->fit).dynamics;
+    };
+    EXPECT_FALSE(has_dynamics());
+    options.solve.fit_given = {"dynamics"};
+    EXPECT_TRUE(has_dynamics());
+    options.solve.fit_given = {};
+    options.solve.with = {"dynamics"};
+    EXPECT_TRUE(has_dynamics());
+  }
+}
+
 TEST(Preset, GivenOptionsWin) {
   const TemporaryFolder folder;
   Options options = for_tracking();

@@ -101,8 +101,6 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
   fit.smoothness_root_position *= 5.0 / 3.0;
   fit.smoothness_root_rotation *= 2.5;
   fit.body_contact_weight *= 1.5;
-  // The motion of a robot is what a program computed, and is kept as it is.
-  fit.dynamics = false;
   return fit;
 }
 

@@ -87,7 +87,10 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   if (loaded.choice.follow == Follow::kArms) TRY(follow_arms_alone(robot, setup));
   if (solve.method == Method::kFit) {
     TRY_ASSIGN(setup.fit, choose_fit(options, solve.fit));
-    TRY_ASSIGN(setup.fit_of_robots, choose_fit(options, fit_of_robot_motions(solve.fit)));
+    FitOptions of_robots = fit_of_robot_motions(solve.fit);
+    // The motion of a robot is what a program computed, and is kept as it is.
+    if (!is_given(solve, "dynamics")) of_robots.dynamics = false;
+    TRY_ASSIGN(setup.fit_of_robots, choose_fit(options, of_robots));
   }
   setup.loaded = std::move(loaded);
   return setup;

@@ -161,16 +161,19 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
   // Supports that the fit does not know carry a body whose forces are distrusted most of the time.
   constexpr double kMostlyDistrusted = 0.75;
-  const Before before = state();
+  const auto take_last_steps = [&] {
+    return steps(first_step, options_.iterations, keep_going) && finish(keep_going);
+  };
   const double unexplained = dynamics_->begin(clip_);
   bool failed = !std::isfinite(unexplained), go_on = !failed;
   if (!failed && !dynamics_->is_needed()) {
-    if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
+    take_last_steps();
     return;
   }
+  const Before before = state();
   if (!failed) {
     with_dynamics_ = true;
-    go_on = steps(first_step, options_.iterations, keep_going) && finish(keep_going);
+    go_on = take_last_steps();
     with_dynamics_ = false;
     status_.distrusted_frames = dynamics_->distrusted_frames();
     failed = status_.failed;
@@ -182,7 +185,7 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
       status_.distrusted_frames <= kMostlyDistrusted * (window_.end - window_.begin);
   if (!failed && is_trusted && left <= kWorse * unexplained + kNoise) return;
   restore(before);
-  if (steps(first_step, options_.iterations, keep_going)) finish(keep_going);
+  take_last_steps();
   status_.distrusted_frames = 0;
   // A window that fails without dynamics as well is not their fault.
   status_.dynamics_failed = failed && !status_.failed;
