@@ -14,6 +14,7 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/mujoco_pointers.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {
@@ -23,11 +24,6 @@ using Eigen::Vector3d;
 
 constexpr double kStopDistance = 0.05;    // rad or m from the end of a range to the hard stop.
 constexpr double kSmallestRadius = 1e-4;  // Metres: MuJoCo's spheres have a radius.
-
-struct PhysicsSpecDeleter {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-};
-using PhysicsSpec = std::unique_ptr<mjSpec, PhysicsSpecDeleter>;
 
 void copy(const Vector3d& from, double* to) {
   for (int k = 0; k < 3; ++k) to[k] = from[k];
@@ -60,8 +56,6 @@ class Builder {
     add_floor();
     const auto& links = robot_.tree().links();
     bodies_.resize(links.size());
-    held_.assign(links.size(), false);
-    ids_.resize(links.size());
     for (std::size_t i = 0; i < links.size(); ++i) add_link(i, links[i], physics);
     for (const SupportPoint& point : make_support_points(robot_)) add_point(point, physics);
     physics.mass = inertias_.mass;
@@ -88,7 +82,6 @@ class Builder {
     mjsBody* parent = index == 0 ? mjs_findBody(spec_, "world") : bodies_[link.parent];
     mjsBody* body = mjs_addBody(parent, nullptr);
     bodies_[index] = body;
-    ids_[index] = static_cast<int>(index) + 1;
     set_inertia(inertias_.links[index], body);
     if (index == 0) {
       mjs_addFreeJoint(body);
@@ -97,8 +90,7 @@ class Builder {
     Pose pose = link.parent_from_link;
     const RobotJoint& joint = robot_.joints()[link.joint];
     const auto held = robot_.variant().locked.find(joint.name);
-    held_[index] = held != robot_.variant().locked.end();
-    if (held_[index]) {
+    if (held != robot_.variant().locked.end()) {
       pose = pose * moved_by(link, held->second - link.reference);
     } else {
       add_joint(link, body, physics);
@@ -138,15 +130,14 @@ class Builder {
     geom->size[0] = radius;
     copy(point.in_link, geom->pos);
     touch(geom, 0, 1);
-    physics.points.push_back({ids_[point.link], point.in_link, radius, point.of_sole});
+    // The world is body 0; links follow in their order.
+    physics.points.push_back({point.link + 1, point.in_link, radius, point.of_sole});
   }
 
   const Robot& robot_;
   mjSpec* spec_;
   Inertias inertias_;
   std::vector<mjsBody*> bodies_;  // By link.
-  std::vector<bool> held_;
-  std::vector<int> ids_;
 };
 
 Result<void> check_robot(const Robot& robot) {
@@ -187,7 +178,7 @@ Result<PhysicsModel> make_physics_model(const Robot& robot, double time_step) {
   RETARGET_TRY(check_robot(robot));
   const std::scoped_lock lock(mujoco_mutex());
   const MessageGuard guard;
-  const PhysicsSpec spec(mj_makeSpec());
+  const MujocoSpec spec(mj_makeSpec());
   spec->compiler.degree = 0;
   spec->compiler.autolimits = 0;
   spec->compiler.boundmass = 1e-6;

@@ -57,7 +57,7 @@ ReferenceTrack::ReferenceTrack(const RobotClip& clip, int steps_per_frame, doubl
       size_(body_size(robot_)),
       state_(robot_.tree()),
       inverse_(robot_.tree(), inertias_),
-      scratch_(robot_),
+      window_{Sample(robot_), Sample(robot_), Sample(robot_)},
       reference_(robot_) {
   for (Sample& each : window_) {
     each.feet.resize(feet_.size());
@@ -74,7 +74,7 @@ void ReferenceTrack::preview_balance() {
   for (int step = 0; step < step_count_; ++step) {
     const ReferenceState& state = at(step);
     BalanceSample& into = samples[static_cast<std::size_t>(step)];
-    const Wrench& needed = inverse_.needed();
+    const Wrench& needed = window_[1].needed;
     const double height = state.com.z();
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (state.planned[i] != 0) into.support.emplace_back(window_[1].points[i].head<2>());
@@ -105,11 +105,14 @@ void ReferenceTrack::sample(int step, Sample& into) {
   const int frame =
       std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
   const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;
-  spline_.sample(frame, within, scratch_);
-  scratch_.qpos[2] -= floor_;
-  state_.update(scratch_.qpos);
-  inverse_.compute(state_, scratch_.velocity, scratch_.acceleration);
+  spline_.sample(frame, within, into.motion);
+  into.motion.qpos[2] -= floor_;
+  state_.update(into.motion.qpos);
+  inverse_.compute(state_, into.motion.velocity, into.motion.acceleration);
   into.com = inverse_.com();
+  into.com_acceleration = inverse_.com_acceleration();
+  into.momentum = inverse_.angular_momentum();
+  into.needed = inverse_.needed();
   for (std::size_t i = 0; i < feet_.size(); ++i) {
     const Pose& link = state_.world_from_link[feet_[i].link];
     into.feet[i] = {link.rotation, link * feet_[i].in_link};
@@ -125,13 +128,11 @@ const ReferenceState& ReferenceTrack::at(int step) {
     sample(step, window_[1]);
   }
   sample(step + 1, window_[2]);
-  // Last, because the derivatives of the step itself remain in the scratch memory.
-  Sample& now = window_[1];
-  sample(step, now);
-  reference_.motion = scratch_;
+  const Sample& now = window_[1];
+  reference_.motion = now.motion;
   reference_.com = now.com;
   reference_.com_velocity = (window_[2].com - window_[0].com) / (2.0 * time_step_);
-  reference_.com_acceleration = inverse_.com_acceleration();
+  reference_.com_acceleration = now.com_acceleration;
   const Vector3d shift = shift_at(step), next = shift_at(step + 1);
   // Before its first step, the shift continues in a straight line.
   const Vector3d last = step > 0 ? shift_at(step - 1) : Vector3d(2.0 * shift - next);
@@ -139,8 +140,8 @@ const ReferenceState& ReferenceTrack::at(int step) {
   reference_.shift_velocity = (next - last) / (2.0 * time_step_);
   reference_.com_velocity += reference_.shift_velocity;
   reference_.com_acceleration += (next - 2.0 * shift + last) / (time_step_ * time_step_);
-  reference_.momentum = inverse_.angular_momentum();
-  reference_.momentum_rate = inverse_.needed().torque;
+  reference_.momentum = now.momentum;
+  reference_.momentum_rate = now.needed.torque;
   set_feet(window_[0], now, window_[2]);
   set_planned(window_[0], now, window_[2]);
   return reference_;

@@ -47,9 +47,9 @@ struct ReferenceState {
 };
 
 /// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
-/// at equal steps, with the centre of mass, the feet and the contacts. The floor, the height at which soles stand in the
-/// motion, is moved to 0. The centre of mass is shifted so that the planned points can bear it
-/// (balance_preview.h).
+/// at equal steps, with the centre of mass, the feet and the contacts. The floor, the height at which
+/// soles stand in the motion, is moved to 0. The centre of mass is shifted so that the planned points
+/// can bear it (balance_preview.h).
 class ReferenceTrack {
  public:
   /// @param steps_per_frame  samples between two frames.
@@ -64,8 +64,12 @@ class ReferenceTrack {
  private:
   // The part of a state that needs no neighbours; derivatives are differences of neighbouring ones.
   struct Sample {
+    explicit Sample(const Robot& robot) : motion(robot) {}
+
     int step = -1;
-    Eigen::Vector3d com;
+    MotionState motion;
+    Eigen::Vector3d com, com_acceleration, momentum;
+    Wrench needed;  // About the centre of mass.
     std::vector<Pose> feet;
     std::vector<Eigen::Vector3d> points;
   };
@@ -85,8 +89,7 @@ class ReferenceTrack {
   double time_step_, floor_, size_;
   TreeState state_;
   InverseDynamics inverse_;
-  MotionState scratch_;
-  std::array<Sample, 3> window_;
+  std::array<Sample, 3> window_;  // The steps before, at and after the current one.
   ReferenceState reference_;
   std::vector<Eigen::Vector2d> shift_;  // Of the centre of mass, by step; balancing_shift().
 };

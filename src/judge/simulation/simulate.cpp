@@ -17,6 +17,7 @@
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "retarget/trigonometry.h"
+#include "robot/model/mujoco_pointers.h"
 #include "solve/dynamics/motion_dynamics.h"
 
 namespace retarget {
@@ -29,10 +30,6 @@ constexpr double kAtLimit = 0.999;      // Torque ratio.
 constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears.
 constexpr double kTooFast = 1e3;        // m/s or rad/s: the simulation has diverged.
 constexpr double kBrake = 0.02;         // Share of the torque limit per rad/s, after a fall.
-
-struct DataDeleter {
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
 
 Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
@@ -140,18 +137,20 @@ class Simulator {
 
   // Sole points come first.
   void measure_slip() {
-    std::vector<Vector3d> now(sole_count_);
+    const bool is_first = last_points_.empty();
+    last_points_.resize(sole_count_);
     for (std::size_t i = 0; i < std::min(sole_count_, physics_.points.size()); ++i) {
       const PhysicsPoint& point = physics_.points[i];
       const mjtNum* at = data_->xpos + 3L * point.body;
-      now[i] = Pose{quaternion_at(data_->xquat + 4L * point.body), {at[0], at[1], at[2]}} *
-               point.in_body;
-      const double height = std::max(now[i].z(), last_points_.empty() ? 1.0 : last_points_[i].z());
+      const Vector3d now =
+          Pose{quaternion_at(data_->xquat + 4L * point.body), {at[0], at[1], at[2]}} *
+          point.in_body;
+      const Vector3d last = std::exchange(last_points_[i], now);
+      const double height = std::max(now.z(), is_first ? 1.0 : last.z());
       if (height - point.radius > kOnFloor) continue;
-      slip_ += (now[i] - last_points_[i]).head<2>().norm() / track_.time_step();
+      slip_ += (now - last).head<2>().norm() / track_.time_step();
       ++slip_count_;
     }
-    last_points_ = std::move(now);
   }
 
   void check_fall(int step, const ReferenceState& reference) {
@@ -212,7 +211,7 @@ class Simulator {
   const RobotClip& clip_;
   const Robot& robot_;
   PhysicsModel physics_;
-  std::unique_ptr<mjData, DataDeleter> data_;
+  MujocoData data_;
   int steps_per_frame_;
   double floor_, size_;
   ReferenceTrack track_;
@@ -236,7 +235,7 @@ Result<Simulation> simulate(const RobotClip& reference, const SimulateOptions& o
   const int steps = std::max(1, static_cast<int>(std::ceil(frame_time / kLongestStep)));
   RETARGET_TRY_ASSIGN(PhysicsModel physics,
                       make_physics_model(reference.robot(), frame_time / steps));
-  const double floor = analyse_dynamics(reference).floor_height;
+  const double floor = standing_floor(reference);
   return Simulator(reference, std::move(physics), steps, floor).run(options);
 }
 

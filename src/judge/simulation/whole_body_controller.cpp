@@ -134,7 +134,7 @@ const ControlStep& WholeBodyController::compute(const ReferenceState& reference,
   return step_;
 }
 
-// The points near the floor; the outermost ones of each foot, and of all.
+// Selects the points near the floor: the outermost ones of each foot, then those of all points.
 void WholeBodyController::find_points(const ReferenceState& reference, double time_step,
                                       mjData_* data) {
   std::vector<Vector3d> all(physics_.points.size());

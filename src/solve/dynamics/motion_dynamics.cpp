@@ -45,16 +45,13 @@ class Analyser {
         std::ranges::any_of(torque_limits_, [](double limit) { return std::isfinite(limit); });
   }
 
+  double floor() {
+    return is_empty() || points_.empty() ? 0.0 : standing_height(track_points(), sizes_);
+  }
+
   MotionDynamics run() {
-    if (clip_.frame_count() < 3 || inertias_.mass <= 0.0) return result_;
-    const std::size_t samples = static_cast<std::size_t>(clip_.frame_count() - 1) *
-                                static_cast<std::size_t>(result_.samples_per_frame);
-    const double rate = clip_.rate().fps() * result_.samples_per_frame;
-    SupportTracks tracks(points_, samples, rate);
-    for (std::size_t i = 0; i < samples; ++i) {
-      place(i);
-      tracks.set(i, state_);
-    }
+    if (is_empty()) return result_;
+    SupportTracks tracks = track_points();
     if (!points_.empty()) {
       result_.floor_height = standing_height(tracks, sizes_);
       tracks.find_contacts(result_.floor_height, sizes_);
@@ -63,12 +60,25 @@ class Analyser {
         tracks.find_contacts(*scene_, frame_of, sizes_);
       }
     }
-    result_.samples.resize(samples);
-    for (std::size_t i = 0; i < samples; ++i) measure(i, tracks);
+    result_.samples.resize(tracks.sample_count());
+    for (std::size_t i = 0; i < tracks.sample_count(); ++i) measure(i, tracks);
     return std::move(result_);
   }
 
  private:
+  [[nodiscard]] bool is_empty() const { return clip_.frame_count() < 3 || inertias_.mass <= 0.0; }
+
+  SupportTracks track_points() {
+    const std::size_t samples = static_cast<std::size_t>(clip_.frame_count() - 1) *
+                                static_cast<std::size_t>(result_.samples_per_frame);
+    SupportTracks tracks(points_, samples, clip_.rate().fps() * result_.samples_per_frame);
+    for (std::size_t i = 0; i < samples; ++i) {
+      place(i);
+      tracks.set(i, state_);
+    }
+    return tracks;
+  }
+
   void place(std::size_t sample) {
     const int frame = result_.frame_of(sample);
     const int within = static_cast<int>(sample) % result_.samples_per_frame;
@@ -85,13 +95,8 @@ class Analyser {
   void add_place(std::size_t index, int point, const SupportTracks& tracks) {
     const auto p = static_cast<std::size_t>(point);
     supports_.push_back(&points_[p]);
-    if (const auto body = tracks.body_under(index, p)) {
-      on_floor_ = false;
-      places_.push_back(
-          scene_->place(scene_frame(index), tracks.centre(index, p), points_[p].radius, *body));
-    } else {
-      places_.push_back({tracks.at(index, p)});
-    }
+    on_floor_ = on_floor_ && !tracks.body_under(index, p);
+    places_.push_back(tracks.place(index, p, scene_ ? &*scene_ : nullptr, scene_frame(index)));
   }
 
   void measure(std::size_t index, const SupportTracks& tracks) {
@@ -196,6 +201,10 @@ double DynamicsSample::torque_as_force() const {
 
 MotionDynamics analyse_dynamics(const RobotClip& clip, const SceneWorld* scene) {
   return Analyser(clip, scene).run();
+}
+
+double standing_floor(const RobotClip& clip) {
+  return Analyser(clip, nullptr).floor();
 }
 
 }  // namespace retarget

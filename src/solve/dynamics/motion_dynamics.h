@@ -61,4 +61,8 @@ struct MotionDynamics {
 [[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip,
                                               const SceneWorld* scene = nullptr);
 
+/// Height of the soles that stand in a motion, metres: MotionDynamics::floor_height, without the
+/// dynamics.
+[[nodiscard]] double standing_floor(const RobotClip& clip);
+
 }  // namespace retarget
