@@ -18,7 +18,7 @@ namespace {
 
 // A model whose arrays it owns.
 struct OwnedModel : mjModel_ {
-  explicit OwnedModel(retarget::PackedModel packed) : mjModel_(), arrays(std::move(packed)) {
+  explicit OwnedModel(retarget::PackedArrays packed) : mjModel_(), arrays(std::move(packed)) {
     nq = arrays.nq;
     nv = arrays.nv;
     nbody = arrays.nbody;
@@ -31,7 +31,7 @@ struct OwnedModel : mjModel_ {
 #undef RETARGET_POINT
   }
 
-  retarget::PackedModel arrays;
+  retarget::PackedArrays arrays;
 };
 
 const OwnedModel& owned(const mjModel* model) {
@@ -60,18 +60,7 @@ void mj_deleteModel(mjModel* model) {
 }
 
 mjModel* mj_copyModel(mjModel* /*destination*/, const mjModel* source) {
-  const OwnedModel& model = owned(source);
-  retarget::PackedModel copy;
-  copy.nq = model.nq;
-  copy.nv = model.nv;
-  copy.nbody = model.nbody;
-  copy.njnt = model.njnt;
-  copy.ngeom = model.ngeom;
-  copy.nnames = model.nnames;
-#define RETARGET_COPY(type, name, elements, numbers) copy.name = model.arrays.name;
-  RETARGET_PACKED_ARRAYS(RETARGET_COPY)
-#undef RETARGET_COPY
-  return std::make_unique<OwnedModel>(std::move(copy)).release();
+  return std::make_unique<OwnedModel>(owned(source).arrays).release();
 }
 
 const char* mj_id2name(const mjModel* model, int type, int id) {

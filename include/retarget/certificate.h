@@ -11,8 +11,8 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// The figures of a motion, its simulation and its prediction in one document (docs/certificate.md; schema:
-/// docs/certificate.schema.json).
+/// The figures of a motion, its simulation and its prediction in one document (docs/certificate.md;
+/// schema: docs/certificate.schema.json).
 struct Certificate {
   std::string json;
   bool gates_passed = false;

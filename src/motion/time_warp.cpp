@@ -1,34 +1,16 @@
 #include "motion/time_warp.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "base/math/uniform_spline.h"
 #include "motion/clip.h"
 #include "motion/resample.h"
 #include "retarget/options.h"
 
 namespace retarget {
-namespace {
-
-// The cubic a + b s + c s^2 + d s^3 of a piece of a uniform B-spline.
-std::array<double, 4> cubic_of(const double* q) {
-  return {(q[0] + 4.0 * q[1] + q[2]) / 6.0, (q[2] - q[0]) / 2.0, (q[0] - 2.0 * q[1] + q[2]) / 2.0,
-          (q[3] - q[0] + 3.0 * (q[1] - q[2])) / 6.0};
-}
-
-double value_of(const std::array<double, 4>& p, double s) {
-  return p[0] + s * (p[1] + s * (p[2] + s * p[3]));
-}
-
-double integral_of(const std::array<double, 4>& p, double s) {
-  return s * (p[0] + s * (p[1] / 2.0 + s * (p[2] / 3.0 + s * p[3] / 4.0)));
-}
-
-}  // namespace
-
 double TimeScale::least_factor() const {
   double least = 1.0;
   for (const SlowedStretch& stretch : stretches) least = std::min(least, stretch.factor);
@@ -41,7 +23,7 @@ TimeWarp::TimeWarp(const TimeScale& scale, double duration)
   pace_.resize(pieces + 3, 1.0);
   times_.push_back(0.0);
   for (std::size_t knot = 0; knot < pieces; ++knot) {
-    times_.push_back(times_.back() + knot_time_ * integral_of(cubic_of(piece(knot)), 1.0));
+    times_.push_back(times_.back() + knot_time_ * UniformCubic(piece(knot)).integral(1.0));
   }
 }
 
@@ -52,27 +34,28 @@ std::size_t TimeWarp::knot_before(double source) const {
 
 double TimeWarp::pace(double source) const {
   const std::size_t knot = knot_before(source);
-  return value_of(cubic_of(piece(knot)), source / knot_time_ - static_cast<double>(knot));
+  return UniformCubic(piece(knot)).value(source / knot_time_ - static_cast<double>(knot));
 }
 
 double TimeWarp::motion_time(double source) const {
   const std::size_t knot = knot_before(source);
-  return times_[knot] + knot_time_ * integral_of(cubic_of(piece(knot)),
-                                                 source / knot_time_ - static_cast<double>(knot));
+  return times_[knot] +
+         knot_time_ *
+             UniformCubic(piece(knot)).integral(source / knot_time_ - static_cast<double>(knot));
 }
 
 double TimeWarp::source_time(double motion) const {
   const auto after = std::upper_bound(times_.begin() + 1, times_.end() - 1, motion);
   const auto knot = static_cast<std::size_t>(after - times_.begin()) - 1;
-  const std::array<double, 4> p = cubic_of(piece(knot));
+  const UniformCubic p(piece(knot));
   const double wanted = (motion - times_[knot]) / knot_time_;
   // The pace is at least 1, so the integral rises and Newton's steps are safe within its bounds.
   double low = 0.0, high = std::max(1.0, wanted), s = std::min(wanted, 1.0);
   for (int step = 0; step < 60; ++step) {
-    const double rest = integral_of(p, s) - wanted;
+    const double rest = p.integral(s) - wanted;
     if (rest == 0.0) break;
     (rest > 0.0 ? high : low) = s;
-    double next = s - rest / value_of(p, s);
+    double next = s - rest / p.value(s);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (std::abs(next - s) <= 1e-15) break;
     s = next;

@@ -22,6 +22,7 @@
 #include "retarget/text.h"
 #include "retarget/tracking_predictor.h"
 #include "retarget/version.h"
+#include "solve/dynamics/contact_forces.h"
 
 namespace retarget {
 namespace {
@@ -30,7 +31,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "retarget-certificate-1";
-constexpr double kFriction = 0.8;  // Of the floor, as the metrics and the simulation assume.
 
 // Options that differ from their defaults, as texts by name.
 Json given_options(const OptionTable& rows, const OptionTable& defaults) {
@@ -140,7 +140,7 @@ Json value_or_null(const QualityReport& report, const char* key, double factor, 
 // Positive margins are kept, negative ones are exceeded.
 Json margins_json(const QualityReport& report) {
   return {{"torque", value_or_null(report, "torque_p99_ratio", -1.0, 1.0)},
-          {"friction", value_or_null(report, "friction_p95", -1.0, kFriction)},
+          {"friction", value_or_null(report, "friction_p95", -1.0, ContactForces::kFriction)},
           {"zmp_cm", value_or_null(report, "zmp_margin_p5_cm", 1.0, 0.0)},
           {"dynamics_bad_pct", value_or_null(report, "dynamics_bad_pct", 1.0, 0.0)}};
 }
@@ -179,16 +179,6 @@ Json prediction_json(const RobotClip& clip, const LimitSet& limits,
         {{"predicted", bin.predicted}, {"observed", bin.observed}, {"windows", bin.windows}});
   }
   return json;
-}
-
-// Looks for a file next to the certificate if it is no longer at its recorded path.
-std::string found_beside(const std::string& file, const fs::path& beside) {
-  std::error_code ignored;
-  if (file.empty() || fs::exists(file, ignored)) return file;
-  for (const fs::path& place : {beside / file, beside / fs::path(file).filename()}) {
-    if (fs::exists(place, ignored)) return place.string();
-  }
-  return file;
 }
 
 // The first member in which two documents differ, as a path; empty: none.
@@ -259,8 +249,8 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   const fs::path beside = fs::path(file).parent_path();
   MeasureRequest here = request;
   here.data_folder = data_folder;
-  here.run.motion = found_beside(request.run.motion, beside);
-  here.run.robot.name = found_beside(request.run.robot.name, beside);
+  find_moved(here.run.motion, beside);
+  find_moved(here.run.robot.name, beside);
   here.motions = {(beside / name).string()};
   TRY_ASSIGN(const std::string hash, hash_file(here.motions.front()));
   if (Json(hash) != recorded["motion"].value("hash", Json())) {

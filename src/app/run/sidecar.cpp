@@ -249,4 +249,16 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
   return sidecar;
 }
 
+void find_moved(std::string& file, const fs::path& beside) {
+  std::error_code ignored;
+  if (file.empty() || file == "-" || fs::exists(file, ignored)) return;
+  const fs::path near = beside / fs::path(file).filename();
+  const fs::path below = beside / file;
+  if (fs::exists(below, ignored)) {
+    file = below.string();
+  } else if (fs::exists(near, ignored)) {
+    file = near.string();
+  }
+}
+
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,5 +51,9 @@ struct Sidecar {
 /// Parses a sidecar. Errors (kInput): the text is not a sidecar, or its options are invalid.
 /// @param file  name for messages.
 [[nodiscard]] Result<Sidecar> read_sidecar(std::string_view text, const std::string& file);
+
+/// Changes the name of a recorded file to that of one next to the record, below its recorded name or
+/// with its file name, if it no longer exists at its recorded path.
+void find_moved(std::string& file, const std::filesystem::path& beside);
 
 }  // namespace retarget

@@ -31,19 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Looks for a file next to the sidecar if it no longer exists at its recorded path.
-void find_moved(std::string& file, const fs::path& beside) {
-  std::error_code ignored;
-  if (file.empty() || file == "-" || fs::exists(file, ignored)) return;
-  const fs::path near = beside / fs::path(file).filename();
-  const fs::path below = beside / file;
-  if (fs::exists(below, ignored)) {
-    file = below.string();
-  } else if (fs::exists(near, ignored)) {
-    file = near.string();
-  }
-}
-
 Result<FileContent> read_record(const std::string& file) {
   std::error_code ignored;
   if (fs::is_directory(file, ignored)) {

@@ -38,13 +38,11 @@ std::array<double, 4> velocity_weights(double s) {
 
 }  // namespace
 
-// The value a + s (b + s (c + s d)).
-struct UniformSpline::Polynomial {
-  double a, b, c, d;
-
-  [[nodiscard]] double value(double s) const { return a + s * (b + s * (c + s * d)); }
-  [[nodiscard]] double velocity(double s) const { return b + s * (2.0 * c + 3.0 * s * d); }
-};
+UniformCubic::UniformCubic(const double* q)
+    : a((q[0] + 4.0 * q[1] + q[2]) / 6.0),
+      b((q[2] - q[0]) / 2.0),
+      c((q[0] - 2.0 * q[1] + q[2]) / 2.0),
+      d((q[3] - q[0] + 3.0 * (q[1] - q[2])) / 6.0) {}
 
 struct UniformSpline::PieceBounds {
   double lower, upper, speed;
@@ -75,19 +73,13 @@ UniformSpline::UniformSpline(std::span<const double> samples) {
   coefficients_[count + 1] = coefficients_[count - 1] + 2.0 * velocities[last].x();
 }
 
-UniformSpline::Polynomial UniformSpline::polynomial(int piece) const {
-  const double* const q = coefficients_.data() + piece;
-  return {(q[0] + 4.0 * q[1] + q[2]) / 6.0, (q[2] - q[0]) / 2.0, (q[0] - 2.0 * q[1] + q[2]) / 2.0,
-          (q[3] - q[0] + 3.0 * (q[1] - q[2])) / 6.0};
-}
-
 SplineState UniformSpline::at(int piece, double s) const {
-  const Polynomial p = polynomial(piece);
+  const UniformCubic p = cubic(piece);
   return {p.value(s), p.velocity(s), 2.0 * p.c + 6.0 * s * p.d};
 }
 
 UniformSpline::Range UniformSpline::values(int piece) const {
-  const Polynomial p = polynomial(piece);
+  const UniformCubic p = cubic(piece);
   Range range{{p.value(0.0), static_cast<double>(piece)},
               {p.value(0.0), static_cast<double>(piece)}};
   const auto take = [&](double s) {
@@ -108,7 +100,7 @@ UniformSpline::Range UniformSpline::values(int piece) const {
 }
 
 UniformSpline::Range UniformSpline::velocities(int piece) const {
-  const Polynomial p = polynomial(piece);
+  const UniformCubic p = cubic(piece);
   Range range{{p.b, static_cast<double>(piece)}, {p.b, static_cast<double>(piece)}};
   for (const double s : {1.0, p.d != 0.0 ? -p.c / (3.0 * p.d) : 1.0}) {
     if (!(s > 0.0 && s <= 1.0)) continue;
@@ -126,7 +118,7 @@ std::vector<UniformSpline::PieceBounds> UniformSpline::piece_bounds(
   std::vector<PieceBounds> all;
   std::vector<int> beyond_place, beyond_speed;
   for (int i = 0; i < piece_count(); ++i) {
-    const Polynomial p = polynomial(i);
+    const UniformCubic p = cubic(i);
     const double from = p.a, to = p.value(1.0);
     const double low = std::min(from, to), high = std::max(from, to);
     all.push_back({std::min(bounds.lower, low), std::max(bounds.upper, high),

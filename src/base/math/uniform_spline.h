@@ -12,6 +12,21 @@ struct SplineState {
   double acceleration = 0.0;
 };
 
+/// The cubic a + s (b + s (c + s d)) over a piece of a uniform cubic B-spline, s in [0, 1].
+struct UniformCubic {
+  double a, b, c, d;
+
+  /// @param coefficients  the four B-spline coefficients of the piece.
+  explicit UniformCubic(const double* coefficients);
+
+  [[nodiscard]] double value(double s) const { return a + s * (b + s * (c + s * d)); }
+  [[nodiscard]] double velocity(double s) const { return b + s * (2.0 * c + 3.0 * s * d); }
+  /// Integral from 0 to s.
+  [[nodiscard]] double integral(double s) const {
+    return s * (a + s * (b / 2.0 + s * (c / 3.0 + s * d / 4.0)));
+  }
+};
+
 /// Where a function is largest or smallest.
 struct SplineExtreme {
   double value = 0.0;
@@ -57,8 +72,9 @@ class UniformSpline {
   SplineCorrection keep_inside(const SplineBounds& bounds);
 
  private:
-  struct Polynomial;
-  [[nodiscard]] Polynomial polynomial(int piece) const;
+  [[nodiscard]] UniformCubic cubic(int piece) const {
+    return UniformCubic(coefficients_.data() + piece);
+  }
   struct PieceBounds;
   [[nodiscard]] std::vector<PieceBounds> piece_bounds(const SplineBounds& bounds) const;
   double correct(int piece, const PieceBounds& bounds);

@@ -16,16 +16,12 @@
 #include "retarget/robot.h"
 #include "retarget/write_scene.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/mujoco_pointers.h"
 
 namespace retarget {
 namespace {
 
 using Type = SceneShape::Type;
-
-struct SpecDeleter {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-};
-using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
 
 template <typename From, typename To>
 void copy(const From* from, To* to, int count) {
@@ -325,7 +321,7 @@ Result<std::string> xml_of(const mjSpec* spec) {
 Result<std::string> format_scene_mjcf(const RobotClip& motion, const SceneClip& scene) {
   const std::lock_guard lock(mujoco_mutex());
   const MessageGuard guard;
-  const SpecPtr spec(mj_makeSpec());
+  const MujocoSpec spec(mj_makeSpec());
   mjs_setString(spec->modelname, motion.robot().name().c_str());
   spec->compiler.degree = 0;
   // Written inertias have fewer digits.

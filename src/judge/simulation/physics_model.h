@@ -4,12 +4,13 @@
 
 #include "retarget/error.h"
 #include "retarget/robot.h"
+#include "solve/dynamics/contact_forces.h"
 #include "solve/dynamics/support_points.h"
 
 namespace retarget {
 
-/// Friction coefficient of the floor in the simulation; the metrics assume the same one.
-inline constexpr double kFloorFriction = 0.8;
+/// Friction coefficient of the floor in the simulation: that of the metrics.
+inline constexpr double kFloorFriction = ContactForces::kFriction;
 
 /// A joint of a PhysicsModel.
 struct PhysicsJoint {

@@ -131,7 +131,8 @@ Failure PairFinder::no_middle(int first, bool is_leg) const {
                   : ", and that the arm's end is identifiable by a hand or the forearm's mass"));
 }
 
-// Returns true if a name says that the middle joint is no elbow, and what it bends is short.
+// Returns true if a name says that the middle joint is not an elbow and the part that it
+// bends is short.
 bool PairFinder::is_wrist(const LimbShape& arm) const {
   constexpr double kShort = 0.4;
   const double upper = (arm.bend - arm.root).norm(), lower = (arm.end - arm.bend).norm();
@@ -150,7 +151,7 @@ Result<ShapedPair> PairFinder::shape(const BranchPair& pair, bool is_leg) const 
     if (!limb) return no_middle(first[side], is_leg);
     shaped.limbs[side] = *limb;
   }
-  // A hand is no forearm.
+  // A hand is not a forearm.
   for (std::size_t side = 0; side < 2 && !is_leg; ++side) {
     if (is_wrist(shaped.limbs[side])) return no_middle(first[side], is_leg);
   }

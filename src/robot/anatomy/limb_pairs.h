@@ -34,7 +34,7 @@ struct LimbPairs {
                                                 const std::vector<double>& reference,
                                                 const std::string& file);
 
-/// The error that a model is no humanoid with two legs and two arms.
+/// The error that a model is not a humanoid with two legs and two arms.
 /// @param found  what it is instead.
 /// @param hint  what to check; a fixed base is suggested in any case.
 [[nodiscard]] Failure no_legs_failure(const std::string& file, const std::string& found,

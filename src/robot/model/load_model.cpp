@@ -21,6 +21,7 @@
 #include "robot/model/mend_spec.h"
 #include "robot/model/mesh_geoms.h"
 #include "robot/model/mujoco_messages.h"
+#include "robot/model/mujoco_pointers.h"
 #include "robot/model/repair_model.h"
 #include "robot/model/urdf_extensions.h"
 #include "robot/model/urdf_materials.h"
@@ -28,10 +29,6 @@
 
 namespace retarget {
 namespace {
-
-struct SpecDeleter {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-};
 
 bool is_named(const mjString* text) {
   return *mjs_getString(text) != '\0';
@@ -229,12 +226,11 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
   return {};
 }
 
-using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
 using MessageBuffer = std::array<char, 2000>;
 
 // Reads a changed text of the file at `path`, whose assets are relative to its folder.
-SpecPtr parse_text(const std::string& text, const std::string& path, MessageBuffer& error) {
-  SpecPtr spec(
+MujocoSpec parse_text(const std::string& text, const std::string& path, MessageBuffer& error) {
+  MujocoSpec spec(
       mj_parseXMLString(text.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   const std::string folder = std::filesystem::path(path).parent_path().string();
   if (spec) mjs_setString(spec->modelfiledir, folder.c_str());
@@ -254,9 +250,9 @@ std::string later_complaint(mjSpec* spec) {
 
 // Reads the XML. MuJoCo rejects several materials of one visual, which other readers of URDF
 // accept, and unknown parts that do not affect kinematics; those are removed, with a warning.
-Result<SpecPtr> parse_model(const std::string& path, std::vector<std::string>& warnings) {
+Result<MujocoSpec> parse_model(const std::string& path, std::vector<std::string>& warnings) {
   MessageBuffer error{};
-  SpecPtr spec(mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
+  MujocoSpec spec(mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   if (!spec && std::string_view(error.data()).find("repeated element: 'material'") !=
                    std::string_view::npos) {
     TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
@@ -269,7 +265,7 @@ Result<SpecPtr> parse_model(const std::string& path, std::vector<std::string>& w
   for (int i = 0; i < kMaxRepairs && !complaint.empty(); ++i) {
     const auto text = repair.mend(complaint);
     if (!text) break;
-    if (SpecPtr mended = parse_text(*text, path, error)) {
+    if (MujocoSpec mended = parse_text(*text, path, error)) {
       complaint = later_complaint(mended.get());
       spec = std::move(mended);
     } else {
@@ -295,7 +291,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   const std::lock_guard lock(mujoco_mutex());
   const MessageGuard guard;
   LoadedModel loaded;
-  TRY_ASSIGN(const SpecPtr spec, parse_model(path, loaded.warnings));
+  TRY_ASSIGN(const MujocoSpec spec, parse_model(path, loaded.warnings));
   for (mjsElement* e : elements_of(spec.get(), mjOBJ_EXCLUDE)) {
     const mjsExclude* exclude = mjs_asExclude(e);
     loaded.excluded.emplace_back(mjs_getString(exclude->bodyname1),

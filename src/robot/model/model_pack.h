@@ -59,16 +59,20 @@ namespace retarget {
   X(int, name_geomadr, ngeom, 1)        \
   X(char, names, nnames, 1)
 
-/// The packed arrays of one model. std::vector<bool> has no data(), so flags are bytes.
-struct PackedModel {
+/// The arrays of one model and their sizes. std::vector<bool> has no data(), so flags are bytes.
+struct PackedArrays {
   template <typename T>
   using Array = std::vector<std::conditional_t<std::is_same_v<T, bool>, char, T>>;
 
-  std::string file;  ///< Name of the model's file, without folder.
   std::int64_t nq = 0, nv = 0, nbody = 0, njnt = 0, ngeom = 0, nnames = 0;
 #define RETARGET_MEMBER(type, name, elements, numbers) Array<type> name;
   RETARGET_PACKED_ARRAYS(RETARGET_MEMBER)
 #undef RETARGET_MEMBER
+};
+
+/// A model of a pack.
+struct PackedModel : PackedArrays {
+  std::string file;    ///< Name of the model's file, without folder.
   LoadedModel loaded;  ///< Without its model.
 };
 

@@ -1,5 +1,7 @@
 #include "solve/dynamics/inertias.h"
 
+#include <limits>
+
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Geometry>
@@ -58,6 +60,13 @@ Inertias make_inertias(const Robot& robot) {
   }
   for (const LinkInertia& link : inertias.links) inertias.mass += link.mass;
   return inertias;
+}
+
+std::vector<double> torque_limits_of(const Robot& robot) {
+  const auto& links = robot.tree().links();
+  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 1; i < links.size(); ++i) limits[i] = robot.torque_limit(links[i].joint);
+  return limits;
 }
 
 }  // namespace retarget

@@ -32,4 +32,7 @@ struct Inertias {
 
 [[nodiscard]] Inertias make_inertias(const Robot& robot);
 
+/// Torque limits by link of the robot's tree, N m (N for slides); infinity if unknown.
+[[nodiscard]] std::vector<double> torque_limits_of(const Robot& robot);
+
 }  // namespace retarget

@@ -12,6 +12,7 @@
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/reference.h"
 #include "retarget/resample.h"
+#include "retarget/so3.h"
 #include "retarget/text.h"
 #include "scene/scene_world.h"
 #include "solve/dynamics/contact_forces.h"
@@ -183,13 +184,9 @@ class ReferenceMaker {
   void add_motion(std::size_t sample) {
     result_.time.push_back(options_.rate.time_of(static_cast<int>(sample)));
     if (sample > 0) {
-      // Keep the signs of the quaternions continuous.
       const double* const before = result_.qpos.data() + result_.qpos.size() - qpos_width() + 3;
-      double product = 0.0;
-      for (std::size_t k = 0; k < 4; ++k) product += before[k] * motion_.qpos[3 + k];
-      if (product < 0.0) {
-        for (std::size_t k = 3; k < 7; ++k) motion_.qpos[k] = -motion_.qpos[k];
-      }
+      align_sign(Eigen::Map<const Eigen::Vector4d>(before),
+                 Eigen::Map<Eigen::Vector4d>(motion_.qpos.data() + 3));
     }
     result_.qpos.insert(result_.qpos.end(), motion_.qpos.begin(), motion_.qpos.begin() + 7);
     for (auto* const of : {&result_.qvel, &result_.qacc}) {
@@ -217,12 +214,7 @@ class ReferenceMaker {
     for (const int point : chosen_) {
       const auto p = static_cast<std::size_t>(point);
       supports_.push_back(&points_[p]);
-      if (const auto body = tracks_->body_under(fine, p)) {
-        places_.push_back(
-            scene_->place(scene_frame(fine), tracks_->centre(fine, p), points_[p].radius, *body));
-      } else {
-        places_.push_back({tracks_->at(fine, p)});
-      }
+      places_.push_back(tracks_->place(fine, p, scene_ ? &*scene_ : nullptr, scene_frame(fine)));
     }
   }
 

@@ -23,6 +23,15 @@ Eigen::Vector3d three(std::span<const double> qpos, std::span<const int> address
 MotionState::MotionState(const KinematicTree& tree, std::vector<double> at)
     : qpos(std::move(at)), velocity(tree.dof_count(), 0.0), acceleration(tree.dof_count(), 0.0) {}
 
+void set_root_rotation(const RotationState& turn, double fps, MotionState& state) {
+  state.qpos[3] = turn.rotation.w();
+  for (int k = 0; k < 3; ++k) {
+    state.qpos[4 + k] = turn.rotation.vec()[k];
+    state.velocity[3 + k] = fps * turn.velocity[k];
+    state.acceleration[3 + k] = fps * fps * turn.acceleration[k];
+  }
+}
+
 MotionSpline::MotionSpline(const RobotClip& clip)
     : MotionSpline(
           clip.robot().tree(),
@@ -75,13 +84,7 @@ void MotionSpline::sample(int index, double s, MotionState& state) const {
     state.velocity[dof] = fps * (v0[i] + s * (2.0 * square + 3.0 * s * cube));
     state.acceleration[dof] = fps * fps * (2.0 * square + 6.0 * s * cube);
   }
-  const RotationState turn = rotation_.at(index, s);
-  state.qpos[3] = turn.rotation.w();
-  for (int k = 0; k < 3; ++k) {
-    state.qpos[4 + k] = turn.rotation.vec()[k];
-    state.velocity[3 + k] = fps * turn.velocity[k];
-    state.acceleration[3 + k] = fps * fps * turn.acceleration[k];
-  }
+  set_root_rotation(rotation_.at(index, s), fps, state);
 }
 
 }  // namespace retarget

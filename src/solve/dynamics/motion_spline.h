@@ -24,6 +24,9 @@ struct MotionState {
   std::vector<double> acceleration;  ///< Time derivatives of `velocity`, per second squared.
 };
 
+/// Sets the root's rotation and its derivatives from a spline with `fps` samples per second.
+void set_root_rotation(const RotationState& turn, double fps, MotionState& state);
+
 /// Interpolates a motion with continuous accelerations: cubic splines with not-a-knot ends for the
 /// root's position and the joints, and a RotationSpline for the root's rotation.
 class MotionSpline {

@@ -90,14 +90,7 @@ void ReferenceSpline::sample(int index, double s, MotionState& state) const {
     state.velocity[dof] = fps * scalar.velocity;
     state.acceleration[dof] = fps * fps * scalar.acceleration;
   }
-  const RotationState turn = rotation_.at(index, s);
-  state.qpos[3] = turn.rotation.w();
-  for (int k = 0; k < 3; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    state.qpos[4 + at] = turn.rotation.vec()[k];
-    state.velocity[3 + at] = fps * turn.velocity[k];
-    state.acceleration[3 + at] = fps * fps * turn.acceleration[k];
-  }
+  set_root_rotation(rotation_.at(index, s), fps, state);
 }
 
 }  // namespace retarget

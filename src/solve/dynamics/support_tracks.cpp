@@ -48,9 +48,10 @@ void SupportTracks::find_contacts(const SceneSupports& scene,
                                   const std::function<int(std::size_t)>& frame_of,
                                   const BodySizes& sizes) {
   for (std::size_t i = 0; i < samples_; ++i) {
+    const int frame = frame_of(i);
     for (std::size_t p = 0; p < points_->size(); ++p) {
       const auto body =
-          scene.touched(frame_of(i), centre(i, p), (*points_)[p].radius, velocity(i, p) * rate_,
+          scene.touched(frame, centre(i, p), (*points_)[p].radius, velocity(i, p) * rate_,
                         kContactHeight * sizes.length, kContactSpeed * sizes.speed);
       if (body) mark(i, p, static_cast<Surface>(kFirstBody + *body));
     }
@@ -65,6 +66,13 @@ std::optional<std::size_t> SupportTracks::body_under(std::size_t sample, std::si
   const Surface surface = pushed_by_[sample * points_->size() + point];
   if (surface < kFirstBody) return std::nullopt;
   return static_cast<std::size_t>(surface - kFirstBody);
+}
+
+ContactPlace SupportTracks::place(std::size_t sample, std::size_t point, const SceneSupports* scene,
+                                  int frame) const {
+  const auto body = body_under(sample, point);
+  if (!body) return {at(sample, point)};
+  return scene->place(frame, centre(sample, point), (*points_)[point].radius, *body);
 }
 
 void SupportTracks::list_contacts(std::size_t sample, std::vector<int>& chosen) const {
@@ -126,13 +134,6 @@ double standing_height(const SupportTracks& tracks, const BodySizes& sizes) {
   }
   if (static_cast<double>(heights.size()) < kMinSeconds * tracks.rate()) return 0.0;
   return median(std::move(heights));
-}
-
-std::vector<double> torque_limits_of(const Robot& robot) {
-  const auto& links = robot.tree().links();
-  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 1; i < links.size(); ++i) limits[i] = robot.torque_limit(links[i].joint);
-  return limits;
 }
 
 }  // namespace retarget

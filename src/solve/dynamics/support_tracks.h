@@ -57,6 +57,10 @@ class SupportTracks {
   [[nodiscard]] Eigen::Vector3d centre(std::size_t sample, std::size_t point) const;
   /// The body of the scene that pushes a contact; nothing: the floor does.
   [[nodiscard]] std::optional<std::size_t> body_under(std::size_t sample, std::size_t point) const;
+  /// Where a contact touches its surface.
+  /// @param scene  with the body under the contact; not read if the floor is.  @param frame  of it.
+  [[nodiscard]] ContactPlace place(std::size_t sample, std::size_t point,
+                                   const SceneSupports* scene, int frame) const;
   /// The contacts at a sample, reduced to the outermost ones (keep_outermost).
   void list_contacts(std::size_t sample, std::vector<int>& chosen) const;
 
@@ -78,8 +82,5 @@ class SupportTracks {
 /// Median height of the standing soles, metres: flat, slow and near the floor; 0 if they do not
 /// stand for at least half a second.
 [[nodiscard]] double standing_height(const SupportTracks& tracks, const BodySizes& sizes);
-
-/// Torque limits by link of the robot's tree, N m (N for slides); infinity if unknown.
-[[nodiscard]] std::vector<double> torque_limits_of(const Robot& robot);
 
 }  // namespace retarget

@@ -10,7 +10,6 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "robot/model/sole_ends.h"
-#include "solve/dynamics/support_tracks.h"
 
 namespace retarget {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "base/math/se3.h"
 #include "retarget/pose.h"
+#include "robot/model/mujoco_pointers.h"
 #include "solve/ik/box_qp.h"
 #include "solve/ik/ik_solver.h"
 #include "solve/ik/published_jacobian.h"
@@ -19,10 +20,6 @@ namespace retarget {
 namespace {
 
 using RowMajorJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
-
-struct DataDeleter {
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
 
 class ReferenceSolver final : public IkSolver {
  public:
@@ -42,7 +39,7 @@ class ReferenceSolver final : public IkSolver {
   IkOptions options_;
   std::function<void(const QpRecord&)> observe_;
   const mjModel* model_;
-  std::unique_ptr<mjData, DataDeleter> data_;
+  MujocoData data_;
   BoxQp qp_;
   std::vector<Vector6d> errors_;  // Of the tasks of the current pass, at the current configuration.
   RowMajorJacobian world_linear_, world_angular_;
