@@ -35,8 +35,7 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
     if (options.self_collision) {
       terms.find_near_pairs(pose, options.self_collision_margin + kOverlapBand, pairs);
     }
-    terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
-                   hessian.data(), dofs, cost);
+    terms.add_costs(pose, clip.goals(frame, model.tasks.size()), pairs, cost);
     add_limit_margins(model, options, clip.frame(frame, model.configuration_size), gradient.data(),
                       hessian.data(), dofs, cost);
     if (frame + 1 < last) speeds.add_costs(frame, cost);

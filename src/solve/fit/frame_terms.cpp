@@ -63,9 +63,8 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
       options_(options),
       composites_(model.tree.links().size()),
       tree_hessian_(at(model.tree.row_begin().back())),
-      centres_(model.shapes.size()),
-      sphere_centres_(model.tree.links().size()),
-      row_(at(model.dof_count()), 0.0) {
+      row_(at(model.dof_count()), 0.0),
+      near_pairs_(model) {
   row_dofs_.reserve(row_.size());
 }
 
@@ -260,36 +259,8 @@ void FrameTerms::add_floor(const TreeState& pose, const FrameGoals& goals, TermC
   }
 }
 
-void FrameTerms::find_near_pairs(const TreeState& pose, double within,
-                                 std::vector<std::uint32_t>& pairs) {
-  for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
-    const FitShape& shape = model_.shapes[i];
-    centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
-  }
-  for (std::size_t link = 0; link < composites_.size(); ++link) {
-    sphere_centres_[link] = pose.world_from_link[link] * model_.link_spheres[link].centre;
-  }
-  pairs.clear();
-  for (const FitPairGroup& group : model_.pair_groups) {
-    const double apart = model_.link_spheres[at(group.link_a)].radius +
-                         model_.link_spheres[at(group.link_b)].radius + within;
-    if ((sphere_centres_[at(group.link_a)] - sphere_centres_[at(group.link_b)]).squaredNorm() >
-        square(apart)) {
-      continue;
-    }
-    for (std::uint32_t i = group.begin; i < group.end; ++i) {
-      const FitShape& a = model_.shapes[at(model_.pairs[i].a)];
-      const FitShape& b = model_.shapes[at(model_.pairs[i].b)];
-      const Vector3d between = centres_[at(model_.pairs[i].a)] - centres_[at(model_.pairs[i].b)];
-      if (between.squaredNorm() < square(a.bounding_radius + b.bounding_radius + within) &&
-          distance_of(pose, a, b).distance < within) {
-        pairs.push_back(i);
-      }
-    }
-  }
-}
-
-// The row covers the two chains below the common carrier of the two links.
+// The row covers the two chains below the common carrier of the two links. Without a Hessian, only
+// the cost is added.
 void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
                           double* hessian, int stride, TermCosts& costs) {
   const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
@@ -299,6 +270,7 @@ void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gr
   if (row.weight <= 0.0) return;
   const double weight = square(options_.self_collision_weight) * row.weight;
   costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
+  if (hessian == nullptr) return;
   const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
   if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
     foot_overlap_ = {-apart, foot_a, foot_b, -found.normal.head<2>()};
@@ -328,9 +300,7 @@ void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gr
   }
 }
 
-void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
-                          std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
-                          int stride, TermCosts& costs) {
+void FrameTerms::add_terms(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   std::ranges::fill(composites_, Composite{});
   foot_overlap_ = {};
   add_targets(pose, goals, costs);
@@ -343,6 +313,21 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
     costs[kTermSceneContact] += added.contact;
     costs[kTermScene] += added.penetration;
   }
+}
+
+void FrameTerms::add_costs(const TreeState& pose, const FrameGoals& goals,
+                           std::span<const std::uint32_t> pairs, TermCosts& costs) {
+  add_terms(pose, goals, costs);
+  if (!options_.self_collision) return;
+  for (const std::uint32_t pair : pairs) {
+    add_pair(pose, model_.pairs[pair], nullptr, nullptr, 0, costs);
+  }
+}
+
+void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
+                          std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
+                          int stride, TermCosts& costs) {
+  add_terms(pose, goals, costs);
   retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
   write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
   if (!options_.self_collision) return;

@@ -12,6 +12,7 @@
 #include "robot/model/composite.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/fit_scene.h"
+#include "solve/fit/near_pairs.h"
 
 namespace retarget {
 
@@ -106,13 +107,20 @@ class FrameTerms {
                 std::span<const std::uint32_t> pairs, double* gradient, double* hessian, int stride,
                 TermCosts& costs);
 
+  /// Adds the costs of one frame without its gradient and Hessian.
+  void add_costs(const TreeState& pose, const FrameGoals& goals,
+                 std::span<const std::uint32_t> pairs, TermCosts& costs);
+
   /// The deepest overlap between two feet in the last assembled frame.
   [[nodiscard]] const FootOverlap& foot_overlap() const { return foot_overlap_; }
 
   /// Finds the pairs of shapes that are less than `within` metres apart.
-  void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
+  void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs) {
+    near_pairs_.find(pose, within, pairs);
+  }
 
  private:
+  void add_terms(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
@@ -130,10 +138,9 @@ class FrameTerms {
   const FitOptions& options_;
   std::vector<Composite> composites_;  // By link.
   std::vector<double> tree_hessian_;   // Laid out as in assemble().
-  // World positions of the shapes, and of the bounding spheres of links.
-  std::vector<Eigen::Vector3d> centres_, sphere_centres_;
   std::vector<double> row_;
   std::vector<int> row_dofs_;
+  NearPairs near_pairs_;
   FootOverlap foot_overlap_;
 };
 

@@ -33,7 +33,8 @@ RETARGET_INLINE bool invert(Block& d) {
   return true;
 }
 
-// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count).
+// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count);
+// count is a multiple of kBlock, which the inner loop tells the compiler.
 RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restrict row1,
                                       const double* __restrict b, const double* __restrict r, int i,
                                       int size, int count) {
@@ -41,9 +42,11 @@ RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restric
   const double f0 = b[i], f1 = b[size + i], f2 = b[2 * size + i], f3 = b[3 * size + i];
   const double g0 = b[i + 1], g1 = b[size + i + 1], g2 = b[2 * size + i + 1],
                g3 = b[3 * size + i + 1];
-  for (int j = 0; j < count; ++j) {
-    row0[j] = row0[j] - f0 * r0[j] - f1 * r1[j] - f2 * r2[j] - f3 * r3[j];
-    row1[j] = row1[j] - g0 * r0[j] - g1 * r1[j] - g2 * r2[j] - g3 * r3[j];
+  for (int first = 0; first < count; first += kBlock) {
+    for (int j = first; j < first + kBlock; ++j) {
+      row0[j] = row0[j] - f0 * r0[j] - f1 * r1[j] - f2 * r2[j] - f3 * r3[j];
+      row1[j] = row1[j] - g0 * r0[j] - g1 * r1[j] - g2 * r2[j] - g3 * r3[j];
+    }
   }
 }
 

@@ -1,0 +1,97 @@
+#include "solve/fit/near_pairs.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "retarget/pose.h"
+#include "solve/fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+// Metres. Distances of nearly parallel shapes are approximations, which can be this much too large.
+constexpr double kSlack = 0.003;
+constexpr double kUnknown = -std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+NearPairs::NearPairs(const FitModel& model)
+    : model_(model),
+      paths_(model.tree.links().size()),
+      far_until_(model.pairs.size()),
+      group_far_until_(model.pair_groups.size()),
+      placed_(model.shapes.size()),
+      placed_in_(model.shapes.size(), 0) {}
+
+// A point of a link's shapes moves at most as far as the centre of the bounding sphere, plus the
+// chord of the rotation times the radius. Paths are relative to the base, because a common motion
+// brings nothing nearer.
+void NearPairs::follow(const TreeState& pose) {
+  const Pose base_from_world = pose.world_from_link[0].inverse();
+  for (std::size_t link = 0; link < paths_.size(); ++link) {
+    LinkPath& path = paths_[link];
+    const BoundingSphere& sphere = model_.link_spheres[link];
+    const Pose base_from_link = base_from_world * pose.world_from_link[link];
+    const Eigen::Vector3d centre = base_from_link * sphere.centre;
+    if (started_) {
+      const Eigen::Quaterniond turn = path.rotation.conjugate() * base_from_link.rotation;
+      path.length += (centre - path.centre).norm() + 2.0 * turn.vec().norm() * sphere.radius;
+    }
+    path.centre = centre;
+    path.rotation = base_from_link.rotation;
+  }
+  started_ = true;
+}
+
+double NearPairs::path_of(int link_a, int link_b) const {
+  return paths_[at(link_a)].length + paths_[at(link_b)].length;
+}
+
+const RoundedShape& NearPairs::in_world(const TreeState& pose, int shape) {
+  if (placed_in_[at(shape)] != pose_count_) {
+    const FitShape& own = model_.shapes[at(shape)];
+    placed_[at(shape)] = placed(own, pose.world_from_link[at(own.link)]);
+    placed_in_[at(shape)] = pose_count_;
+  }
+  return placed_[at(shape)];
+}
+
+void NearPairs::find(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs) {
+  if (within != within_) {
+    within_ = within;
+    std::ranges::fill(group_far_until_, kUnknown);
+    std::ranges::fill(far_until_, kUnknown);
+  }
+  ++pose_count_;
+  follow(pose);
+  pairs.clear();
+  for (std::size_t g = 0; g < model_.pair_groups.size(); ++g) {
+    const FitPairGroup& group = model_.pair_groups[g];
+    const double path = path_of(group.link_a, group.link_b);
+    if (path < group_far_until_[g]) continue;
+    const double apart =
+        (paths_[at(group.link_a)].centre - paths_[at(group.link_b)].centre).norm() -
+        model_.link_spheres[at(group.link_a)].radius - model_.link_spheres[at(group.link_b)].radius;
+    if (apart > within) {
+      group_far_until_[g] = path + (apart - within);
+      continue;
+    }
+    double first = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+      if (path < far_until_[i]) {
+        first = std::min(first, far_until_[i]);
+        continue;
+      }
+      const FitPair& pair = model_.pairs[i];
+      const double distance =
+          shape_distance(in_world(pose, pair.a), in_world(pose, pair.b), NearestPoints::kEven)
+              .distance;
+      if (distance < within) pairs.push_back(i);
+      far_until_[i] = path + (distance - within - kSlack);
+      first = std::min(first, far_until_[i]);
+    }
+    group_far_until_[g] = first;
+  }
+}
+
+}  // namespace retarget

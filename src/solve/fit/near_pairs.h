@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "retarget/kinematic_tree.h"
+#include "retarget/shape_distance.h"
+#include "solve/fit/fit_model.h"
+
+namespace retarget {
+
+/// Finds the pairs of shapes of a robot that are near each other, in one pose after the other.
+///
+/// Remembers how far apart a pair was and how far its links have moved since, so it measures only
+/// the pairs that may have come near (conservative advancement). The order of the poses affects the
+/// time and not the result. Does not allocate per pose. Keeps a reference to the model.
+class NearPairs {
+ public:
+  explicit NearPairs(const FitModel& model);
+
+  /// @param within  metres.
+  /// @param pairs   receives the indices of the pairs that are less than `within` apart, ascending.
+  void find(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
+
+ private:
+  struct LinkPath {
+    Eigen::Vector3d centre;       // Of the bounding sphere, base frame.
+    Eigen::Quaterniond rotation;  // Base from link.
+    double length = 0.0;          // Bound on the path of every point of the link's shapes, metres.
+  };
+
+  void follow(const TreeState& pose);
+  [[nodiscard]] double path_of(int link_a, int link_b) const;
+  [[nodiscard]] const RoundedShape& in_world(const TreeState& pose, int shape);
+
+  const FitModel& model_;
+  std::vector<LinkPath> paths_;  // By link.
+  bool started_ = false;
+  double within_ = -1.0;
+  // The path of both links up to which they are not near: by pair, and of all pairs of a group.
+  std::vector<double> far_until_, group_far_until_;
+  std::vector<RoundedShape> placed_;      // By shape.
+  std::vector<std::uint64_t> placed_in_;  // By shape: the pose of `placed_`.
+  std::uint64_t pose_count_ = 0;
+};
+
+}  // namespace retarget
