@@ -95,6 +95,8 @@ struct TreeState {
   /// Updates only the subtree of a link other than the base; nothing else may have moved since the
   /// last update.
   void update_subtree(int link, std::span<const double> qpos);
+  /// Updates only the links up to `last`, and those that carry them.
+  void update_up_to(int last, std::span<const double> qpos);
 
   [[nodiscard]] const Eigen::Vector3d& origin() const { return world_from_link[0].translation; }
   [[nodiscard]] Pose world_from_body(int body) const;
@@ -117,6 +119,8 @@ struct TreeState {
 
  private:
   void place_links(int first, int last, std::span<const double> qpos);
+
+  std::vector<double> half_travel_, sine_, cosine_;  // Scratch memory, by joint.
 };
 
 /// Computes the least-squares intersection of joint axes, slightly regularised towards the anchors

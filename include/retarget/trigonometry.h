@@ -71,19 +71,27 @@ struct Rounded {
   return {shifted - kOneAndAHalfTimes2To52, std::bit_cast<std::uint64_t>(shifted) & 3};
 }
 
-/// Sine and cosine of an angle in radians. Beyond a million radians, the angle is first reduced by
-/// 2 pi rounded to double. NaN if the angle is not finite.
-[[nodiscard]] inline SineCosine sin_cos(double angle) {
+/// Largest angle of sin_cos_of_small, radians.
+inline constexpr double kMaxSmallAngle = 1e6;
+
+/// Sine and cosine of an angle in radians. Branch-free, so that compilers vectorise loops over it.
+/// @pre |angle| <= kMaxSmallAngle.
+[[nodiscard]] inline SineCosine sin_cos_of_small(double angle) {
   // pi / 2 in parts of 33 bits, so that their products with the quadrant are exact.
   constexpr double kFirst = 1.57079632673412561417e+00;
   constexpr double kSecond = 6.07710050630396597660e-11;
   constexpr double kThird = 2.02226624879595063154e-21;
-  constexpr double kMaxAngle = 1e6;
-  if (!(std::abs(angle) <= kMaxAngle)) angle = std::remainder(angle, 6.28318530717958647692);
-  if (!(std::abs(angle) <= kMaxAngle)) return {std::nan(""), std::nan("")};
   const auto [quadrant, modulo_4] = round_to_integer(angle * 6.36619772367581382433e-01);
   const double rest = ((angle - quadrant * kFirst) - quadrant * kSecond) - quadrant * kThird;
   return sin_cos_in_quadrant(rest, modulo_4);
+}
+
+/// Sine and cosine of an angle in radians. Beyond a million radians, the angle is first reduced by
+/// 2 pi rounded to double. NaN if the angle is not finite.
+[[nodiscard]] inline SineCosine sin_cos(double angle) {
+  if (!(std::abs(angle) <= kMaxSmallAngle)) angle = std::remainder(angle, 6.28318530717958647692);
+  if (!(std::abs(angle) <= kMaxSmallAngle)) return {std::nan(""), std::nan("")};
+  return sin_cos_of_small(angle);
 }
 
 /// Sine and cosine of half an angle in degrees, for rotations of motion files. The reduction is

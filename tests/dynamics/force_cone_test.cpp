@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace retarget {
@@ -55,6 +56,33 @@ TEST(ForceCone, ResidualSatisfiesTheConditionsOfTheNearestPoint) {
     ForceCone fresh = two_feet();
     EXPECT_LT((projector.project(fresh, given) - rest).norm(), 1e-4);
   }
+}
+
+// The amounts of an earlier projection are one way to supply a wrench; the nearest point is the best
+// one.
+TEST(ForceCone, ExplainsOnlyWhatTheConeCanSupply) {
+  ConeProjector projector;
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  ForceCone cone = two_feet();
+  constexpr double kRest = 0.06;
+  int explained = 0, unknown = 0;
+  Vector6d given = wrench({0.0, 0.0, 1.0}, Vector3d::Zero());
+  for (int round = 0; round < 500; ++round) {
+    for (double& value : given) value += 0.02 * normal(random);
+    if (ConeProjector::explains(cone, given, kRest)) {
+      ForceCone fresh = two_feet();
+      EXPECT_LE(projector.project(fresh, given).norm(), kRest + 1e-6);
+      ++explained;
+    } else {
+      projector.project(cone, given);
+      ++unknown;
+    }
+  }
+  EXPECT_GT(explained, 50);
+  EXPECT_GT(unknown, 50);
+  given[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(ConeProjector::explains(cone, given, kRest));
 }
 
 TEST(ForceCone, PyramidsLieInTheConeAboutTheirNormal) {

@@ -29,6 +29,7 @@ class BandedSystem {
  private:
   std::size_t width_ = 1;
   std::vector<double> entries_, right_;
+  std::vector<double> column_;  // Of the factor, below the diagonal.
 };
 
 }  // namespace retarget

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/math/sin_cos_all.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 
@@ -25,9 +26,10 @@ std::vector<char> carrying_bodies(const Robot& robot, std::span<const int> bodie
   return carries;
 }
 
-// Returns q rotated by `angle` about its own z axis.
-Eigen::Quaterniond turned_about_z(const Eigen::Quaterniond& q, double angle) {
-  const auto [s, c] = portable::sin_cos(0.5 * angle);
+// Returns q rotated about its own z axis, by the angle whose half has this sine and cosine.
+inline Eigen::Quaterniond turned_about_z(const Eigen::Quaterniond& q,
+                                         const portable::SineCosine& half) {
+  const auto [s, c] = half;
   return {q.w() * c - q.z() * s, q.x() * c + q.y() * s, q.y() * c - q.x() * s,
           q.z() * c + q.w() * s};
 }
@@ -45,10 +47,11 @@ inline Eigen::Vector3d turned(const Eigen::Quaterniond& q, const Eigen::Vector3d
 
 // Computes a link's pose from its parent's pose; both poses may be the same object. Returns the
 // joint's axis in the world.
+// @param half_turn  of half the joint's travel.
 inline Eigen::Vector3d place_link(const KinematicTree::Link& link, const Pose& world_from_parent,
-                                  double position, Pose& world_from_link) {
+                                  double travel, const portable::SineCosine& half_turn,
+                                  Pose& world_from_link) {
   const Eigen::Quaterniond rotation = world_from_parent.rotation * link.parent_from_link.rotation;
-  const double travel = position - link.reference;
   Eigen::Vector3d axis = z_axis_of(rotation);
   world_from_link.translation =
       world_from_parent.translation +
@@ -57,7 +60,7 @@ inline Eigen::Vector3d place_link(const KinematicTree::Link& link, const Pose& w
     world_from_link.rotation = rotation;
     world_from_link.translation += travel * axis;
   } else {
-    world_from_link.rotation = turned_about_z(rotation, travel);
+    world_from_link.rotation = turned_about_z(rotation, half_turn);
   }
   return axis;
 }
@@ -145,17 +148,24 @@ TreeState::TreeState(const KinematicTree& of)
     : tree(&of),
       world_from_link(of.links().size()),
       linear(of.dof_count(), Eigen::Vector3d::Zero()),
-      angular(of.dof_count(), Eigen::Vector3d::Zero()) {
+      angular(of.dof_count(), Eigen::Vector3d::Zero()),
+      half_travel_(of.links().size()),
+      sine_(of.links().size()),
+      cosine_(of.links().size()) {
   for (int k = 0; k < 3; ++k) linear[k] = Eigen::Vector3d::Unit(k);
 }
 
 void TreeState::update(std::span<const double> qpos) {
+  update_up_to(static_cast<int>(world_from_link.size()) - 1, qpos);
+}
+
+void TreeState::update_up_to(int last, std::span<const double> qpos) {
   Pose& base = world_from_link[0];
   base.translation = {qpos[0], qpos[1], qpos[2]};
   base.rotation = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized();
   const Eigen::Matrix3d axes = base.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k) angular[3 + k] = axes.col(k);
-  place_links(1, static_cast<int>(world_from_link.size()) - 1, qpos);
+  place_links(1, last, qpos);
 }
 
 void TreeState::update_subtree(int link, std::span<const double> qpos) {
@@ -164,10 +174,18 @@ void TreeState::update_subtree(int link, std::span<const double> qpos) {
 
 void TreeState::place_links(int first, int last, std::span<const double> qpos) {
   const Eigen::Vector3d& base = world_from_link[0].translation;
+  const auto count = static_cast<std::size_t>(last - first + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const KinematicTree::Link& link = tree->links()[static_cast<std::size_t>(first) + i];
+    half_travel_[i] = 0.5 * (qpos[link.qpos_address] - link.reference);
+  }
+  sin_cos_all(std::span(half_travel_).first(count), sine_, cosine_);
   for (int i = first; i <= last; ++i) {
     const KinematicTree::Link& link = tree->links()[i];
+    const std::size_t k = i - first;
     const Eigen::Vector3d axis =
-        place_link(link, world_from_link[link.parent], qpos[link.qpos_address], world_from_link[i]);
+        place_link(link, world_from_link[link.parent], 2.0 * half_travel_[k],
+                   {sine_[k], cosine_[k]}, world_from_link[i]);
     const int dof = KinematicTree::dof_of(i);
     if (link.slides) {
       linear[dof] = axis;
@@ -208,7 +226,8 @@ void forward_kinematics(const Robot& robot, std::span<const double> qpos,
                {qpos[0], qpos[1], qpos[2]}};
     }
     for (; i < links.size() && links[i].body == static_cast<int>(b); ++i) {
-      place_link(links[i], world, qpos[links[i].qpos_address], world);
+      const double travel = qpos[links[i].qpos_address] - links[i].reference;
+      place_link(links[i], world, travel, portable::sin_cos(0.5 * travel), world);
     }
   }
   for (std::size_t b = 1; b < robot.bodies().size(); ++b) {

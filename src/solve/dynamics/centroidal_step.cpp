@@ -91,11 +91,16 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
     const Vector6d x = value(b, t), xdd = second(b, t);
     const Vector6d wrench =
         frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
-    rest_[t] = projector_.project(frame.cone, wrench);
-    // std::max would hide NaN.
-    double missing = rest_[t].norm() - kDeadZone;
-    if (missing < 0.0) missing = 0.0;
-    if (missing > 0.0) complement_[t] = projector_.complement();
+    double missing = 0.0;
+    if (ConeProjector::explains(frame.cone, wrench, kDeadZone)) {
+      rest_[t].setZero();  // Without effect, like every wrench inside the dead zone.
+    } else {
+      rest_[t] = projector_.project(frame.cone, wrench);
+      // std::max would hide NaN.
+      missing = rest_[t].norm() - kDeadZone;
+      if (missing < 0.0) missing = 0.0;
+      if (missing > 0.0) complement_[t] = projector_.complement();
+    }
     cost += 0.5 * (kRho * frame.trust * missing * missing +
                    position_weight_.dot((x + frame.moved).cwiseAbs2()) +
                    acceleration_weight_.dot(xdd.cwiseAbs2()));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace retarget {
 namespace {
@@ -119,7 +120,6 @@ bool ConeProjector::factorise() {
 }
 
 double ConeProjector::gradient(int i, const Eigen::VectorXd& x) {
-  if (i >= cone_->count_) return 0.0;
   if (!rest_is_known_) {
     rest_ = wrench_;
     for (const int edge : bearing_) rest_ -= x[edge] * cone_->edges_.col(edge);
@@ -134,18 +134,30 @@ Vector6d ConeProjector::project(ForceCone& cone, const Vector6d& wrench) {
   rest_is_known_ = false;
   bearing_.clear();
   if (cone.empty()) return wrench;
-  active_.begin_with(cone.sides_);
+  const auto count = static_cast<std::size_t>(cone.count_);
+  active_.resize(cone.count_);
+  active_.begin_with(std::span(cone.sides_).first(count));
   System system(*this);
   active_.solve(system, lower_, upper_, amounts_);
-  std::ranges::copy(active_.sides(), cone.sides_.begin());
+  std::ranges::copy(std::span(active_.sides()).first(count), cone.sides_.begin());
   bearing_.clear();
   rest_ = wrench;
   for (int i = 0; i < cone.count_; ++i) {
     if (cone.sides_[static_cast<std::size_t>(i)] != BoundSide::kFree) continue;
     bearing_.push_back(i);
     rest_ -= amounts_[i] * cone.edges_.col(i);
+    cone.amounts_[static_cast<std::size_t>(i)] = amounts_[i];
   }
   return rest_;
+}
+
+bool ConeProjector::explains(const ForceCone& cone, const Vector6d& wrench, double rest) {
+  Vector6d left = wrench;
+  for (int i = 0; i < cone.count_; ++i) {
+    if (cone.sides_[static_cast<std::size_t>(i)] != BoundSide::kFree) continue;
+    left -= cone.amounts_[static_cast<std::size_t>(i)] * cone.edges_.col(i);
+  }
+  return left.squaredNorm() <= rest * rest;
 }
 
 Matrix6d ConeProjector::complement() {

@@ -37,8 +37,10 @@ class ForceCone {
   friend class ConeProjector;
   Eigen::Matrix<double, 6, kMaxEdges> edges_;
   int count_ = 0;
-  // Edges without force in the last projection; the next one starts with them.
+  // Edges without force in the last projection; the next one starts with them. The other edges have
+  // amounts, which are not negative.
   std::array<BoundSide, kMaxEdges> sides_{};
+  std::array<double, kMaxEdges> amounts_{};
 };
 
 /// Projects wrenches onto cones: non-negative least squares in the amounts of the edges. Owns its
@@ -50,6 +52,9 @@ class ConeProjector {
   /// @return the wrench minus the nearest point of the cone. Not finite if the wrench or an edge is
   ///     not.
   Vector6d project(ForceCone& cone, const Vector6d& wrench);
+  /// Whether the amounts of the cone's last projection leave at most `rest` of the wrench. If so, the
+  /// cone's nearest point is not farther; if not, it may be nearer.
+  [[nodiscard]] static bool explains(const ForceCone& cone, const Vector6d& wrench, double rest);
   /// For the last projection: the projector onto the complement of the bearing edges' span. It is
   /// the derivative of the residual with respect to the wrench.
   [[nodiscard]] Matrix6d complement();

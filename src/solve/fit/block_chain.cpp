@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solve/fit/simd.h"
+#include "base/math/simd.h"
 #include "solve/fit/symmetric_inverse.h"
 
 namespace retarget {

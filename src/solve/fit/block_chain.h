@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "solve/fit/simd.h"
+#include "base/math/simd.h"
 
 namespace retarget {
 

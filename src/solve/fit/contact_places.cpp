@@ -13,12 +13,24 @@ void ContactPlaces::resize() {
   pushes_.assign(clip_.anchors.size(), Eigen::Vector2d::Zero());
 }
 
+// Carriers have lower indices than the links that they carry.
+int ContactPlaces::last_link(const FitWindow& window) const {
+  int last = 0;
+  for (const PlantedPhase& phase : clip_.feet.phases) {
+    if (!window.owns(phase)) continue;
+    last = std::max(last, phase.support >= 0 ? model_.supports[at(phase.support)].link
+                                             : model_.feet[at(phase.foot)].link);
+  }
+  return last;
+}
+
 void ContactPlaces::place(const FitWindow& window) {
+  const int last = last_link(window);
   std::ranges::fill(counts_, 0);
   std::ranges::fill(sums_, Eigen::Vector2d::Zero());
   for (int frame = window.begin; frame < window.end; ++frame) {
     if (!clip_.feet.plants(frame)) continue;
-    pose_.update(clip_.frame(frame, model_.configuration_size));
+    pose_.update_up_to(last, clip_.frame(frame, model_.configuration_size));
     clip_.feet.for_each_planted(frame, [&](int index, const Eigen::Vector2d& slide) {
       const PlantedPhase& phase = clip_.feet.phases[at(index)];
       if (!window.owns(phase)) return;

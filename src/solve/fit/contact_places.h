@@ -33,6 +33,8 @@ class ContactPlaces {
   void set_pushes(const std::vector<Eigen::Vector2d>& pushes) { pushes_ = pushes; }
 
  private:
+  [[nodiscard]] int last_link(const FitWindow& window) const;
+
   const FitModel& model_;
   FitClip& clip_;
   TreeState pose_;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "solve/fit/simd.h"
+#include "base/math/simd.h"
 
 namespace retarget {
 namespace {
@@ -33,8 +33,16 @@ RETARGET_INLINE bool invert(Block& d) {
   return true;
 }
 
-// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count);
-// count is a multiple of kBlock, which the inner loop tells the compiler.
+// Writes the transpose of the 4 x 4 block at `from` to `to`.
+RETARGET_INLINE void transpose(const double* __restrict from, int from_stride,
+                               double* __restrict to, int to_stride) {
+  for (int i = 0; i < kBlock; ++i) {
+    for (int j = 0; j < kBlock; ++j) to[i * to_stride + j] = from[j * from_stride + i];
+  }
+}
+
+// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count), a
+// multiple of kBlock. Inner loops of constant length vectorise without remainders.
 RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restrict row1,
                                       const double* __restrict b, const double* __restrict r, int i,
                                       int size, int count) {
@@ -42,10 +50,10 @@ RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restric
   const double f0 = b[i], f1 = b[size + i], f2 = b[2 * size + i], f3 = b[3 * size + i];
   const double g0 = b[i + 1], g1 = b[size + i + 1], g2 = b[2 * size + i + 1],
                g3 = b[3 * size + i + 1];
-  for (int first = 0; first < count; first += kBlock) {
-    for (int j = first; j < first + kBlock; ++j) {
-      row0[j] = row0[j] - f0 * r0[j] - f1 * r1[j] - f2 * r2[j] - f3 * r3[j];
-      row1[j] = row1[j] - g0 * r0[j] - g1 * r1[j] - g2 * r2[j] - g3 * r3[j];
+  for (int j = 0; j < count; j += kBlock) {
+    for (int c = j; c < j + kBlock; ++c) {
+      row0[c] = row0[c] - f0 * r0[c] - f1 * r1[c] - f2 * r2[c] - f3 * r3[c];
+      row1[c] = row1[c] - g0 * r0[c] - g1 * r1[c] - g2 * r2[c] - g3 * r3[c];
     }
   }
 }
@@ -65,14 +73,15 @@ RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
       const double* const from = a + (k + p) * size;
       for (int j = 0; j < k; ++j) row[j] = from[j];
       for (int j = k; j < k + kBlock; ++j) row[j] = 0.0;
-      for (int j = k + kBlock; j < size; ++j) row[j] = a[j * size + k + p];
     }
+    for (int j = k + kBlock; j < size; j += kBlock) transpose(a + j * size + k, size, b + j, size);
     for (int p = 0; p < kBlock; ++p) {
-      double* const row = r + p * size;
-      const double *b0 = b, *b1 = b + size, *b2 = b1 + size, *b3 = b2 + size;
+      double* __restrict row = r + p * size;
+      const double* __restrict b0 = b, *b1 = b + size, *b2 = b1 + size, *b3 = b2 + size;
       const double d0 = d[p][0], d1 = d[p][1], d2 = d[p][2], d3 = d[p][3];
-      for (int j = 0; j < size; ++j) {
-        row[j] = d0 * b0[j] + d1 * b1[j] + d2 * b2[j] + d3 * b3[j];
+      for (int j = 0; j < size; j += kBlock) {
+        for (int c = j; c < j + kBlock; ++c)
+          row[c] = d0 * b0[c] + d1 * b1[c] + d2 * b2[c] + d3 * b3[c];
       }
     }
     for (int i = 0; i < size; i += kBlock) {
@@ -85,11 +94,14 @@ RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
       double* const row = a + (k + p) * size;
       for (int j = 0; j < k; ++j) row[j] = r[p * size + j];
       for (int q = 0; q < kBlock; ++q) row[k + q] = -d[p][q];
-      for (int j = k + kBlock; j < size; ++j) a[j * size + k + p] = r[p * size + j];
     }
+    for (int j = k + kBlock; j < size; j += kBlock) transpose(r + j, size, a + j * size + k, size);
   }
-  for (int i = 0; i < size; ++i) {
-    for (int j = 0; j < i; ++j) a[j * size + i] = a[i * size + j];
+  for (int i = 0; i < size; i += kBlock) {
+    for (int j = 0; j < i; j += kBlock) transpose(a + i * size + j, size, a + j * size + i, size);
+    for (int p = 0; p < kBlock; ++p) {
+      for (int q = 0; q < p; ++q) a[(i + q) * size + i + p] = a[(i + p) * size + i + q];
+    }
   }
   return true;
 }

@@ -63,6 +63,8 @@ class ActiveSet {
         std::ranges::count_if(sides_, [](BoundSide side) { return side != BoundSide::kFree; }));
   }
 
+  /// Sets the number of variables of the next problems, at most that of the constructor.
+  void resize(int size) { size_ = size; }
   /// Makes the next problem start with all variables free.
   void reset() { std::ranges::fill(sides_, BoundSide::kFree); }
   /// Makes the next problem start with these sides, one per variable.

@@ -2,15 +2,54 @@
 
 #include <algorithm>
 
+#include "base/math/simd.h"
+
 namespace retarget {
 namespace {
 
-// The rows do not overlap. Without __restrict, the compiler adds a run-time check that costs more
-// than the sum.
-void subtract_scaled(const double* __restrict row, double scale, int count,
-                     double* __restrict other_row) {
-  for (int i = 0; i < count; ++i) other_row[i] -= scale * row[i];
+constexpr int kLanes = 4;
+
+int rounded_up(int count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
 }
+
+// Subtracts whole vectors of one row from another. Values behind the end of the other row are
+// meaningless, and nothing reads them.
+RETARGET_INLINE void subtract_scaled(const double* __restrict row, double scale, int count,
+                                     double* __restrict other_row) {
+  for (int first = 0; first < count; first += kLanes) {
+    for (int i = first; i < first + kLanes; ++i) other_row[i] -= scale * row[i];
+  }
+}
+
+// The rows of the factors, by variable.
+struct Rows {
+  double* values;
+  const int* begin;           // Of each row in `values`.
+  const int* carriers_begin;  // Of each row in `carriers`; also tells the length of the row.
+  const int* carriers;
+  const char* masked;
+};
+
+// Factorises H = L'DL in place, the last variable first.
+RETARGET_INLINE bool factorise_plain(Rows rows, int size, double* inverse_d) {
+  for (int k = size - 1; k >= 0; --k) {
+    double* const row = rows.values + rows.begin[k];
+    const int depth = rows.carriers_begin[k + 1] - rows.carriers_begin[k] - 1;
+    const int* const above = rows.carriers + rows.carriers_begin[k];
+    if (!(row[depth] > 0.0)) return false;
+    const double inverse = 1.0 / row[depth];
+    inverse_d[k] = inverse;
+    if (rows.masked[k] != 0) continue;
+    for (int m = depth - 1; m >= 0; --m) {
+      const double scaled = row[m] * inverse;
+      subtract_scaled(row, scaled, m + 1, rows.values + rows.begin[above[m]]);
+      row[m] = scaled;
+    }
+  }
+  return true;
+}
+RETARGET_AVX2(factorise)
 
 }  // namespace
 
@@ -18,10 +57,25 @@ TreeSystem::TreeSystem(const KinematicTree& tree)
     : tree_(tree),
       begin_(tree.row_begin()),
       H_(begin_.back(), 0.0),
-      L_(H_),
       inverse_d_(tree.dof_count(), 0.0),
       masked_(tree.dof_count(), 0),
-      g_(Eigen::VectorXd::Zero(tree.dof_count())) {}
+      g_(Eigen::VectorXd::Zero(tree.dof_count())) {
+  int end = 0;
+  for (int i = 0; i < size(); ++i) {
+    l_begin_.push_back(end);
+    end += rounded_up(depth(i) + 1);
+  }
+  L_.resize(end);
+}
+
+// Starts the factorisation from H. Clears what earlier ones left behind the ends of rows, which
+// could otherwise grow without bounds.
+void TreeSystem::take_rows() {
+  std::ranges::fill(L_, 0.0);
+  for (int i = 0; i < size(); ++i) {
+    std::copy(H_.begin() + begin_[i], H_.begin() + begin_[i + 1], row_of_l(i));
+  }
+}
 
 void TreeSystem::add_to_diagonal(double value) {
   for (int i = 0; i < size(); ++i) H_[begin_[i + 1] - 1] += value;
@@ -34,20 +88,21 @@ int TreeSystem::last_descendant(int i) const {
 
 bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
                           Eigen::VectorXd& minimum) {
-  L_ = H_;
+  take_rows();
   minimum = -g_;
   for (int i = 0; i < size(); ++i) {
     masked_[i] = sides[i] != BoundSide::kFree ? 1 : 0;
     if (masked_[i] != 0) mask(i, x[i], minimum);
   }
-  if (!factorise()) return false;
+  const Rows rows{L_.data(), l_begin_.data(), begin_.data(), carriers(0), masked_.data()};
+  if (!factorise(has_avx2(), rows, size(), inverse_d_.data())) return false;
   solve(minimum);
   return minimum.allFinite();
 }
 
 // Removes a variable held at `value` from the system and moves its effect to the right side.
 void TreeSystem::mask(int i, double value, Eigen::VectorXd& right) {
-  double* const row = L_.data() + begin_[i];
+  double* const row = row_of_l(i);
   const int depth = this->depth(i);
   const int* const above = carriers(i);
   for (int k = 0; k < depth; ++k) {
@@ -57,35 +112,16 @@ void TreeSystem::mask(int i, double value, Eigen::VectorXd& right) {
   row[depth] = 1.0;
   for (int j = i + 1, last = last_descendant(i); j <= last; ++j) {
     right[j] -= H_[begin_[j] + depth] * value;
-    L_[begin_[j] + depth] = 0.0;
+    row_of_l(j)[depth] = 0.0;
   }
   right[i] = value;
-}
-
-// Factorises H = L'DL in place, the last variable first.
-bool TreeSystem::factorise() {
-  for (int k = size() - 1; k >= 0; --k) {
-    double* const row = L_.data() + begin_[k];
-    const int depth = this->depth(k);
-    const int* const above = carriers(k);
-    if (!(row[depth] > 0.0)) return false;
-    const double inverse = 1.0 / row[depth];
-    inverse_d_[k] = inverse;
-    if (masked_[k] != 0) continue;
-    for (int m = depth - 1; m >= 0; --m) {
-      const double scaled = row[m] * inverse;
-      subtract_scaled(row, scaled, m + 1, L_.data() + begin_[above[m]]);
-      row[m] = scaled;
-    }
-  }
-  return true;
 }
 
 // Solves x = H^-1 x with the L'DL factors.
 void TreeSystem::solve(Eigen::VectorXd& x) const {
   for (int k = size() - 1; k >= 0; --k) {
     if (masked_[k] != 0) continue;
-    const double* const row = L_.data() + begin_[k];
+    const double* const row = row_of_l(k);
     const int depth = this->depth(k);
     const int* const above = carriers(k);
     const double value = x[k];
@@ -93,7 +129,7 @@ void TreeSystem::solve(Eigen::VectorXd& x) const {
   }
   for (int k = 0; k < size(); ++k) {
     if (masked_[k] != 0) continue;
-    const double* const row = L_.data() + begin_[k];
+    const double* const row = row_of_l(k);
     const int depth = this->depth(k);
     const int* const above = carriers(k);
     double value = x[k] * inverse_d_[k];

@@ -17,7 +17,6 @@ namespace retarget {
 /// Dynamics Algorithms", section 6.5 and table 6.3) is then a chain of updates of contiguous values
 /// and keeps the sparsity. A bound variable is masked: its row and column count as zero and its
 /// diagonal as one, which also keeps the sparsity.
-/// its diagonal as one, which keeps it too.
 class TreeSystem {
  public:
   /// @param tree  must outlive the system and stay at its address.
@@ -37,16 +36,20 @@ class TreeSystem {
 
  private:
   void mask(int i, double value, Eigen::VectorXd& right);
-  bool factorise();
+  void take_rows();
   void solve(Eigen::VectorXd& x) const;
   [[nodiscard]] int last_descendant(int i) const;
+  [[nodiscard]] double* row_of_l(int i) { return L_.data() + l_begin_[i]; }
+  [[nodiscard]] const double* row_of_l(int i) const { return L_.data() + l_begin_[i]; }
   /// Number of variables that carry variable i, and their column indices.
   [[nodiscard]] int depth(int i) const { return begin_[i + 1] - begin_[i] - 1; }
   [[nodiscard]] const int* carriers(int i) const { return tree_.carriers(i).data(); }
 
   const KinematicTree& tree_;
   const std::vector<int>& begin_;  // Start of each row, plus the end of the last one.
-  std::vector<double> H_, L_;      // Rows as in hessian(); L_ holds D on the diagonal.
+  std::vector<double> H_;          // Rows as in hessian().
+  std::vector<int> l_begin_;       // Start of each row of L_, which is rounded up to whole vectors.
+  std::vector<double> L_;          // Holds D on the diagonal.
   std::vector<double> inverse_d_;
   std::vector<char> masked_;  // Rows of bound variables: zero except for a 1 on the diagonal.
   Eigen::VectorXd g_;
