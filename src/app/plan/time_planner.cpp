@@ -7,7 +7,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kEase = 0.2;   // Change of the pace from knot to knot at most.
+constexpr double kEase = 0.2;       // Change of the pace from knot to knot at most.
 constexpr double kPaceStep = 1e-4;  // Coefficients are multiples of this.
 constexpr double kMaxPace = 1.0 / kLeastTimeScale;
 // A place that is slowed by more than kTried must have become better than this share.
@@ -81,7 +81,8 @@ void TimePlanner::set_pace() {
   }
   for (std::size_t k = 1; k < pace.size(); ++k) pace[k] = std::max(pace[k], pace[k - 1] - kEase);
   for (std::size_t k = pace.size() - 1; k-- > 0;) pace[k] = std::max(pace[k], pace[k + 1] - kEase);
-  for (double& each : pace) each = std::clamp(std::ceil(each / kPaceStep) * kPaceStep, 1.0, kMaxPace);
+  for (double& each : pace)
+    each = std::clamp(std::ceil(each / kPaceStep) * kPaceStep, 1.0, kMaxPace);
   warp_ = TimeWarp(scale_, duration_);
 }
 

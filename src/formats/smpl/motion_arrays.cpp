@@ -131,8 +131,8 @@ class MotionReader {
     if (const auto* parts = parted_poses(file_)) {
       TRY_ASSIGN(Table root, read_table(parts->first, {kRootAxes}, kMaxRadians));
       // 69 columns include SMPL's two hand joints.
-      TRY_ASSIGN(Table body, read_table(parts->second, {kBodyColumns, kSmplColumns - kRootAxes},
-                                        kMaxRadians));
+      TRY_ASSIGN(Table body,
+                 read_table(parts->second, {kBodyColumns, kSmplColumns - kRootAxes}, kMaxRadians));
       if (root.rows != body.rows) {
         return other_length(parts->second, body, (std::string(parts->first) + " has").c_str(),
                             root.rows);

@@ -9,8 +9,8 @@ namespace retarget {
 namespace {
 
 constexpr double kAstrayArm = 1.0471975511965976;  // 60 degrees.
-constexpr double kBack = 0.87266462599716477;   // 50 degrees.
-constexpr int kFirstWait = 4, kMaxWait = 256;   // Frames.
+constexpr double kBack = 0.87266462599716477;      // 50 degrees.
+constexpr int kFirstWait = 4, kMaxWait = 256;      // Frames.
 
 }  // namespace
 
