@@ -24,10 +24,6 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
         PRIVATE $<TARGET_PROPERTY:retarget,COMPILE_DEFINITIONS>)
     endif()
   endif()
-  if(RETARGET_UNITY_BUILD)
-    # A local name may hide a global of another file of its unit; the preset dev reports what hides in one file.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-Wno-shadow>)
-  endif()
   if(RETARGET_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # GCC collects garbage less often: a tenth of the time for 50 % more memory.
     target_compile_options(${target} PRIVATE --param=ggc-min-expand=300)
