@@ -1,14 +1,15 @@
 # Libraries with which `retarget live` unpacks packets and sends frames: RETARGET_LZ4,
 # RETARGET_ZEROMQ and RETARGET_REDIS are AUTO (used if available), ON (an error without the library)
-# or OFF. retarget_live_links lists them for linking.
+# or OFF. retarget_live_links lists them for linking, retarget_live_definitions the macros of their sources.
 
 set(RETARGET_LZ4 AUTO CACHE STRING "Compressed packets of live runs (LZ4): AUTO, ON, OFF")
 set(RETARGET_ZEROMQ AUTO CACHE STRING "ZeroMQ outputs of live runs: AUTO, ON, OFF")
 set(RETARGET_REDIS AUTO CACHE STRING "Redis outputs of live runs: AUTO, ON, OFF")
 set_property(CACHE RETARGET_LZ4 RETARGET_ZEROMQ RETARGET_REDIS PROPERTY STRINGS AUTO ON OFF)
 set(retarget_live_links "")
+set(retarget_live_definitions "")
 
-# Finds a package, and defines a macro for the one source that needs it.
+# Finds a package, and lists a macro for the one source that needs it.
 function(retarget_live_package choice package target source definition)
   if(choice STREQUAL "AUTO")
     find_package(${package} QUIET)
@@ -16,7 +17,7 @@ function(retarget_live_package choice package target source definition)
     find_package(${package} REQUIRED)
   endif()
   if(TARGET ${target})
-    set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/live/stream/${source} APPEND PROPERTY COMPILE_DEFINITIONS ${definition})
+    set(retarget_live_definitions ${retarget_live_definitions} ${definition} PARENT_SCOPE)
     set(retarget_live_links ${retarget_live_links} ${target} PARENT_SCOPE)
   else()
     message(STATUS "${package} is not used: src/live/stream/${source} does without")

@@ -14,8 +14,8 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
     if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$"
         OR (RETARGET_BUILD_FUZZERS AND target STREQUAL retarget_cli))
       # Each of the first two takes more than a second to parse.
-      target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm>
-        <filesystem> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
+      target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm> <filesystem>
+        <fmt/format.h> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
     else()
       # GCC and Clang can reuse the core's headers if all definitions match.
       set_property(TARGET ${target} PROPERTY PRECOMPILE_HEADERS)

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const nlohmann::ordered_json& json, std::string_view name) {
+std::string member_text(const nlohmann::ordered_json& json, std::string_view name) {
   const auto found = json.find(std::string(name));
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
@@ -77,7 +77,7 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
     const auto json = load_json(file.string());
     if (!json || !json->is_array()) continue;
     for (const auto& each : *json) {
-      if (each.is_object()) batch.options[text_of(each, "options_hash")] = each;
+      if (each.is_object()) batch.options[member_text(each, "options_hash")] = each;
     }
   }
   return batch;

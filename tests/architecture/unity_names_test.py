@@ -1,6 +1,7 @@
-"""Files of a room can be compiled as one (RETARGET_UNITY_BUILD, the preset demo): the names that two of
-them define in their anonymous namespaces differ in name or in parameters. In tests also those of functions
-with other parameters: a call with an initialiser list could silently reach the function of another file."""
+"""Files of a wing, or of wings that stand together in cmake/GroupByRooms.cmake, can be compiled as one
+(RETARGET_UNITY_BUILD, the preset demo): the names that two of them define in their anonymous namespaces differ
+in name or in parameters, and aliases of the same name mean the same. In tests also those of functions with
+other parameters: a call with an initialiser list could silently reach the function of another file."""
 
 import collections
 import pathlib
@@ -14,6 +15,22 @@ VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>
                    re.M)
 FUNCTION = re.compile(r"^(?=\w)(?!using|struct|class|enum|namespace|//|#|constexpr \w+ k[A-Z])"
                       r"[\w:<>,&*\[\] ]+?[ &*\n]([\w:]+)\(([^;{}]*?)\)\s*(?:const )?(?:noexcept )?\{", re.M)
+ALIAS = re.compile(r"^using (\w+) = (.*?);", re.M | re.S)
+
+
+def wings_together():
+    """The wings of each unit, as the build groups them."""
+    text = (ROOT / "cmake/GroupByRooms.cmake").read_text()
+    names = re.search(r"set\(retarget_unity_wings (.*?)\)", text, re.S).group(1)
+    return [(quoted or plain).split() for quoted, plain in re.findall(r'"(.*?)"|(\w+)', names)]
+
+
+def unit_of(folder, together):
+    wing = folder.parts[1] if folder.parts[0] == "src" and len(folder.parts) > 1 else None
+    for wings in together:
+        if wing in wings:
+            return "src/" + "+".join(wings)
+    return str(folder)
 
 
 def definitions(text):
@@ -26,21 +43,31 @@ def definitions(text):
 
 
 def main():
-    rooms = collections.defaultdict(lambda: collections.defaultdict(set))
+    together = wings_together()
+    units = collections.defaultdict(lambda: collections.defaultdict(set))
+    aliases = collections.defaultdict(lambda: collections.defaultdict(set))
     for pattern in ("src/**/*.cpp", "tools/retarget/*.cpp", "python/src/*.cpp", "tests/*/*.cpp"):
         for source in sorted(ROOT.glob(pattern)):
             if source.name == "main.cpp":
                 continue
-            for name in definitions(source.read_text()):
+            unit = unit_of(source.parent.relative_to(ROOT), together)
+            text = source.read_text()
+            for name in definitions(text):
                 if pattern.startswith("tests/"):
                     name = name.split("(")[0]
-                rooms[str(source.parent.relative_to(ROOT))][name].add(source.name)
-    if sum(map(len, rooms.values())) < 1000:
+                units[unit][name].add(source.name)
+            for block in ANONYMOUS.findall(text):
+                for name, meaning in ALIAS.findall(block):
+                    aliases[unit, name][" ".join(meaning.split())].add(source.name)
+    if sum(map(len, units.values())) < 1000:
         print("hardly any definitions were found: this test looks at the wrong place")
         return 1
-    faults = [f"{room}: {name} in {' and in '.join(sorted(files))}"
-              for room, names in sorted(rooms.items()) for name, files in sorted(names.items())
+    faults = [f"{unit}: {name} in {' and in '.join(sorted(files))}"
+              for unit, names in sorted(units.items()) for name, files in sorted(names.items())
               if len(files) > 1]
+    faults += [f"{unit}: {name} is " + " and ".join(f"{meaning} in {', '.join(sorted(files))}"
+                                                    for meaning, files in sorted(meanings.items()))
+               for (unit, name), meanings in sorted(aliases.items()) if len(meanings) > 1]
     print("\n".join(faults))
     return 1 if faults else 0
 

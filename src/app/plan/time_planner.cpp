@@ -7,8 +7,8 @@
 namespace retarget {
 namespace {
 
-constexpr double kEase = 0.2;   // Change of the pace from knot to knot at most.
-constexpr double kStep = 1e-4;  // Coefficients are multiples of this.
+constexpr double kEase = 0.2;       // Change of the pace from knot to knot at most.
+constexpr double kPaceStep = 1e-4;  // Coefficients are multiples of this.
 constexpr double kMaxPace = 1.0 / kLeastTimeScale;
 // A place that is slowed by more than kTried must have become better than this share.
 constexpr double kTried = 1.3, kNoHelp = 0.75;
@@ -55,7 +55,7 @@ bool TimePlanner::raise(PlaceNeed& need, const StepNeed& step, double pace) cons
     return true;
   }
   const double wanted = std::min(kMaxPace, pace * step.slower);
-  if (wanted <= need.pace + kStep) return false;
+  if (wanted <= need.pace + kPaceStep) return false;
   need.pace = wanted;
   return true;
 }
@@ -81,7 +81,8 @@ void TimePlanner::set_pace() {
   }
   for (std::size_t k = 1; k < pace.size(); ++k) pace[k] = std::max(pace[k], pace[k - 1] - kEase);
   for (std::size_t k = pace.size() - 1; k-- > 0;) pace[k] = std::max(pace[k], pace[k + 1] - kEase);
-  for (double& each : pace) each = std::clamp(std::ceil(each / kStep) * kStep, 1.0, kMaxPace);
+  for (double& each : pace)
+    each = std::clamp(std::ceil(each / kPaceStep) * kPaceStep, 1.0, kMaxPace);
   warp_ = TimeWarp(scale_, duration_);
 }
 
@@ -104,7 +105,7 @@ void TimePlanner::find_stretches() {
     const double pace =
         std::max({warp_.pace(begin), warp_.pace(0.5 * (begin + end)), warp_.pace(end)});
     add_left(i, begin, end);
-    if (pace <= 1.0 + kStep) {
+    if (pace <= 1.0 + kPaceStep) {
       inside = false;
       continue;
     }

@@ -11,7 +11,7 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kRateHint = "give the rate with " OPTION("source-fps") " N";
+constexpr const char* kFrameTimeHint = "give the rate with " OPTION("source-fps") " N";
 
 // Skips the colon of a keyword, up to the value on the same line.
 void skip_to_value(Scanner& scanner) {
@@ -41,7 +41,7 @@ Result<double> parse_frame_time(const SourceText& source, Scanner& scanner, bool
     return number_failure(source, place, "the frame time in seconds");
   }
   if (needs_frame_time && !(number.value > 0.0)) {
-    return source.unexpected_at(place, "a frame time above 0 seconds", kRateHint);
+    return source.unexpected_at(place, "a frame time above 0 seconds", kFrameTimeHint);
   }
   scanner.move_to(place + token.size());
   return number.value;
@@ -75,7 +75,7 @@ Result<MotionHeader> parse_motion_header(const SourceText& source, Scanner& scan
     } else {
       if (!has_frames) return source.unexpected_at(place, "Frames: and a count");
       if (!header.frame_time && needs_frame_time) {
-        return source.unexpected_at(place, "Frame Time: and seconds", kRateHint);
+        return source.unexpected_at(place, "Frame Time: and seconds", kFrameTimeHint);
       }
       return header;
     }

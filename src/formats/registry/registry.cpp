@@ -13,35 +13,34 @@
 namespace retarget {
 namespace {
 
-using Kind = FileKind;
-
-constexpr unsigned kinds_of(std::initializer_list<Kind> kinds) {
+constexpr unsigned kinds_of(std::initializer_list<FileKind> kinds) {
   unsigned bits = 0;
-  for (const Kind kind : kinds) bits |= 1U << static_cast<unsigned>(kind);
+  for (const FileKind kind : kinds) bits |= 1U << static_cast<unsigned>(kind);
   return bits;
 }
 
 // Readers of BVH and CSV also get content of no known type, because their messages name the line
 // and column that they cannot read.
-constexpr FormatFamily kBvh = {kinds_of({Kind::kBvh, Kind::kOther, Kind::kForeign, Kind::kGzip}),
-                               ".bvh", "", read_bvh_file, nullptr};
-constexpr FormatFamily kFbx = {kinds_of({Kind::kFbx}), ".fbx", "", read_scene_file, nullptr};
-constexpr FormatFamily kGltf = {kinds_of({Kind::kGltf}), ".glb .gltf .vrm .vrma", "",
+constexpr FormatFamily kBvh = {
+    kinds_of({FileKind::kBvh, FileKind::kOther, FileKind::kForeign, FileKind::kGzip}), ".bvh", "",
+    read_bvh_file, nullptr};
+constexpr FormatFamily kFbx = {kinds_of({FileKind::kFbx}), ".fbx", "", read_scene_file, nullptr};
+constexpr FormatFamily kGltf = {kinds_of({FileKind::kGltf}), ".glb .gltf .vrm .vrma", "",
                                 read_scene_file, nullptr};
-constexpr FormatFamily kMvnx = {kinds_of({Kind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
+constexpr FormatFamily kMvnx = {kinds_of({FileKind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
 // Pickles are often robot motions, so a batch takes them as human motions only by their names.
-constexpr FormatFamily kArrays = {kinds_of({Kind::kNpz, Kind::kNpy, Kind::kPickle, Kind::kTorch}),
-                                  ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file,
-                                  nullptr};
-constexpr FormatFamily kCsv = {kinds_of({Kind::kOther, Kind::kForeign}), ".csv", ".tsv .txt",
-                               nullptr, read_csv_motion};
-constexpr FormatFamily kNpz = {kinds_of({Kind::kNpz}), ".npz", "", nullptr, read_npz_motion};
-constexpr FormatFamily kPickle = {kinds_of({Kind::kPickle, Kind::kGzip}), ".pkl .pickle .joblib",
-                                  "", nullptr, read_pickle_motion};
-constexpr FormatFamily kTorch = {kinds_of({Kind::kTorch}), ".motion .pt", "", nullptr,
+constexpr FormatFamily kArrays = {
+    kinds_of({FileKind::kNpz, FileKind::kNpy, FileKind::kPickle, FileKind::kTorch}),
+    ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file, nullptr};
+constexpr FormatFamily kCsv = {kinds_of({FileKind::kOther, FileKind::kForeign}), ".csv",
+                               ".tsv .txt", nullptr, read_csv_motion};
+constexpr FormatFamily kNpz = {kinds_of({FileKind::kNpz}), ".npz", "", nullptr, read_npz_motion};
+constexpr FormatFamily kPickle = {kinds_of({FileKind::kPickle, FileKind::kGzip}),
+                                  ".pkl .pickle .joblib", "", nullptr, read_pickle_motion};
+constexpr FormatFamily kTorch = {kinds_of({FileKind::kTorch}), ".motion .pt", "", nullptr,
                                  read_protomotions};
 constexpr FormatFamily kFolder = {0, "", "", nullptr, read_sonic_folder};
-constexpr FormatFamily kShown = {kinds_of({Kind::kGltf}), ".glb", "", nullptr, nullptr};
+constexpr FormatFamily kShown = {kinds_of({FileKind::kGltf}), ".glb", "", nullptr, nullptr};
 
 constexpr std::string_view kArrayFile = "`.npz`, `.npy`, `.pkl`, joblib, `.pt`";
 

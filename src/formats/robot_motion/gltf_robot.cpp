@@ -14,7 +14,7 @@
 namespace retarget {
 namespace {
 
-using Json = GltfWriter::Json;
+using Json = nlohmann::ordered_json;
 
 // Keys of a body in its parent's frame.
 struct BodyTrack {
@@ -140,7 +140,7 @@ MotionFiles write_glb(const RobotClip& clip, MotionFormat /*format*/,
 namespace {
 
 using Eigen::Vector3d;
-using Json = GltfWriter::Json;
+using Json = nlohmann::ordered_json;
 
 constexpr double kMinBoneLength = 0.001;                // Metres; shorter bones are not drawn.
 constexpr double kThickness = 0.15;                     // Ratio of radius to length.

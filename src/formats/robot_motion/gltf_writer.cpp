@@ -13,7 +13,7 @@
 namespace retarget {
 namespace {
 
-using Json = GltfWriter::Json;
+using Json = nlohmann::ordered_json;
 
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;

@@ -24,7 +24,7 @@ constexpr double kSlips = 1e-4;
 // Below this slip a robot hardly moves, metres per frame.
 constexpr double kStandsStill = 2e-3;
 
-Quaterniond rotation_of(const RawMotion& raw, std::size_t frame, QuaternionOrder order) {
+Quaterniond rotation_at(const RawMotion& raw, std::size_t frame, QuaternionOrder order) {
   const double* q = raw.rotation.data() + 4 * frame;
   return order == QuaternionOrder::kWxyz ? Quaterniond(q[0], q[1], q[2], q[3]).normalized()
                                          : Quaterniond(q[3], q[0], q[1], q[2]).normalized();
@@ -76,7 +76,7 @@ OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw
     const std::size_t step = std::max<std::size_t>(1, raw.frames / kFramesTried);
     // Slip needs consecutive frames, so sample whole runs of frames.
     for (std::size_t frame = 0; frame < raw.frames; ++frame) {
-      const Quaterniond rotation = rotation_of(raw, frame, order);
+      const Quaterniond rotation = rotation_at(raw, frame, order);
       upright += rotation * Vector3d::UnitZ();
       if (step > 1 && (frame / 30) % step != 0) {
         slip.interrupt();
@@ -159,7 +159,7 @@ OrderGuess order_of_fixed_base(const Robot& robot, const RawMotion& raw) {
   const Quaterniond base = Quaterniond(zero[3], zero[4], zero[5], zero[6]).normalized();
   const auto fits = [&](QuaternionOrder order) {
     for (std::size_t frame = 0; frame < raw.frames; ++frame) {
-      if (log_so3(rotation_of(raw, frame, order).conjugate() * base).norm() > kSame) return false;
+      if (log_so3(rotation_at(raw, frame, order).conjugate() * base).norm() > kSame) return false;
     }
     return true;
   };

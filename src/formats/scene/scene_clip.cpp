@@ -62,7 +62,7 @@ constexpr std::size_t kMaxBytesOfFile = 256;
 constexpr double kUneven = 1.01;
 // Limit on the sampling rate relative to the keys: some programs write an arbitrary clock as the
 // rate.
-constexpr double kMaxRatio = 4.01;
+constexpr double kMaxRateRatio = 4.01;
 // A body with fingers, face and helpers has a few hundred.
 constexpr std::size_t kMaxJoints = 5000;
 // glTF stores key times as floats: tolerance in seconds and relative to the time.
@@ -183,7 +183,7 @@ class SceneSampler {
     }
     const auto keys = rate_of_keys(keys_);
     const double ratio = keys ? scene_.fps / *keys : 0.0;
-    if (scene_.fps > 0.0 && (!keys || (ratio > 0.99 && ratio < kMaxRatio &&
+    if (scene_.fps > 0.0 && (!keys || (ratio > 0.99 && ratio < kMaxRateRatio &&
                                        std::abs(ratio - std::round(ratio)) < 1e-3))) {
       return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
     }

@@ -17,9 +17,9 @@
 namespace retarget {
 namespace {
 
-constexpr std::size_t kRootColumns = 3;
+constexpr std::size_t kRootAxes = 3;
 constexpr std::size_t kBodyColumns = 3 * (kSmplJointCount - 1);
-constexpr std::size_t kUsedColumns = kRootColumns + kBodyColumns;
+constexpr std::size_t kUsedColumns = kRootAxes + kBodyColumns;
 
 constexpr std::size_t kSmplColumns = 72;
 constexpr std::size_t kSmplhColumns = 156;
@@ -129,10 +129,10 @@ class MotionReader {
     constexpr double kMaxRadians = 100.0;
     std::vector<Table> tables;
     if (const auto* parts = parted_poses(file_)) {
-      TRY_ASSIGN(Table root, read_table(parts->first, {kRootColumns}, kMaxRadians));
+      TRY_ASSIGN(Table root, read_table(parts->first, {kRootAxes}, kMaxRadians));
       // 69 columns include SMPL's two hand joints.
-      TRY_ASSIGN(Table body, read_table(parts->second, {kBodyColumns, kSmplColumns - kRootColumns},
-                                        kMaxRadians));
+      TRY_ASSIGN(Table body,
+                 read_table(parts->second, {kBodyColumns, kSmplColumns - kRootAxes}, kMaxRadians));
       if (root.rows != body.rows) {
         return other_length(parts->second, body, (std::string(parts->first) + " has").c_str(),
                             root.rows);

@@ -23,7 +23,7 @@ constexpr double kHandFade = 0.5;    // Seconds in which a hand leaves the body'
 constexpr double kHalfWindow = 0.3;  // Seconds; half the window that smooths the body.
 // A foot is over the edge of a step after this share of its swing.
 constexpr double kHighAfter = 0.6;
-constexpr double kLegShare = 0.985;  // Of the leg's length.
+constexpr double kReachShare = 0.985;  // Of the leg's length.
 constexpr double kNothing = 1e-9;
 
 std::size_t at_frame(int frame) {
@@ -124,7 +124,7 @@ class ContactMover {
     const Vector3d& knee = place(LimbBone::kLeg);
     const Vector3d& ankle = place(LimbBone::kFoot);
     const double length = (knee - hip).norm() + (ankle - knee).norm();
-    const double reach = std::max((ankle - hip).norm(), kLegShare * length);
+    const double reach = std::max((ankle - hip).norm(), kReachShare * length);
     const Vector3d leg = ankle + ankle_offset - hip - body;
     const double aside = leg.head<2>().norm();
     if (aside >= reach) return 0.0;

@@ -56,7 +56,7 @@ bool may_be_radians(const Clip& clip) {
 // angle exceeds its bound, or if all angles are too small to tell.
 std::optional<Clip> with_radians(const Clip& clip) {
   constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
-  constexpr double kPlain = 0.5, kNoResidual = 1e-3;
+  constexpr double kPlainTurn = 0.5, kNoResidual = 1e-3;
   if (!may_be_radians(clip)) return std::nullopt;
   const Skeleton& skeleton = clip.skeleton();
   std::vector<std::vector<int>> axes;
@@ -83,7 +83,7 @@ std::optional<Clip> with_radians(const Clip& clip) {
       made.rotations(frame)[joint] = turned.normalized();
     }
   }
-  if (largest < kPlain) return std::nullopt;
+  if (largest < kPlainTurn) return std::nullopt;
   make_sign_continuous(made);
   return made;
 }

@@ -53,7 +53,7 @@ Matrix3d axes_along(const Vector3d& x, const Vector3d& z) {
 }
 
 // World rotations of one bone, by frame.
-using Track = std::vector<Matrix3d>;
+using TurnTrack = std::vector<Matrix3d>;
 
 // the rotations of mapped bones in all frames, from the positions of their joints
 class DirectionRotations {
@@ -73,8 +73,8 @@ class DirectionRotations {
   }
 
   // empty: the bone is not mapped
-  [[nodiscard]] const Track& of(Bone bone) const { return tracks_[bone]; }
-  [[nodiscard]] const BoneArray<Track>& tracks() const { return tracks_; }
+  [[nodiscard]] const TurnTrack& of(Bone bone) const { return tracks_[bone]; }
+  [[nodiscard]] const BoneArray<TurnTrack>& tracks() const { return tracks_; }
   [[nodiscard]] const JointPoses& pose(int frame) const { return poses_[frame]; }
 
  private:
@@ -187,7 +187,7 @@ class DirectionRotations {
     };
     if (bends.empty()) return normals;
     settle(peak, usual(peak));
-    const Track& trunk_of_limb =
+    const TurnTrack& trunk_of_limb =
         tracks_[limb_bone(middle) == kLeg || !has(Bone::kSpine2) ? Bone::kHips : Bone::kSpine2];
     const bool with_trunk = straight_ == StraightLimbs::kTurnWithTrunk && !trunk_of_limb.empty();
     const auto seen = [&](int frame) {
@@ -250,13 +250,13 @@ class DirectionRotations {
   const Body& body_;
   StraightLimbs straight_;
   std::vector<JointPoses> poses_;
-  BoneArray<Track> tracks_;
+  BoneArray<TurnTrack> tracks_;
 };
 
 // the tracks of the joints that turn bones, by joint; null: the joint turns with its parent
-std::vector<const Track*> tracks_by_joint(const DirectionRotations& rotations,
-                                          const Skeleton& skeleton, const Body& body) {
-  std::vector<const Track*> tracks(skeleton.joint_count());
+std::vector<const TurnTrack*> tracks_by_joint(const DirectionRotations& rotations,
+                                              const Skeleton& skeleton, const Body& body) {
+  std::vector<const TurnTrack*> tracks(skeleton.joint_count());
   for (const Bone bone : kMappedBones) {
     const int joint = body.turning_joint(bone);
     if (joint >= 0) tracks[joint] = rotations.of(bone).empty() ? nullptr : &rotations.of(bone);
@@ -312,7 +312,7 @@ void make_rotations_from_directions(Clip& clip, BoneMap& map, StraightLimbs stra
   const Skeleton& skeleton = clip.skeleton();
   const Body body(skeleton, map);
   const DirectionRotations rotations(clip, body, straight);
-  const std::vector<const Track*> tracks = tracks_by_joint(rotations, skeleton, body);
+  const std::vector<const TurnTrack*> tracks = tracks_by_joint(rotations, skeleton, body);
   std::vector<Joint> joints = skeleton.joints();
   for (Joint& joint : joints) {
     if (joint.parent >= 0 && joint.has_position_channels()) joint.offset.setZero();

@@ -86,13 +86,13 @@ class SkeletonProfileReader {
 
   void read_rest_pose() {
     // A canonical rest pose (LAFAN1's) already has the bone axes, so nothing needs to be found.
-    static const std::vector<std::string> kNames = {"canonical", "zero", "first"};
+    static const std::vector<std::string> kRestPoses = {"canonical", "zero", "first"};
     const std::string name = members_.text("rest_pose");
     if (name == "zero") profile_.facts.rest = RestPose::kZero;
     if (name == "first") profile_.facts.rest = RestPose::kFirst;
-    if (name.empty() || std::ranges::find(kNames, name) != kNames.end()) return;
-    faults_.add("\"rest_pose\" is one of " + list_names(kNames) + ", found " + in_quotes(name) +
-                did_you_mean(name, kNames));
+    if (name.empty() || std::ranges::find(kRestPoses, name) != kRestPoses.end()) return;
+    faults_.add("\"rest_pose\" is one of " + list_names(kRestPoses) + ", found " + in_quotes(name) +
+                did_you_mean(name, kRestPoses));
   }
 
   void read_joints() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -17,7 +18,7 @@
 namespace retarget {
 namespace {
 
-using Clock = PatientConnection::Clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr double kConnectWithin = 1.0;                          // seconds
 constexpr std::size_t kMaxWaitingBytes = std::size_t{1} << 20;  // bytes

@@ -29,7 +29,7 @@
 namespace retarget {
 namespace {
 
-using Clock = PatientConnection::Clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr double kOpenWithin = 1.0;  // seconds
 constexpr auto kAnswerWithin = std::chrono::seconds(1);

@@ -124,8 +124,8 @@ Result<void> VmcDecoder::take_message(const OscMessage& message, StreamSink& sin
   RETARGET_TRY_ASSIGN(const Pose pose, mirrored_pose(message));
   if (seen_[bone]) {
     // A repeated bone starts the next frame.
-    constexpr int kMostFrames = 8;
-    if (++frames_ > kMostFrames) return input_failure({}, "too many frames in one packet");
+    constexpr int kMostPerPacket = 8;
+    if (++frames_ > kMostPerPacket) return input_failure({}, "too many frames in one packet");
     if (!learned_) learn_skeleton(sink);
     if (learned_) {
       // The timestamp in this packet belongs to the next frame.

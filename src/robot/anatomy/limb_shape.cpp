@@ -21,11 +21,6 @@ constexpr double kLeastShare = 0.05;  // Fraction of the limb: anything shorter 
 constexpr double kLeastLegSegment = 0.35;  // Fraction of thigh or shin, used like kLeastSegment.
 constexpr std::size_t kWristJoints = 3;
 
-// Returns the component of a vector perpendicular to a unit axis.
-Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
-  return vector - vector.dot(axis) * axis;
-}
-
 // Returns the root mean square distance of a point from joint axes.
 double spread_about(const Eigen::Vector3d& point, const TreeState& posed,
                     const std::vector<int>& joints) {

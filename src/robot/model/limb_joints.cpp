@@ -11,11 +11,6 @@
 namespace retarget {
 namespace {
 
-// Returns the component of a vector perpendicular to a unit axis.
-Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
-  return vector - vector.dot(axis) * axis;
-}
-
 double distance_from_axis(const TreeState& posed, int joint, const Eigen::Vector3d& point) {
   return (point - posed.anchor(joint)).cross(posed.axis(joint)).norm();
 }
@@ -35,6 +30,10 @@ bool carries_another(const Robot& robot, int body) {
 }
 
 }  // namespace
+
+Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
+  return vector - vector.dot(axis) * axis;
+}
 
 std::size_t joints_at_middle(const TreeState& posed, std::span<const int> joints,
                              const Eigen::Vector3d& middle) {

@@ -18,6 +18,9 @@ inline constexpr double kLeastSegment = 0.2;  ///< Minimum length of a segment r
 /// may be anywhere on its axis.
 inline constexpr double kNearestWrist = 0.28;
 
+/// Returns the component of a vector perpendicular to a unit axis.
+[[nodiscard]] Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis);
+
 /// Counts the joints next to the knee or elbow, on one side of it, that bend the limb at the same
 /// place: their axes pass the middle joint and miss the other end (hip, shoulder, ankle or wrist).
 /// At least one joint is left for the other end, so that a ball joint never counts; a twist joint

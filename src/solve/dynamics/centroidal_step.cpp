@@ -11,10 +11,10 @@
 namespace retarget {
 namespace {
 
-constexpr std::size_t kBlock = 6;
-constexpr std::size_t kBand = 3 * kBlock;     // The diagonal and the entries left of it.
-constexpr std::size_t kFixed = 2;             // Number of coefficients held at 0 at either end.
-constexpr double kRho = 1.0 / (0.02 * 0.02);  // Weight per squared share of body weight.
+constexpr std::size_t kFrameSize = 6;
+constexpr std::size_t kBand = 3 * kFrameSize;  // The diagonal and the entries left of it.
+constexpr std::size_t kFixed = 2;              // Number of coefficients held at 0 at either end.
+constexpr double kRho = 1.0 / (0.02 * 0.02);   // Weight per squared share of body weight.
 // Share of body weight below which a missing wrench has no effect. It is three fifths of what the
 // metrics call bad: a smaller one moves the body where no controller would notice.
 constexpr double kDeadZone = 0.06;
@@ -111,7 +111,7 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
 // Assembles the banded Gauss-Newton Hessian and the gradient at the point of the last evaluate().
 void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
                               const std::vector<Vector6d>& b) {
-  system_.begin(frames.size() * kBlock, kBand);
+  system_.begin(frames.size() * kFrameSize, kBand);
   const Matrix6d per_second = force_per_acceleration_.asDiagonal();
   for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
     const double rho = kRho * frames[t].trust * pull_share(rest_[t]);
@@ -148,16 +148,17 @@ void CentroidalStep::add_diagonals(std::size_t frame, const Vector6d& side_pull,
   const Vector6d place = position_weight_.cwiseProduct(value(b, frame) + moved);
   const Vector6d xdd = acceleration_weight_.cwiseProduct(second(b, frame));
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t at = (frame - 1 + i) * kBlock;
+    const std::size_t at = (frame - 1 + i) * kFrameSize;
     const Vector6d& pull = i == 1 ? middle_pull : side_pull;
-    for (std::size_t k = 0; k < kBlock; ++k) {
+    for (std::size_t k = 0; k < kFrameSize; ++k) {
       const auto component = static_cast<int>(k);
       system_.right()[at + k] -=
           pull[component] + kValue[i] * place[component] + kSecond[i] * xdd[component];
       double* const diagonal = system_.row(at + k) + at + k;
       for (std::size_t j = 0; j <= i; ++j) {
-        *(diagonal - kBlock * (i - j)) += position_weight_[component] * kValue[i] * kValue[j] +
-                                          acceleration_weight_[component] * kSecond[i] * kSecond[j];
+        *(diagonal - kFrameSize * (i - j)) +=
+            position_weight_[component] * kValue[i] * kValue[j] +
+            acceleration_weight_[component] * kSecond[i] * kSecond[j];
       }
     }
   }
@@ -165,9 +166,9 @@ void CentroidalStep::add_diagonals(std::size_t frame, const Vector6d& side_pull,
 
 // Adds to the lower triangle.
 void CentroidalStep::add_block(std::size_t row, std::size_t column, const Matrix6d& block) {
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    double* const entries = system_.row(row * kBlock + i) + column * kBlock;
-    const std::size_t count = row == column ? i + 1 : kBlock;
+  for (std::size_t i = 0; i < kFrameSize; ++i) {
+    double* const entries = system_.row(row * kFrameSize + i) + column * kFrameSize;
+    const std::size_t count = row == column ? i + 1 : kFrameSize;
     for (std::size_t j = 0; j < count; ++j) {
       entries[j] += block(static_cast<int>(i), static_cast<int>(j));
     }
@@ -183,12 +184,12 @@ struct CentroidalStep::Descent {
   double cost() { return step.evaluate(frames, b); }
   void linearise() { step.assemble(frames, b); }
   std::optional<double> solve(double /*damping*/) {
-    constexpr std::size_t kHeld = kFixed * kBlock;
-    return step.system_.solve(kHeld, b.size() * kBlock - kHeld);
+    constexpr std::size_t kHeld = kFixed * kFrameSize;
+    return step.system_.solve(kHeld, b.size() * kFrameSize - kHeld);
   }
   double try_step(double length) {
     for (std::size_t t = 0; t < b.size(); ++t) {
-      tried[t] = b[t] + length * Eigen::Map<const Vector6d>(&step.system_.right()[t * kBlock]);
+      tried[t] = b[t] + length * Eigen::Map<const Vector6d>(&step.system_.right()[t * kFrameSize]);
     }
     return step.evaluate(frames, tried);
   }

@@ -18,9 +18,9 @@
 namespace retarget {
 namespace {
 
-constexpr double kLookEvery = 0.1;              // Seconds between two looks at the limbs.
-constexpr int kLooks = 3;                       // Looks that an error must last.
-constexpr double kAstray = 0.3490658503988659;  // 20 degrees, for all tracked bones.
+constexpr double kLookEvery = 0.1;                    // Seconds between two looks at the limbs.
+constexpr int kLooks = 3;                             // Looks that an error must last.
+constexpr double kAstrayBranch = 0.3490658503988659;  // 20 degrees, for all tracked bones.
 // Shares that may remain for a change to pay off: of the tracking cost of the limb and of its error,
 // summed over the changed frames.
 constexpr double kLessOnLimb = 0.7;
@@ -186,7 +186,8 @@ bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFi
 
 double astray_cost(const FitModel& model, const FitLimb& limb) {
   double cost = 0.0;
-  for (const std::size_t k : limb.tasks) cost += square(kAstray * model.tasks[k].rotation_weight);
+  for (const std::size_t k : limb.tasks)
+    cost += square(kAstrayBranch * model.tasks[k].rotation_weight);
   return cost;
 }
 

@@ -13,7 +13,7 @@ namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLimbJoints, 1>;
+using LimbVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLimbJoints, 1>;
 using Matrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLimbJoints, kMaxLimbJoints>;
 
@@ -119,7 +119,7 @@ class LimbDescent {
  private:
   [[nodiscard]] int count() const { return static_cast<int>(limb_.links.size()); }
   void hold_limits();
-  void place(const Vector& joints);
+  void place(const LimbVector& joints);
 
   const LimbSolver& solver_;
   const FitModel& model_;
@@ -128,7 +128,7 @@ class LimbDescent {
   const LimbRange& range_;
   TreeState& pose_;
   std::span<double> qpos_;
-  Vector joints_, gradient_, held_, step_;
+  LimbVector joints_, gradient_, held_, step_;
   Matrix hessian_, damped_;
 };
 
@@ -183,7 +183,7 @@ void LimbDescent::hold_limits() {
   }
 }
 
-void LimbDescent::place(const Vector& joints) {
+void LimbDescent::place(const LimbVector& joints) {
   for (int i = 0; i < count(); ++i) {
     joint_value(model_, limb_.links[at(i)], qpos_) =
         std::clamp(joints[i], range_.lower[at(i)], range_.upper[at(i)]);

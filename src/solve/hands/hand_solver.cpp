@@ -13,7 +13,7 @@ constexpr double kMaxStep = 0.7;     // Largest step, as a share of the range.
 constexpr int kStepsPerFrame = 12;
 constexpr int kStepsOfSearch = 60;
 
-std::size_t at(int index) {
+std::size_t slot(int index) {
   return static_cast<std::size_t>(index);
 }
 
@@ -51,8 +51,8 @@ HandSolver::HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::Vect
 
 // Adds the velocity of a point that a joint carries to the columns of all variables that move it.
 void HandSolver::add_jacobian(int joint, const Eigen::Vector3d& point, double sign) {
-  for (int j = joint; j >= 0; j = hand_.joints[at(j)].parent) {
-    const HandJoint& moved = hand_.joints[at(j)];
+  for (int j = joint; j >= 0; j = hand_.joints[slot(j)].parent) {
+    const HandJoint& moved = hand_.joints[slot(j)];
     const Pose& pose = posture_.palm_from_joint(j);
     const Eigen::Vector3d axis = pose.rotation * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d velocity =
@@ -87,9 +87,9 @@ double HandSolver::add_directions(const HandTarget& target, std::size_t index,
     const double length = (to - from).norm();
     if (!(length > 0.0)) continue;
     const double weight = (is_thumb ? weights_.thumb_direction : weights_.direction) *
-                          std::sqrt(shares[at(k + 1)] - shares[at(k)]);
+                          std::sqrt(shares[slot(k + 1)] - shares[slot(k)]);
     const Eigen::Vector3d way = (to - from) / length;
-    const Eigen::Vector3d residual = way - hand_.palm_axes * parts.directions[at(k)];
+    const Eigen::Vector3d residual = way - hand_.palm_axes * parts.directions[slot(k)];
     jacobian_.setZero();
     add_jacobian(to_joint, to, 1.0 / length);
     add_jacobian(from_joint, from, -1.0 / length);

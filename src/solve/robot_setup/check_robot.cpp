@@ -29,9 +29,8 @@
 namespace retarget {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kOddOffset = 8.0 * kDegree;
-constexpr double kWrongOffset = 75.0 * kDegree;
+constexpr double kOddOffset = 8.0 * (std::numbers::pi / 180.0);
+constexpr double kWrongOffset = 75.0 * (std::numbers::pi / 180.0);
 constexpr double kOddReach = 0.03;  // Fraction of the leg's length.
 constexpr double kWrongReach = 0.25;
 

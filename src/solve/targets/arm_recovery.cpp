@@ -8,9 +8,9 @@
 namespace retarget {
 namespace {
 
-constexpr double kAstray = 1.0471975511965976;  // 60 degrees.
-constexpr double kBack = 0.87266462599716477;   // 50 degrees.
-constexpr int kFirstWait = 4, kMaxWait = 256;   // Frames.
+constexpr double kAstrayArm = 1.0471975511965976;  // 60 degrees.
+constexpr double kBack = 0.87266462599716477;      // 50 degrees.
+constexpr int kFirstWait = 4, kMaxWait = 256;      // Frames.
 
 }  // namespace
 
@@ -43,7 +43,7 @@ bool ArmRecovery::seen(std::span<const double> qpos, std::span<const Pose> world
     wait_ = 0;
     next_wait_ = kFirstWait;
   }
-  if (!(max > kAstray) || wait_-- > 0) return false;
+  if (!(max > kAstrayArm) || wait_-- > 0) return false;
   wait_ = next_wait_;
   next_wait_ = std::min(2 * next_wait_, kMaxWait);
   return true;

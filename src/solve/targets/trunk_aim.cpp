@@ -28,7 +28,7 @@ constexpr std::size_t kMaxJoints = 6;
 using Waist = RobotTrunk::Waist;
 constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMaxJoints);
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
+using TrunkVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
 
 // Solves for the pelvis rotation and the waist positions of one frame.
 class Search {
@@ -82,7 +82,7 @@ class Search {
   Eigen::Vector3d chord_, across_;                                // World.
   std::array<Eigen::Vector3d, kMaxJoints> axes_, chord_changes_;  // World, by joint.
   Matrix normal_;
-  Vector right_, step_;
+  TrunkVector right_, step_;
 };
 
 void Search::update() {
