@@ -16,10 +16,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
-
-import pyproject_metadata
 
 SOURCE = Path(__file__).resolve().parent.parent
 # The parts of the tree that pip installs: command, library, data. No headers, documents or packages of CMake.
@@ -69,6 +66,8 @@ def module_tags(modules: Path) -> tuple[list[str], list[str]]:
 
 
 def write_metadata(folder: Path, tags: list[str]) -> None:
+    import tomllib  # Python 3.11
+    import pyproject_metadata
     with (SOURCE / "pyproject.toml").open("rb") as file:
         project = tomllib.load(file)
     scripts = project["project"]["scripts"]
