@@ -1,4 +1,5 @@
-# Packages of the installed tree: `cpack` in a build folder makes a .deb and a .tar.gz (tools/package.sh).
+# Packages of the installed tree: `cpack` in a build folder makes a .deb and a .tar.gz with the C++ library.
+# tools/release.sh makes those of releases.
 
 set(CPACK_GENERATOR "DEB;TGZ")
 set(CPACK_PACKAGE_NAME retarget)
@@ -28,7 +29,7 @@ get_filename_component(mujoco_folder "${mujoco_folder}" DIRECTORY)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${mujoco_folder})
 # Programs that link the library need these packages.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, libssl-dev, liblz4-dev, libzmq3-dev, libhiredis-dev")
+  "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, liblz4-dev, libzmq3-dev, libhiredis-dev")
 
 # Debian expects all licences in one file.
 file(READ THIRD_PARTY_NOTICES third_party_notices)

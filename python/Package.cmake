@@ -1,4 +1,4 @@
-# The contents of a wheel in addition to the Python files (component `python`). The layout is that of an
+# Contents of the package that `pip install .` makes, in addition to the Python files (component `python`). The layout is that of an
 # install, so that module and program find MuJoCo and the data relative to themselves.
 #
 #   retarget/_retarget*.so, *.pyi
@@ -32,16 +32,6 @@ run_path(retarget/bin/$<TARGET_FILE_NAME:retarget_cli> $ORIGIN/../lib/retarget)
 install(FILES ${mujoco_library} DESTINATION retarget/lib/retarget COMPONENT python)
 file(GLOB mujoco_licences ${mujoco_folder}/LICENSE* ${mujoco_folder}/THIRD_PARTY_NOTICES*)
 install(FILES ${mujoco_licences} DESTINATION retarget/lib/retarget COMPONENT python)
-# libraries of the distribution that auditwheel takes into the wheel (tools/wheel.sh): its own words about them.
-# THIRD_PARTY_NOTICES lies with the wheel's other licences (pyproject.toml)
-foreach(package libzip[0-9]* libtinyxml2-[0-9]* libssl[0-9]* libbz2-1* liblz4-1*)
-  file(GLOB copyrights /usr/share/doc/${package}/copyright)
-  foreach(copyright IN LISTS copyrights)
-    get_filename_component(name ${copyright} DIRECTORY)
-    get_filename_component(name ${name} NAME)
-    install(FILES ${copyright} DESTINATION retarget/share/licences/${name} COMPONENT python)
-  endforeach()
-endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs DESTINATION retarget/share/retarget COMPONENT python)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/robots DESTINATION retarget/share/retarget COMPONENT python
   PATTERN unverified EXCLUDE)

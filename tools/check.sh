@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs checks in addition to the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [browser]
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [workflows] [browser]
 #                                                     (default: all but browser)
 #
 #   format  clang-format (version 14) would change nothing
@@ -16,6 +16,7 @@
 #   viewer  the script of pages is up to date with viewer/src; skipped without Node (tools/viewer_bundle.sh)
 #   words   comments, messages and pages contain none of the wording in tools/words.txt
 #           (tools/check_words.py)
+#   workflows    actionlint has no findings in .github/workflows; skipped without Go
 #   browser the browser page builds, and its results are those of the native tool (tools/browser.sh); not in CI
 #
 # Calls tools/setup.sh --dev to install dependencies. JOBS: the number of processes.
@@ -94,22 +95,36 @@ check_words() {
   python3 "$root/tools/check_words.py"
 }
 
+# Go's checksum database pins the sources of a version; the program is kept in build/deps.
+check_workflows() {
+  local version=v1.7.12
+  local program=$root/build/deps/actionlint-$version/actionlint
+  if ! [ -x "$program" ]; then
+    if ! command -v go >/dev/null; then
+      echo "check: workflows left out: there is no Go to compile actionlint with" >&2
+      return 0
+    fi
+    GOBIN=${program%/*} GOFLAGS=-mod=mod go install "github.com/rhysd/actionlint/cmd/actionlint@$version"
+  fi
+  "$program" -no-color
+}
+
 check_browser() {
   JOBS=$jobs "$root/tools/browser.sh" --test
 }
 
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words)
+[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words workflows)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, browser)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, workflows, browser)" >&2
     exit 2
   fi
 done
 
 # The compiler includes the sanitizers, and the words need only Python.
 case "${checks[*]}" in
-  words) ;;
+  words | workflows) ;;
   asan | tsan | browser) "$root/tools/setup.sh" ;;
   *) "$root/tools/setup.sh" --dev ;;
 esac

@@ -44,7 +44,6 @@ libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header
 zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header zlib.h
 libzip-dev         | libzip-devel   | libzip        | libzip        | has_header zip.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
-libssl-dev         | openssl-devel  | openssl       | openssl@3     | has_header openssl/evp.h ../opt/openssl@3/include/openssl/evp.h
 liblz4-dev         | lz4-devel      | lz4           | lz4           | has_header lz4frame.h
 libzmq3-dev        | zeromq-devel   | zeromq        | zeromq        | has_header zmq.h
 libhiredis-dev     | hiredis-devel  | hiredis       | hiredis       | has_header hiredis/hiredis.h

@@ -10,10 +10,10 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// Computes the SHA-256 of bytes that arrive in pieces (FIPS 180-4, with OpenSSL's libcrypto).
+/// Computes the SHA-256 of bytes that arrive in pieces (FIPS 180-4).
 ///
 /// A hash is text, `sha256:` and 64 lower-case hexadecimal digits, so that it names its function.
-/// Errors (kRun): libcrypto failed, for example because its configuration disables SHA-256.
+/// Errors (kRun): finish() was called before.
 class ContentHasher {
  public:
   [[nodiscard]] static Result<ContentHasher> create();

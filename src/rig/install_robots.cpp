@@ -39,7 +39,7 @@ using RobotsInSource = std::map<std::string, RobotInSource>;
 Failure source_failure(const fs::path& source, const std::string& message) {
   return usage_failure("\"" + source.string() + "\": " + message,
                        RETARGET_OPTION("source") " must be the source tree of retarget or "
-                       "retarget-robots-unverified.zip from tools/package.sh");
+                       "retarget-robots-unverified.zip from tools/release.sh");
 }
 
 Result<RobotInSource> read_folder(const fs::path& folder) {
