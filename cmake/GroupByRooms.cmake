@@ -2,6 +2,11 @@
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
+    # The headers of Windows define many short words as macros.
+    if(source MATCHES "_win32\\.cpp$")
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
     string(REGEX REPLACE "^.*/src/(.+)/[^/]+$" "\\1" room ${source})
     if(room STREQUAL source)
       continue()
