@@ -15,4 +15,8 @@ if(LibZip_FOUND AND NOT TARGET LibZip::zip)
   add_library(LibZip::zip UNKNOWN IMPORTED)
   set_target_properties(LibZip::zip PROPERTIES IMPORTED_LOCATION "${LibZip_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${LibZip_INCLUDE_DIR}")
+  if(LibZip_LIBRARY MATCHES "\\.a$" AND TARGET ZLIB::ZLIB)
+    # A static library does not name what it needs.
+    set_target_properties(LibZip::zip PROPERTIES INTERFACE_LINK_LIBRARIES ZLIB::ZLIB)
+  endif()
 endif()
