@@ -9,6 +9,7 @@ find_path(RETARGET_MUJOCO_HEADERS mujoco/mujoco.h REQUIRED NO_DEFAULT_PATH
   PATHS ${PROJECT_SOURCE_DIR}/build/deps/mujoco/include $ENV{MuJoCo_ROOT}/include NO_CMAKE_FIND_ROOT_PATH)
 
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp)
+list(FILTER sources EXCLUDE REGEX "_win32\\.cpp$")
 # Rooms of other programs ...
 list(FILTER sources EXCLUDE REGEX "/src/(edit|rig|live|batch|app/provenance|app/run|solve/robot_setup|solve/online|judge/simulation)/")
 # ... and files that read or write models through MuJoCo.

@@ -16,6 +16,8 @@ function(retarget_group_by_rooms target)
     string(REPLACE " " "_" name "${wings}")
     set(files ${ARGN})
     list(FILTER files INCLUDE REGEX "/src/(${pattern})/")
+    # The headers of Windows define many short words as macros.
+    list(FILTER files EXCLUDE REGEX "_win32\\.cpp$")
     list(LENGTH files count)
     # units of equal size, because the last one determines the end
     math(EXPR units "(${count} + ${RETARGET_UNITY_FILES} - 1) / ${RETARGET_UNITY_FILES}")

@@ -22,6 +22,14 @@ if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR
 endif()
 set(retarget_is_hardened ON)
 
+# On Windows the linker randomises addresses and forbids code in data by default.
+if(MINGW)
+  target_compile_options(retarget_hardening INTERFACE -fstack-protector-strong)
+  target_link_options(retarget_hardening INTERFACE -fstack-protector-strong)
+  target_compile_definitions(retarget_hardening INTERFACE _GLIBCXX_ASSERTIONS)
+  return()
+endif()
+
 # Indirect jumps may only target function entries. Clang accepts both options everywhere and warns
 # about the one without effect.
 set(landing -fcf-protection)

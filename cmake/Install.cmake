@@ -51,7 +51,12 @@ if(RETARGET_BUNDLE_MUJOCO)
   # Install the file instead of the link: programs load it by this name.
   file(REAL_PATH "${MuJoCo_RUNTIME_LIBRARY}" retarget_mujoco_library)
   get_target_property(retarget_mujoco_headers mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)
-  install(FILES ${retarget_mujoco_library} DESTINATION ${retarget_mujoco_folder})
+  if(WIN32)
+    # Windows looks for it beside the program.
+    install(FILES ${retarget_mujoco_library} DESTINATION ${CMAKE_INSTALL_BINDIR})
+  else()
+    install(FILES ${retarget_mujoco_library} DESTINATION ${retarget_mujoco_folder})
+  endif()
   foreach(folder IN LISTS retarget_mujoco_headers)
     install(DIRECTORY ${folder}/mujoco DESTINATION ${retarget_mujoco_folder}/include
       FILES_MATCHING PATTERN "*.h")

@@ -12,6 +12,12 @@ set(retarget_shared_links "")  # of the rooms that a shared core takes in
 
 include(cmake/GroupByRooms.cmake)
 
+# Files named for a system hold its calls; their counterparts have the same functions.
+set(retarget_other_system win32)
+if(WIN32)
+  set(retarget_other_system posix)
+endif()
+
 macro(retarget_add_library name)
   cmake_parse_arguments(arg "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
   set(target retarget)
@@ -25,6 +31,7 @@ macro(retarget_add_library name)
     target_link_libraries(${target} INTERFACE ${arg_PUBLIC})
   else()
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp)
+    list(FILTER sources EXCLUDE REGEX "_${retarget_other_system}\\.cpp$")
     list(JOIN arg_ROOMS "|" rooms)
     list(JOIN retarget_taken_rooms "|" taken)
     if(arg_ROOMS)

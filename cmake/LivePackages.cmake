@@ -8,6 +8,9 @@ set(RETARGET_REDIS AUTO CACHE STRING "Redis outputs of live runs: AUTO, ON, OFF"
 set_property(CACHE RETARGET_LZ4 RETARGET_ZEROMQ RETARGET_REDIS PROPERTY STRINGS AUTO ON OFF)
 set(retarget_live_links "")
 set(retarget_live_definitions "")
+if(WIN32)
+  list(APPEND retarget_live_links ws2_32 winmm)
+endif()
 
 # Finds a package, and lists a macro for the one source that needs it.
 function(retarget_live_package choice package target source definition)

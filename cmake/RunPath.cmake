@@ -6,11 +6,18 @@
 # folders of the build tree, then those of the installed tree. The install keeps only the latter,
 # which are shorter than both.
 file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
-set(installed_retarget "$ORIGIN/")
-set(installed_retarget_cli "$ORIGIN/${library_from_bin}")
+if(WIN32)
+  return()  # Windows looks in the program's own folder.
+endif()
+set(origin "$ORIGIN")
+if(APPLE)
+  set(origin "@loader_path")
+endif()
+set(installed_retarget "${origin}/")
+set(installed_retarget_cli "${origin}/${library_from_bin}")
 if(RETARGET_BUNDLE_MUJOCO)
-  list(PREPEND installed_retarget "$ORIGIN/retarget/")
-  list(PREPEND installed_retarget_cli "$ORIGIN/${library_from_bin}/retarget")
+  list(PREPEND installed_retarget "${origin}/retarget/")
+  list(PREPEND installed_retarget_cli "${origin}/${library_from_bin}/retarget")
 endif()
 
 # Sets one target's run path. build_folders: folders that only the build tree may name

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs checks in addition to the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [workflows] [browser]
-#                                                     (default: all but browser)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [workflows] [browser] [macos] [windows]
+#                                                     (default: all but the last three)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck has no findings in the scripts
@@ -17,6 +17,9 @@
 #   words   comments, messages and pages contain none of the wording in tools/words.txt
 #           (tools/check_words.py)
 #   workflows    actionlint has no findings in .github/workflows; skipped without Go
+#   macos   the library and the tool compile for macOS (tools/check_macos.sh); not in CI
+#   windows the tool for Windows builds, and its results under Wine are those of the native tool (tools/windows.sh);
+#           not in CI
 #   browser the browser page builds, and its results are those of the native tool (tools/browser.sh); not in CI
 #
 # Calls tools/setup.sh --dev to install dependencies. JOBS: the number of processes.
@@ -109,6 +112,14 @@ check_workflows() {
   "$program" -no-color
 }
 
+check_macos() {
+  JOBS=$jobs "$root/tools/check_macos.sh"
+}
+
+check_windows() {
+  JOBS=$jobs "$root/tools/windows.sh" --test
+}
+
 check_browser() {
   JOBS=$jobs "$root/tools/browser.sh" --test
 }
@@ -117,7 +128,7 @@ checks=("$@")
 [ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words workflows)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, workflows, browser)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, workflows, browser, macos, windows)" >&2
     exit 2
   fi
 done
@@ -125,7 +136,7 @@ done
 # The compiler includes the sanitizers, and the words need only Python.
 case "${checks[*]}" in
   words | workflows) ;;
-  asan | tsan | browser) "$root/tools/setup.sh" ;;
+  asan | tsan | browser | macos | windows) "$root/tools/setup.sh" ;;
   *) "$root/tools/setup.sh" --dev ;;
 esac
 cd -- "$root"

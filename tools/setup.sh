@@ -209,7 +209,7 @@ has_mujoco() {
   local folder=$root/build/deps/mujoco version
   [ -e "$folder/include/mujoco/mujoco.h" ] || return 1
   for version in "$kMujocoVersion" "$kOlderMujocoVersion"; do
-    [ -e "$folder/libmujoco.so.$version" ] && return 0
+    [ -e "$folder/libmujoco.so.$version" ] || [ -e "$folder/libmujoco.$version.dylib" ] && return 0
   done
   return 1
 }
@@ -326,7 +326,7 @@ install_mujoco() {
   # Keep the licences next to the library.
   find "$fetch_folder/wheel" -path '*.dist-info/*' -name 'LICENSE*' -exec cp {} "$fetch_folder/wheel/mujoco/" \;
   rm -rf -- "$deps/mujoco"
-  mv -T -- "$fetch_folder/wheel/mujoco" "$deps/mujoco"
+  mv -- "$fetch_folder/wheel/mujoco" "$deps/mujoco"
 }
 
 # nanobind, pytest, stream clients and their dependencies, pinned by tools/python.txt.
@@ -340,7 +340,7 @@ install_python_tools() {
     exit 1
   }
   rm -rf -- "$deps/python"
-  mv -T -- "$fetch_folder/python" "$deps/python"
+  mv -- "$fetch_folder/python" "$deps/python"
 }
 
 # install_libraries NAME CONTENTS: installs what tools/NAME.txt pins into build/deps/NAME. Not every system has wheels
@@ -360,7 +360,7 @@ install_libraries() {
   cp "$pinned" "$fetch_folder/$name/.pinned"
   touch "$fetch_folder/$name/.python-$version"
   rm -rf -- "$folder"
-  mv -T -- "$fetch_folder/$name" "$folder"
+  mv -- "$fetch_folder/$name" "$folder"
 }
 
 # fetch_wheel PYTHON FOLDER REQUIREMENTS: pip rejects files whose hash is not in the requirements.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
 #include <functional>
 #include <map>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "retarget/measure.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
+#include "retarget/os.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
@@ -96,13 +96,13 @@ class Observer {
 class KnownFiles {
  public:
   /// Adds a file. Empty names are ignored.
-  /// @param stream  the descriptor that `-` means: STDIN_FILENO or STDOUT_FILENO.
+  /// @param stream  the descriptor that `-` means: 0 for input, 1 for output.
   void add(const std::string& path, int stream);
   /// The name under which the same file was added; null if it was not.
   [[nodiscard]] const std::string* find(const std::string& path, int stream) const;
 
  private:
-  std::map<std::pair<dev_t, ino_t>, std::string> by_identity_;
+  std::map<os::FileId, std::string> by_identity_;
   std::map<std::string, std::string> by_path_;  // Files that do not exist yet.
 };
 

@@ -1,5 +1,6 @@
 #include "retarget/data_folder.h"
 #include "base/option_name.h"
+#include "retarget/os.h"
 
 #include <cstdlib>
 #include <system_error>
@@ -60,20 +61,13 @@ Result<fs::path> find_data_folder(const std::optional<std::string>& chosen_by_fl
   search.installed = installed;
   search.flag = chosen_by_flag;
   if (const char* value = std::getenv(kVariable)) search.environment = value;
-  std::error_code unknown;
-  search.executable = fs::read_symlink("/proc/self/exe", unknown);
+  search.executable = os::program_file();
   return find_data_folder(search);
 }
 
 std::optional<fs::path> user_data_folder() {
-  const auto folder_in = [](const char* variable) -> std::optional<fs::path> {
-    const char* value = std::getenv(variable);
-    if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
-    return fs::path(value);
-  };
-  if (const auto data = folder_in("XDG_DATA_HOME")) return *data / "retarget";
-  if (const auto home = folder_in("HOME")) return *home / ".local" / "share" / "retarget";
-  return std::nullopt;
+  const auto data = os::folder_of_user_data();
+  return data ? std::optional(*data / "retarget") : std::nullopt;
 }
 
 }  // namespace retarget

@@ -1,8 +1,6 @@
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,6 +9,7 @@
 
 #include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/os.h"
 
 namespace retarget {
 namespace {
@@ -33,7 +32,7 @@ Failure read_failure(ErrorKind kind, const std::string& path, int error_number) 
 
 Failure write_failure(const std::string& name, int error_number) {
   const std::string path = name == "-" ? "standard output" : name;
-  const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+  const bool full = os::is_out_of_space(error_number);
   return run_failure(path, "cannot write the file: " + system_message(error_number),
                      full ? "no partial file remains; free some space or write elsewhere" : "");
 }
@@ -52,7 +51,7 @@ struct Reader {
   int descriptor;
   bool owned;
   ~Reader() {
-    if (owned) ::close(descriptor);
+    if (owned) os::close_file(descriptor);
   }
 };
 
@@ -75,18 +74,16 @@ std::string follow_links(const std::string& path) {
   return target.string();
 }
 
+constexpr int kStandardInput = 0, kStandardOutput = 1;
 constexpr int kMaxNames = 1000;
 constexpr std::string_view kTemporaryBegin = ".retarget-";
 constexpr std::string_view kTemporaryEnd = ".tmp";
 
 // Gives an unnamed file a name that is not taken. Returns 0, or -1 with errno.
 int link_to_new_name(int descriptor, const std::string& target, std::string& name) {
-  const std::string handle = "/proc/self/fd/" + std::to_string(descriptor);
   for (int number = 0; number < kMaxNames; ++number) {
     name = temporary_path(target, number);
-    if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
-      return 0;
-    }
+    if (os::name_file(descriptor, name) == 0) return 0;
     if (errno != EEXIST) break;
   }
   name.clear();
@@ -97,7 +94,7 @@ int link_to_new_name(int descriptor, const std::string& target, std::string& nam
 int create_named(const std::string& target, std::string& name) {
   for (int number = 0; number < kMaxNames; ++number) {
     name = temporary_path(target, number);
-    const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    const int descriptor = os::open_file(name, os::OpenFor::kCreating);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
   }
   return -1;
@@ -124,22 +121,24 @@ std::vector<std::filesystem::path> files_in_folder(const std::filesystem::path& 
 Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t max,
                               std::string_view too_large) {
   const bool standard_input = path == "-";
-  Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
+  Reader reader{standard_input ? kStandardInput : os::open_file(path, os::OpenFor::kReading),
                 !standard_input};
   if (reader.descriptor < 0) return read_failure(kind, path, errno);
-  struct stat info {};
-  if (::fstat(reader.descriptor, &info) != 0) return read_failure(kind, path, errno);
-  if (S_ISDIR(info.st_mode)) return read_failure(kind, path, EISDIR);
+  const auto info = os::status_of(reader.descriptor);
+  if (!info) return read_failure(kind, path, errno);
+  if (info->kind == os::EntryKind::kFolder) return read_failure(kind, path, EISDIR);
   // A device such as /dev/zero may never end.
-  if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
+  if (info->kind == os::EntryKind::kDevice && !standard_input) {
+    return read_failure(kind, path, ENODEV);
+  }
 
-  const bool regular = S_ISREG(info.st_mode);
-  if (regular && static_cast<std::size_t>(info.st_size) > max) {
+  const bool regular = info->kind == os::EntryKind::kRegular;
+  if (regular && info->bytes > max) {
     return too_large_failure(kind, path, max, too_large);
   }
 
   // The size only saves copies: the file may be a pipe, or grow while it is read.
-  std::size_t room = regular ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
+  std::size_t room = regular ? static_cast<std::size_t>(info->bytes) + 1 : 65536;
   auto bytes = std::make_unique_for_overwrite<char[]>(room);
   std::size_t used = 0;
   for (;;) {
@@ -149,7 +148,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
       bytes = std::move(grown);
       room *= 2;
     }
-    const ssize_t count = ::read(reader.descriptor, bytes.get() + used, room - used);
+    const std::int64_t count = os::read_bytes(reader.descriptor, bytes.get() + used, room - used);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return read_failure(kind, path, errno);
     if (count == 0) break;
@@ -160,9 +159,9 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
 }
 
 Result<void> check_readable(const std::string& path, ErrorKind kind) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = os::open_file(path, os::OpenFor::kReading);
   if (descriptor < 0) return read_failure(kind, path, errno);
-  ::close(descriptor);
+  os::close_file(descriptor);
   return {};
 }
 
@@ -184,26 +183,25 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   OutputFile file;
   file.path_ = path;
   if (path == "-") {
-    file.descriptor_ = STDOUT_FILENO;
+    file.descriptor_ = kStandardOutput;
     file.direct_ = true;
     return file;
   }
   TRY(check_output_folder(path));
-  struct stat info {};
-  std::optional<mode_t> mode;  // Mode of the file that is replaced.
-  if (::stat(path.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) {
+  std::optional<unsigned> permissions;  // Those of the file that is replaced.
+  if (const auto info = os::status_of(path)) {
+    if (info->kind == os::EntryKind::kFolder) {
       return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
     }
-    file.direct_ = !S_ISREG(info.st_mode);
+    file.direct_ = info->kind != os::EntryKind::kRegular;
     // rename() needs only the folder's permission, so respect a read-only file explicitly.
-    if (!file.direct_ && ::access(path.c_str(), W_OK) != 0) return write_failure(path, errno);
-    mode = info.st_mode & 07777;
+    if (!file.direct_ && !os::may_write(path)) return write_failure(path, errno);
+    permissions = info->permissions;
   } else if (errno != ENOENT) {
     return write_failure(path, errno);
   }
   if (file.direct_) {
-    file.descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    file.descriptor_ = os::open_file(path, os::OpenFor::kWriting);
     if (file.descriptor_ < 0) return write_failure(path, errno);
     return file;
   }
@@ -212,10 +210,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   file.target_ = follow_links(path);
   TRY(check_output_folder(file.target_));
 
-#ifdef O_TMPFILE
-  file.descriptor_ =
-      ::open(folder_of(file.target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-#endif
+  file.descriptor_ = os::create_unnamed(folder_of(file.target_));
   if (file.descriptor_ < 0) {
     file.descriptor_ = create_named(file.target_, file.temporary_);
     if (file.descriptor_ < 0) {
@@ -224,7 +219,9 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
       return write_failure(path, error_number);
     }
   }
-  if (mode && ::fchmod(file.descriptor_, *mode) != 0) return write_failure(path, errno);
+  if (permissions && os::set_permissions(file.descriptor_, *permissions) != 0) {
+    return write_failure(path, errno);
+  }
   return file;
 }
 
@@ -248,15 +245,15 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
 }
 
 void OutputFile::discard() {
-  if (descriptor_ >= 0 && path_ != "-") ::close(descriptor_);
+  if (descriptor_ >= 0 && path_ != "-") os::close_file(descriptor_);
   descriptor_ = -1;
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) os::remove_file(temporary_);
   temporary_.clear();
 }
 
 Result<void> OutputFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+    const std::int64_t count = os::write_bytes(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) {
       const int error_number = errno;
@@ -275,22 +272,29 @@ Result<void> OutputFile::commit() {
     discard();
     return {};
   }
-  if (::fsync(descriptor_) != 0) return write_failure(path_, errno);
+  if (os::flush_to_disk(descriptor_) != 0) return write_failure(path_, errno);
   if (temporary_.empty()) {
     // Only rename() replaces a file atomically, and it needs a named source in the same folder.
     if (link_to_new_name(descriptor_, target_, temporary_) != 0) {
       return write_failure(path_, errno);
     }
   }
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) return write_failure(path_, errno);
+  if (os::move_over(temporary_, target_) != 0) return write_failure(path_, errno);
   temporary_.clear();
   discard();
   return {};
 }
 
+std::string os::without_last_separators(std::string path) {
+  while (path.size() > 1 && kSeparators.find(path.back()) != std::string_view::npos) {
+    path.pop_back();
+  }
+  return path;
+}
+
 std::string temporary_path(const std::string& target, int number) {
-  return folder_of(target) + "/" + std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
-         std::to_string(number) + std::string(kTemporaryEnd);
+  return folder_of(target) + "/" + std::string(kTemporaryBegin) + std::to_string(os::process_id()) +
+         "-" + std::to_string(number) + std::string(kTemporaryEnd);
 }
 
 bool is_temporary_name(std::string_view name) {
@@ -321,14 +325,17 @@ bool is_plain_name(std::string_view name) {
   };
   return !name.empty() && name != "." && name != ".." &&
          name.find_first_of("/\\") == std::string_view::npos &&
+         name.find_first_of(os::kNotInNames) == std::string_view::npos &&
          std::ranges::none_of(name, is_control);
 }
 
 bool is_plain_path(std::string_view path) {
   // System calls would stop at a zero byte and use another path.
   if (path.empty() || path.find('\0') != std::string_view::npos) return false;
+  if (path.find_first_of(os::kNotInNames) != std::string_view::npos) return false;
   const fs::path parts(path);
-  return parts.is_relative() && std::ranges::find(parts, "..") == parts.end() &&
+  // On Windows, a path may be relative although it starts at the root of a drive.
+  return !parts.has_root_path() && std::ranges::find(parts, "..") == parts.end() &&
          parts.lexically_normal() != ".";
 }
 

@@ -1,7 +1,5 @@
 #include "retarget/machine.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -14,6 +12,7 @@
 
 #include "retarget/error.h"
 #include "retarget/file.h"
+#include "retarget/os.h"
 
 namespace retarget {
 namespace {
@@ -87,9 +86,8 @@ int usable_cores(const ControlGroupFiles& files) {
 }
 
 std::uint64_t usable_memory(const ControlGroupFiles& files) {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || page <= 0) return 0;
-  std::uint64_t min = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  std::uint64_t min = os::physical_memory();
+  if (min == 0) return 0;
   for (const ControlGroup& group : control_groups(files.root, files.membership, "memory")) {
     const auto limit =
         number_in(group.folder + (group.unified ? "/memory.max" : "/memory.limit_in_bytes"));

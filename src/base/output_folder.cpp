@@ -1,18 +1,14 @@
 #include "base/output_folder.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "base/try.h"
 #include "retarget/file.h"
+#include "retarget/os.h"
 
 namespace retarget {
 namespace {
@@ -27,21 +23,9 @@ Failure folder_failure(const std::string& path, int error_number) {
 // Number of the temporary name of an old folder while the new one replaces it.
 constexpr int kAsideNumber = 1001;
 
-// Strips trailing slashes, which name the same folder.
-std::string plain_path(std::string path) {
-  while (path.size() > 1 && path.ends_with('/')) path.pop_back();
-  return path;
-}
-
 // Flushes a folder to disk before it gets its final name.
 Result<void> flush_folder(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return folder_failure(path, errno);
-  const int flushed = ::fsync(descriptor);
-  const int error_number = errno;
-  ::close(descriptor);
-  // Some file systems do not support fsync on folders; ignore them.
-  if (flushed != 0 && error_number != EINVAL) return folder_failure(path, error_number);
+  if (os::flush_folder(path) != 0) return folder_failure(path, errno);
   return {};
 }
 
@@ -50,7 +34,7 @@ Result<void> flush_folder(const std::string& path) {
 Result<OutputFolder> OutputFolder::create(const std::string& given,
                                           const std::vector<std::string>& own) {
   OutputFolder folder;
-  folder.path_ = plain_path(given);
+  folder.path_ = os::without_last_separators(given);
   TRY(check_output_folder(folder.path_));
   std::error_code error;
   const fs::file_status there = fs::status(folder.path_, error);
@@ -69,7 +53,7 @@ Result<OutputFolder> OutputFolder::create(const std::string& given,
   }
   for (int number = 0;; ++number) {
     const std::string name = temporary_path(folder.path_, number);
-    if (::mkdir(name.c_str(), 0777) == 0) {
+    if (os::make_folder(name) == 0) {
       folder.temporary_ = name;
       return folder;
     }
@@ -112,24 +96,22 @@ Result<void> OutputFolder::write(const std::string& name, std::string_view bytes
 Result<void> OutputFolder::commit() {
   if (temporary_.empty()) return folder_failure(path_, EBADF);
   TRY(flush_folder(temporary_));
-  if (::rename(temporary_.c_str(), path_.c_str()) == 0) {
+  if (os::move_over(temporary_, path_) == 0) {
     temporary_.clear();
     return {};
   }
   if (errno != ENOTEMPTY && errno != EEXIST) return folder_failure(path_, errno);
-    // The folder exists: exchange both, then delete the old one under the temporary name.
-#ifdef RENAME_EXCHANGE
-  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
+  // The folder exists: exchange both, then delete the old one under the temporary name.
+  if (os::exchange(temporary_, path_) == 0) {
     discard();
     return {};
   }
-#endif
   // Without an atomic exchange, there is a moment in which neither folder exists.
   const std::string aside = temporary_path(path_, kAsideNumber);
-  if (::rename(path_.c_str(), aside.c_str()) != 0) return folder_failure(path_, errno);
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  if (os::move_over(path_, aside) != 0) return folder_failure(path_, errno);
+  if (os::move_over(temporary_, path_) != 0) {
     const int error_number = errno;
-    [[maybe_unused]] const int back = ::rename(aside.c_str(), path_.c_str());
+    [[maybe_unused]] const int back = os::move_over(aside, path_);
     return folder_failure(path_, error_number);
   }
   temporary_ = aside;

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <new>
 #include <optional>
@@ -34,7 +32,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxWarnings = 20;
 
 std::string lower_extension(const BatchInput& input) {
-  return lower_case(fs::path(input.relative).extension().string());
+  return lower_case(fs::path(input.relative).extension().generic_string());
 }
 
 // First character of an answer; the manifest line follows.
@@ -45,7 +43,7 @@ class ClipNotes : public Observer {
  public:
   // Without `wants_signature`, planned() does nothing.
   ClipNotes(const Observer& batch, bool wants_signature)
-      : batch_(batch), wants_signature_(wants_signature) {}
+      : batch_(batch), wants_signature_(wants_signature), deadline_(task_deadline()) {}
 
   void line(std::string_view label, std::string_view text) override {
     if (label == "taken as") taken_as = text;
@@ -54,7 +52,9 @@ class ClipNotes : public Observer {
     // Manifests are read by command-line users, so spell options as flags.
     for (const Warning& each : told) warnings.push_back(describe(each, file, option_as_flag));
   }
-  [[nodiscard]] bool is_stopped() const override { return batch_.is_stopped(); }
+  [[nodiscard]] bool is_stopped() const override {
+    return batch_.is_stopped() || (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
+  }
   void planned(const Plan& plan) override {
     if (wants_signature_) signature = signature_of(plan);
   }
@@ -66,6 +66,7 @@ class ClipNotes : public Observer {
  private:
   const Observer& batch_;
   const bool wants_signature_;
+  const std::optional<std::chrono::steady_clock::time_point> deadline_;
 };
 
 // Spells options as flags, since manifests and summaries are read by command-line users.
@@ -81,9 +82,8 @@ class BatchWorker {
   BatchWorker(const BatchContext& context, const BatchRequest& request, int threads)
       : context_(context), request_(request), threads_(threads) {}
 
-  // Called in a worker process.
-  void work(const BatchTask& task, double memory_gb);
-  [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
+  // Called in a worker. Returns the answer about the clip; empty if it was interrupted.
+  [[nodiscard]] std::string work(const BatchTask& task, double memory_gb) const;
   // Called in the batch process.
   void take(const BatchTask& task, const TaskEnd& end);
   [[nodiscard]] bool keep_going();
@@ -95,14 +95,12 @@ class BatchWorker {
   Result<void> run(const BatchTask& task, double memory_gb, const std::string& output,
                    ManifestEntry& entry) const;
   void remove_outputs(const BatchTask& task, const std::vector<MissingFile>& only = {}) const;
-  bool is_done_already(const BatchTask& task);
-  void answer(char kind, const ManifestEntry& entry);
+  [[nodiscard]] std::optional<ManifestEntry> done_already(const BatchTask& task) const;
   [[nodiscard]] ManifestEntry entry_of_ended(const BatchTask& task, const TaskEnd& end) const;
 
   const BatchContext& context_;
   const BatchRequest& request_;
-  const int threads_;   // Threads per clip.
-  std::string answer_;  // Answer about the last clip.
+  const int threads_;  // Threads per clip.
   std::optional<Error> fatal_;
 };
 
@@ -151,7 +149,8 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
       files.push_back(motion.item.path);
       continue;
     }
-    for (const fs::path& file : files_in_folder(motion.item.path)) files.push_back(file.string());
+    for (const fs::path& file : files_in_folder(motion.item.path))
+      files.push_back(file.generic_string());
   }
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
   const auto below_output = [&](const std::string& file) {
@@ -201,7 +200,7 @@ Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
   fs::create_directories(fs::path(output).parent_path(), error);
   if (error) {
     return run_failure(
-        fs::path(output).parent_path().string(),
+        fs::path(output).parent_path().generic_string(),
         "cannot create the folder: " + std::generic_category().message(error.value()));
   }
   auto done = run(task, memory_gb, output, entry);
@@ -213,26 +212,22 @@ Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
   return done;
 }
 
-bool BatchWorker::is_done_already(const BatchTask& task) {
-  if (task.candidate == nullptr) return false;
-  if (!context_.finished.still_holds(*task.candidate, task.input->path)) return false;
+// The entry of a clip whose outputs are still up to date.
+std::optional<ManifestEntry> BatchWorker::done_already(const BatchTask& task) const {
+  if (task.candidate == nullptr) return std::nullopt;
+  if (!context_.finished.still_holds(*task.candidate, task.input->path)) return std::nullopt;
   // Record the new timestamps, so that the next run need not read the files.
   ManifestEntry entry = *task.candidate;
   if (!task.input->signature.empty()) entry.signature = task.input->signature;
   const auto input = record_file(task.input->path, task.input->path);
-  if (!input || input->hash != entry.input.hash) return false;
+  if (!input || input->hash != entry.input.hash) return std::nullopt;
   entry.input = *input;
   for (FileRecord& output : entry.outputs) {
     const auto now = record_file(context_.output_folder + "/" + output.file, output.file);
-    if (!now || now->hash != output.hash) return false;
+    if (!now || now->hash != output.hash) return std::nullopt;
     output = *now;
   }
-  answer(kUnchanged, entry);
-  return true;
-}
-
-void BatchWorker::answer(char kind, const ManifestEntry& entry) {
-  answer_ = kind + manifest_line(entry);
+  return entry;
 }
 
 // The entry of a clip whose process ended without an answer.
@@ -244,14 +239,14 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
     error.message = "the clip took longer than " + number_text(request_.clip_timeout_s, 3) +
                     " s and was terminated";
     error.hint = RETARGET_OPTION("clip-timeout") " allows more time";
-  } else if (end.signal == SIGKILL) {
+  } else if (end.was_killed) {
     error.message = "the clip's process was killed externally; memory may have run out";
     error.hint = "fewer " RETARGET_OPTION("jobs") " leave more memory for each clip";
   } else {
     error.message = "the clip's process crashed" +
                     (end.signal == 0 ? std::string()
                                      : " with signal " + std::to_string(end.signal) + " (" +
-                                           ::strsignal(end.signal) + ")");
+                                           end.signal_name + ")");
     error.hint = "this is a bug in retarget; the other clips are not affected";
   }
   error = spelled(std::move(error));
@@ -279,12 +274,12 @@ void BatchWorker::take(const BatchTask& task, const TaskEnd& end) {
   }
 }
 
-void BatchWorker::work(const BatchTask& task, double memory_gb) {
+std::string BatchWorker::work(const BatchTask& task, double memory_gb) const {
   const auto start = std::chrono::steady_clock::now();
   ManifestEntry entry = entry_of(task);
   Result<void> done;
   try {
-    if (is_done_already(task)) return;
+    if (const auto unchanged = done_already(task)) return kUnchanged + manifest_line(*unchanged);
     done = solve(task, memory_gb, entry);
   } catch (const std::bad_alloc&) {
     done = run_failure(task.input->path, "not enough memory for this clip",
@@ -292,7 +287,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   } catch (const std::exception& error) {
     done = run_failure(task.input->path, error.what());
   }
-  if (!done && done.error().kind == ErrorKind::kInterrupted) return;
+  if (!done && done.error().kind == ErrorKind::kInterrupted) return {};
   entry.done = done.has_value();
   if (!done) {
     entry.exit_code = exit_code_of(done.error().kind);
@@ -300,7 +295,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   }
   entry.finished = finished_now(context_.finished, entry);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  answer(kFinished, entry);
+  return kFinished + manifest_line(entry);
 }
 
 bool BatchWorker::keep_going() {
@@ -386,8 +381,7 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchReq
   BatchWorker worker(context, request, std::max(1, usable_cores() / pool.options.workers));
   pool.options.keep_going = [&] { return worker.keep_going(); };
   const auto work = [&](std::size_t task) {
-    worker.work(tasks[task], pool.memory_gb(task));
-    return worker.take_answer();
+    return worker.work(tasks[task], pool.memory_gb(task));
   };
   auto ran = run_in_processes(
       pool.memory, pool.options, work,

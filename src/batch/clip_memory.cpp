@@ -17,7 +17,7 @@ constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
 }  // namespace
 
 std::uint64_t memory_of_clip(std::string_view file, std::uint64_t bytes) {
-  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  const std::string ending = lower_case(std::filesystem::path(file).extension().generic_string());
   const bool text = ending == ".bvh" || ending == ".csv";
   return kMemoryOfClip + bytes * (text ? kMemoryOfText : kMemoryOfNpz);
 }

@@ -131,17 +131,17 @@ class InputNames {
   explicit InputNames(const std::vector<BatchInput>& inputs) {
     for (const BatchInput& input : inputs) {
       by_name_[input.relative] = &input;
-      by_name_.emplace(fs::path(input.path).lexically_normal().string(), &input);
+      by_name_.emplace(fs::path(input.path).lexically_normal().generic_string(), &input);
     }
     for (const BatchInput& input : inputs) {
-      const std::string name = fs::path(input.relative).filename().string();
+      const std::string name = fs::path(input.relative).filename().generic_string();
       const auto [at, is_new] = by_last_part_.emplace(name, &input);
       if (!is_new) at->second = nullptr;
     }
   }
 
   [[nodiscard]] const BatchInput* find(const std::string& file) const {
-    for (const std::string& name : {file, fs::path(file).lexically_normal().string()}) {
+    for (const std::string& name : {file, fs::path(file).lexically_normal().generic_string()}) {
       const auto found = by_name_.find(name);
       if (found != by_name_.end()) return found->second;
     }
@@ -162,7 +162,9 @@ class InputNames {
 // Places the part next to its file and keeps the extension, which determines the kind of file.
 std::string part_name(const BatchInput& input, const std::string& name) {
   const fs::path file(input.relative);
-  return (file.parent_path() / (name + file.extension().string())).lexically_normal().string();
+  return (file.parent_path() / (name + file.extension().generic_string()))
+      .lexically_normal()
+      .generic_string();
 }
 
 }  // namespace
@@ -194,7 +196,7 @@ Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
 std::vector<std::string> files_of_rows(const std::vector<ClipRow>& rows, const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   std::set<std::string> files;
-  for (const ClipRow& row : rows) files.insert((folder / row.file).string());
+  for (const ClipRow& row : rows) files.insert((folder / row.file).generic_string());
   return {files.begin(), files.end()};
 }
 
@@ -215,7 +217,7 @@ Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,
                          "give its path below the folder of clips: a/walk.bvh");
     }
     const int number = ++parts[input->relative];
-    const std::string own = fs::path(input->relative).stem().string();
+    const std::string own = fs::path(input->relative).stem().generic_string();
     BatchInput part = *input;
     part.variant = {input->relative, row.part, {}};
     part.relative = part_name(

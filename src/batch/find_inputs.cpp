@@ -1,8 +1,5 @@
 #include "batch/find_inputs.h"
 
-#include <fnmatch.h>
-#include <glob.h>
-#include <sys/stat.h>
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
@@ -13,10 +10,12 @@
 #include <tuple>
 #include <utility>
 
+#include "batch/name_patterns.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
 #include "retarget/option_name.h"
+#include "retarget/os.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -24,7 +23,6 @@ namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
-using FolderId = std::pair<dev_t, ino_t>;
 
 constexpr std::string_view kPatternLetters = "*?[";
 // Enough for millions of names; stops reading from an endless pipe.
@@ -35,17 +33,16 @@ constexpr const char* kMaybeOfRobots =
 
 // Name of a folder, also with a trailing slash.
 std::string name_of_folder(const fs::path& folder) {
-  const std::string name = (folder / "").lexically_normal().parent_path().filename().string();
+  const std::string name =
+      (folder / "").lexically_normal().parent_path().filename().generic_string();
   return name.empty() ? "." : name;
 }
 
 class InputFinder {
  public:
   explicit InputFinder(const InputSearch& search) : search_(search) {
-    struct stat info {};
-    if (!search.output_folder.empty() && ::stat(search.output_folder.c_str(), &info) == 0) {
-      output_folder_ = FolderId(info.st_dev, info.st_ino);
-    }
+    if (search.output_folder.empty()) return;
+    if (const auto status = os::status_of(search.output_folder)) output_folder_ = status->id;
   }
 
   Result<FoundInputs> run();
@@ -64,17 +61,16 @@ class InputFinder {
   [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
 
   const InputSearch& search_;
-  std::optional<FolderId> output_folder_;
-  std::vector<FolderId> above_;  // The folder being read and its ancestors.
+  std::optional<os::FileId> output_folder_;
+  std::vector<os::FileId> above_;  // The folder being read and its ancestors.
   FoundInputs found_;
   int hidden_ = 0, excluded_ = 0;
 };
 
 bool InputFinder::is_excluded(const std::string& relative) const {
-  const std::string name = fs::path(relative).filename().string();
+  const std::string name = fs::path(relative).filename().generic_string();
   return std::ranges::any_of(search_.exclude, [&](const std::string& pattern) {
-    return ::fnmatch(pattern.c_str(), relative.c_str(), 0) == 0 ||
-           ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+    return matches_pattern(pattern, relative) || matches_pattern(pattern, name);
   });
 }
 
@@ -100,41 +96,40 @@ bool InputFinder::is_motion(const std::string& name) const {
 }
 
 void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {
-  const std::string name = entry.path().filename().string();
+  const std::string name = entry.path().filename().generic_string();
   const std::string below_root = relative.empty() ? name : relative + "/" + name;
-  struct stat info {};
-  const bool there = ::stat(entry.path().c_str(), &info) == 0;
-  if (there && S_ISDIR(info.st_mode)) {
+  const auto status = os::status_of(entry.path().generic_string());
+  if (status && status->kind == os::EntryKind::kFolder) {
     add_folder(entry.path(), below_root);
     return;
   }
   if (!is_motion(name)) return;
   if (name.starts_with("._")) {
     ++hidden_;
-  } else if (!there || S_ISREG(info.st_mode)) {
+  } else if (!status || status->kind == os::EntryKind::kRegular) {
     // Includes dangling links, which fail when read, so that the missing clip is noticed.
-    add_input(entry.path().string(), below_root, facts_of(entry.path().string()));
+    add_input(entry.path().generic_string(), below_root, facts_of(entry.path().generic_string()));
   } else {
-    found_.notes.push_back("skipped " + entry.path().string() + ": not a file");
+    found_.notes.push_back("skipped " + entry.path().generic_string() + ": not a file");
   }
 }
 
 void InputFinder::add_folder(const fs::path& folder, const std::string& relative) {
-  struct stat info {};
-  if (::stat(folder.c_str(), &info) != 0) return;
-  const FolderId id(info.st_dev, info.st_ino);
+  const auto status = os::status_of(folder.generic_string());
+  if (!status) return;
+  const os::FileId id = status->id;
   if (output_folder_ == id) {
-    found_.notes.push_back("skipped " + folder.string() + ": it is the output folder");
+    found_.notes.push_back("skipped " + folder.generic_string() + ": it is the output folder");
     return;
   }
   if (std::ranges::find(above_, id) != above_.end()) {
-    found_.notes.push_back("skipped " + folder.string() +
+    found_.notes.push_back("skipped " + folder.generic_string() +
                            ": a link back to one of its parent folders");
     return;
   }
-  if (search_.of_robots && is_sonic_folder(folder.string())) {
-    add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative,
-              facts_of(folder.string()));
+  if (search_.of_robots && is_sonic_folder(folder.generic_string())) {
+    add_input(folder.generic_string(), relative.empty() ? name_of_folder(folder) : relative,
+              facts_of(folder.generic_string()));
     return;
   }
   std::error_code error;
@@ -146,15 +141,16 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   }
   above_.pop_back();
   if (!error) return;
-  found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
+  found_.notes.push_back("cannot read the folder " + folder.generic_string() + ": " +
                          std::generic_category().message(error.value()));
   // Add it as an input that fails, so that its clips are not missed silently.
-  add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative, std::nullopt);
+  add_input(folder.generic_string(), relative.empty() ? name_of_folder(folder) : relative,
+            std::nullopt);
 }
 
 // The relative path of a single file.
 Result<std::string> InputFinder::below(const std::string& path, const std::string& base) const {
-  if (base.empty()) return fs::path(path).filename().string();
+  if (base.empty()) return fs::path(path).filename().generic_string();
   std::error_code ignored;
   const fs::path relative = fs::path(fs::absolute(path, ignored).lexically_normal())
                                 .lexically_relative(fs::absolute(base, ignored).lexically_normal());
@@ -162,18 +158,17 @@ Result<std::string> InputFinder::below(const std::string& path, const std::strin
     return usage_failure("\"" + path + "\" is not inside the folder \"" + base + "\"",
                          "give another " RETARGET_OPTION("relative-to") ", or omit it");
   }
-  return relative.string();
+  return relative.generic_string();
 }
 
 Result<void> InputFinder::add_existing(const std::string& path, const std::string& base,
                                        bool must_exist) {
-  struct stat info {};
-  const bool there = ::stat(path.c_str(), &info) == 0;
-  if (!there && must_exist) {
+  const auto status = os::status_of(path);
+  if (!status && must_exist) {
     return input_failure(path, "no such file or folder: " + std::generic_category().message(errno));
   }
-  if (there && S_ISDIR(info.st_mode)) {
-    if (must_exist && output_folder_ == FolderId(info.st_dev, info.st_ino)) {
+  if (status && status->kind == os::EntryKind::kFolder) {
+    if (must_exist && output_folder_ == status->id) {
       return usage_failure("the folder of clips \"" + path + "\" is the output folder",
                            "give another folder with -o; it may be inside this one");
     }
@@ -186,7 +181,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     add_folder(path, relative);
     return {};
   }
-  if (there && !S_ISREG(info.st_mode)) {
+  if (status && status->kind != os::EntryKind::kRegular) {
     return input_failure(path, "a batch reads regular files; this is a pipe or a device",
                          "retarget " RETARGET_OPTION("bvh") " reads one");
   }
@@ -201,14 +196,9 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
   const std::size_t slash = pattern.rfind('/', first);
   std::string base = slash == std::string::npos ? "." : pattern.substr(0, slash + 1);
   if (!search_.base.empty()) base = search_.base;
-  glob_t matches{};
-  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
-  Result<void> added;
-  for (std::size_t i = 0; status == 0 && added && i < matches.gl_pathc; ++i) {
-    added = add_existing(matches.gl_pathv[i], base, false);
-  }
-  ::globfree(&matches);
-  if (status == 0) return added;
+  const std::vector<std::string> matches = files_of_pattern(pattern);
+  for (const std::string& match : matches) RETARGET_TRY(add_existing(match, base, false));
+  if (!matches.empty()) return {};
   return input_failure(pattern, "no file matches this pattern",
                        "give the name of a folder to search it recursively");
 }
@@ -223,15 +213,15 @@ Result<void> InputFinder::add_list(const std::string& file) {
     text.remove_prefix(std::min(length + 1, text.size()));
     if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty() || (end == '\n' && line.starts_with('#'))) continue;
-    RETARGET_TRY(add_existing(std::string(line), search_.base, false));
+    RETARGET_TRY(add_existing(os::with_slashes(std::string(line)), search_.base, false));
   }
   return {};
 }
 
 Result<void> InputFinder::add_name(const std::string& name) {
-  struct stat info {};
+  std::error_code ignored;
   // The name of an existing file takes precedence over `@` and patterns.
-  const bool there = ::lstat(name.c_str(), &info) == 0;
+  const bool there = fs::exists(fs::symlink_status(name, ignored));
   if (!there && name.starts_with('@')) return add_list(name.substr(1));
   if (!there && name.find_first_of(kPatternLetters) != std::string::npos) return add_pattern(name);
   return add_existing(name, search_.base, true);
@@ -239,7 +229,7 @@ Result<void> InputFinder::add_name(const std::string& name) {
 
 Result<FoundInputs> InputFinder::run() {
   for (const std::string& name : search_.names) {
-    RETARGET_TRY(add_name(name));
+    RETARGET_TRY(add_name(os::with_slashes(name)));
   }
   for (const std::string& list : search_.lists) {
     RETARGET_TRY(add_list(list));
@@ -298,8 +288,9 @@ PartOptions part_options(const std::string& part) {
 
 std::string suffixed_name(const std::string& relative, const std::string& suffix) {
   const fs::path path(relative);
-  const std::string name = path.stem().string() + suffix + path.extension().string();
-  return path.has_parent_path() ? (path.parent_path() / name).string() : name;
+  const std::string name =
+      path.stem().generic_string() + suffix + path.extension().generic_string();
+  return path.has_parent_path() ? (path.parent_path() / name).generic_string() : name;
 }
 
 std::string mirrored_name(const std::string& relative) {

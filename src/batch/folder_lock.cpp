@@ -1,9 +1,5 @@
 #include "batch/folder_lock.h"
-
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include "retarget/os.h"
 
 #include <array>
 #include <cerrno>
@@ -13,25 +9,23 @@
 namespace retarget {
 namespace {
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
+std::string this_machine() {
+  const std::string name = os::host_name();
+  return name.empty() ? "this machine" : name;
 }
 
 // Text of the last holder in the lock file; may be empty.
 std::string holder_of(int descriptor) {
   std::array<char, 512> text{};
-  const ssize_t count = ::pread(descriptor, text.data(), text.size() - 1, 0);
+  const std::int64_t count = os::read_bytes_at(descriptor, text.data(), text.size() - 1, 0);
   std::string holder(text.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
   return holder.substr(0, holder.find('\n'));
 }
 
 // Whether a path still refers to the open file, which the last holder may have removed.
 bool is_in_place(int descriptor, const std::string& path) {
-  struct stat open {
-  }, named{};
-  return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
-         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+  const auto open = os::status_of(descriptor), named = os::status_of(path);
+  return open && named && open->id == named->id;
 }
 
 Failure lock_failure(const std::string& path, int error_number) {
@@ -45,10 +39,10 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
   FolderLock lock;
   lock.path_ = folder + "/" + name;
   for (;;) {
-    lock.descriptor_ = ::open(lock.path_.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+    lock.descriptor_ = os::open_file(lock.path_, os::OpenFor::kLocking);
     if (lock.descriptor_ < 0) return lock_failure(lock.path_, errno);
-    const int how = (kind == Kind::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB;
-    if (::flock(lock.descriptor_, how) != 0) {
+    const auto how = kind == Kind::kAlone ? os::LockKind::kAlone : os::LockKind::kShared;
+    if (os::lock_file(lock.descriptor_, how) != 0) {
       const int error_number = errno;
       if (error_number == EINTR) continue;
       if (error_number == ENOLCK || error_number == ENOSYS || error_number == EOPNOTSUPP) {
@@ -62,12 +56,13 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
                          "wait for it, stop it, or give another folder with -o");
     }
     if (is_in_place(lock.descriptor_, lock.path_)) break;
-    ::close(std::exchange(lock.descriptor_, -1));
+    os::close_file(std::exchange(lock.descriptor_, -1));
   }
   lock.held_ = true;
-  const std::string text = "process " + std::to_string(::getpid()) + " on " + host_name() + "\n";
-  if (::ftruncate(lock.descriptor_, 0) != 0 ||
-      ::pwrite(lock.descriptor_, text.data(), text.size(), 0) < 0) {
+  const std::string text =
+      "process " + std::to_string(os::process_id()) + " on " + this_machine() + "\n";
+  if (os::resize_file(lock.descriptor_, 0) != 0 ||
+      os::write_bytes_at(lock.descriptor_, text.data(), text.size(), 0) < 0) {
     // On a full disk the lock still works; only the message lacks the holder.
   }
   return lock;
@@ -76,8 +71,8 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
 void FolderLock::release() {
   if (descriptor_ < 0) return;
   // The last holder removes the file. Processes that have it open notice this with is_in_place().
-  if (held_ && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) ::unlink(path_.c_str());
-  ::close(std::exchange(descriptor_, -1));
+  if (held_ && os::lock_file(descriptor_, os::LockKind::kAlone) == 0) os::remove_file(path_);
+  os::close_file(std::exchange(descriptor_, -1));
   held_ = false;
 }
 

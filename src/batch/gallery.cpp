@@ -59,13 +59,13 @@ class GalleryMaker {
     }
     fs::path folder = fs::path(batch_.folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
-    RETARGET_TRY(write_file((folder_ / "index.html").string(),
-                            gallery_page(folder.filename().string(), clips_)));
+    RETARGET_TRY(write_file((folder_ / "index.html").generic_string(),
+                            gallery_page(folder.filename().generic_string(), clips_)));
     // Remove old pages last, when nothing links to them any more.
     std::set<std::string> kept;
     for (const GalleryClip& clip : clips_) {
       for (const std::string& file : {clip.page, clip.picture}) {
-        kept.insert(fs::path(file).filename().string());
+        kept.insert(fs::path(file).filename().generic_string());
       }
     }
     remove_stale_pages(folder_ / kGalleryPages, kept);
@@ -102,7 +102,7 @@ class GalleryMaker {
                 (batch_.unreadable == 1 ? "is" : "are") + " skipped"}},
           batch_.folder);
     }
-    observer_.line("wrote", (folder_ / "index.html").string() + ": " +
+    observer_.line("wrote", (folder_ / "index.html").generic_string() + ": " +
                                 count_text(clips_.size(), "clip") + ", " +
                                 count_text(tasks_.size(), "page"));
   }
@@ -162,14 +162,14 @@ class GalleryMaker {
 
   // Returns the file name of a page, relative to its neighbours.
   [[nodiscard]] std::string page_name(const GalleryTask& task) const {
-    return fs::path(clips_[task.clip].page).filename().string();
+    return fs::path(clips_[task.clip].page).filename().generic_string();
   }
 
   Result<void> make_folders() {
     std::error_code error;
     fs::create_directories(folder_ / kGalleryPages, error);
     if (error)
-      return run_failure((folder_ / kGalleryPages).string(),
+      return run_failure((folder_ / kGalleryPages).generic_string(),
                          "cannot create the folder: " + error.message());
     return {};
   }
@@ -215,15 +215,15 @@ class GalleryMaker {
     picture.width = kThumbnailWidth;
     picture.max_row_height = kThumbnailHeight;
     picture.times = false;
-    RETARGET_TRY(write_file((folder_ / clip.picture).string(),
+    RETARGET_TRY(write_file((folder_ / clip.picture).generic_string(),
                             draw_strip_picture(motion.clip, nullptr, picture)));
-    RETARGET_TRY(write_file((folder_ / clip.page).string(), page));
+    RETARGET_TRY(write_file((folder_ / clip.page).generic_string(), page));
     return lacks;
   }
 
   Result<void> write_note(const GalleryTask& task, const std::string& message) const {
     const GalleryClip& clip = clips_[task.clip];
-    return write_file((folder_ / clip.page).string(),
+    return write_file((folder_ / clip.page).generic_string(),
                       gallery_note_page(clip.name, message, task.links));
   }
 
@@ -293,7 +293,7 @@ class GalleryMaker {
     RETARGET_TRY(std::move(ran));
     RETARGET_TRY(std::move(taken));
     if (answered_ == 0 && !observer_.is_stopped()) {
-      return run_failure(folder_.string(),
+      return run_failure(folder_.generic_string(),
                          "no page could be created: all worker processes ended early",
                          "memory may have run out");
     }
@@ -321,7 +321,7 @@ Result<std::string> given_robot(const GalleryRequest& request, const BatchFolder
   RETARGET_TRY_ASSIGN(const LoadedRobot loaded,
                       load_robot(choice, request.data_folder, observer, Soles::kAsTheyAre));
   // Batches name robots this way.
-  std::string name = fs::path(loaded.robot->name()).filename().string();
+  std::string name = fs::path(loaded.robot->name()).filename().generic_string();
   std::set<std::string> robots;
   for (const ManifestEntry& entry : batch.entries) robots.insert(entry.robot);
   if (robots.contains(name)) return name;

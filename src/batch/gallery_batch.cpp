@@ -29,7 +29,7 @@ std::vector<std::string> places_of(const BatchFolder& batch, const std::string& 
   const fs::path beside = fs::path(batch.folder) / file;
   if (file.empty()) return {};
   if (fs::path(file).is_absolute()) return {file};
-  return {file, beside.string()};
+  return {file, beside.generic_string()};
 }
 
 constexpr std::size_t kLongestName = 60, kHashDigits = 8;
@@ -47,8 +47,9 @@ bool is_gallery_name(std::string_view name) {
 }
 
 Failure among_the_batch(const std::string& output) {
-  return usage_failure("the gallery would be written among the batch's own files",
-                       "give another folder, such as " + (fs::path(output) / "gallery").string());
+  return usage_failure(
+      "the gallery would be written among the batch's own files",
+      "give another folder, such as " + (fs::path(output) / "gallery").generic_string());
 }
 
 }  // namespace
@@ -58,9 +59,9 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
   batch.folder = folder;
   int manifests = 0;
   for (const fs::path& file : files_in_folder(folder)) {
-    const std::string name = file.filename().string();
+    const std::string name = file.filename().generic_string();
     if (!name.starts_with("manifest.") || !name.ends_with(".jsonl") || !is_file(file)) continue;
-    RETARGET_TRY_ASSIGN(ManifestContent content, read_manifest(file.string()));
+    RETARGET_TRY_ASSIGN(ManifestContent content, read_manifest(file.generic_string()));
     ++manifests;
     batch.unreadable += content.unreadable + content.outside;
     std::ranges::move(content.entries, std::back_inserter(batch.entries));
@@ -71,10 +72,10 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
   }
   batch.entries = latest_entries(std::move(batch.entries));
   for (const fs::path& file : files_in_folder(folder)) {
-    const std::string name = file.filename().string();
+    const std::string name = file.filename().generic_string();
     if (!name.starts_with("options.") || !name.ends_with(".json")) continue;
     // Unreadable options are treated as absent.
-    const auto json = load_json(file.string());
+    const auto json = load_json(file.generic_string());
     if (!json || !json->is_array()) continue;
     for (const auto& each : *json) {
       if (each.is_object()) batch.options[member_text(each, "options_hash")] = each;
@@ -89,7 +90,7 @@ std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry) {
   for (const std::string_view ending : kEndings) {
     for (const FileRecord& output : entry.outputs) {
       if (output.file.ends_with(ending) && lies_in(batch.folder, output.file)) {
-        return (fs::path(batch.folder) / output.file).string();
+        return (fs::path(batch.folder) / output.file).generic_string();
       }
     }
   }
@@ -115,7 +116,7 @@ RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry) {
   const std::string path = motion_of(batch, entry);
   motion.is_there = !path.empty() && is_file(path);
   for (const FileRecord& output : entry.outputs) {
-    if ((fs::path(batch.folder) / output.file).string() != path) continue;
+    if ((fs::path(batch.folder) / output.file).generic_string() != path) continue;
     if (has_recorded_content(output, path)) motion.path = path;
   }
   return motion;
@@ -134,7 +135,7 @@ ShownEntry show_entry(const BatchFolder& batch, const ManifestEntry& entry,
   MeasureRequest& request = shown.request;
   const std::string motion = motion_of(batch, entry);
   request.motions = {motion};
-  shown.label = fs::path(motion).filename().string();
+  shown.label = fs::path(motion).filename().generic_string();
   request.data_folder = given.data_folder;
   request.gates = given.gates;
   Run& run = request.run;
@@ -187,7 +188,7 @@ Result<void> check_gallery_folder(const std::string& output, const BatchFolder& 
   if (!fs::exists(output, ignored)) return {};
   if (fs::equivalent(output, batch.folder, ignored)) return among_the_batch(output);
   for (const fs::path& file : files_in_folder(output)) {
-    const std::string name = file.filename().string();
+    const std::string name = file.filename().generic_string();
     if (name.starts_with("manifest") && name.ends_with(".jsonl")) return among_the_batch(output);
   }
   std::set<fs::path> folders;
@@ -210,10 +211,10 @@ Result<void> check_gallery_folder(const std::string& output, const BatchFolder& 
 
 void remove_stale_pages(const fs::path& pages, const std::set<std::string>& kept) {
   for (const fs::path& file : files_in_folder(pages)) {
-    const std::string ending = file.extension().string();
+    const std::string ending = file.extension().generic_string();
     if (ending != ".html" && ending != ".png") continue;
-    if (kept.contains(file.filename().string()) || !is_file(file)) continue;
-    if (!is_gallery_name(file.stem().string())) continue;
+    if (kept.contains(file.filename().generic_string()) || !is_file(file)) continue;
+    if (!is_gallery_name(file.stem().generic_string())) continue;
     // Failure is harmless: no page links to the file.
     std::error_code ignored;
     fs::remove(file, ignored);

@@ -1,9 +1,5 @@
 #include "batch/manifest.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <mutex>
@@ -12,6 +8,7 @@
 
 #include "retarget/file.h"
 #include "retarget/option_name.h"
+#include "retarget/os.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -20,7 +17,7 @@ namespace {
 Failure manifest_failure(const std::string& path, int error_number) {
   return run_failure(path,
                      "cannot write the manifest: " + std::generic_category().message(error_number),
-                     error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
+                     os::is_out_of_space(error_number)
                          ? "free some space and continue with " RETARGET_OPTION("resume")
                          : "");
 }
@@ -53,8 +50,7 @@ void take_line(std::string_view line, ManifestContent& content) {
 
 Result<ManifestContent> read_manifest(const std::string& path) {
   ManifestContent content;
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0 && errno == ENOENT) return content;
+  if (!os::status_of(path) && errno == ENOENT) return content;
   RETARGET_TRY_ASSIGN(const auto file, read_file(path, ErrorKind::kRun));
   std::string_view text = file.view();
   while (!text.empty()) {
@@ -92,7 +88,7 @@ struct ManifestWriter::State {
 ManifestWriter::ManifestWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 ManifestWriter::~ManifestWriter() {
-  ::close(state_->descriptor);
+  if (state_->descriptor >= 0) os::close_file(state_->descriptor);
 }
 
 Result<std::unique_ptr<ManifestWriter>> ManifestWriter::begin(
@@ -102,7 +98,7 @@ Result<std::unique_ptr<ManifestWriter>> ManifestWriter::begin(
   RETARGET_TRY(write_file(path, text));
   auto state = std::make_unique<State>();
   state->path = path;
-  state->descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  state->descriptor = os::open_file(path, os::OpenFor::kAppending);
   if (state->descriptor < 0) return manifest_failure(path, errno);
   return std::unique_ptr<ManifestWriter>(new ManifestWriter(std::move(state)));
 }
@@ -111,14 +107,14 @@ Result<void> ManifestWriter::append(const ManifestEntry& entry) {
   const std::string line = manifest_line(entry);
   {
     const std::lock_guard lock(state_->mutex);
-    const off_t end = ::lseek(state_->descriptor, 0, SEEK_END);
+    const std::int64_t end = os::seek_end(state_->descriptor);
     std::string_view rest = line;
     while (!rest.empty()) {
-      const ssize_t count = ::write(state_->descriptor, rest.data(), rest.size());
+      const std::int64_t count = os::write_bytes(state_->descriptor, rest.data(), rest.size());
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) {
         const int error_number = errno;
-        if (end >= 0 && ::ftruncate(state_->descriptor, end) != 0) {
+        if (end >= 0 && os::resize_file(state_->descriptor, end) != 0) {
           // A truncated line remains; readers skip it.
         }
         return manifest_failure(state_->path, error_number);
@@ -127,7 +123,8 @@ Result<void> ManifestWriter::append(const ManifestEntry& entry) {
     }
   }
   // Outside the lock, so that one flush can cover lines of several threads.
-  if (::fdatasync(state_->descriptor) != 0) return manifest_failure(state_->path, errno);
+  if (os::flush_to_disk(state_->descriptor, true) != 0)
+    return manifest_failure(state_->path, errno);
   return {};
 }
 

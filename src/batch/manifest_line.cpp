@@ -1,8 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,27 +24,49 @@ constexpr std::int64_t kMsPerSecond = 1000;
 
 // Formats milliseconds since 1970 as 2026-01-31T12:00:00.000Z.
 std::string utc_text(std::int64_t ms) {
-  const auto seconds = static_cast<std::time_t>(ms / kMsPerSecond);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 32> text{};
-  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  return std::string(text.data(), length) + "." +
-         std::to_string(kMsPerSecond + ms % kMsPerSecond).substr(1) + "Z";
+  const std::chrono::sys_time<std::chrono::milliseconds> moment{std::chrono::milliseconds(ms)};
+  const auto day = std::chrono::floor<std::chrono::days>(moment);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss time(moment - day);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     time.hours().count(), time.minutes().count(), time.seconds().count(),
+                     time.subseconds().count());
 }
 
 // Parses the format of utc_text, with or without milliseconds. Returns nothing for other text.
 std::optional<std::int64_t> ms_of(const std::string& text) {
-  std::tm parts{};
-  const char* end = ::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
-  if (end == nullptr || !text.ends_with('Z')) return std::nullopt;
-  const std::string_view rest(end);
+  constexpr std::string_view kForm = "0000-00-00T00:00:00";
+  if (text.size() <= kForm.size() || !text.ends_with('Z')) return std::nullopt;
+  std::array<int, 6> parts{};  // Year, month, day, hour, minute, second.
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < kForm.size(); ++i) {
+    if (kForm[i] != '0') {
+      if (text[i] != kForm[i]) return std::nullopt;
+      ++part;
+    } else if (text[i] < '0' || text[i] > '9') {
+      return std::nullopt;
+    } else {
+      parts[part] = 10 * parts[part] + (text[i] - '0');
+    }
+  }
+  const std::chrono::year_month_day date{std::chrono::year(parts[0]),
+                                         std::chrono::month(static_cast<unsigned>(parts[1])),
+                                         std::chrono::day(static_cast<unsigned>(parts[2]))};
+  constexpr int kHours = 24, kMinutes = 60, kSeconds = 61;  // The last one is a leap second.
+  if (!date.ok() || parts[3] >= kHours || parts[4] >= kMinutes || parts[5] >= kSeconds) {
+    return std::nullopt;
+  }
+  const auto moment = std::chrono::sys_days(date) + std::chrono::hours(parts[3]) +
+                      std::chrono::minutes(parts[4]) + std::chrono::seconds(parts[5]);
+  const std::string_view rest = std::string_view(text).substr(kForm.size());
   const bool whole = rest == "Z";
   if (!whole && !rest.starts_with('.')) return std::nullopt;
   const auto ms =
       whole ? std::optional(0U) : parse_number<unsigned>(rest.substr(1, rest.size() - 2));
   if (!ms || *ms >= kMsPerSecond) return std::nullopt;
-  return static_cast<std::int64_t>(::timegm(&parts)) * kMsPerSecond + *ms;
+  return std::chrono::duration_cast<std::chrono::milliseconds>(moment.time_since_epoch()).count() +
+         *ms;
 }
 
 }  // namespace

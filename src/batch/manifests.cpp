@@ -51,8 +51,8 @@ bool is_manifest_name(const std::string& name) {
 std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
   std::vector<std::string> found;
   for (const fs::path& file : files_in_folder(folder)) {
-    const bool is_manifest = is_manifest_name(file.filename().string());
-    if (is_manifest && file != own) found.push_back(file.string());
+    const bool is_manifest = is_manifest_name(file.filename().generic_string());
+    if (is_manifest && file != own) found.push_back(file.generic_string());
   }
   return found;
 }

@@ -83,7 +83,7 @@ class OutputTree {
     }
     for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
          folder = folder.parent_path()) {
-      if (!folders_.emplace(folder.string(), &input).second) break;
+      if (!folders_.emplace(folder.generic_string(), &input).second) break;
     }
     return {};
   }
@@ -155,11 +155,11 @@ void remove_unfinished(const std::string& output_folder, const std::set<fs::path
   for (const fs::path& place : folders) {
     std::error_code error;
     if (place != output_folder &&
-        !lies_in(output_folder, place.lexically_relative(output_folder).string())) {
+        !lies_in(output_folder, place.lexically_relative(output_folder).generic_string())) {
       continue;
     }
     for (const fs::path& file : files_in_folder(place)) {
-      if (!is_temporary_name(file.filename().string())) continue;
+      if (!is_temporary_name(file.filename().generic_string())) continue;
       const fs::file_status there = fs::symlink_status(file, error);
       if (fs::is_regular_file(there)) fs::remove(file, error);
       // Temporary folder of a motion that is a folder.

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -32,6 +34,8 @@ struct TaskEnd {
   std::string answer;      ///< Result of the task.
   bool timed_out = false;  ///< The task exceeded its time limit.
   int signal = 0;          ///< Signal that ended the process; 0: it exited by itself.
+  std::string signal_name;
+  bool was_killed = false;  ///< By SIGKILL, which the system sends when memory runs out.
 };
 
 /// Runs tasks 0, 1, ... in several processes, one task per process at a time. Tasks start in order
@@ -44,10 +48,15 @@ struct TaskEnd {
 /// @param memory  estimated bytes per task.
 /// @param work    runs a task, in a process of the pool; must not throw.
 /// @param ended   called in this process, sequentially, for every task that began.
+/// Windows cannot fork: there the tasks run on threads of this process. A crash ends all of them,
+/// memory has no limit, and a task learns from task_deadline() when it must end.
 /// Errors (kRun): no process could be created.
 [[nodiscard]] Result<void> run_in_processes(
     std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
     const std::function<std::string(std::size_t task)>& work,
     const std::function<void(std::size_t task, const TaskEnd& end)>& ended);
+
+/// When the task of the calling thread must end. Nothing if it need not, or is ended from outside.
+[[nodiscard]] std::optional<std::chrono::steady_clock::time_point> task_deadline();
 
 }  // namespace retarget

@@ -1,6 +1,5 @@
 #include "batch/resume.h"
 
-#include <sys/stat.h>
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
@@ -11,14 +10,14 @@
 #include "retarget/file_endings.h"
 #include "retarget/fingerprint.h"
 #include "retarget/hash.h"
+#include "retarget/os.h"
 #include "retarget/try.h"
 
 namespace retarget {
 namespace {
 
-FileFacts facts_in(const struct stat& info) {
-  return {static_cast<std::uint64_t>(info.st_size),
-          std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + std::int64_t{info.st_mtim.tv_nsec}};
+FileFacts facts_in(const os::FileStatus& status) {
+  return {status.bytes, status.modified_ns};
 }
 
 Result<std::string> hash_motion(const std::string& path) {
@@ -29,14 +28,15 @@ Result<std::string> hash_motion(const std::string& path) {
 }  // namespace
 
 std::optional<FileFacts> facts_of(const std::string& path) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0) return std::nullopt;
-  if (S_ISREG(info.st_mode)) return facts_in(info);
-  if (!S_ISDIR(info.st_mode) || !is_sonic_folder(path)) return std::nullopt;
+  const auto status = os::status_of(path);
+  if (!status) return std::nullopt;
+  if (status->kind == os::EntryKind::kRegular) return facts_in(*status);
+  if (status->kind != os::EntryKind::kFolder || !is_sonic_folder(path)) return std::nullopt;
   FileFacts all;
   for (const auto& file : files_in_folder(path)) {
-    if (::stat(file.c_str(), &info) != 0) continue;
-    const FileFacts one = facts_in(info);
+    const auto inside = os::status_of(file.generic_string());
+    if (!inside) continue;
+    const FileFacts one = facts_in(*inside);
     all.bytes += one.bytes;
     all.modified_ns = std::max(all.modified_ns, one.modified_ns);
   }
@@ -44,12 +44,13 @@ std::optional<FileFacts> facts_of(const std::string& path) {
 }
 
 Result<FileRecord> record_file(const std::string& path, std::string name) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0) {
+  const auto status = os::status_of(path);
+  if (!status) {
     return input_failure(path, "cannot read the file: " + std::generic_category().message(errno));
   }
   const auto facts = facts_of(path);
-  if (!facts && S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
+  if (!facts && status->kind == os::EntryKind::kFolder)
+    return input_failure(path, "this folder cannot be read");
   if (!facts) return input_failure(path, "cannot read the file: not a file");
   RETARGET_TRY_ASSIGN(auto hash, hash_motion(path));
   return FileRecord{std::move(name), facts->bytes, facts->modified_ns, std::move(hash)};

@@ -33,6 +33,7 @@
 #include "retarget/load.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"
+#include "retarget/os.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -115,19 +116,19 @@ Result<BatchRequest> without_former_options(BatchRequest request, Observer& obse
   return request;
 }
 
-std::string without_last_slash(std::string folder) {
-  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
-  return folder;
+// As it is joined with names in the manifest.
+std::string folder_text(const std::string& folder) {
+  return os::without_last_separators(os::with_slashes(folder));
 }
 
 // Returns `.` for a bare file name.
 std::string folder_of(const std::string& file) {
   const fs::path folder = fs::path(file).parent_path();
-  return folder.empty() ? "." : folder.string();
+  return folder.empty() ? "." : folder.generic_string();
 }
 
 Result<std::string> make_output_folder(const std::string& given) {
-  std::string folder = without_last_slash(given);
+  std::string folder = folder_text(given);
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     return usage_failure("the output \"" + folder + "\" is not a folder");
@@ -158,7 +159,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
                         load_robot(robot.run.robot, {request.data_folder}, observer));
     if (!name.empty()) robot.run.robot.name = loaded.name;
     RETARGET_TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
-    robot.name = fs::path(robot.setup.loaded.robot->name()).filename().string();
+    robot.name = fs::path(robot.setup.loaded.robot->name()).filename().generic_string();
     if (names.size() > 1) robot.folder = robot.name + "/";
     RETARGET_TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.request, robot.setup));
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
@@ -232,8 +233,7 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
                          Observer& observer) {
   RETARGET_TRY_ASSIGN(std::vector<BatchInput> inputs, find_clips(request, observer));
   RETARGET_TRY(check_outputs_of(inputs, request));
-  RETARGET_TRY(
-      check_outputs_spared(inputs, request, without_last_slash(request.output), plan.robots));
+  RETARGET_TRY(check_outputs_spared(inputs, request, folder_text(request.output), plan.robots));
   const std::size_t all = inputs.size();
   for (const BatchInput& input : inputs) plan.known.insert(input.relative);
   plan.inputs = take_shard(std::move(inputs), shard);
@@ -449,14 +449,14 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
   const FinishedClips finished(std::move(known), folder);
-  RETARGET_TRY_ASSIGN(const auto manifest,
-                      begin_manifest(manifests, finished, request, plan, observer));
+  RETARGET_TRY_ASSIGN(auto manifest, begin_manifest(manifests, finished, request, plan, observer));
   const bool alone = shard.count == 1 && locks.folder.is_held();
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
   warn_of_earlier_files(folder, plan, finished, observer);
   RETARGET_TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
+  manifest.reset();  // Windows does not replace open files.
   // A clip whose process was killed could not remove its unfinished outputs.
   if (alone) remove_unfinished(folder, folders);
   if (failed) RETARGET_TRY(finish_manifests(folder, shard, plan.known, rules, observer));
@@ -471,7 +471,7 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
 
 Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer) {
   RETARGET_TRY(check_merge(request));
-  const std::string folder = without_last_slash(request.output);
+  const std::string folder = folder_text(request.output);
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return usage_failure("\"" + folder + "\" is not the output folder of a batch");

@@ -63,7 +63,7 @@ std::string subject_folder(const fs::path& folder, const std::string& stem) {
   static const std::regex kPerson("(s|p|subject|subj|sub|actor|person)?[ _-]?[0-9]{1,3}",
                                   std::regex::icase);
   static const std::regex kSex("((?:fe)?male[ _-]?[0-9]+).*", std::regex::icase);
-  const std::string name = folder.filename().string();
+  const std::string name = folder.filename().generic_string();
   std::smatch match;
   if (std::regex_match(name, match, kSex)) {
     return (folder.parent_path() / lower_case(match[1].str())).generic_string();
@@ -243,7 +243,7 @@ Result<Split> parse_split(const std::string& text) {
 
 ClipGroup group_of(const std::string& source) {
   const fs::path path(output_stem(source));
-  const std::string stem = without_mirror_mark(path.filename().string());
+  const std::string stem = without_mirror_mark(path.filename().generic_string());
   if (std::string subject = subject_word(stem); !subject.empty()) return {subject, true};
   if (std::string number = humanml_number(stem); !number.empty()) {
     return {(path.parent_path() / number).generic_string(), false};

@@ -105,10 +105,11 @@ bool is_listed(const std::string& file) {
 
 std::string list_text(const std::string& folder, const std::vector<std::string>& files) {
   std::error_code ignored;
-  std::string text = fmt::format("root_path: {}\nmotions:\n",
-                                 quoted(fs::absolute(folder, ignored).lexically_normal().string()));
+  std::string text =
+      fmt::format("root_path: {}\nmotions:\n",
+                  quoted(fs::absolute(folder, ignored).lexically_normal().generic_string()));
   for (const std::string& file : files) {
-    const std::string name = fs::path(file).filename().string();
+    const std::string name = fs::path(file).filename().generic_string();
     text += fmt::format("  - file: {}\n    weight: 1.0\n    description: {}\n", quoted(file),
                         quoted(name.substr(0, name.find('.'))));
   }

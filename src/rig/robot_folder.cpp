@@ -1,10 +1,6 @@
 #include "rig/robot_folder.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -12,6 +8,7 @@
 #include "retarget/file.h"
 #include "retarget/json.h"
 #include "retarget/option_name.h"
+#include "retarget/os.h"
 #include "retarget/rig.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -30,8 +27,8 @@ int make_new_folder(const fs::path& beside, fs::path& made) {
   constexpr int kMaxNames = 1000;
   for (int number = 0; number < kMaxNames; ++number) {
     made = beside.parent_path() / ("." + beside.filename().string() + ".new-" +
-                                   std::to_string(::getpid()) + "-" + std::to_string(number));
-    if (::mkdir(made.c_str(), 0777) == 0) return 0;
+                                   std::to_string(os::process_id()) + "-" + std::to_string(number));
+    if (os::make_folder(made.string()) == 0) return 0;
     if (errno != EEXIST) break;
   }
   return errno;
@@ -39,35 +36,27 @@ int make_new_folder(const fs::path& beside, fs::path& made) {
 
 // Renames without replacing an existing file; returns errno or 0.
 int rename_to_new(const fs::path& from, const fs::path& to) {
-#ifdef RENAME_NOREPLACE
-  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
-  if (errno != EINVAL && errno != ENOSYS) return errno;
-#endif
-  std::error_code ignored;
-  if (fs::exists(fs::symlink_status(to, ignored))) return EEXIST;
-  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+  return os::move_to_new(from.string(), to.string()) == 0 ? 0 : errno;
 }
 
 // Exchanges two folders, atomically if the file system supports it; returns errno or 0.
-int exchange(const fs::path& made, const fs::path& there) {
-#ifdef RENAME_EXCHANGE
-  if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, there.c_str(), RENAME_EXCHANGE) == 0) return 0;
+int exchange_folders(const fs::path& made, const fs::path& there) {
+  if (os::exchange(made.string(), there.string()) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
-#endif
   // Rename over an empty folder, which rename permits.
   fs::path aside;
   if (const int error = make_new_folder(there, aside); error != 0) return error;
-  if (::rename(there.c_str(), aside.c_str()) != 0) {
+  if (os::move_over(there.string(), aside.string()) != 0) {
     const int error = errno;
-    ::rmdir(aside.c_str());
+    os::remove_folder(aside.string());
     return error;
   }
-  if (::rename(made.c_str(), there.c_str()) != 0) {
+  if (os::move_over(made.string(), there.string()) != 0) {
     const int error = errno;
     // Restore the original folder.
-    return ::rename(aside.c_str(), there.c_str()) == 0 ? error : errno;
+    return os::move_over(aside.string(), there.string()) == 0 ? error : errno;
   }
-  return ::rename(aside.c_str(), made.c_str()) == 0 ? 0 : errno;
+  return os::move_over(aside.string(), made.string()) == 0 ? 0 : errno;
 }
 
 Result<void> fill(const fs::path& folder, const FileTexts& files,
@@ -161,7 +150,7 @@ Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
     fs::remove_all(staging, error);
     return failure(filled.error());
   }
-  const int placed = is_there ? exchange(staging, folder) : rename_to_new(staging, folder);
+  const int placed = is_there ? exchange_folders(staging, folder) : rename_to_new(staging, folder);
   if (placed != 0) return give_up(system_message(placed));
   // After the exchange, the staging folder holds the old content.
   if (is_there) fs::remove_all(staging, error);

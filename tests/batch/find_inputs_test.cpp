@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/stat.h>
 #include <unistd.h>
+#endif
 
 #include <filesystem>
 #include <string>
@@ -46,10 +48,15 @@ class FindInputsTest : public ::testing::Test {
 TEST_F(FindInputsTest, KeepsFolderStructure) {
   for (const char* name :
        {"in/walk.bvh", "in/sub/a b/run.BVH", "in/sub/-dash.bvh", "in/l\xc3\xa4uft.bvh",
-        "in/bad\xff utf.bvh", "in/new\nline.bvh", "in/motion.npz", "in/notes.txt", "in/.bvh",
-        "in/two.dots.bvh", "in/sub/._walk.bvh"}) {
+        "in/motion.npz", "in/notes.txt", "in/.bvh", "in/two.dots.bvh", "in/sub/._walk.bvh"}) {
     make(name);
   }
+#ifdef _WIN32
+  EXPECT_THAT(relatives(find({at("in")})),
+              ElementsAre("l\xc3\xa4uft.bvh", "motion.npz", "sub/-dash.bvh", "sub/a b/run.BVH",
+                          "two.dots.bvh", "walk.bvh"));
+#else
+  for (const char* name : {"in/bad\xff utf.bvh", "in/new\nline.bvh"}) make(name);
   const auto found = find({at("in")});
   EXPECT_THAT(relatives(found),
               ElementsAre("bad\xff utf.bvh", "l\xc3\xa4uft.bvh", "motion.npz", "new\nline.bvh",
@@ -58,8 +65,10 @@ TEST_F(FindInputsTest, KeepsFolderStructure) {
   EXPECT_EQ(found->inputs.back().path, at("in/walk.bvh"));
   EXPECT_EQ(found->inputs.back().bytes, 1U);
   EXPECT_GT(found->inputs.back().modified_ns, 0);
+#endif
 }
 
+#ifndef _WIN32  // creates links and pipes
 TEST_F(FindInputsTest, FollowsLinksOnceAndSkipsLoops) {
   make("in/a/walk.bvh");
   make("elsewhere/run.bvh");
@@ -82,6 +91,7 @@ TEST_F(FindInputsTest, SkipsPipesInFolders) {
   EXPECT_THAT(found->notes, ElementsAre(HasSubstr("pipe.bvh")));
   EXPECT_FALSE(find({at("in/pipe.bvh")}));
 }
+#endif
 
 TEST_F(FindInputsTest, PatternsKeepPathsBelowTheirFixedPart) {
   make("in/a/walk1.bvh");
@@ -135,6 +145,7 @@ TEST_F(FindInputsTest, SkipsExcludedFilesAndTheOutputFolder) {
               ElementsAre(HasSubstr("it is the output folder"), HasSubstr("skipped 2")));
 }
 
+#ifndef _WIN32  // takes permissions away
 TEST_F(FindInputsTest, UnreadableFoldersCountAsFailedClips) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
   make("in/walk.bvh");
@@ -145,6 +156,7 @@ TEST_F(FindInputsTest, UnreadableFoldersCountAsFailedClips) {
   EXPECT_THAT(relatives(found), ElementsAre("closed", "walk.bvh"));
   EXPECT_THAT(found->notes, ElementsAre(HasSubstr("cannot read the folder")));
 }
+#endif
 
 TEST_F(FindInputsTest, NoInputsIsAnError) {
   fs::create_directory(at("empty"));

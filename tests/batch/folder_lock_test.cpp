@@ -2,13 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 #include <csignal>
 #include <filesystem>
 #include <string>
 
+#include "retarget/os.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -26,7 +29,7 @@ TEST(FolderLockTest, SecondLockIsRejectedWithTheHolder) {
     const auto second = FolderLock::take(folder.path().string(), ".lock", kind);
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().kind, ErrorKind::kRun);
-    EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(::getpid())));
+    EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(os::process_id())));
   }
 }
 
@@ -47,6 +50,7 @@ TEST(FolderLockTest, SharedLocksExcludeOnlyExclusiveOnes) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+#ifndef _WIN32  // forks
 TEST(FolderLockTest, LockOfAKilledProcessIsReleased) {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
@@ -72,6 +76,7 @@ TEST(FolderLockTest, LockOfAKilledProcessIsReleased) {
   ::close(ready[0]);
   ::close(ready[1]);
 }
+#endif
 
 TEST(FolderLockTest, UnwritableFolderIsAnError) {
   const auto lock = FolderLock::take("/no/such/folder", ".lock", Kind::kAlone);

@@ -117,9 +117,11 @@ TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
   EXPECT_TRUE(verified().empty());
   entry_.outputs = {record_file(victim, victim).value()};
   EXPECT_TRUE(verified().empty());
+#ifndef _WIN32
   fs::create_directory_symlink("..", folder_.path() / "out" / "up");
   entry_.outputs = {record_file(victim, "up/victim.txt").value()};
   EXPECT_TRUE(verified().empty());
+#endif
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ TEST(Conformance, RejectionsNameErrorAndPosition) {
       {"neg_ft", {"18:13", "found \"-0.033333\""}},
       {"off_two",
        {"9:3", "expected a number (number 3 of 3 of OFFSET in joint \"A\"), found \"CHA"}},
-      {"nul", {"20:1", "found a NUL byte"}},
+      {"zero_byte", {"20:1", "found a NUL byte"}},
       {"utf16", {"1:1", "found UTF-16 text"}},
   };
   for (const auto& [name, place_and_text] : expected) {

@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/resource.h>
+#endif
 
 #include <filesystem>
 #include <random>
@@ -51,9 +53,13 @@ void read_every_way(std::string_view text) {
 }
 
 long peak_kilobytes() {
+#ifdef _WIN32
+  return 0;  // Not measured.
+#else
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss;
+#endif
 }
 
 TEST(BvhRobustness, ReadsOrRejectsEveryTruncation) {

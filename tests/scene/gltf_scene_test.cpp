@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/stat.h>
+#endif
 
 #include <cmath>
 #include <cstdint>
@@ -167,6 +169,7 @@ TEST(GltfSceneTest, NamesBonesAsVrmDoes) {
   }
 }
 
+#ifndef _WIN32  // creates a link
 TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
   Animated moved;
   moved.times = {0, 1};
@@ -188,6 +191,7 @@ TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
     EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not in the folder of the file")) << uri;
   }
 }
+#endif
 
 TEST(GltfSceneTest, RejectsImpossibleValues) {
   Animated good;
@@ -259,7 +263,9 @@ TEST(GltfSceneTest, ReadsAnExternalBufferOnce) {
   EXPECT_TRUE(once.has_value()) << once.error().message;
   const auto too_large = read_gltf(text("big.bin"), name, std::size_t{1} << 19U);
   ASSERT_FALSE(too_large);
+#ifndef _WIN32
   ASSERT_EQ(::mkfifo((folder.path() / "pipe.bin").c_str(), 0600), 0);
+#endif
   for (const char* uri : {"pipe.bin", "missing.bin"}) {
     const auto refused = read_gltf(text(uri), name, kGltfMemory);
     ASSERT_FALSE(refused);

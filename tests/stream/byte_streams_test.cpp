@@ -1,8 +1,13 @@
 // Components for stream bytes: lines, queues, writers, senders.
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#else
+#include <fcntl.h>
 #include <unistd.h>
+#endif
 
 #include <array>
 #include <chrono>
@@ -13,6 +18,7 @@
 #include "live/stream/byte_source.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/writer_thread.h"
+#include "retarget/os.h"
 
 namespace retarget {
 namespace {
@@ -94,15 +100,19 @@ class Writer : public testing::Test {
  protected:
   Writer() {
     std::array<int, 2> ends{};
-    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+#ifdef _WIN32
+    EXPECT_EQ(::_pipe(ends.data(), 1 << 16, _O_BINARY | _O_NOINHERIT), 0);
+#else
+    EXPECT_EQ(::pipe(ends.data()), 0);
+#endif
     reader_ = Descriptor(ends[0]);
     to_ = Descriptor(ends[1]);
   }
   std::string read_all() {
     std::string all;
     std::array<char, 65536> room;
-    for (ssize_t count = 1; count > 0;) {
-      count = ::read(reader_.number(), room.data(), room.size());
+    for (std::int64_t count = 1; count > 0;) {
+      count = os::read_bytes(reader_.number(), room.data(), room.size());
       if (count > 0) all.append(room.data(), static_cast<std::size_t>(count));
     }
     return all;

@@ -244,7 +244,7 @@ TEST(LivePipeline, KeepsItsBodyIfAnotherSkeletonIsRejected) {
 
 TEST(StreamRecord, RoundTrips) {
   const TemporaryFolder folder;
-  const std::string file = folder.path() / "input.stream";
+  const std::string file = (folder.path() / "input.stream").string();
   auto recorder = StreamRecorder::create(file, {});
   ASSERT_TRUE(recorder);
   recorder->add(StreamEvent::kNewSender, 5);

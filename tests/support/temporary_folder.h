@@ -1,10 +1,12 @@
 #pragma once
 
-#include <cstdlib>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <system_error>
+
+#include "retarget/os.h"
 
 namespace retarget {
 
@@ -12,9 +14,13 @@ namespace retarget {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "retarget_test_XXXXXX").string();
-    path_ = std::filesystem::canonical(::mkdtemp(pattern.data()));
+    const std::filesystem::path all =
+        std::filesystem::canonical(std::filesystem::temp_directory_path());
+    do {
+      static std::atomic<int> count = 0;
+      path_ = all /
+              ("retarget_test_" + std::to_string(os::process_id()) + "_" + std::to_string(count++));
+    } while (!std::filesystem::create_directory(path_));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -26,7 +32,7 @@ class TemporaryFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Writes a file into the folder and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
+    std::ofstream(path_ / name, std::ios::binary) << text;
     return (path_ / name).string();
   }
 

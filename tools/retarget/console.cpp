@@ -1,10 +1,7 @@
 #include "console.h"
 
-#include <unistd.h>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
@@ -14,26 +11,7 @@
 namespace retarget::cli {
 namespace {
 
-// Signal handlers can only access globals.
-volatile std::sig_atomic_t interrupt_seen = 0;
-// Number of live guards; the first one installs the handlers.
-std::atomic<int> guards = 0;
-
-// A second signal ends the process.
-void note_interrupt(int signal_number) {
-  interrupt_seen = 1;
-  std::signal(signal_number, SIG_DFL);
-}
-
-// Signals that the parent process ignores, as nohup does, stay ignored.
-void take_over(int signal_number, struct sigaction& old) {
-  ::sigaction(signal_number, nullptr, &old);
-  if (old.sa_handler == SIG_IGN) return;
-  struct sigaction action {};
-  action.sa_handler = note_interrupt;
-  sigemptyset(&action.sa_mask);
-  ::sigaction(signal_number, &action, nullptr);
-}
+constexpr int kStandardOutput = 1, kStandardError = 2;
 
 constexpr std::string_view kRed = "31";
 constexpr std::string_view kYellow = "33";
@@ -60,38 +38,6 @@ bool colours_wanted() {
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() : outermost_(guards++ == 0) {
-  if (!outermost_) return;
-  interrupt_seen = 0;
-  take_over(SIGINT, old_interrupt_);
-  take_over(SIGTERM, old_terminate_);
-}
-
-InterruptGuard::~InterruptGuard() {
-  --guards;
-  if (!outermost_) return;
-  ::sigaction(SIGINT, &old_interrupt_, nullptr);
-  ::sigaction(SIGTERM, &old_terminate_, nullptr);
-}
-
-bool InterruptGuard::interrupted() {
-  return interrupt_seen != 0;
-}
-
-void leave_interrupts_to_parent() {
-  // The terminal sends Ctrl-C to the parent as well, which forwards it.
-  std::signal(SIGINT, SIG_IGN);
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupt_seen = 1; };
-  sigemptyset(&action.sa_mask);
-  ::sigaction(SIGTERM, &action, nullptr);
-}
-
-void turn_write_signals_into_errors() {
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
 ExitCode exit_code(ErrorKind kind) {
   static_assert(kWrongUsage == exit_code_of(ErrorKind::kUsage) &&
                 kBadInput == exit_code_of(ErrorKind::kInput) &&
@@ -102,15 +48,15 @@ ExitCode exit_code(ErrorKind kind) {
 
 Console::Console(bool quiet)
     : quiet_(quiet),
-      terminal_(::isatty(STDERR_FILENO) != 0),
-      colour_(terminal_ && colours_wanted()),
+      terminal_(is_terminal(kStandardError)),
+      colour_(terminal_ && colours_wanted() && terminal_takes_colours(kStandardError)),
       // Without a terminal, the first status line can wait.
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
 
 void Console::never_wait() {
-  if (!writer_) writer_.emplace(STDERR_FILENO);
+  if (!writer_) writer_.emplace(kStandardError);
 }
 
 void Console::put(std::string_view text) {
@@ -197,7 +143,8 @@ void Console::end_progress() {
 }
 
 bool output_takes_colours() {
-  return ::isatty(STDOUT_FILENO) != 0 && colours_wanted();
+  return is_terminal(kStandardOutput) && colours_wanted() &&
+         terminal_takes_colours(kStandardOutput);
 }
 
 }  // namespace retarget::cli

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,9 +29,34 @@ class InterruptGuard {
 
  private:
   const bool outermost_;
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
+  struct Before;
+  std::unique_ptr<Before> before_;
 };
+
+/// While alive, a signal asks for a new calibration of a stream: SIGUSR1, or Ctrl-Break on Windows.
+class RecalibrationSignal {
+ public:
+  RecalibrationSignal();
+  ~RecalibrationSignal();
+  RecalibrationSignal(const RecalibrationSignal&) = delete;
+  RecalibrationSignal& operator=(const RecalibrationSignal&) = delete;
+
+  /// Whether there was such a signal since the last call.
+  [[nodiscard]] static bool take();
+
+ private:
+  struct Before;
+  std::unique_ptr<Before> before_;
+};
+
+/// The words of the command line in UTF-8, the program's name first. Call it once, at the start: it
+/// also prepares the standard streams, so that bytes are written as they are.
+[[nodiscard]] std::vector<std::string> words_of_program(int argc, char** argv);
+
+/// Whether a standard stream (0, 1, 2) is a terminal.
+[[nodiscard]] bool is_terminal(int stream);
+/// Whether a terminal takes the escape sequences of colours.
+[[nodiscard]] bool terminal_takes_colours(int stream);
 
 /// For a worker process: ignores Ctrl-C, which its parent handles; SIGTERM, however often it
 /// arrives, only sets the flag that interrupted() returns.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <csignal>
 #include <string>
 #include <utility>
 
@@ -19,32 +18,6 @@
 
 namespace retarget::cli {
 namespace {
-
-// Signal handlers can only access globals.
-volatile std::sig_atomic_t recalibration_asked = 0;
-
-class RecalibrationSignal {
- public:
-  RecalibrationSignal() {
-    recalibration_asked = 0;
-    struct sigaction action {};
-    action.sa_handler = [](int) { recalibration_asked = 1; };
-    sigemptyset(&action.sa_mask);
-    ::sigaction(SIGUSR1, &action, &old_);
-  }
-  ~RecalibrationSignal() { ::sigaction(SIGUSR1, &old_, nullptr); }
-  RecalibrationSignal(const RecalibrationSignal&) = delete;
-  RecalibrationSignal& operator=(const RecalibrationSignal&) = delete;
-
-  [[nodiscard]] static bool take() {
-    if (recalibration_asked == 0) return false;
-    recalibration_asked = 0;
-    return true;
-  }
-
- private:
-  struct sigaction old_ {};
-};
 
 Result<void> list_formats() {
   std::string text = "inputs\n";

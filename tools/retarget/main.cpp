@@ -79,9 +79,8 @@ void add_help(CLI::App& app) {
 }
 
 // Parses the command line; returns nothing if a command should run.
-std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
+std::optional<ExitCode> parse_words(CLI::App& app, const std::vector<std::string>& given) {
   Console console(false);
-  const std::vector<std::string> given(argv + 1, argv + argc);
   std::vector<std::string> words = without_help_command(given);
   if (auto command = check_command(app, words, words != given); !command) {
     return console.fail(command.error());
@@ -133,8 +132,10 @@ class Commands {
   std::vector<std::pair<const CLI::App*, std::function<ExitCode()>>> calls_;
 };
 
-int main_with(int argc, char** argv) {
+int main_with(const std::vector<std::string>& given) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
+  // On Windows, CLI11 would take /names for options.
+  app.allow_windows_style_options(false);
   app.footer(kFooter);
   app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
@@ -181,7 +182,7 @@ int main_with(int argc, char** argv) {
   const CLI::App* generate = add_generate_command(app, generated);
   add_help(app);
   refuse_empty_values(app);
-  if (const auto ended = parse_words(app, argc, argv)) return *ended;
+  if (const auto ended = parse_words(app, given)) return *ended;
   turn_write_signals_into_errors();
   return generate->parsed() ? print_generated(app, generated) : commands.call();
 }
@@ -192,7 +193,9 @@ int main_with(int argc, char** argv) {
 int main(int argc, char** argv) {
   // The library returns its errors; exceptions remain for exhausted memory.
   try {
-    return retarget::cli::main_with(argc, argv);
+    std::vector<std::string> words = retarget::cli::words_of_program(argc, argv);
+    if (!words.empty()) words.erase(words.begin());
+    return retarget::cli::main_with(words);
   } catch (const std::bad_alloc&) {
     std::fputs("error: not enough memory\n", stderr);
     return retarget::cli::kRunFailed;

@@ -31,8 +31,12 @@ std::string installed_data_folder() {
 
 // A static library is part of a program in an arbitrary folder. find_package(retarget) compiles a
 // definition of this function into the program (cmake/package_data_folder.cpp.in), which replaces
-// the weak one.
+// the weak one. Libraries of Windows have no weak functions; there the program's folder is enough.
+#ifdef _WIN32
+extern "C" const char* retarget_package_data_folder();
+#else
 extern "C" [[gnu::weak]] const char* retarget_package_data_folder();
+#endif
 const char* retarget_package_data_folder() {
   return "";
 }

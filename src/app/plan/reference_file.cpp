@@ -8,6 +8,7 @@
 #include "formats/registry/format.h"
 #include "retarget/check_options.h"
 #include "retarget/file_endings.h"
+#include "retarget/os.h"
 #include "retarget/reference.h"
 #include "retarget/text.h"
 
@@ -35,8 +36,7 @@ Result<std::string> reference_path(const std::string& output, const SaveOptions&
     return usage_failure(OPTION("reference-rate") " needs a file beside standard output",
                          "name it with " OPTION("reference"));
   }
-  std::string base = output;
-  while (base.size() > 1 && base.ends_with('/')) base.pop_back();
+  std::string base = os::without_last_separators(output);
   const std::string given = ending_of(base);
   if (!given.empty() && output_ending(given) == given) base.erase(base.size() - given.size());
   return base + ".reference.npz";

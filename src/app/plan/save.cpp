@@ -15,6 +15,7 @@
 #include "retarget/motion_io.h"
 #include "retarget/normalize_start.h"
 #include "retarget/options.h"
+#include "retarget/os.h"
 #include "retarget/run.h"
 #include "retarget/scene.h"
 #include "retarget/solve.h"
@@ -156,9 +157,7 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
     TRY_ASSIGN(const MotionFormat format, only_format(output, options));
     OutputItem item{format, output};
     // A trailing slash names the same folder.
-    while (format_is_folder(format) && item.path.size() > 1 && item.path.ends_with('/')) {
-      item.path.pop_back();
-    }
+    if (format_is_folder(format)) item.path = os::without_last_separators(item.path);
     TRY(check_ending(item));
     return std::vector<OutputItem>{std::move(item)};
   }

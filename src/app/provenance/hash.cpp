@@ -1,14 +1,13 @@
 #include "retarget/hash.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "base/try.h"
+#include "retarget/os.h"
+#include "retarget/text.h"
 
 namespace retarget {
 namespace {
@@ -23,7 +22,7 @@ Failure file_failure(ErrorKind kind, const std::string& path, int error_number) 
 struct OpenFile {
   int descriptor;
   ~OpenFile() {
-    if (descriptor >= 0) ::close(descriptor);
+    if (descriptor >= 0) os::close_file(descriptor);
   }
 };
 
@@ -36,18 +35,16 @@ Result<std::string> hash_bytes(std::string_view bytes) {
 }
 
 Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
-  // O_NONBLOCK, because opening a pipe without a writer would block.
-  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-  struct stat info {};
-  if (file.descriptor < 0 || ::fstat(file.descriptor, &info) != 0) {
-    return file_failure(kind, path, errno);
-  }
-  if (S_ISDIR(info.st_mode)) return file_failure(kind, path, EISDIR);
-  if (!S_ISREG(info.st_mode)) return file_failure(kind, path, ENODEV);
+  const OpenFile file{os::open_file(path, os::OpenFor::kReadingAtOnce)};
+  if (file.descriptor < 0) return file_failure(kind, path, errno);
+  const auto info = os::status_of(file.descriptor);
+  if (!info) return file_failure(kind, path, errno);
+  if (info->kind == os::EntryKind::kFolder) return file_failure(kind, path, EISDIR);
+  if (info->kind != os::EntryKind::kRegular) return file_failure(kind, path, ENODEV);
   TRY_ASSIGN(auto hasher, ContentHasher::create());
   const auto piece = std::make_unique_for_overwrite<char[]>(kPiece);
   for (;;) {
-    const ssize_t count = ::read(file.descriptor, piece.get(), kPiece);
+    const std::int64_t count = os::read_bytes(file.descriptor, piece.get(), kPiece);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return file_failure(kind, path, errno);
     if (count == 0) break;

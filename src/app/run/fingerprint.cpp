@@ -14,6 +14,7 @@
 #include "retarget/fingerprint.h"
 #include "retarget/hash.h"
 #include "retarget/option_table.h"
+#include "retarget/os.h"
 #include "retarget/robot.h"
 #include "retarget/version.h"
 
@@ -210,7 +211,9 @@ std::string restore_options(const Json& description, const FindRecorded& find, R
       // Files are recorded separately, with their hashes.
       const std::string text = text_of(options, row.name);
       std::error_code ignored;
-      if (is_file && (text.find('/') != std::string::npos || fs::exists(text, ignored))) continue;
+      if (is_file &&
+          (text.find_first_of(os::kSeparators) != std::string::npos || fs::exists(text, ignored)))
+        continue;
       set_option(row, text);
       continue;
     }

@@ -1,5 +1,3 @@
-#include <sys/stat.h>
-#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -17,6 +15,7 @@
 #include "retarget/motion.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
+#include "retarget/os.h"
 #include "retarget/plan.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
@@ -218,14 +217,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Identity = std::pair<dev_t, ino_t>;
+constexpr int kStandardInput = 0, kStandardOutput = 1;
 
 // Identity of a regular file. Pipes and devices are never overwritten.
-std::optional<Identity> identity_of(const std::string& path, int stream) {
-  struct stat info {};
-  const int found = path == "-" ? ::fstat(stream, &info) : ::stat(path.c_str(), &info);
-  if (found != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
-  return Identity{info.st_dev, info.st_ino};
+std::optional<os::FileId> identity_of(const std::string& path, int stream) {
+  const auto info = path == "-" ? os::status_of(stream) : os::status_of(path);
+  if (!info || info->kind != os::EntryKind::kRegular) return std::nullopt;
+  return info->id;
 }
 
 std::string whole_path(const std::string& path) {
@@ -267,11 +265,11 @@ const std::string* KnownFiles::find(const std::string& path, int stream) const {
 }
 
 WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) inputs_.add(input, STDIN_FILENO);
+  for (const std::string& input : inputs) inputs_.add(input, kStandardInput);
 }
 
 Result<void> WrittenFiles::check_spared(const std::string& output) const {
-  const std::string* input = inputs_.find(output, STDOUT_FILENO);
+  const std::string* input = inputs_.find(output, kStandardOutput);
   if (input == nullptr) return {};
   const std::string by_name = *input == output ? "" : " \"" + output + "\"";
   return usage_failure("the output" + by_name + " would overwrite the input \"" + *input + "\"",
@@ -282,10 +280,10 @@ Result<void> WrittenFiles::take(const std::string& output) {
   if (output.empty()) return {};
   TRY(check_spared(output));
   if (output == "-") return {};
-  if (outputs_.find(output, STDOUT_FILENO) != nullptr) {
+  if (outputs_.find(output, kStandardOutput) != nullptr) {
     return usage_failure("two outputs name the same file \"" + output + "\"");
   }
-  outputs_.add(output, STDOUT_FILENO);
+  outputs_.add(output, kStandardOutput);
   return check_output_folder(output);
 }
 

@@ -1,12 +1,10 @@
 #include "live/stream/byte_output.h"
 
-#include <sys/socket.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <thread>
 #include <utility>
@@ -83,14 +81,13 @@ Result<void> ByteSink::write(std::string_view bytes, const std::function<bool()>
   constexpr auto kLook = std::chrono::milliseconds(50);
   if (address_.transport == Transport::kUdp) {
     // Ignore errors: there may be no receiver.
-    static_cast<void>(::send(to_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL));
+    static_cast<void>(send_bytes(to_, bytes, true));
     return {};
   }
   while (!bytes.empty() && !(is_stopped && is_stopped())) {
     const ssize_t count = write_within(to_, kind_, bytes, kLook);
     if (count < 0) {
-      return run_failure(address_.text(),
-                         std::string("cannot be written: ") + std::strerror(errno));
+      return run_failure(address_.text(), std::string("cannot be written: ") + error_text(errno));
     }
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
@@ -122,9 +119,7 @@ void DatagramOutput::take(const RobotFrame& frame) {
 
 bool DatagramOutput::send(std::string_view bytes) {
   for (int attempt = 0; attempt < 2; ++attempt) {
-    if (::send(socket_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0) {
-      return true;
-    }
+    if (send_bytes(socket_, bytes) >= 0) return true;
     if (errno == ECONNREFUSED) {
       // The error refers to the previous datagram; this one was not sent.
       statistics_.last_error = "no receiver is listening";
@@ -133,7 +128,7 @@ bool DatagramOutput::send(std::string_view bytes) {
         ++statistics_.dropped;
       }
     } else if (errno != EINTR) {
-      statistics_.last_error = std::strerror(errno);
+      statistics_.last_error = error_text(errno);
       return false;
     }
   }

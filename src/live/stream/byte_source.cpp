@@ -1,7 +1,6 @@
 #include "live/stream/byte_source.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -150,7 +149,7 @@ Result<ByteSource> ByteSource::open(const StreamAddress& address, const StreamFo
   RETARGET_TRY(check_input(address, format));
   ByteSource source(address, format, std::move(tell));
   if (address.transport == Transport::kStdin) {
-    source.pipe_ = Descriptor(::dup(STDIN_FILENO));
+    source.pipe_ = standard_stream(0);
   } else if (address.transport == Transport::kUdp) {
     RETARGET_TRY(source.open_datagrams(format.request_port));
   } else {

@@ -1,12 +1,8 @@
 #include "live/stream/connection.h"
 
-#include <poll.h>
-#include <sys/socket.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
-#include <cstring>
 #include <string>
 #include <thread>
 #include <utility>
@@ -57,32 +53,29 @@ void PatientConnection::begin(Clock::time_point now) {
 
 void PatientConnection::finish(double seconds) {
   if (!socket_.is_open()) return;
-  pollfd waiting = {socket_.number(), POLLOUT, 0};
-  if (::poll(&waiting, 1, static_cast<int>(std::ceil(1e3 * seconds))) <= 0) return;
-  int failed = 0;
-  socklen_t size = sizeof failed;
-  ::getsockopt(socket_.number(), SOL_SOCKET, SO_ERROR, &failed, &size);
-  if (failed != 0) return close(std::strerror(failed));
+  const auto failed = finish_connection(socket_, seconds);
+  if (!failed) return;
+  if (*failed != 0) return close(error_text(*failed));
   connected_ = true;
   reason_.clear();
 }
 
 std::size_t PatientConnection::send(std::string_view bytes) {
   if (!connected_) return 0;
-  const ssize_t count = ::send(socket_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  const ssize_t count = send_bytes(socket_, bytes);
   if (count >= 0) return static_cast<std::size_t>(count);
-  if (errno != EAGAIN && errno != EINTR) close(std::strerror(errno));
+  if (errno != EAGAIN && errno != EINTR) close(error_text(errno));
   return 0;
 }
 
 std::string_view PatientConnection::receive(std::span<char> room) {
   if (!connected_) return {};
-  const ssize_t count = ::recv(socket_.number(), room.data(), room.size(), 0);
+  const ssize_t count = receive_bytes(socket_, room);
   if (count > 0) return {room.data(), static_cast<std::size_t>(count)};
   if (count == 0) {
     close("the peer closed the connection");
   } else if (errno != EAGAIN && errno != EINTR) {
-    close(std::strerror(errno));
+    close(error_text(errno));
   }
   return {};
 }

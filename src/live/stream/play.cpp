@@ -83,6 +83,7 @@ Result<Clip> played_clip(const Clip& clip, const StreamFormat& format, const Pla
 
 Result<int> play(const Clip& given, const PlayOptions& options,
                  const std::function<bool()>& is_stopped) {
+  const ExactWaits exact;
   RETARGET_TRY_ASSIGN(const StreamAddress to, parse_address(options.to));
   RETARGET_TRY_ASSIGN(const StreamFormat* format, find_stream_format(to.format));
   if (format->encoder == nullptr) {

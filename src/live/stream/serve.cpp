@@ -365,6 +365,7 @@ Result<LivePace> chosen_pace(const ServeOptions& options) {
 
 Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
                            const ServeControl& control) {
+  const ExactWaits exact;
   return Server(robot, options, control).run();
 }
 

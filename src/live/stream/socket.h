@@ -3,6 +3,7 @@
 #include <sys/types.h>
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,15 +15,22 @@
 
 namespace retarget {
 
-/// Owns a file descriptor and closes it.
+/// Owns a file descriptor, or a socket, and closes it. Windows numbers the two separately.
 class Descriptor {
  public:
   Descriptor() = default;
   explicit Descriptor(int number) : number_(number) {}
+  [[nodiscard]] static Descriptor of_socket(int number) {
+    Descriptor made(number);
+    made.is_socket_ = true;
+    return made;
+  }
   ~Descriptor() { close(); }
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor(Descriptor&& other) noexcept
+      : number_(std::exchange(other.number_, -1)), is_socket_(other.is_socket_) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
     std::swap(number_, other.number_);
+    std::swap(is_socket_, other.is_socket_);
     return *this;
   }
   Descriptor(const Descriptor&) = delete;
@@ -30,11 +38,16 @@ class Descriptor {
 
   [[nodiscard]] int number() const { return number_; }
   [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  [[nodiscard]] bool is_socket() const { return is_socket_; }
   void close();
 
  private:
   int number_ = -1;
+  bool is_socket_ = false;
 };
+
+/// A second descriptor of standard input (0), output (1) or error (2).
+[[nodiscard]] Descriptor standard_stream(int number);
 
 /// Opens a socket that receives datagrams, or listens for connections, at an address. Port 0: any
 /// free port.
@@ -54,6 +67,16 @@ class Descriptor {
 
 /// Opens a non-blocking socket and starts connecting it to an address.
 [[nodiscard]] Result<Descriptor> begin_connection(const StreamAddress& address);
+/// Waits for the end of begin_connection.
+/// @return 0: connected; an error number; nothing: not yet.
+[[nodiscard]] std::optional<int> finish_connection(const Descriptor& socket, double seconds);
+/// Sends the first bytes of a text by a socket. A datagram is sent as a whole.
+/// @param waits  until a full socket accepts some.
+/// @return number of bytes; negative: see errno.
+[[nodiscard]] ssize_t send_bytes(const Descriptor& to, std::string_view bytes, bool waits = false);
+/// Receives from a connection without waiting.
+/// @return number of bytes; 0: the peer has closed it; negative: see errno.
+[[nodiscard]] ssize_t receive_bytes(const Descriptor& from, std::span<char> room);
 /// Reads the available input, as much as fits; empty: none. At the end of a connection or pipe,
 /// returns an empty text and sets `ended`.
 [[nodiscard]] std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended);
@@ -83,5 +106,32 @@ enum class DescriptorKind : unsigned char {
 /// @return number of bytes written; 0: not ready; negative: error, see errno.
 [[nodiscard]] ssize_t write_within(const Descriptor& to, DescriptorKind kind,
                                    std::string_view bytes, std::chrono::milliseconds wait);
+/// Removes the last bytes of a file that was written up to here.
+void remove_last_bytes(const Descriptor& file, std::size_t count);
+
+/// The system's message for an errno of these functions.
+[[nodiscard]] std::string error_text(int error_number);
+
+/// While alive, threads that this one starts receive no signals.
+class WithoutSignals {
+ public:
+  WithoutSignals();
+  ~WithoutSignals();
+  WithoutSignals(const WithoutSignals&) = delete;
+  WithoutSignals& operator=(const WithoutSignals&) = delete;
+
+ private:
+  struct Before;
+  std::unique_ptr<Before> before_;
+};
+
+/// While alive, waits end within a millisecond of their time; they do everywhere but on Windows.
+class ExactWaits {
+ public:
+  ExactWaits();
+  ~ExactWaits();
+  ExactWaits(const ExactWaits&) = delete;
+  ExactWaits& operator=(const ExactWaits&) = delete;
+};
 
 }  // namespace retarget

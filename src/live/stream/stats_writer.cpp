@@ -1,14 +1,12 @@
-#include <fcntl.h>
-#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "live/stream/robot_frame_writer.h"
 #include "live/stream/stats_writer.h"
+#include "retarget/os.h"
 #include "retarget/try.h"
 
 namespace retarget {
@@ -56,11 +54,10 @@ StatsWriter::StatsWriter(Descriptor to)
     : thread_(std::make_unique<WriterThread>(std::move(to), kWaitingLines)) {}
 
 Result<StatsWriter> StatsWriter::open(const std::string& to) {
-  if (to == "-") return StatsWriter(Descriptor(::dup(STDOUT_FILENO)));
-  constexpr int kMode = 0644;
-  Descriptor file(::open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, kMode));
+  if (to == "-") return StatsWriter(standard_stream(1));
+  Descriptor file(os::open_file(to, os::OpenFor::kReplacing));
   if (!file.is_open()) {
-    return run_failure(to, std::string("cannot be written: ") + std::strerror(errno));
+    return run_failure(to, std::string("cannot be written: ") + error_text(errno));
   }
   return StatsWriter(std::move(file));
 }

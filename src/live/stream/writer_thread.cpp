@@ -1,16 +1,11 @@
 #include "live/stream/writer_thread.h"
 
-#include <fcntl.h>
-#include <pthread.h>
-#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <csignal>
 #include <cstddef>
-#include <cstring>
 #include <memory>
 #include <mutex>
 #include <system_error>
@@ -19,6 +14,7 @@
 
 #include "live/stream/socket.h"
 #include "retarget/file.h"
+#include "retarget/os.h"
 #include "retarget/serve.h"
 #include "retarget/try.h"
 
@@ -53,7 +49,6 @@ struct WriterThread::State {
 
   void run();
   bool write(std::string_view piece);
-  void remove_cut_piece(std::size_t written) const;
 
   const Descriptor to;
   const DescriptorKind kind;
@@ -98,7 +93,7 @@ bool WriterThread::State::write(std::string_view piece) {
     const ssize_t count = write_within(to, kind, piece, kLookAtEnd);
     if (count < 0) {
       const int failed = errno;
-      if (kind == DescriptorKind::kFile) remove_cut_piece(size - piece.size());
+      if (kind == DescriptorKind::kFile) remove_last_bytes(to, size - piece.size());
       errno = failed;
       return false;
     }
@@ -110,28 +105,17 @@ bool WriterThread::State::write(std::string_view piece) {
   return true;
 }
 
-void WriterThread::State::remove_cut_piece(std::size_t written_bytes) const {
-  if (written_bytes == 0) return;
-  const off_t end = ::lseek(to.number(), 0, SEEK_CUR);
-  if (end < static_cast<off_t>(written_bytes)) return;
-  const off_t begin = end - static_cast<off_t>(written_bytes);
-  if (::ftruncate(to.number(), begin) == 0) ::lseek(to.number(), begin, SEEK_SET);
-}
-
 WriterThread::WriterThread(Descriptor to, FrameBytesQueue::Bounds bounds)
     : state_(std::make_shared<State>(std::move(to), bounds)) {
   // Signals are left to the other threads. Blocking SIGPIPE turns a closed reader into an error
   // code.
-  sigset_t all, before;
-  sigfillset(&all);
-  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const WithoutSignals guard;
   try {
     std::thread([state = state_] { state->run(); }).detach();
   } catch (const std::system_error& failed) {
     state_->error = failed.code().value();
     state_->has_ended = true;
   }
-  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 WriterThread::~WriterThread() {
@@ -188,20 +172,18 @@ bool WriterThread::finish(bool is_patient, const std::function<bool()>& is_stopp
 
 Result<Descriptor> open_for_writing(const StreamAddress& to) {
   if (to.transport == Transport::kStdout) {
-    Descriptor file(::dup(STDOUT_FILENO));
+    Descriptor file = standard_stream(1);
     if (!file.is_open()) return run_failure(to.text(), "it is closed");
     return file;
   }
   RETARGET_TRY(check_output_folder(to.file));
-  constexpr int kMode = 0644;
   // Non-blocking, so that a pipe without a reader is an error at once.
-  Descriptor file(
-      ::open(to.file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, kMode));
+  Descriptor file(os::open_file(to.file, os::OpenFor::kReplacing));
   if (file.is_open()) return file;
   if (errno == ENXIO) {
     return run_failure(to.file, "no process is reading this pipe", "start the receiver first");
   }
-  return run_failure(to.file, std::string("cannot be written: ") + std::strerror(errno));
+  return run_failure(to.file, std::string("cannot be written: ") + error_text(errno));
 }
 
 WriterOutput::WriterOutput(const StreamAddress& to, Descriptor file,
@@ -252,7 +234,7 @@ void WriterOutput::end(int error) {
   account_.count_dropped(queued_ - account_.statistics().sent);
   if (error == EPIPE) return account_.close("its reader has closed it");
   account_.mark_incomplete();
-  account_.close(std::strerror(error));
+  account_.close(error_text(error));
 }
 
 void WriterOutput::finish() {
@@ -265,7 +247,7 @@ void WriterOutput::finish() {
 
 MessageWriter::MessageWriter(int descriptor) {
   constexpr FrameBytesQueue::Bounds kQueued = {256, std::size_t{64} << 10};
-  thread_ = std::make_unique<WriterThread>(Descriptor(::dup(descriptor)), kQueued);
+  thread_ = std::make_unique<WriterThread>(standard_stream(descriptor), kQueued);
 }
 
 MessageWriter::~MessageWriter() {

@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 
 #include "retarget/try.h"
@@ -40,13 +42,34 @@ Endpoint endpoint(const sockaddr_in& place) {
 }
 
 Failure socket_failure(const StreamAddress& address, const char* what, std::string hint = {}) {
-  return run_failure(address.text(), std::string(what) + ": " + std::strerror(errno),
-                     std::move(hint));
+  return run_failure(address.text(), std::string(what) + ": " + error_text(errno), std::move(hint));
 }
 
-Result<Descriptor> open_socket(const StreamAddress& address, int flags = 0) {
+// Child processes do not inherit it, and a closed connection sends no signal.
+Descriptor own_socket(int number, bool blocks) {
+  Descriptor made = Descriptor::of_socket(number);
+  if (!made.is_open()) return made;
+#ifndef SOCK_CLOEXEC
+  ::fcntl(number, F_SETFD, FD_CLOEXEC);
+  if (!blocks) ::fcntl(number, F_SETFL, ::fcntl(number, F_GETFL) | O_NONBLOCK);
+  const int yes = 1;
+  ::setsockopt(number, SOL_SOCKET, SO_NOSIGPIPE, &yes, sizeof yes);
+#else
+  static_cast<void>(blocks);
+#endif
+  return made;
+}
+
+#ifdef SOCK_CLOEXEC
+constexpr int kOwn = SOCK_CLOEXEC, kNonBlocking = SOCK_NONBLOCK, kNoSignal = MSG_NOSIGNAL;
+#else
+constexpr int kOwn = 0, kNonBlocking = 0, kNoSignal = 0;
+#endif
+
+Result<Descriptor> open_socket(const StreamAddress& address, bool blocks = true) {
   const bool udp = address.transport == Transport::kUdp;
-  Descriptor made(::socket(AF_INET, (udp ? SOCK_DGRAM : SOCK_STREAM) | SOCK_CLOEXEC | flags, 0));
+  const int type = (udp ? SOCK_DGRAM : SOCK_STREAM) | kOwn | (blocks ? 0 : kNonBlocking);
+  Descriptor made = own_socket(::socket(AF_INET, type, 0), blocks);
   if (!made.is_open()) return socket_failure(address, "cannot create a socket");
   const int yes = 1;
   if (!udp) {
@@ -61,6 +84,10 @@ Result<Descriptor> open_socket(const StreamAddress& address, int flags = 0) {
 void Descriptor::close() {
   if (is_open()) ::close(number_);
   number_ = -1;
+}
+
+Descriptor standard_stream(int number) {
+  return Descriptor(::dup(number));
 }
 
 Result<Descriptor> bind_socket(const StreamAddress& address) {
@@ -140,13 +167,30 @@ int wait_for(std::span<const Descriptor* const> sources, double seconds) {
 }
 
 Result<Descriptor> begin_connection(const StreamAddress& address) {
-  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address, SOCK_NONBLOCK));
+  RETARGET_TRY_ASSIGN(Descriptor made, open_socket(address, false));
   const sockaddr_in place = socket_address(address);
   const auto* const to = reinterpret_cast<const sockaddr*>(&place);
   if (::connect(made.number(), to, sizeof place) != 0 && errno != EINPROGRESS) {
-    return run_failure(address.text(), std::strerror(errno));
+    return run_failure(address.text(), error_text(errno));
   }
   return made;
+}
+
+std::optional<int> finish_connection(const Descriptor& socket, double seconds) {
+  pollfd waiting = {socket.number(), POLLOUT, 0};
+  if (::poll(&waiting, 1, static_cast<int>(std::ceil(1e3 * seconds))) <= 0) return std::nullopt;
+  int failed = 0;
+  socklen_t size = sizeof failed;
+  ::getsockopt(socket.number(), SOL_SOCKET, SO_ERROR, &failed, &size);
+  return failed;
+}
+
+ssize_t send_bytes(const Descriptor& to, std::string_view bytes, bool waits) {
+  return ::send(to.number(), bytes.data(), bytes.size(), kNoSignal | (waits ? 0 : MSG_DONTWAIT));
+}
+
+ssize_t receive_bytes(const Descriptor& from, std::span<char> room) {
+  return ::recv(from.number(), room.data(), room.size(), MSG_DONTWAIT);
 }
 
 std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended) {
@@ -157,7 +201,7 @@ std::string_view receive(const Descriptor& from, std::span<char> room, bool& end
 
 void send_datagram(const Descriptor& from, const Endpoint& to, std::string_view bytes) {
   const sockaddr_in place = socket_address(to);
-  static_cast<void>(::sendto(from.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL,
+  static_cast<void>(::sendto(from.number(), bytes.data(), bytes.size(), kNoSignal,
                              reinterpret_cast<const sockaddr*>(&place), sizeof place));
 }
 
@@ -175,8 +219,13 @@ std::optional<std::string_view> receive_from(const Descriptor& from, std::span<c
 Descriptor accept_connection(const Descriptor& listener, Endpoint& peer) {
   sockaddr_in place{};
   socklen_t size = sizeof place;
-  Descriptor made(::accept4(listener.number(), reinterpret_cast<sockaddr*>(&place), &size,
-                            SOCK_CLOEXEC | SOCK_NONBLOCK));
+  auto* const from = reinterpret_cast<sockaddr*>(&place);
+#ifdef SOCK_CLOEXEC
+  const int number = ::accept4(listener.number(), from, &size, kOwn | kNonBlocking);
+#else
+  const int number = ::accept(listener.number(), from, &size);
+#endif
+  Descriptor made = own_socket(number, false);
   peer = endpoint(place);
   return made;
 }
@@ -214,7 +263,7 @@ ssize_t write_within(const Descriptor& to, DescriptorKind kind, std::string_view
       count = ::write(to.number(), bytes.data(), bytes.size());
       break;
     case DescriptorKind::kSocket:
-      count = ::send(to.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      count = send_bytes(to, bytes);
       break;
     case DescriptorKind::kOther:
       count = ::write(to.number(), bytes.data(), std::min(bytes.size(), kPipeBytes));
@@ -222,5 +271,34 @@ ssize_t write_within(const Descriptor& to, DescriptorKind kind, std::string_view
   }
   return count < 0 && (errno == EINTR || errno == EAGAIN) ? 0 : count;
 }
+
+void remove_last_bytes(const Descriptor& file, std::size_t count) {
+  if (count == 0) return;
+  const off_t end = ::lseek(file.number(), 0, SEEK_CUR);
+  if (end < static_cast<off_t>(count)) return;
+  const off_t begin = end - static_cast<off_t>(count);
+  if (::ftruncate(file.number(), begin) == 0) ::lseek(file.number(), begin, SEEK_SET);
+}
+
+std::string error_text(int error_number) {
+  return std::strerror(error_number);
+}
+
+struct WithoutSignals::Before {
+  sigset_t signals{};
+};
+
+WithoutSignals::WithoutSignals() : before_(std::make_unique<Before>()) {
+  sigset_t all;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before_->signals);
+}
+
+WithoutSignals::~WithoutSignals() {
+  ::pthread_sigmask(SIG_SETMASK, &before_->signals, nullptr);
+}
+
+ExactWaits::ExactWaits() = default;
+ExactWaits::~ExactWaits() = default;
 
 }  // namespace retarget

@@ -45,6 +45,17 @@ bool read_all(int descriptor, void* bytes, std::size_t size) {
   return true;
 }
 
+// Programs that the process starts do not inherit it.
+int make_pipe(std::array<int, 2>& ends) {
+#ifdef __APPLE__
+  if (::pipe(ends.data()) != 0) return -1;
+  for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC);
+  return 0;
+#else
+  return ::pipe2(ends.data(), O_CLOEXEC);
+#endif
+}
+
 // Closes the parent's locks, manifests and pipes, which must not stay open after the parent ends.
 void close_all_from(int first) {
 #ifdef SYS_close_range
@@ -88,8 +99,8 @@ Failure start_failure(int error_number) {
 
 Result<WorkerProcess> WorkerProcess::start(const Actions& actions) {
   std::array<int, 2> tasks{}, answers{};
-  if (::pipe2(tasks.data(), O_CLOEXEC) != 0) return start_failure(errno);
-  if (::pipe2(answers.data(), O_CLOEXEC) != 0) {
+  if (make_pipe(tasks) != 0) return start_failure(errno);
+  if (make_pipe(answers) != 0) {
     const int error_number = errno;
     for (const int end : tasks) ::close(end);
     return start_failure(error_number);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <list>
 #include <optional>
 #include <utility>
@@ -129,6 +130,8 @@ class Pool {
     } else {
       end.timed_out = slot.ended_by_us;
       end.signal = slot.process->wait();
+      end.was_killed = end.signal == SIGKILL;
+      if (end.signal != 0) end.signal_name = ::strsignal(end.signal);
       slot.process.reset();
     }
     const std::size_t task = *slot.task;
@@ -178,6 +181,10 @@ Result<void> run_in_processes(std::span<const std::uint64_t> memory,
                               const std::function<std::string(std::size_t)>& work,
                               const std::function<void(std::size_t, const TaskEnd&)>& ended) {
   return Pool(memory, options, work, ended).run();
+}
+
+std::optional<Clock::time_point> task_deadline() {
+  return std::nullopt;
 }
 
 }  // namespace retarget

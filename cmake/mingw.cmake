@@ -1,0 +1,20 @@
+# Cross-compiles to Windows with MinGW-w64 and the libraries that tools/windows.sh puts into build/deps/windows.
+set(CMAKE_SYSTEM_NAME Windows)
+set(CMAKE_SYSTEM_PROCESSOR x86_64)
+# The variant with POSIX threads: only it has std::thread and std::mutex.
+set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc-posix)
+set(CMAKE_CXX_COMPILER x86_64-w64-mingw32-g++-posix)
+set(CMAKE_RC_COMPILER x86_64-w64-mingw32-windres)
+get_filename_component(retarget_windows_root "${CMAKE_CURRENT_LIST_DIR}/../build/deps/windows" ABSOLUTE)
+set(CMAKE_FIND_ROOT_PATH ${retarget_windows_root} /usr/x86_64-w64-mingw32)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+# One file without DLLs of the compiler beside it.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static")
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "-static")
+find_program(RETARGET_WINE NAMES wine64 wine PATHS /usr/lib/wine)
+if(RETARGET_WINE)
+  set(CMAKE_CROSSCOMPILING_EMULATOR ${RETARGET_WINE})
+endif()
