@@ -24,14 +24,13 @@ fi
 # Headers of this machine's libraries. Its include folder as a whole would hide those of the C library.
 rm -rf -- "$folder/include" "$folder/units"
 mkdir -p "$folder"/{include,units,generated}
-for header in Eigen/Core nlohmann/json.hpp fmt/format.h tl/expected.hpp CLI/CLI.hpp hiredis/hiredis.h \
-  openssl/evp.h; do
+for header in Eigen/Core nlohmann/json.hpp fmt/format.h tl/expected.hpp CLI/CLI.hpp hiredis/hiredis.h; do
   file=$(echo "#include <$header>" | c++ -xc++ -std=c++20 -I/usr/include/eigen3 -M - | tr ' ' '\n' | grep "/$header\$")
   file=${file%%$'\n'*}
   mkdir -p "$folder/include/${header%%/*}"
   cp -r "${file%/*}/." "$folder/include/${header%%/*}"
 done
-for header in openssl/opensslconf.h openssl/configuration.h zlib.h zconf.h zip.h zipconf.h tinyxml2.h lz4frame.h lz4.h zmq.h; do
+for header in zlib.h zconf.h zip.h zipconf.h tinyxml2.h lz4frame.h lz4.h zmq.h; do
   file=$(echo "#include <$header>" | c++ -xc++ -M - | tr ' ' '\n' | grep "/$header\$")
   cp "${file%%$'\n'*}" "$folder/include/$header"
 done
