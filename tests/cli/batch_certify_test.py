@@ -70,6 +70,30 @@ class Certify(BatchTest):
         self.assert_done(self.batch("--certify", "--resume", fast=False))
         self.assertEqual(self.outputs(end=".certificate.json"), ["squat.csv.certificate.json"])
 
+    def test_certificates_of_parts_and_mirror_images_can_be_verified(self):
+        (self.folder / "in/get_up.bvh").unlink()
+        self.assert_done(self.batch("--certify", "--mirror", "--start", 0.5, "--end", 2, "--format",
+                                    "npz-mjlab,glb", fast=False))
+        names = self.outputs(end=".certificate.json")
+        self.assertEqual(names, ["squat.mjlab.npz.certificate.json",
+                                 "squat_mirrored.mjlab.npz.certificate.json"])
+        for name in names:
+            self.assert_done(self.run_tool("verify", f"out/{name}"))
+        # Without the mirror image, the source is another one.
+        file = self.folder / "out" / names[1]
+        certificate = json.loads(file.read_text())
+        self.assertEqual(certificate["request"]["options"]["start"], "0.5")
+        for change, words in ((lambda c: c["request"].update(mirror=False), "the certificate differs at"),
+                              (lambda c: c["request"]["options"].update(start="soon"), '"start"'),
+                              (lambda c: c["request"]["options"].update(start=1), "unknown option"),
+                              (lambda c: c.update(inputs={"0": 1}), "the certificate differs at /inputs")):
+            forged = json.loads(json.dumps(certificate))
+            change(forged)
+            file.write_text(json.dumps(forged))
+            done = self.run_tool("verify", f"out/{names[1]}")
+            self.assertIn(done.returncode, (1, 3), done.stderr)
+            self.assertIn(words, done.stderr)
+
     def test_wrong_usage(self):
         for options, words in (
                 (("--certify", "--no-quality"), "--certify and --no-quality"),

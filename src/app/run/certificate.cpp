@@ -49,11 +49,11 @@ Result<void> restore_given(const Json& given, const OptionTable& rows, const std
       return input_failure(file, "unknown option in the certificate: \"" + name + "\"",
                            "it may come from a newer version of this tool");
     }
-    auto set = row->set(text.get<std::string>());
+    const auto value = option_value(*row, text.get<std::string>());
+    const auto set = value ? row->set(*value) : Result<void>(failure(value.error()));
     if (set) continue;
-    set.error().kind = ErrorKind::kInput;
-    set.error().location.file = file;
-    return failure(std::move(set).error());
+    return input_failure(file,
+                         "the option \"" + name + "\" of the certificate: " + set.error().message);
   }
   return {};
 }
@@ -284,7 +284,8 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   now["request"] = recorded["request"];
   // Files may have moved; their contents count.
   const Json inputs = recorded.value("inputs", Json::array());
-  for (std::size_t i = 0; i < std::min(inputs.size(), now["inputs"].size()); ++i) {
+  const std::size_t known = inputs.is_array() ? inputs.size() : 0;
+  for (std::size_t i = 0; i < std::min(known, now["inputs"].size()); ++i) {
     Json& input = now["inputs"][i];
     if (inputs[i].is_object() && inputs[i].value("role", Json()) == input["role"]) {
       input["file"] = inputs[i].value("file", Json());
