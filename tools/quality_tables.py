@@ -11,6 +11,10 @@ of source. For robots with a published configuration these are `--ik-config publ
 prints the tables of docs/dynamics.md instead: published motions, the published method, the fit `--without dynamics`, and
 the fit, side by side.
 
+    tools/quality_tables.py --tool ... --dynamics --side-by-side --robots A,B --seconds 40
+
+prints those of several robots side by side: the fit `--without dynamics` -> the fit, of the first 40 seconds of each clip.
+
     tools/quality_tables.py --tool ... --all-robots
 
 prints the tables of docs/robots.md, "On the samples" and "On walks": the fits of all robots. The former needs no
@@ -47,6 +51,7 @@ NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root",
              "geno_stance", "soma_zero_frame0"}
 DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
             "root_jerk_mean": 0, "stance_slip_mean": 4, "torque_over_pct": 1}
+SIDE_BY_SIDE = ["dynamics_bad_pct", "torque_over_pct"]
 # Methods and the options that run them; None: Unitree's published motion of the clip.
 METHODS = {"fit": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
            "as-published": ("--ik-config", "published", "--scale", "table"), "published": None}
@@ -107,8 +112,9 @@ class Clips:
 class Reports:
     """Reports of motions, each measured once. `measure` measures the reports requested since its last call."""
 
-    def __init__(self, tool, clips, jobs=None, may_measure=lambda clip, robot: True):
+    def __init__(self, tool, clips, jobs=None, may_measure=lambda clip, robot: True, seconds=None):
         self.tool, self.clips, self.jobs, self.may_measure = tool, clips, jobs, may_measure
+        self.part = ["--end", str(seconds)] if seconds else []
         self.known, self.wanted = {}, set()
 
     def get(self, clip, robot="unitree_g1", method="fit", dynamics=False):
@@ -136,10 +142,10 @@ class Reports:
                 if motion is None:
                     return None
                 command = [self.tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json",
-                           report, "--gate", "none", *options]
+                           report, "--gate", "none", *self.part, *options]
             else:
                 command = [self.tool, clip, robot, "-o", os.path.join(folder, "out.csv"), "--report",
-                           report, "-q", *METHODS[method], *options]
+                           report, "-q", *METHODS[method], *self.part, *options]
             done = subprocess.run(command, capture_output=True, check=False, text=True)
             if not os.path.exists(report):
                 if method != "as-published":
@@ -246,6 +252,20 @@ def dynamics_table(reports, robot, clips, name):
     return table
 
 
+def side_by_side_table(reports, robots, clips, name):
+    """Returns a table with one row per clip and one column per robot: without -> with dynamics."""
+    table = Table("clip", [f"`{robot}`" for robot in robots])
+    for clip in clips:
+        cells = []
+        for robot in robots:
+            pair = [reports.get(clip, robot, method, True) for method in ("without-dynamics", "fit")]
+            numbers = [each if each is SKIPPED else value(each, name) for each in pair]
+            cells.append(SKIPPED if SKIPPED in numbers else "-" if None in numbers else
+                         " -> ".join(f"{number:.{DYNAMICS[name]}f}" for number in numbers))
+        table.rows[clip.stem] = cells
+    return table
+
+
 def tables_of(reports, args):
     """Returns (title, table) of the requested tables, in the order of the page."""
     clips = reports.clips.sets
@@ -255,6 +275,9 @@ def tables_of(reports, args):
                 *([("On walks:", robots_table(reports, clips["walks"]))] if clips["walks"] else [])]
     if args.dynamics:
         whole = clips["lafan1"] + clips["cuts"] + clips["samples"]
+        if args.side_by_side:
+            return [(f"`{name}`:", side_by_side_table(reports, robots, whole, name))
+                    for name in SIDE_BY_SIDE]
         return [(f"`{name}`, {robot}:", dynamics_table(reports, robot, whole, name))
                 for robot in robots for name in DYNAMICS]
     published = [clip for clip in clips["lafan1"] if reports.clips.published(clip)]
@@ -275,6 +298,9 @@ def main():
                         default=shared and pathlib.Path(shared) / "data")
     parser.add_argument("--dynamics", action="store_true",
                         help="print the tables of docs/dynamics.md")
+    parser.add_argument("--side-by-side", action="store_true",
+                        help="with --dynamics: a column for each robot")
+    parser.add_argument("--seconds", type=float, help="measure only the first seconds of each clip")
     parser.add_argument("--all-robots", action="store_true",
                         help="print the tables of docs/robots.md")
     parser.add_argument("--robots", default="unitree_g1")
@@ -282,7 +308,7 @@ def main():
     args = parser.parse_args()
     if args.data is None and not args.all_robots:
         parser.error("--data FOLDER is needed")
-    reports = Reports(args.tool, Clips(args.data), args.jobs)
+    reports = Reports(args.tool, Clips(args.data), args.jobs, seconds=args.seconds)
     tables_of(reports, args)
     reports.measure()
     for title, table in tables_of(reports, args):

@@ -9,7 +9,7 @@
 #                   nanobind, pytest and clients of streams as wheels in build/deps/python (tools/python.txt),
 #                   Ray and readers of data sets in build/deps/data_sets (tools/data_sets.txt),
 #                   what builds the site of the documentation in build/deps/docs (tools/docs.txt)
-#   --package       also the packages that tools/package.sh needs for a .deb
+#   --package       also the packages that CPack needs for a .deb
 #   --print-python  install nothing; print the chosen Python
 #   --check         install nothing; list missing packages and exit with 1 if there are any
 #   --older-mujoco  MuJoCo 3.3.7 instead of 4.0.0, for package indexes that lack the latter

@@ -11,12 +11,17 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
+/// Metrics that only certificates have.
+inline constexpr const char* kTrackedFigure = "tracked_pct";
+inline constexpr const char* kPredictedFigure = "predicted_tracking_success";
+
 /// The figures of a motion, its simulation and its prediction in one document (docs/certificate.md;
 /// schema: docs/certificate.schema.json).
 struct Certificate {
   std::string json;
   bool gates_passed = false;
-  bool fell = false;  ///< In the simulation.
+  bool fell = false;           ///< In the simulation.
+  double tracked_pct = 100.0;  ///< Share of the motion before the fall, %.
   /// Predicted probability that a controller tracks the motion; -1 if it is unknown.
   double predicted_success = -1.0;
 
@@ -25,9 +30,13 @@ struct Certificate {
 };
 
 /// Measures a motion with all figures, simulates it, and predicts whether a controller can track it.
+/// The gates of the request may also bound the figures of the certificate.
 /// @param request  names exactly one motion file; `dynamics` is implied.
 /// Errors: those of load_measures, measure_file and simulate; standard input as the motion (kUsage).
 [[nodiscard]] Result<Certificate> certify(const MeasureRequest& request, Observer& observer);
+
+/// Name of the certificate of a motion file: next to it, `MOTION.certificate.json`.
+[[nodiscard]] std::string certificate_file(const std::string& motion);
 
 /// Whether a text looks like a certificate.
 [[nodiscard]] bool is_certificate(std::string_view text);

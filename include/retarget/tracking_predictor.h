@@ -11,12 +11,12 @@
 
 namespace RETARGET_API retarget {
 
-/// A figure that a TrackingPredictor uses: clipped to [least, most], then its square root if `root`,
-/// then (x - middle) / spread, times `coefficient`.
+/// A figure that a TrackingPredictor uses: clipped to [least, most], then `roots` times its square
+/// root, then (x - middle) / spread, times `coefficient`.
 struct PredictorFigure {
   std::string metric;  ///< Key of a metric.
   bool p95 = false;    ///< Its 95th percentile instead of its mean.
-  bool root = false;   ///< Take the square root.
+  int roots = 0;       ///< How often to take the square root, 0 to 4.
   double least = 0.0, most = 0.0;
   double middle = 0.0, spread = 1.0;
   double coefficient = 0.0;

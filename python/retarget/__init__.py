@@ -12,6 +12,7 @@ The options are those of the command `retarget`, as keywords: `--source-fps 30` 
 from retarget import edit
 from retarget._api import (
     batch, evaluate, inspect, load, load_motion, make_plan, solve, to_robot)
+from retarget._certify import Certificate, certify
 from retarget._errors import (
     ConfigError, Error, InputError, MissingConfigError, MissingInputError, RetargetWarning,
     RunError, UsageError)
@@ -31,12 +32,12 @@ __version__ = version_number()
 """`major.minor.patch`."""
 
 __all__ = [
-    "AddedRobot", "Batch", "Clip", "ColumnDifference", "Comparison", "ConfigError",
-    "ContactLabels", "Error", "Fault", "InputError", "Inspection", "LiveSession",
+    "AddedRobot", "Batch", "Certificate", "Clip", "ColumnDifference", "Comparison",
+    "ConfigError", "ContactLabels", "Error", "Fault", "InputError", "Inspection", "LiveSession",
     "MissingConfigError", "MissingInputError", "Motion", "Page", "Plan", "Report",
     "RetargetWarning", "Robot", "RobotFacts", "RobotFrame", "RunError", "Scene", "SceneBody",
-    "SceneShape", "Server", "Simulation", "UsageError", "__version__", "add_robot", "batch", "compare",
-    "convert", "edit", "evaluate", "gallery", "inspect", "live", "load", "load_motion",
-    "load_scene", "make_plan", "metrics", "picture", "play", "robot_facts", "robots", "serve",
-    "simulate", "solve", "to_robot", "verify", "version_text", "view",
+    "SceneShape", "Server", "Simulation", "UsageError", "__version__", "add_robot", "batch",
+    "certify", "compare", "convert", "edit", "evaluate", "gallery", "inspect", "live", "load",
+    "load_motion", "load_scene", "make_plan", "metrics", "picture", "play", "robot_facts",
+    "robots", "serve", "simulate", "solve", "to_robot", "verify", "version_text", "view",
 ]

@@ -21,15 +21,16 @@ def verify(sidecar: StrPath, *, data_dir: StrPath | None = None) -> list[str]:
     """Checks that a recorded run still gives the recorded bytes, by repeating it without writing.
 
     Args:
-        sidecar: FILE.json, which `retarget` and batch() write with `sidecar`.
+        sidecar: FILE.json, which `retarget` and batch() write with `sidecar`; or a certificate of
+            certify(), whose figures are computed again.
         data_dir: folder with robots/ and configs/.
 
     Returns:
         The lines of `retarget verify`: inputs that have changed since, and the agreement.
 
     Raises:
-        RunError: the output differs, or its file has changed.
-        InputError: not a sidecar, or a motion that cannot be read again.
+        RunError: the output differs, or its file has changed; a figure of the certificate differs.
+        InputError: neither a sidecar nor a certificate, or a motion that cannot be read again.
     """
     return _retarget.verify(sidecar, data_dir)
 

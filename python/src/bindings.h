@@ -13,6 +13,7 @@ void bind_motion(nanobind::module_& module);
 void bind_solve(nanobind::module_& module);
 void bind_evaluate(nanobind::module_& module);
 void bind_simulate(nanobind::module_& module);
+void bind_certify(nanobind::module_& module);
 void bind_edit(nanobind::module_& module);
 void bind_batch(nanobind::module_& module);
 void bind_frame_retargeter(nanobind::module_& module);

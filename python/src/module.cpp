@@ -17,6 +17,7 @@ NB_MODULE(_retarget, module) {
   bind_solve(module);
   bind_evaluate(module);
   bind_simulate(module);
+  bind_certify(module);
   bind_edit(module);
   bind_batch(module);
   bind_frame_retargeter(module);

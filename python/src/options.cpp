@@ -4,6 +4,7 @@
 
 #include "batch_keywords.h"
 #include "bindings.h"
+#include "certify_keywords.h"
 #include "edit_keywords.h"
 #include "evaluate_table.h"
 #include "file_keywords.h"
@@ -40,6 +41,8 @@ nb::dict option_tables() {
   read.push_back(memory_row(options.source.memory_gb));
   tables["ReadingOptions"] = described(read);
   tables["EvaluateOptions"] = described(evaluate_table(options, dynamics));
+  MeasureRequest certificate;
+  tables["CertifyOptions"] = described(certify_keywords(certificate));
   tables["BatchOptions"] = described(batch_keywords(batch));
   ConvertOptions convert;
   convert.time.fps = std::nullopt;

@@ -12,11 +12,14 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/certify_clip.h"
 #include "batch/clip_memory.h"
 #include "batch/clip_variations.h"
+#include "batch/data_set.h"
 #include "batch/process_pool.h"
 #include "batch/signature_pass.h"
 #include "batch/summary.h"
+#include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/machine.h"
@@ -94,6 +97,8 @@ class BatchWorker {
   Result<void> solve(const BatchTask& task, double memory_gb, ManifestEntry& entry) const;
   Result<void> run(const BatchTask& task, double memory_gb, const std::string& output,
                    ManifestEntry& entry) const;
+  Result<void> certify(const BatchTask& task, const Run& run, const RunOutcome& outcome,
+                       ManifestEntry& entry, std::vector<std::string>& files) const;
   void remove_outputs(const BatchTask& task, const std::vector<MissingFile>& only = {}) const;
   [[nodiscard]] std::optional<ManifestEntry> done_already(const BatchTask& task) const;
   [[nodiscard]] ManifestEntry entry_of_ended(const BatchTask& task, const TaskEnd& end) const;
@@ -153,6 +158,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
       files.push_back(file.generic_string());
   }
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
+  if (request_.certify) RETARGET_TRY(certify(task, one, *outcome, entry, files));
   const auto below_output = [&](const std::string& file) {
     return file.substr(context_.output_folder.size() + 1);
   };
@@ -167,15 +173,37 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   return {};
 }
 
+// Adds the certificate to the files of a clip. A motion that cannot be certified, such as that of two
+// frames, is done all the same; gates on figures of certificates do not select it.
+Result<void> BatchWorker::certify(const BatchTask& task, const Run& run, const RunOutcome& outcome,
+                                  ManifestEntry& entry, std::vector<std::string>& files) const {
+  std::vector<OutputItem> items;
+  for (const WrittenFile& motion : outcome.motions) items.push_back(motion.item);
+  const OutputItem* const item = certified_item(items);
+  if (item == nullptr || !entry.quality) return {};
+  auto file = certify_clip(run, task.input->variant.is_mirrored(), request_.gates, item->path,
+                           request_.data_folder, context_.observer, *entry.quality);
+  if (file) {
+    files.push_back(*std::move(file));
+  } else if (file.error().kind == ErrorKind::kInterrupted) {
+    return failure(std::move(file).error());
+  } else {
+    entry.warnings.push_back("no certificate: " + full_message(spelled(std::move(file).error())));
+  }
+  const std::optional<Gates>& gates = task.robot->request.gates;
+  if (gates) judge_quality(*gates, *entry.quality);
+  return {};
+}
+
 // Removes outputs of earlier runs for a clip whose file is no longer valid, unless they were
 // changed since.
 void BatchWorker::remove_outputs(const BatchTask& task,
                                  const std::vector<MissingFile>& only) const {
   const auto is_meant = [&](const std::string& file) {
     return only.empty() || std::ranges::any_of(only, [&](const MissingFile& each) {
-             // The motion itself, its sidecar, or a file in its folder.
+             // The motion itself, its sidecar or certificate, or a file in its folder.
              return file == each.file || file == each.file + ".json" ||
-                    file.starts_with(each.file + "/");
+                    file == certificate_file(each.file) || file.starts_with(each.file + "/");
            });
   };
   std::error_code ignored;

@@ -86,6 +86,10 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
                 "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       batch_row("redo", request.redo, kBatchGroup, "",
                 "Discard an earlier batch in the folder and start over"),
+      batch_row(
+          "certify", request.certify, kOutputGroup, "",
+          "Also measure, simulate and predict every motion: MOTION.certificate.json; gates on "
+          "tracked_pct and predicted_tracking_success select by it (docs/batch.md)"),
       batch_row("contacts", request.contacts, kOutputGroup, "",
                 "Also write heel and toe contacts next to every motion: CLIP.contacts.csv"),
       batch_row("motion-list", request.motion_list, kOutputGroup, "",

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/certify_clip.h"
 #include "batch/duplicates.h"
 #include "batch/split.h"
 #include "batch/summary.h"
@@ -24,20 +25,6 @@ namespace retarget {
 namespace {
 
 namespace fs = std::filesystem;
-
-void judge_again(ClipQuality& quality, const Gates& gates) {
-  QualityReport report;
-  report.leg = quality.leg;
-  for (const auto& [key, value] : quality.figures) {
-    if (const Metric* metric = find_metric(key)) report.values.push_back({metric, value, {}});
-  }
-  gates.judge(report);
-  const ClipQuality judged = clip_quality(report);
-  quality.missed = judged.missed;
-  quality.missed_gates = judged.missed_gates;
-  quality.worst = judged.worst;
-  quality.worst_ratio = judged.worst_ratio;
-}
 
 // Searches original clips only: a mirror image or variation created by the batch is left out with its original.
 void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::string>* asked) {
@@ -78,15 +65,17 @@ std::string cell_of(const std::string& text) {
   return cell;
 }
 
-// The motions among the outputs, without sidecars.
+// The motions among the outputs, without sidecars and certificates.
 std::vector<std::string> motions_of(const ManifestEntry& entry) {
+  const auto is_about = [&](const FileRecord& output, std::string_view ending) {
+    if (!output.file.ends_with(ending)) return false;
+    const std::string of = output.file.substr(0, output.file.size() - ending.size());
+    return std::ranges::find(entry.outputs, of, &FileRecord::file) != entry.outputs.end();
+  };
   std::vector<std::string> files;
   for (const FileRecord& output : entry.outputs) {
-    const bool is_sidecar =
-        output.file.ends_with(".json") &&
-        std::ranges::find(entry.outputs, output.file.substr(0, output.file.size() - 5),
-                          &FileRecord::file) != entry.outputs.end();
-    if (!is_sidecar) files.push_back(output.file);
+    if (is_about(output, ".json") || is_about(output, ".certificate.json")) continue;
+    files.push_back(output.file);
   }
   return files;
 }
@@ -212,6 +201,7 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   }
   if (!merging || !request.gates.empty()) {
     RETARGET_TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
+    RETARGET_TRY(check_certified_gates(*rules.gates, merging || request.certify));
   }
   if (!merging || request.dedupe) rules.dedupe = request.dedupe;
   if (!request.split.empty()) {
@@ -220,10 +210,28 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   return rules;
 }
 
+void judge_quality(const Gates& gates, ClipQuality& quality) {
+  QualityReport report;
+  report.leg = quality.leg;
+  for (const auto& [key, value] : quality.figures) {
+    if (const Metric* metric = find_metric(key)) report.values.push_back({metric, value, {}});
+  }
+  gates.judge(report);
+  for (const Gate& gate : gates.all()) {
+    const bool missing = is_certified_figure(gate.metric) && report.find(gate.metric) == nullptr;
+    if (missing) report.gates.push_back({gate.metric, gate.min, gate.max, std::nullopt, false});
+  }
+  const ClipQuality judged = clip_quality(report);
+  quality.missed = judged.missed;
+  quality.missed_gates = judged.missed_gates;
+  quality.worst = judged.worst;
+  quality.worst_ratio = judged.worst_ratio;
+}
+
 void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
                    const std::set<std::string>* asked) {
   for (ManifestEntry& entry : entries) {
-    if (rules.gates && entry.quality) judge_again(*entry.quality, *rules.gates);
+    if (rules.gates && entry.quality) judge_quality(*rules.gates, *entry.quality);
     if (rules.dedupe == false && entry.done) entry.repeated.reset();
   }
   if (rules.dedupe == true) find_repetitions(entries, asked);
@@ -242,7 +250,8 @@ std::string reason_of(const ManifestEntry& entry) {
   for (const std::string& metric : entry.quality->missed) {
     const auto gate = std::ranges::find(entry.quality->missed_gates, metric, &GateResult::metric);
     const bool known = gate != entry.quality->missed_gates.end() && gate->value;
-    reason += (reason.empty() ? "" : "; ") + (known ? missed_text(*gate) : metric);
+    const std::string text = is_certified_figure(metric) ? metric + " unknown" : metric;
+    reason += (reason.empty() ? "" : "; ") + (known ? missed_text(*gate) : text);
   }
   return reason;
 }

@@ -27,6 +27,10 @@ struct DataSetRules {
 ///                 results.
 [[nodiscard]] Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging);
 
+/// Applies gates to recorded figures. A gate on a figure of certificates is missed where the clip has
+/// no certificate.
+void judge_quality(const Gates& gates, ClipQuality& quality);
+
 /// Applies the rules to entries again, using recorded data only; nothing is solved or measured.
 /// @param entries  one per clip and robot, sorted by relative path.
 /// @param asked    relative names of the clips among which duplicates are searched; null: all.

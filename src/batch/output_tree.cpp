@@ -7,6 +7,8 @@
 #include <string>
 #include <system_error>
 
+#include "batch/certify_clip.h"
+#include "retarget/certificate.h"
 #include "retarget/file.h"
 #include "retarget/motion_io.h"
 #include "retarget/option_name.h"
@@ -35,6 +37,8 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
     files.push_back(item.path);
     if (request.of_clip.sidecar) files.push_back(item.path + ".json");
   }
+  const OutputItem* const certified = request.certify ? certified_item(items) : nullptr;
+  if (certified != nullptr) files.push_back(certificate_file(certified->path));
   if (request.contacts) files.push_back(folder + contacts_output(input.relative));
   return files;
 }
@@ -170,7 +174,7 @@ void remove_unfinished(const std::string& output_folder, const std::set<fs::path
 
 std::vector<std::string> files_of_earlier_options(const std::string& folder,
                                                   const std::vector<BatchTask>& tasks,
-                                                  const FinishedClips& finished) {
+                                                  const FinishedClips& finished, bool certify) {
   std::vector<std::string> files;
   for (const BatchTask& task : tasks) {
     const SaveOptions& save = task.robot->run.options.save;
@@ -185,7 +189,8 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
           is_contacts || std::ranges::any_of(*items, [&](const OutputItem& item) {
             return file == item.path ||
                    (format_is_folder(item.format) && file.starts_with(item.path + "/")) ||
-                   (task.robot->request.sidecar && file == item.path + ".json");
+                   (task.robot->request.sidecar && file == item.path + ".json") ||
+                   (certify && file == certificate_file(item.path));
           });
       if (!replaced && is_file(fs::path(folder) / file)) files.push_back(file);
     }

@@ -42,8 +42,10 @@ void remove_unfinished(const std::string& output_folder,
 
 /// Files, relative to the output folder, that earlier options created for clips that are done
 /// again, and that the current options neither replace nor list, such as files of another --format.
+/// @param certify  BatchRequest::certify.
 [[nodiscard]] std::vector<std::string> files_of_earlier_options(const std::string& folder,
                                                                 const std::vector<BatchTask>& tasks,
-                                                                const FinishedClips& finished);
+                                                                const FinishedClips& finished,
+                                                                bool certify);
 
 }  // namespace retarget

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "batch/batch_runner.h"
+#include "batch/certify_clip.h"
 #include "batch/clip_table.h"
 #include "batch/clip_variations.h"
 #include "batch/data_set.h"
@@ -81,6 +82,7 @@ Result<void> check_request(const BatchRequest& request) {
   if (request.contacts) options.save.contacts = contacts_output("*");
   RETARGET_TRY(check_options(options));
   if (request.motion_list) RETARGET_TRY(check_motion_list(save));
+  if (request.certify) RETARGET_TRY(check_certify(save, request.quality));
   if (!request.pack.empty()) {
     RETARGET_TRY(check_pack_name(request.pack));
     RETARGET_TRY(check_pack_format(save));
@@ -162,6 +164,9 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     robot.name = fs::path(robot.setup.loaded.robot->name()).filename().generic_string();
     if (names.size() > 1) robot.folder = robot.name + "/";
     RETARGET_TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.request, robot.setup));
+    if (request.certify) {
+      RETARGET_TRY_ASSIGN(robot.fingerprint, certified(robot.fingerprint));
+    }
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
       return usage_failure("the robot \"" + robot.name + "\" is given twice");
     }
@@ -306,8 +311,8 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
 
 // Warns of output files that the current options no longer create.
 void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
-                           const FinishedClips& finished, Observer& observer) {
-  const auto files = files_of_earlier_options(folder, plan.tasks, finished);
+                           const FinishedClips& finished, bool certify, Observer& observer) {
+  const auto files = files_of_earlier_options(folder, plan.tasks, finished, certify);
   if (files.empty()) return;
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
@@ -411,6 +416,7 @@ Result<void> check_merge(const BatchRequest& request) {
   };
   if (!request.clips.empty()) return refused(RETARGET_OPTION("clips"));
   if (request.mirror) return refused(RETARGET_OPTION("mirror"));
+  if (request.certify) return refused(RETARGET_OPTION("certify"));
   if (request.variants > 0) return refused(RETARGET_OPTION("variants"));
   if (!request.exclude.empty()) return refused(RETARGET_OPTION("exclude"));
   if (!request.shard.empty()) return refused(RETARGET_OPTION("shard"));
@@ -434,8 +440,11 @@ Result<void> record_gates(const std::string& folder, const Gates& gates) {
 }  // namespace
 
 Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
-  RETARGET_TRY_ASSIGN(const BatchRequest request, without_former_options(given, observer));
+  RETARGET_TRY_ASSIGN(BatchRequest request, without_former_options(given, observer));
   RETARGET_TRY(check_request(request));
+  // A certificate records the options of its motion, which sidecars have.
+  request.of_clip.sidecar |= request.certify;
+  request.of_clip.dynamics |= request.certify;
   Shard shard;
   if (!request.shard.empty()) {
     RETARGET_TRY_ASSIGN(shard, parse_shard(request.shard));
@@ -453,7 +462,7 @@ Result<std::size_t> run_batch(const BatchRequest& given, Observer& observer) {
   const bool alone = shard.count == 1 && locks.folder.is_held();
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
-  warn_of_earlier_files(folder, plan, finished, observer);
+  warn_of_earlier_files(folder, plan, finished, request.certify, observer);
   RETARGET_TRY(write_options_file(folder, plan.robots));
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   manifest.reset();  // Windows does not replace open files.

@@ -95,6 +95,8 @@ constexpr auto kMetricLabels = std::to_array<std::pair<std::string_view, std::st
     {"friction_p95", "Required friction, 95th percentile"},
     {"flight_force_pct", "Unexplained force in flight"},
     {"flight_torque_cm", "Unexplained torque in flight"},
+    {"tracked_pct", "Tracked in the simulation"},
+    {"predicted_tracking_success", "Predicted probability of tracking"},
 });
 
 }  // namespace

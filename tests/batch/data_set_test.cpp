@@ -69,6 +69,40 @@ class DataSetTest : public ::testing::Test {
   std::vector<ManifestEntry> entries_;
 };
 
+TEST_F(DataSetTest, SelectsByFiguresOfCertificates) {
+  entries_ = {done("likely.bvh", 0.0), done("unlikely.bvh", 0.0), done("unknown.bvh", 0.0)};
+  entries_[0].quality->figures.emplace_back("predicted_tracking_success", 0.7);
+  entries_[1].quality->figures.emplace_back("predicted_tracking_success", 0.3);
+  for (ManifestEntry& entry : entries_) {
+    entry.outputs.push_back({entry.outputs.front().file + ".certificate.json", 1, 1, ""});
+  }
+  judge({"predicted_tracking_success>=0.5"});
+  EXPECT_EQ(reason_of(entries_[0]), "");
+  EXPECT_EQ(reason_of(entries_[1]), "predicted_tracking_success 0.3 (at least 0.5)");
+  // Without a certificate, a clip is not selected; nor is it after a round trip through the file.
+  EXPECT_EQ(reason_of(entries_[2]), "predicted_tracking_success unknown");
+  const auto read = parse_manifest_line(manifest_line(entries_[2])).value();
+  EXPECT_EQ(reason_of(read), reason_of(entries_[2]));
+  EXPECT_FALSE(has_passed(read));
+  write({});
+  EXPECT_EQ(written("passed.txt"), "likely.csv\n");
+  judge({});
+  write({});
+  EXPECT_EQ(written("passed.txt"), "likely.csv\nunknown.csv\nunlikely.csv\n");
+}
+
+TEST_F(DataSetTest, GatesOnCertificatesNeedThem) {
+  BatchRequest request;
+  request.data_folder = RETARGET_SOURCE_DIR;
+  request.gates = {"tracked_pct>=100"};
+  const auto rules = data_set_rules(request, false);
+  ASSERT_FALSE(rules);
+  EXPECT_THAT(rules.error().message, HasSubstr("needs certificates"));
+  EXPECT_TRUE(data_set_rules(request, true));
+  request.certify = true;
+  EXPECT_TRUE(data_set_rules(request, false));
+}
+
 TEST_F(DataSetTest, AppliesGatesToRecordedFigures) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 2.0)};
   judge({});

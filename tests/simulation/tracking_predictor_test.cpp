@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kText = R"({
   "window_s": 10, "intercept": 0.5, "auc": 0.9,
   "figures": [
-    {"metric": "dynamics_bad_pct", "root": true, "least": 0, "most": 64, "middle": 2, "spread": 4,
+    {"metric": "dynamics_bad_pct", "roots": 2, "least": 0, "most": 64, "middle": 2, "spread": 4,
      "coefficient": -1.5},
     {"metric": "unexplained_force_pct", "p95": true, "least": 0, "most": 50, "middle": 1,
      "spread": 10, "coefficient": -2}
@@ -38,7 +38,8 @@ TEST(TrackingPredictor, IsLogistic) {
   EXPECT_EQ(predictor->calibration.size(), 1U);
   for (const double bad : {0.0, 9.0, 25.0, 64.0}) {
     for (const double force : {0.0, 3.0, 50.0}) {
-      const double z = 0.5 - 1.5 * (std::sqrt(bad) - 2.0) / 4.0 - 2.0 * (force - 1.0) / 10.0;
+      const double z =
+          0.5 - 1.5 * (std::sqrt(std::sqrt(bad)) - 2.0) / 4.0 - 2.0 * (force - 1.0) / 10.0;
       const auto is = predictor->probability(report_with(bad, force));
       ASSERT_TRUE(is);
       EXPECT_NEAR(*is, logistic(z), 1e-12);
@@ -64,6 +65,11 @@ TEST(TrackingPredictor, WrongFiles) {
   text = kText;
   text.replace(text.find("\"spread\": 4"), 11, "\"spread\": 0");
   EXPECT_FALSE(parse_tracking_predictor(text, "p.json"));
+  for (const char* roots : {"5", "-1", "true", "1e300"}) {
+    text = kText;
+    text.replace(text.find("\"roots\": 2"), 10, std::string("\"roots\": ") + roots);
+    EXPECT_FALSE(parse_tracking_predictor(text, "p.json")) << roots;
+  }
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ Result<ExitCode> certify(const CertifyArguments& arguments, Console& console) {
   RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
   if (arguments.motions.size() != 1) return usage_failure("a certificate is for one motion");
   const std::string output =
-      arguments.output.empty() ? arguments.motions.front() + ".certificate.json" : arguments.output;
+      arguments.output.empty() ? certificate_file(arguments.motions.front()) : arguments.output;
   RETARGET_TRY(check_written({output, arguments.run.request.write_map}, read));
   RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
   const InterruptGuard guard;

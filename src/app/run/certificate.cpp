@@ -49,11 +49,11 @@ Result<void> restore_given(const Json& given, const OptionTable& rows, const std
       return input_failure(file, "unknown option in the certificate: \"" + name + "\"",
                            "it may come from a newer version of this tool");
     }
-    auto set = row->set(text.get<std::string>());
+    const auto value = option_value(*row, text.get<std::string>());
+    const auto set = value ? row->set(*value) : Result<void>(failure(value.error()));
     if (set) continue;
-    set.error().kind = ErrorKind::kInput;
-    set.error().location.file = file;
-    return failure(std::move(set).error());
+    return input_failure(file,
+                         "the option \"" + name + "\" of the certificate: " + set.error().message);
   }
   return {};
 }
@@ -181,6 +181,21 @@ Json prediction_json(const RobotClip& clip, const LimitSet& limits,
   return json;
 }
 
+// Share of the motion before the fall, %.
+double tracked_pct(const SimulationReport& report) {
+  const double length = (report.frames - 1) / report.fps;
+  return report.fell ? std::clamp(100.0 * report.fall_time_s / length, 0.0, 100.0) : 100.0;
+}
+
+// Adds the figures of the certificate to the report, and judges it again.
+void add_figures(const Certificate& certificate, const Gates& gates, QualityReport& report) {
+  report.values.push_back({find_metric(kTrackedFigure), certificate.tracked_pct, {}});
+  if (certificate.predicted_success >= 0.0) {
+    report.values.push_back({find_metric(kPredictedFigure), certificate.predicted_success, {}});
+  }
+  gates.judge(report);
+}
+
 // The first member in which two documents differ, as a path; empty: none.
 std::string first_difference(const Json& recorded, const Json& now) {
   const auto changes = nlohmann::json::diff(nlohmann::json(recorded), nlohmann::json(now));
@@ -198,7 +213,7 @@ Result<Certificate> certify(const MeasureRequest& asked, Observer& observer) {
   const std::string& file = request.motions.front();
   TRY_ASSIGN(const std::string hash, hash_file(file));
   TRY_ASSIGN(const Measures measures, load_measures(request, observer));
-  TRY_ASSIGN(const MeasuredMotion motion, measure_file(file, measures, observer));
+  TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, observer));
   TRY_ASSIGN(const std::string data_folder, find_data_folder(request.data_folder));
   const std::string predictor_file = tracking_predictor_file(data_folder);
   TRY_ASSIGN(const auto text, read_file(predictor_file, ErrorKind::kConfig, kMaxTextBytes));
@@ -209,6 +224,11 @@ Result<Certificate> certify(const MeasureRequest& asked, Observer& observer) {
   TRY_ASSIGN(const Simulation simulation, simulate(motion.clip, options));
 
   Certificate certificate;
+  const Json prediction =
+      prediction_json(motion.clip, measures.limits, predictor, certificate.predicted_success);
+  certificate.fell = simulation.report.fell;
+  certificate.tracked_pct = tracked_pct(simulation.report);
+  add_figures(certificate, measures.gates, motion.report);
   Json json;
   json["schema"] = kSchema;
   json["retarget"] = version_number();
@@ -222,15 +242,17 @@ Result<Certificate> certify(const MeasureRequest& asked, Observer& observer) {
   json["quality"] = quality["motions"][0];
   json["margins"] = margins_json(motion.report);
   json["simulation"] = Json::parse(simulation_json(simulation.report), nullptr, false);
-  json["prediction"] =
-      prediction_json(motion.clip, measures.limits, predictor, certificate.predicted_success);
+  json["prediction"] = prediction;
   certificate.gates_passed = motion.report.passed();
-  certificate.fell = simulation.report.fell;
   json["verdict"] = {{"gates_passed", certificate.gates_passed},
                      {"simulated_without_fall", !certificate.fell},
                      {"passed", certificate.passed()}};
   certificate.json = printable_dump(json);
   return certificate;
+}
+
+std::string certificate_file(const std::string& motion) {
+  return motion + ".certificate.json";
 }
 
 bool is_certificate(std::string_view text) {
@@ -262,7 +284,8 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   now["request"] = recorded["request"];
   // Files may have moved; their contents count.
   const Json inputs = recorded.value("inputs", Json::array());
-  for (std::size_t i = 0; i < std::min(inputs.size(), now["inputs"].size()); ++i) {
+  const std::size_t known = inputs.is_array() ? inputs.size() : 0;
+  for (std::size_t i = 0; i < std::min(known, now["inputs"].size()); ++i) {
     Json& input = now["inputs"][i];
     if (inputs[i].is_object() && inputs[i].value("role", Json()) == input["role"]) {
       input["file"] = inputs[i].value("file", Json());

@@ -17,6 +17,7 @@ constexpr std::string_view kNotes = "measurements of the published G1 data";
 constexpr std::string_view kHolosoma = "holosoma evaluation, 1 cm";
 constexpr std::string_view kContacts = "contacts of the source foot: contact_plan.h";
 constexpr std::string_view kDynamics = "inverse dynamics: docs/dynamics.md";
+constexpr std::string_view kCertificate = "certificates: docs/certificate.md";
 
 // Steps are between consecutive frames; speeds are steps times the frame rate.
 constexpr auto kMetrics = std::to_array<Metric>({
@@ -286,6 +287,13 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Mean rate of the angular momentum, divided by the weight, over the same time; 0 in free "
      "fall.",
      kDynamics},
+    {"tracked_pct", "%",
+     "Share of the motion before the robot of the simulation falls; 100 if it does not fall.",
+     kCertificate, true},
+    {"predicted_tracking_success", "1",
+     "Predicted probability that the controller of the simulation tracks the motion without a "
+     "fall.",
+     kCertificate, true},
 });
 
 // A group includes the metrics from this key up to the next group's key, so that a metric added

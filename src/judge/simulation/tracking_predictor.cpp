@@ -14,6 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kMostRoots = 4;
+
 // exp(x), with the same bytes on every machine: a power series of x / 1024, squared ten times.
 double portable_exp(double x) {
   constexpr int kHalvings = 10, kTerms = 9;
@@ -54,14 +56,21 @@ PredictorFigure figure_from(const Json& json, std::vector<std::string>& faults) 
     faults.push_back("\"metric\": unknown metric \"" + figure.metric + "\"");
   }
   figure.p95 = flag(json, "p95");
-  figure.root = flag(json, "root");
+  if (json.contains("roots")) {
+    const double roots = number(json, "roots", faults);
+    if (!(roots >= 0.0 && roots <= kMostRoots)) {
+      faults.emplace_back("\"roots\": expected a number from 0 to 4");
+    } else {
+      figure.roots = static_cast<int>(roots);
+    }
+  }
   figure.least = number(json, "least", faults);
   figure.most = number(json, "most", faults);
   figure.middle = number(json, "middle", faults);
   figure.spread = number(json, "spread", faults);
   figure.coefficient = number(json, "coefficient", faults);
   if (!(figure.spread > 0.0)) faults.emplace_back("\"spread\": expected a number above 0");
-  if (figure.most < figure.least || (figure.root && figure.least < 0.0)) {
+  if (figure.most < figure.least || (figure.roots > 0 && figure.least < 0.0)) {
     faults.emplace_back("\"least\", \"most\": expected a range, not negative for a root");
   }
   return figure;
@@ -77,7 +86,7 @@ std::optional<double> TrackingPredictor::probability(const QualityReport& report
     // A figure that is not finite is as bad as the worst one known.
     const double worst = figure.coefficient < 0.0 ? figure.most : figure.least;
     double x = std::isfinite(*value) ? std::clamp(*value, figure.least, figure.most) : worst;
-    if (figure.root) x = std::sqrt(x);
+    for (int i = 0; i < figure.roots; ++i) x = std::sqrt(x);
     sum += figure.coefficient * (x - figure.middle) / figure.spread;
   }
   return 1.0 / (1.0 + portable_exp(-sum));
@@ -107,7 +116,11 @@ Result<TrackingPredictor> parse_tracking_predictor(std::string_view text, const 
     if (!(predictor.window_s >= 1.0)) faults.emplace_back("\"window_s\": expected at least 1");
   }
   if (faults.empty()) return predictor;
-  Error error{ErrorKind::kConfig, {file, 0, 0}, "the predictor is not valid", faults, {}};
+  Error error;
+  error.kind = ErrorKind::kConfig;
+  error.location.file = file;
+  error.message = "the predictor is not valid";
+  error.details = std::move(faults);
   return failure(std::move(error));
 }
 

@@ -21,10 +21,9 @@ struct ControlGains {
   double root_stiffness = 250.0, root_damping = 32.0, root_weight = 1.2;
   double foot_stiffness = 500.0, foot_damping = 45.0, foot_weight = 5.0;
   double joint_stiffness = 300.0, joint_damping = 35.0, joint_weight = 0.3;
-  double torque_weight = 0.02;    ///< Of a torque at its limit.
-  double force_weight = 0.05;     ///< Of an edge force as large as the weight.
-  double unplanned_weight = 3.0;  ///< The same, at a point that the reference does not load.
-  double friction = 0.7;          ///< Assumed friction coefficient, below that of the floor.
+  double torque_weight = 0.02;  ///< Of a torque at its limit.
+  double force_weight = 0.05;   ///< Of an edge force as large as the weight.
+  double friction = 0.7;        ///< Assumed friction coefficient, below that of the floor.
   double step_gain = 0.8;    ///< Share of the error of the capture point that a swing foot follows.
   double step_reach = 0.25;  ///< Largest shift of a swing foot, metres.
 };
