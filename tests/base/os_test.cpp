@@ -37,7 +37,8 @@ TEST_F(OsTest, NamesAreUtf8) {
   ASSERT_EQ(files_in_folder(at(kName)).size(), 1U);
   EXPECT_EQ(files_in_folder(at(kName)).front().filename().string(), kName + ".csv");
   EXPECT_EQ(fs::path(kName).string(), kName);
-  EXPECT_EQ(fs::path(kName).u8string(), std::u8string(kName.begin(), kName.end()));
+  const std::u8string utf8 = fs::path(kName).u8string();
+  EXPECT_EQ(std::string(utf8.begin(), utf8.end()), kName);
   EXPECT_TRUE(is_file(file));
   EXPECT_EQ(read_file(file).value().view(), "text");
   std::ifstream stream(fs::path(file), std::ios::binary);

@@ -18,6 +18,7 @@ double ulps(double found, long double exact) {
   return static_cast<double>(std::abs(static_cast<long double>(found) - exact)) / unit;
 }
 
+#ifndef _WIN32  // MinGW's long double sine is that of x87, less accurate than ours.
 TEST(SinCos, IsWithinAFewUlps) {
   std::mt19937_64 random(1);
   for (const double range : {1e-8, 0.1, 1.0, 4.0, 100.0, 9e5}) {
@@ -31,7 +32,9 @@ TEST(SinCos, IsWithinAFewUlps) {
     }
   }
 }
+#endif
 
+#ifndef _WIN32  // MinGW's long double sine is that of x87, less accurate than ours.
 TEST(SinCos, IsExactAtSpecialAngles) {
   EXPECT_EQ(sin_cos(0.0).sine, 0.0);
   EXPECT_EQ(sin_cos(0.0).cosine, 1.0);
@@ -50,6 +53,7 @@ TEST(SinCos, IsExactAtSpecialAngles) {
     EXPECT_NEAR(cosine, std::cos(angle), 1e-16) << k;
   }
 }
+#endif
 
 TEST(SinCos, HandlesAnyAngle) {
   for (const double angle : {1.0000001e6, -3e7, 1e15, 1e300}) {
