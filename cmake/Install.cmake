@@ -31,7 +31,7 @@ if(TARGET retarget_cli)
   install(TARGETS retarget_cli DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 # The tool generates its own completions and man page.
-if(TARGET retarget_cli AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
+if(TARGET retarget_cli AND NOT WIN32 AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
   function(retarget_install_generated what folder name)
     set(file ${PROJECT_BINARY_DIR}/generated/${what}/${name})
     file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/${what})
