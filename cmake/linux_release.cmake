@@ -19,6 +19,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_CXX_FLAGS_INIT "-include ${CMAKE_CURRENT_LIST_DIR}/libcxx_hardening.h")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,--gc-sections -s")
-set(CMAKE_SHARED_LINKER_FLAGS_INIT "-Wl,--gc-sections -s")
+# The library calls its own functions directly, not through tables.
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "-Wl,--gc-sections -s -Wl,-Bsymbolic -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map")
 set(CMAKE_MODULE_LINKER_FLAGS_INIT "-Wl,--gc-sections -s")
 set(CMAKE_CROSSCOMPILING_EMULATOR ${release_root}/bin/release-run)
