@@ -16,7 +16,7 @@
 #   viewer  the script of pages is up to date with viewer/src; skipped without Node (tools/viewer_bundle.sh)
 #   words   comments, messages and pages contain none of the wording in tools/words.txt
 #           (tools/check_words.py)
-#   workflows    actionlint has no findings in .github/workflows; skipped without Go
+#   workflows    .github/workflows has the form of GitHub's workflows (check-jsonschema, with the schema in its wheel)
 #   macos   the library and the tool compile for macOS (tools/check_macos.sh); not in CI
 #   windows the tool for Windows builds, and its results under Wine are those of the native tool (tools/windows.sh);
 #           not in CI
@@ -98,18 +98,15 @@ check_words() {
   python3 "$root/tools/check_words.py"
 }
 
-# Go's checksum database pins the sources of a version; the program is kept in build/deps.
 check_workflows() {
-  local version=v1.7.12
-  local program=$root/build/deps/actionlint-$version/actionlint
-  if ! [ -x "$program" ]; then
-    if ! command -v go >/dev/null; then
-      echo "check: workflows left out: there is no Go to compile actionlint with" >&2
-      return 0
-    fi
-    GOBIN=${program%/*} GOFLAGS=-mod=mod go install "github.com/rhysd/actionlint/cmd/actionlint@$version"
+  local folder=$root/build/deps/workflows
+  if ! cmp -s "$root/tools/workflows.txt" "$folder/workflows.txt"; then
+    rm -rf -- "$folder"
+    python3 -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --only-binary :all: \
+      --target "$folder" -r "$root/tools/workflows.txt"
+    cp "$root/tools/workflows.txt" "$folder/"
   fi
-  "$program" -no-color
+  PYTHONPATH=$folder python3 -m check_jsonschema --builtin-schema vendor.github-workflows "$root"/.github/workflows/*.yml
 }
 
 check_macos() {
