@@ -69,7 +69,7 @@ TEST(ForceCone, ExplainsOnlyWhatTheConeCanSupply) {
   int explained = 0, unknown = 0;
   Vector6d given = wrench({0.0, 0.0, 1.0}, Vector3d::Zero());
   for (int round = 0; round < 500; ++round) {
-    for (double& value : given) value += 0.02 * normal(random);
+    for (double& value : given) value += 0.01 * normal(random);
     if (ConeProjector::explains(cone, given, kRest)) {
       ForceCone fresh = two_feet();
       EXPECT_LE(projector.project(fresh, given).norm(), kRest + 1e-6);
