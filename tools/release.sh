@@ -144,7 +144,8 @@ build_modules() {
 make_stubs() {
   local arch=$1
   local package=$root/build/stubs_$arch/retarget python run=()
-  python=$(find_python "$tool_python")
+  # The package imports numpy.
+  python=$("$root/tools/setup.sh" --python --print-python)
   rm -rf -- "$root/build/stubs_$arch"
   cp -r "$root/python/retarget" "$root/build/stubs_$arch.new"
   mkdir -p "$root/build/stubs_$arch"
