@@ -42,10 +42,10 @@ RETARGET_INLINE bool factorise_plain(Rows rows, int size, double* inverse_d) {
     inverse_d[k] = inverse;
     if (rows.masked[k] != 0) continue;
     for (int m = depth - 1; m >= 0; --m) {
-      const double scaled = row[m] * inverse;
-      subtract_scaled(row, scaled, m + 1, rows.values + rows.begin[above[m]]);
-      row[m] = scaled;
+      subtract_scaled(row, row[m] * inverse, m + 1, rows.values + rows.begin[above[m]]);
     }
+    // Not inside the loop above: its vector loads would have to wait for single stores.
+    for (int m = 0; m < depth; ++m) row[m] *= inverse;
   }
   return true;
 }
