@@ -127,26 +127,6 @@ build_cxx_library() {
   rm -f -- "$deps"/objects/*.o
 }
 
-# Downloads the Debian sources with a private list of packages, so that the system's lists do not change.
-fetch_sources() {
-  say "fetching the sources of zlib, tinyxml2 and libzip"
-  local apt=$deps/sources/apt package file hash list
-  mkdir -p "$apt"/{lists,cache}/partial
-  : >"$apt/sources.sources"
-  for list in /etc/apt/sources.list.d/*.sources; do
-    [ -e "$list" ] && sed 's/^Types:.*/Types: deb-src/' "$list" >>"$apt/sources.sources" && echo >>"$apt/sources.sources"
-  done
-  if [ -e /etc/apt/sources.list ]; then sed -nE 's/^deb(-src)? /deb-src /p' /etc/apt/sources.list >"$apt/old.list"; fi
-  local options=(-qq -o "Dir::Etc::sourcelist=$apt/old.list" -o "Dir::Etc::sourceparts=$apt" -o "Dir::State::lists=$apt/lists"
-    -o "Dir::Cache=$apt/cache" -o "APT::Sandbox::User=$(id -un)")
-  apt-get "${options[@]}" update
-  (cd "$deps/sources" && grep -v '^#' "$root/tools/browser_sources.txt" | while read -r package file hash; do
-    apt-get "${options[@]}" source --download-only "$package"
-    echo "$hash  $file" | sha256sum --quiet --check
-    tar -xf "$file"
-  done)
-}
-
 build_libraries() {
   say "compiling zlib, tinyxml2 and libzip"
   local sources=$deps/sources
@@ -189,7 +169,8 @@ link_headers() {
 fetch_compiler
 link_headers
 build_cxx_library
-fetch_sources
+say "fetching the sources of zlib, tinyxml2 and libzip"
+"$root/tools/debian_sources.sh" "$root/tools/browser_sources.txt" "$deps/sources"
 build_libraries
 echo "$made_by" >"$deps/made_by"
 say "ready: build/deps/wasm"

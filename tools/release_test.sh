@@ -98,16 +98,16 @@ try_older_glibc() {
   if is_foreign; then
     qemu-"$arch"-static -L "$system" "$tree/bin/retarget" "$root/data/walk.bvh" unitree_g1 -o "$work/older.csv" --quiet
   elif [ "$(id -u)" -eq 0 ]; then
-    rm -rf -- "$system/work"
-    mkdir -p "$system/work" "$system/proc"
-    cp -r "$tree" "$system/work/retarget"
-    cp "$root/data/walk.bvh" "$system/work/"
+    rm -rf -- "$system/trial"
+    mkdir -p "$system/trial" "$system/proc"
+    cp -r "$tree" "$system/trial/retarget"
+    cp "$root/data/walk.bvh" "$system/trial/"
     # The loader needs /proc to know where the command is.
     # shellcheck disable=SC2016  # the inner shell's own words
-    unshare --mount bash -c 'mount --bind /proc "$1/proc" && exec chroot "$@"' - "$system" /work/retarget/bin/retarget \
-      /work/walk.bvh unitree_g1 -o /work/older.csv --quiet
-    cp "$system/work/older.csv" "$work/"
-    rm -rf -- "$system/work"
+    unshare --mount bash -c 'mount --bind /proc "$1/proc" && exec chroot "$@"' - "$system" /trial/retarget/bin/retarget \
+      /trial/walk.bvh unitree_g1 -o /trial/older.csv --quiet
+    cp "$system/trial/older.csv" "$work/"
+    rm -rf -- "$system/trial"
   else
     say "not tested with an older glibc: this needs root"
     return 0

@@ -38,9 +38,9 @@ struct BatchRequest {
   int variants = 0;                  ///< Add every clip in so many changed scenes.
   int seed = 0;                      ///< Of these changes.
   bool dedupe = false;               ///< Leave out duplicate clips.
-  std::string split;         ///< `SHARES:SEED` (docs/batch.md); empty: no lists for training.
-  bool certify = false;      ///< Write a certificate of each motion; implies sidecars and dynamics.
-  bool contacts = false;     ///< Write CLIP.contacts.csv next to each motion.
+  std::string split;      ///< `SHARES:SEED` (docs/batch.md); empty: no lists for training.
+  bool certify = false;   ///< Write a certificate for each motion; implies sidecars and dynamics.
+  bool contacts = false;  ///< Write CLIP.contacts.csv next to each motion.
   bool motion_list = false;  ///< Write motions.yaml.
   std::string pack;          ///< Name of the NPZ with all passed motions; empty: none.
 

@@ -22,7 +22,7 @@ bool is_readable_motion(MotionFormat format) {
   return format != MotionFormat::kGlb && !format_is_folder(format);
 }
 
-// Passes on interrupts only: the run of the clip has already reported what it found.
+// Forwards only the request to stop, because the run of the clip has already printed its messages.
 class CertifyObserver : public Observer {
  public:
   explicit CertifyObserver(const Observer& observer) : observer_(observer) {}

@@ -19,7 +19,7 @@ ALIAS = re.compile(r"^using (\w+) = (.*?);", re.M | re.S)
 
 
 def wings_together():
-    """The wings of each unit, as the build groups them."""
+    """The wings that the build compiles together, by unit."""
     text = (ROOT / "cmake/GroupByRooms.cmake").read_text()
     names = re.search(r"set\(retarget_unity_wings (.*?)\)", text, re.S).group(1)
     return [(quoted or plain).split() for quoted, plain in re.findall(r'"(.*?)"|(\w+)', names)]

@@ -48,7 +48,7 @@ class TreeSystem {
   const KinematicTree& tree_;
   const std::vector<int>& begin_;  // Start of each row, plus the end of the last one.
   std::vector<double> H_;          // Rows as in hessian().
-  std::vector<int> l_begin_;       // Start of each row of L_, which is rounded up to whole vectors.
+  std::vector<int> l_begin_;       // Offset of each row in L_. Rows are padded to whole vectors.
   std::vector<double> L_;          // Holds D on the diagonal.
   std::vector<double> inverse_d_;
   std::vector<char> masked_;  // Rows of bound variables: zero except for a 1 on the diagonal.
