@@ -32,6 +32,9 @@ inline constexpr std::string_view kNotInNames = ":*?\"<>|";
 inline constexpr std::string_view kNotInNames = "";
 #endif
 
+/// Descriptors of the standard streams.
+inline constexpr int kStandardInput = 0, kStandardOutput = 1, kStandardError = 2;
+
 enum class EntryKind : unsigned char {
   kRegular,
   kFolder,

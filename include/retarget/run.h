@@ -96,7 +96,7 @@ class Observer {
 class KnownFiles {
  public:
   /// Adds a file. Empty names are ignored.
-  /// @param stream  the descriptor that `-` means: 0 for input, 1 for output.
+  /// @param stream  the descriptor that `-` means: os::kStandardInput or os::kStandardOutput.
   void add(const std::string& path, int stream);
   /// The name under which the same file was added; null if it was not.
   [[nodiscard]] const std::string* find(const std::string& path, int stream) const;

@@ -74,7 +74,6 @@ std::string follow_links(const std::string& path) {
   return target.string();
 }
 
-constexpr int kStandardInput = 0, kStandardOutput = 1;
 constexpr int kMaxNames = 1000;
 constexpr std::string_view kTemporaryBegin = ".retarget-";
 constexpr std::string_view kTemporaryEnd = ".tmp";
@@ -121,7 +120,7 @@ std::vector<std::filesystem::path> files_in_folder(const std::filesystem::path& 
 Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t max,
                               std::string_view too_large) {
   const bool standard_input = path == "-";
-  Reader reader{standard_input ? kStandardInput : os::open_file(path, os::OpenFor::kReading),
+  Reader reader{standard_input ? os::kStandardInput : os::open_file(path, os::OpenFor::kReading),
                 !standard_input};
   if (reader.descriptor < 0) return read_failure(kind, path, errno);
   const auto info = os::status_of(reader.descriptor);
@@ -183,7 +182,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   OutputFile file;
   file.path_ = path;
   if (path == "-") {
-    file.descriptor_ = kStandardOutput;
+    file.descriptor_ = os::kStandardOutput;
     file.direct_ = true;
     return file;
   }

@@ -67,8 +67,7 @@ bool has_sha_instructions() {
 }  // namespace
 
 Sha256Blocks sha256_blocks_by_instructions() {
-  static const bool available = has_sha_instructions();
-  return available ? blocks_by_instructions : nullptr;
+  return has_sha_instructions() ? blocks_by_instructions : nullptr;
 }
 
 }  // namespace retarget

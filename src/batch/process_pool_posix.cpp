@@ -7,12 +7,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <list>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "batch/sanitizer.h"
+#include "batch/task_queue.h"
 #include "batch/worker_process.h"
 #include "retarget/try.h"
 
@@ -50,8 +50,7 @@ class Pool {
   Pool(std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
        const std::function<std::string(std::size_t)>& work,
        const std::function<void(std::size_t, const TaskEnd&)>& ended)
-      : memory_(memory), options_(options), work_(work), ended_(ended) {
-    for (std::size_t task = 0; task < memory.size(); ++task) waiting_.push_back(task);
+      : tasks_(memory, options.memory), options_(options), work_(work), ended_(ended) {
     const auto workers = static_cast<std::size_t>(std::max(1, options.workers));
     slots_.resize(std::min(workers, memory.size()));
   }
@@ -60,9 +59,9 @@ class Pool {
     for (;;) {
       for (Slot& slot : slots_) {
         if (slot.task) continue;
-        if (auto fed = feed(slot); !fed && running_ == 0) return fed;
+        if (auto fed = feed(slot); !fed && tasks_.running() == 0) return fed;
       }
-      if (running_ == 0) return {};
+      if (tasks_.running() == 0) return {};
       wait_for_answers();
       end_late_ones();
       ask_whether_to_go_on();
@@ -70,16 +69,9 @@ class Pool {
   }
 
  private:
-  // The next task that fits next to the running ones.
-  std::list<std::size_t>::iterator next_task() {
-    return std::ranges::find_if(waiting_, [&](std::size_t task) {
-      return running_ == 0 || options_.memory == 0 || used_ + memory_[task] <= options_.memory;
-    });
-  }
-
   Result<void> feed(Slot& slot) {
-    const auto next = next_task();
-    if (next == waiting_.end()) return {};
+    const auto next = tasks_.next();
+    if (next == tasks_.none()) return {};
     // An idle process may have ended, so try a second time.
     for (int tries = 0; tries < 2; ++tries) {
       if (!slot.process) {
@@ -95,12 +87,9 @@ class Pool {
         slot.process.reset();
         continue;
       }
-      slot.task = *next;
+      slot.task = tasks_.begin(next);
       slot.begin = Clock::now();
       slot.ended_by_us = false;
-      ++running_;
-      used_ += memory_[*next];
-      waiting_.erase(next);
       return {};
     }
     return run_failure("", "worker processes exit immediately after start");
@@ -136,8 +125,7 @@ class Pool {
     }
     const std::size_t task = *slot.task;
     slot.task.reset();
-    --running_;
-    used_ -= memory_[task];
+    tasks_.end(task);
     // Feed the process before reporting the result. If feeding fails, it is tried again later.
     [[maybe_unused]] const auto fed = feed(slot);
     ended_(task, end);
@@ -157,20 +145,17 @@ class Pool {
   void ask_whether_to_go_on() {
     if (stopped_ || !options_.keep_going || options_.keep_going()) return;
     stopped_ = true;
-    waiting_.clear();
+    tasks_.clear();
     for (const Slot& slot : slots_) {
       if (slot.task) slot.process->send_signal(SIGTERM);
     }
   }
 
-  std::span<const std::uint64_t> memory_;
+  TaskQueue tasks_;
   const ProcessPoolOptions& options_;
   const std::function<std::string(std::size_t)>& work_;
   const std::function<void(std::size_t, const TaskEnd&)>& ended_;
-  std::list<std::size_t> waiting_;
   std::vector<Slot> slots_;
-  std::size_t running_ = 0;
-  std::uint64_t used_ = 0;
   bool stopped_ = false;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <list>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "batch/process_pool.h"
+#include "batch/task_queue.h"
 #include "retarget/option_name.h"
 
 namespace retarget {
@@ -26,15 +26,17 @@ class ThreadPool {
   ThreadPool(std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
              const std::function<std::string(std::size_t)>& work,
              const std::function<void(std::size_t, const TaskEnd&)>& ended)
-      : memory_(memory), options_(options), work_(work), ended_(ended) {
-    for (std::size_t task = 0; task < memory.size(); ++task) waiting_.push_back(task);
-  }
+      : task_count_(memory.size()),
+        tasks_(memory, options.memory),
+        options_(options),
+        work_(work),
+        ended_(ended) {}
 
   Result<void> run() {
     const auto workers = static_cast<std::size_t>(std::max(1, options_.workers));
     std::vector<std::thread> threads;
     Result<void> started;
-    while (threads.size() < std::min(workers, memory_.size())) {
+    while (threads.size() < std::min(workers, task_count_)) {
       try {
         threads.emplace_back([this] { serve(); });
       } catch (const std::system_error& error) {
@@ -51,32 +53,21 @@ class ThreadPool {
   }
 
  private:
-  // The next task that fits next to the running ones.
-  std::list<std::size_t>::iterator next_task() {
-    return std::ranges::find_if(waiting_, [&](std::size_t task) {
-      return running_ == 0 || options_.memory == 0 || used_ + memory_[task] <= options_.memory;
-    });
-  }
-
   // Runs tasks until none is left.
   void serve() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      auto next = waiting_.end();
+      auto next = tasks_.none();
       work_left_.wait(lock, [&] {
-        next = next_task();
-        return waiting_.empty() || next != waiting_.end();
+        next = tasks_.next();
+        return tasks_.is_empty() || next != tasks_.none();
       });
-      if (waiting_.empty()) return;
-      const std::size_t task = *next;
-      waiting_.erase(next);
-      ++running_;
-      used_ += memory_[task];
+      if (tasks_.is_empty()) return;
+      const std::size_t task = tasks_.begin(next);
       lock.unlock();
       TaskEnd end = run_task(task);
       lock.lock();
-      --running_;
-      used_ -= memory_[task];
+      tasks_.end(task);
       done_.emplace_back(task, std::move(end));
       work_left_.notify_all();
       task_ended_.notify_all();
@@ -100,7 +91,7 @@ class ThreadPool {
   // Reports results on the caller's thread until every task has ended.
   void collect() {
     std::unique_lock lock(mutex_);
-    while (!waiting_.empty() || running_ > 0 || !done_.empty()) {
+    while (!tasks_.is_empty() || tasks_.running() > 0 || !done_.empty()) {
       task_ended_.wait_for(lock, kPause, [&] { return !done_.empty(); });
       std::vector<std::pair<std::size_t, TaskEnd>> done = std::exchange(done_, {});
       lock.unlock();
@@ -108,21 +99,19 @@ class ThreadPool {
       const bool goes_on = !options_.keep_going || options_.keep_going();
       lock.lock();
       if (goes_on) continue;
-      waiting_.clear();
+      tasks_.clear();
       work_left_.notify_all();
     }
   }
 
-  std::span<const std::uint64_t> memory_;
+  std::size_t task_count_;
+  TaskQueue tasks_;  // Guarded by mutex_, like done_.
   const ProcessPoolOptions& options_;
   const std::function<std::string(std::size_t)>& work_;
   const std::function<void(std::size_t, const TaskEnd&)>& ended_;
   std::mutex mutex_;
   std::condition_variable work_left_, task_ended_;
-  std::list<std::size_t> waiting_;
   std::vector<std::pair<std::size_t, TaskEnd>> done_;
-  std::size_t running_ = 0;
-  std::uint64_t used_ = 0;
 };
 
 }  // namespace

@@ -435,66 +435,6 @@ TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
   }
 }
 
-// The indices of all pairs that are nearer than `within`, measured one by one.
-std::vector<std::uint32_t> near_pairs_of(const FitModel& model, const TreeState& pose,
-                                         double within) {
-  std::vector<std::uint32_t> near;
-  const auto in_world = [&](int shape) {
-    const FitShape& own = model.shapes[static_cast<std::size_t>(shape)];
-    return placed(own, pose.world_from_link[static_cast<std::size_t>(own.link)]);
-  };
-  for (std::uint32_t i = 0; i < model.pairs.size(); ++i) {
-    const FitPair& pair = model.pairs[i];
-    const double distance =
-        shape_distance(in_world(pair.a), in_world(pair.b), NearestPoints::kEven).distance;
-    if (distance < within) near.push_back(i);
-  }
-  return near;
-}
-
-TEST_F(FrameTermsTest, FindsAllNearPairs) {
-  constexpr double kWithin = 0.03;
-  std::size_t max = 0;
-  for (int round = 0; round < 5; ++round) {
-    TreeState pose(model_.tree);
-    pose.update(random_configuration(0.4, 0.8));
-    FrameTerms terms(model_, options_);
-    std::vector<std::uint32_t> found;
-    terms.find_near_pairs(pose, kWithin, found);
-    EXPECT_EQ(found, near_pairs_of(model_, pose, kWithin));
-    max = std::max(max, found.size());
-  }
-  EXPECT_GT(max, 0U);
-}
-
-// Memories of earlier poses must not hide a pair: small and large steps, a travelling root, another
-// distance.
-TEST_F(FrameTermsTest, FindsAllNearPairsAlongAPath) {
-  FrameTerms terms(model_, options_);
-  TreeState pose(model_.tree);
-  std::vector<double> from = random_configuration(0.4, 0.8), to = from;
-  std::vector<std::uint32_t> found;
-  std::size_t changes = 0, before = 0;
-  constexpr int kSteps = 40;
-  for (int step = 0; step < 10 * kSteps; ++step) {
-    if (step % kSteps == 0) {
-      from = std::exchange(to, random_configuration(0.4, 0.8));
-      if (step % (3 * kSteps) == 0) from = to;  // A jump.
-      for (std::size_t k = 0; k < 2; ++k) to[k] += 5.0;
-    }
-    const double share = (step % kSteps) / static_cast<double>(kSteps);
-    std::vector<double> qpos(from.size());
-    for (std::size_t i = 0; i < qpos.size(); ++i) qpos[i] = from[i] + share * (to[i] - from[i]);
-    pose.update(qpos);
-    const double within = step < 7 * kSteps ? 0.04 : 0.012;
-    terms.find_near_pairs(pose, within, found);
-    ASSERT_EQ(found, near_pairs_of(model_, pose, within)) << step;
-    if (found.size() != before) ++changes;
-    before = found.size();
-  }
-  EXPECT_GT(changes, 50U);
-}
-
 TEST_F(FrameTermsTest, CostsWithoutHessianEqualThoseOfTheAssembly) {
   const std::vector<double> qpos = random_configuration(0.4, 0.8);
   set_goals(qpos, 0.05);

@@ -6,12 +6,11 @@
 #include <cstdlib>
 
 #include "retarget/error.h"
+#include "retarget/os.h"
 #include "retarget/text.h"
 
 namespace retarget::cli {
 namespace {
-
-constexpr int kStandardOutput = 1, kStandardError = 2;
 
 constexpr std::string_view kRed = "31";
 constexpr std::string_view kYellow = "33";
@@ -48,15 +47,15 @@ ExitCode exit_code(ErrorKind kind) {
 
 Console::Console(bool quiet)
     : quiet_(quiet),
-      terminal_(is_terminal(kStandardError)),
-      colour_(terminal_ && colours_wanted() && terminal_takes_colours(kStandardError)),
+      terminal_(is_terminal(os::kStandardError)),
+      colour_(terminal_ && colours_wanted() && terminal_takes_colours(os::kStandardError)),
       // Without a terminal, the first status line can wait.
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
 
 void Console::never_wait() {
-  if (!writer_) writer_.emplace(kStandardError);
+  if (!writer_) writer_.emplace(os::kStandardError);
 }
 
 void Console::put(std::string_view text) {
@@ -143,8 +142,8 @@ void Console::end_progress() {
 }
 
 bool output_takes_colours() {
-  return is_terminal(kStandardOutput) && colours_wanted() &&
-         terminal_takes_colours(kStandardOutput);
+  return is_terminal(os::kStandardOutput) && colours_wanted() &&
+         terminal_takes_colours(os::kStandardOutput);
 }
 
 }  // namespace retarget::cli

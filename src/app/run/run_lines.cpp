@@ -217,8 +217,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kStandardInput = 0, kStandardOutput = 1;
-
 // Identity of a regular file. Pipes and devices are never overwritten.
 std::optional<os::FileId> identity_of(const std::string& path, int stream) {
   const auto info = path == "-" ? os::status_of(stream) : os::status_of(path);
@@ -265,11 +263,11 @@ const std::string* KnownFiles::find(const std::string& path, int stream) const {
 }
 
 WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) inputs_.add(input, kStandardInput);
+  for (const std::string& input : inputs) inputs_.add(input, os::kStandardInput);
 }
 
 Result<void> WrittenFiles::check_spared(const std::string& output) const {
-  const std::string* input = inputs_.find(output, kStandardOutput);
+  const std::string* input = inputs_.find(output, os::kStandardOutput);
   if (input == nullptr) return {};
   const std::string by_name = *input == output ? "" : " \"" + output + "\"";
   return usage_failure("the output" + by_name + " would overwrite the input \"" + *input + "\"",
@@ -280,10 +278,10 @@ Result<void> WrittenFiles::take(const std::string& output) {
   if (output.empty()) return {};
   TRY(check_spared(output));
   if (output == "-") return {};
-  if (outputs_.find(output, kStandardOutput) != nullptr) {
+  if (outputs_.find(output, os::kStandardOutput) != nullptr) {
     return usage_failure("two outputs name the same file \"" + output + "\"");
   }
-  outputs_.add(output, kStandardOutput);
+  outputs_.add(output, os::kStandardOutput);
   return check_output_folder(output);
 }
 

@@ -1,12 +1,9 @@
 #include "live/stream/socket.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <pthread.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -16,34 +13,11 @@
 #include <csignal>
 #include <cstring>
 
+#include "live/stream/socket_address.h"
 #include "retarget/try.h"
 
 namespace retarget {
 namespace {
-
-sockaddr_in socket_address(const StreamAddress& address) {
-  sockaddr_in result{};
-  result.sin_family = AF_INET;
-  result.sin_port = htons(static_cast<std::uint16_t>(address.port));
-  inet_pton(AF_INET, address.host.c_str(), &result.sin_addr);
-  return result;
-}
-
-sockaddr_in socket_address(const Endpoint& endpoint) {
-  sockaddr_in result{};
-  result.sin_family = AF_INET;
-  result.sin_port = htons(endpoint.port);
-  result.sin_addr.s_addr = htonl(endpoint.host);
-  return result;
-}
-
-Endpoint endpoint(const sockaddr_in& place) {
-  return {ntohl(place.sin_addr.s_addr), ntohs(place.sin_port)};
-}
-
-Failure socket_failure(const StreamAddress& address, const char* what, std::string hint = {}) {
-  return run_failure(address.text(), std::string(what) + ": " + error_text(errno), std::move(hint));
-}
 
 // Child processes do not inherit it, and a closed connection sends no signal.
 Descriptor own_socket(int number, bool blocks) {
@@ -110,7 +84,7 @@ Result<Descriptor> join_group(const StreamAddress& address, const std::string& g
   StreamAddress place = address;
   place.host = group;
   sockaddr_in to = socket_address(place);
-  if (!IN_MULTICAST(ntohl(to.sin_addr.s_addr))) {
+  if (!is_multicast(to)) {
     return usage_failure(group + " is not a multicast group: expected 224.0.0.0 to 239.255.255.255",
                          "for example: ?multicast=239.255.42.99");
   }

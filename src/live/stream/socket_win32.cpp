@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "live/stream/socket.h"
+#include "live/stream/socket_address.h"
 #include "retarget/os.h"
 #include "retarget/try.h"
 
@@ -82,28 +83,8 @@ void begin_network() {
   static_cast<void>(begun);
 }
 
-sockaddr_in socket_address(const Endpoint& endpoint) {
-  sockaddr_in result{};
-  result.sin_family = AF_INET;
-  result.sin_port = ::htons(endpoint.port);
-  result.sin_addr.s_addr = ::htonl(endpoint.host);
-  return result;
-}
-
-sockaddr_in socket_address(const StreamAddress& address) {
-  return socket_address(endpoint_of(address));
-}
-
-Endpoint endpoint(const sockaddr_in& place) {
-  return {::ntohl(place.sin_addr.s_addr), ::ntohs(place.sin_port)};
-}
-
 const sockaddr* as_any(const sockaddr_in& place) {
   return reinterpret_cast<const sockaddr*>(&place);
-}
-
-Failure socket_failure(const StreamAddress& address, const char* what, std::string hint = {}) {
-  return run_failure(address.text(), std::string(what) + ": " + error_text(errno), std::move(hint));
 }
 
 template <typename Value>
@@ -202,9 +183,7 @@ Result<Descriptor> join_group(const StreamAddress& address, const std::string& g
   StreamAddress place = address;
   place.host = group;
   const sockaddr_in to = socket_address(place);
-  constexpr std::uint32_t kFirst = 0xe0000000, kLast = 0xefffffff;
-  const std::uint32_t number = ::ntohl(to.sin_addr.s_addr);
-  if (number < kFirst || number > kLast) {
+  if (!is_multicast(to)) {
     return usage_failure(group + " is not a multicast group: expected 224.0.0.0 to 239.255.255.255",
                          "for example: ?multicast=239.255.42.99");
   }

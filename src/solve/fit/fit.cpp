@@ -152,8 +152,6 @@ class Fit {
   void find_contacts_in_scene(const HumanClipInfo& info, HumanPoser& poser, double scale,
                               FitResult& result);
   void keep_bounds(FitReport& report);
-  void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
-                    FitReport& report) const;
 
   const Clip& source_;
   const Calibration& calibration_;
@@ -269,7 +267,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   TRY(check_finite());
   keep_bounds(result.report);
   const std::vector<TermCosts> costs = windows.costs_now();
-  report_terms(windows.costs_before(), costs, result.report);
+  report_terms(clip_, windows.costs_before(), costs, result.report);
   report_status(windows.statuses(), windows.costs_before(), costs, result.report);
   return {};
 }
@@ -363,36 +361,6 @@ void Fit::keep_bounds(FitReport& report) {
       }
     }
     if (bound.frames > 0) report.bounded.push_back(bound);
-  }
-}
-
-void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
-                       FitReport& report) const {
-  constexpr std::array kNames = {"position",       "rotation", "foot-height",    "contact",
-                                 "contact-height", "floor",    "self-collision", "limits",
-                                 "smoothness",     "speed",    "scene-contact",  "scene"};
-  static_assert(kNames.size() == kTermCount);
-  constexpr std::size_t kWorst = 5;
-  const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));
-  const std::size_t terms = clip_.scene ? kTermCount : kTermsWithoutScene;
-  for (std::size_t term = 0; term < terms; ++term) {
-    FitTermReport entry;
-    entry.name = kNames[term];
-    std::vector<int> order;
-    for (int t = 0; t < clip_.frame_count; ++t) {
-      entry.before += before[at(t)][term] / clip_.frame_count;
-      entry.after += after[at(t)][term] / clip_.frame_count;
-      if (after[at(t)][term] > 0.0) order.push_back(t);
-    }
-    std::ranges::stable_sort(order,
-                             [&](int a, int b) { return after[at(a)][term] > after[at(b)][term]; });
-    for (const int t : order) {
-      if (entry.worst.size() == kWorst) break;
-      const bool near =
-          std::ranges::any_of(entry.worst, [&](int other) { return std::abs(other - t) < apart; });
-      if (!near) entry.worst.push_back(t);
-    }
-    report.terms.push_back(std::move(entry));
   }
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -98,6 +100,36 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
   if (!all.converged) report.notes.push_back(not_converged(*worst));
   report.windows = std::move(parts);
+}
+
+void report_terms(const FitClip& clip, const std::vector<TermCosts>& before,
+                  const std::vector<TermCosts>& after, FitReport& report) {
+  constexpr std::array kNames = {"position",       "rotation", "foot-height",    "contact",
+                                 "contact-height", "floor",    "self-collision", "limits",
+                                 "smoothness",     "speed",    "scene-contact",  "scene"};
+  static_assert(kNames.size() == kTermCount);
+  constexpr std::size_t kWorst = 5;
+  const int apart = static_cast<int>(std::lround(0.5 / clip.frame_time));
+  const std::size_t terms = clip.scene ? kTermCount : kTermsWithoutScene;
+  for (std::size_t term = 0; term < terms; ++term) {
+    FitTermReport entry;
+    entry.name = kNames[term];
+    std::vector<int> order;
+    for (int t = 0; t < clip.frame_count; ++t) {
+      entry.before += before[at(t)][term] / clip.frame_count;
+      entry.after += after[at(t)][term] / clip.frame_count;
+      if (after[at(t)][term] > 0.0) order.push_back(t);
+    }
+    std::ranges::stable_sort(order,
+                             [&](int a, int b) { return after[at(a)][term] > after[at(b)][term]; });
+    for (const int t : order) {
+      if (entry.worst.size() == kWorst) break;
+      const bool near =
+          std::ranges::any_of(entry.worst, [&](int other) { return std::abs(other - t) < apart; });
+      if (!near) entry.worst.push_back(t);
+    }
+    report.terms.push_back(std::move(entry));
+  }
 }
 
 }  // namespace retarget

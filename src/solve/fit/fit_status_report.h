@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "retarget/report.h"
+#include "solve/fit/fit_clip.h"
 #include "solve/fit/frame_terms.h"
 
 namespace retarget {
@@ -12,5 +13,10 @@ namespace retarget {
 /// @param before, after  costs by frame.
 void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
                    const std::vector<TermCosts>& after, FitReport& report);
+
+/// Reports the mean cost of each term before and after, and its worst frames.
+/// @param before, after  costs by frame.
+void report_terms(const FitClip& clip, const std::vector<TermCosts>& before,
+                  const std::vector<TermCosts>& after, FitReport& report);
 
 }  // namespace retarget

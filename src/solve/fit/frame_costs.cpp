@@ -18,7 +18,6 @@ int smoothing_context(double frame_time) {
 
 void frame_costs(const FitModel& model, const FitOptions& options, const FitClip& clip,
                  const FitWindow& window, std::span<TermCosts> costs) {
-  const int dofs = model.dof_count();
   const int beside = window.fixed_ends ? window.context + 1 : 0;
   const int first = std::max(window.begin - beside, 0);
   const int last = std::min(window.end + beside, clip.frame_count);
@@ -26,7 +25,6 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
   TreeState pose(model.tree);
   JointSpeeds speeds(model, options, clip.frame_time);
   speeds.update(model, clip, first, last);
-  std::vector<double> gradient(at(dofs)), hessian(at(dofs) * at(dofs));
   std::vector<std::uint32_t> pairs;
   for (int frame = window.begin; frame < window.end; ++frame) {
     TermCosts& cost = costs[at(frame - window.begin)];
@@ -36,8 +34,8 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
       terms.find_near_pairs(pose, options.self_collision_margin + kOverlapBand, pairs);
     }
     terms.add_costs(pose, clip.goals(frame, model.tasks.size()), pairs, cost);
-    add_limit_margins(model, options, clip.frame(frame, model.configuration_size), gradient.data(),
-                      hessian.data(), dofs, cost);
+    add_limit_margins(model, options, clip.frame(frame, model.configuration_size), nullptr, nullptr,
+                      0, cost);
     if (frame + 1 < last) speeds.add_costs(frame, cost);
   }
 }

@@ -350,11 +350,12 @@ void add_limit_margins(const FitModel& model, const FitOptions& options,
     const double depth = margin - std::min(below, above);
     if (depth <= 0.0) continue;
     const double weight = square(options.limit_margin_weight / margin);
+    costs[kTermLimits] += 0.5 * weight * square(depth);
+    if (hessian == nullptr) continue;
     gradient[i] += (below < above ? -0.5 : 0.5) * weight * depth;
     // Twice the curvature: with the exact one, a step from outside the margin jumps across it to
     // the limit, and the next step back.
     hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] += weight;
-    costs[kTermLimits] += 0.5 * weight * square(depth);
   }
 }
 

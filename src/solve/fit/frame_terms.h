@@ -146,7 +146,8 @@ class FrameTerms {
 
 /// Adds the cost of joints near their limits to an assembled frame: it grows from zero at 5 % of the
 /// range before a limit to limit_margin_weight^2 / 2 at the limit.
-/// @param qpos  configuration of the frame.
+/// @param qpos     configuration of the frame.
+/// @param hessian  null: adds only the cost.
 void add_limit_margins(const FitModel& model, const FitOptions& options,
                        std::span<const double> qpos, double* gradient, double* hessian, int stride,
                        TermCosts& costs);
