@@ -69,8 +69,8 @@ check_asan-input() {
   cmake --build --preset fuzz --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
   # Run only command line tests with unusual input; the others solve ordinary clips, slowly. Sweeps over
   # generated motions, and edits of clips, take minutes under sanitizers. check_asan runs all of them.
-  ctest --preset fuzz --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
-    -E '^(cli\.(human|run|travel|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_processes|configuration_choice|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|setup)$|human\.LyingBodies\.|scene_world\.(DistanceField|SampleDistance)\.)'
+  ctest --preset fuzz --parallel "$((jobs + 1))" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
+    -E '^(cli\.(human|run|travel|determinism|fit_odd_sources|compare_peers|default_motion|docs_commands|own_files|robot_to_robot|live_outputs|live_soak|perturbations|noise|batch_processes|configuration_choice|data_sets|edit|gallery.*|hands|inspect_page|live|live_blocked_outputs|odd_bodies|positions_motion|setup|simulate|small_files_memory|time_scale)$|human\.LyingBodies\.|scene_world\.(DistanceField|SampleDistance)\.)'
 }
 
 check_tsan() {
