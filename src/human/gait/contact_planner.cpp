@@ -21,6 +21,8 @@ namespace {
 // of the toe's side vector.
 constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 constexpr double kMinLevelTime = 1.0 / 6.0;  // Seconds.
+// Seconds for which a part of a drifting run must stay in place to be a raised stance.
+constexpr double kMinDriftingStance = 0.5;
 // Height difference of heel and toe, metres, below which the surface is level.
 constexpr double kFlat = 0.03;
 // Support of one end of a foot: the index of a raised stance, or one of these.
@@ -55,6 +57,29 @@ class FootContactFinder {
       stand_on_floor(end);
       for (std::size_t i = 0; i < raised_.size(); ++i) stand_raised(static_cast<int>(i), end);
     }
+  }
+
+  // A foot that is slow but moves farther than support_drift may be one that someone lifts slowly, so
+  // find_raised_stances passes over it. If nothing else supports the body meanwhile, the foot does:
+  // it stands on a step while its weight shifts. Call this after find_stands of all feet.
+  // @param carries(frame)  whether the body is held up and no other part of it is in contact.
+  template <typename Carries>
+  void find_drifting_stances(const Carries& carries) {
+    if (!has(kHeelEnd) || !has(kToeEnd)) return;
+    for_each_run(
+        0, frames_, [&](int frame) { return is_still_above_floor(frame); },
+        [&](int begin, int end) {
+          if (!is_still_above_floor(begin) || stays_in_place(begin, end)) return;
+          const ContactPhase part = longest_in_place(begin, end);
+          if (!lasts(part.end - part.begin, kMinDriftingStance)) return;
+          int alone = 0;
+          for (int frame = part.begin; frame < part.end; ++frame) alone += carries(frame) ? 1 : 0;
+          if (2 * alone < part.end - part.begin) return;
+          add_raised_stance(part.begin, part.end);
+          for (const int foot_end : {kHeelEnd, kToeEnd}) {
+            stand_raised(static_cast<int>(raised_.size()) - 1, foot_end);
+          }
+        });
   }
 
   [[nodiscard]] bool stands(int frame, int end) const {
@@ -151,6 +176,38 @@ class FootContactFinder {
     });
   }
 
+  void add_raised_stance(int begin, int end) {
+    RaisedStance stance{begin, end, {}};
+    for (const int foot_end : {kHeelEnd, kToeEnd}) {
+      heights_.clear();
+      for (int frame = begin; frame < end; ++frame) heights_.push_back(height(frame, foot_end));
+      stance.height[foot_end] = median_in_place(heights_);
+    }
+    if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
+      stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));
+    }
+    raised_.push_back(stance);
+  }
+
+  // Returns the longest part of the run that stays in place, up to an eighth of its length.
+  [[nodiscard]] ContactPhase longest_in_place(int begin, int end) const {
+    ContactPhase longest{begin, begin, 0.0};
+    for (int first = begin; first < end;) {
+      int last = first;
+      std::array<Eigen::AlignedBox3d, 2> boxes;
+      for (bool fits = true; fits && last < end;) {
+        for (const int foot_end : {kHeelEnd, kToeEnd}) {
+          boxes[foot_end].extend(place(last, foot_end));
+          if (boxes[foot_end].sizes().maxCoeff() > options_->support_drift * size_) fits = false;
+        }
+        if (fits) ++last;
+      }
+      if (last - first > longest.end - longest.begin) longest = {first, last, 0.0};
+      first += std::max(1, (last - first) / 8);
+    }
+    return longest;
+  }
+
   void find_raised_stances() {
     for_each_run(
         0, frames_, [&](int frame) { return is_still_above_floor(frame); },
@@ -159,18 +216,7 @@ class FootContactFinder {
               !stays_in_place(begin, end)) {
             return;
           }
-          RaisedStance stance{begin, end, {}};
-          for (const int foot_end : {kHeelEnd, kToeEnd}) {
-            heights_.clear();
-            for (int frame = begin; frame < end; ++frame) {
-              heights_.push_back(height(frame, foot_end));
-            }
-            stance.height[foot_end] = median_in_place(heights_);
-          }
-          if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
-            stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));
-          }
-          raised_.push_back(stance);
+          add_raised_stance(begin, end);
         });
   }
 
@@ -255,6 +301,26 @@ bool is_held_up(const SourceFeet& source, int frame) {
   return (hips(frame + half) - 2.0 * hips(frame) + hips(frame - half)) / (time * time) > kFalls;
 }
 
+// Finds raised stances of feet that drift, where nothing else supports the body.
+void find_drifting_stances(const SourceFeet& source, const ContactPlan& plan,
+                           std::span<FootContactFinder> feet) {
+  const auto rests_on_body = [&](int frame) {
+    return std::ranges::any_of(plan.bodies, [&](const std::vector<ContactPhase>& phases) {
+      return std::ranges::any_of(phases, [&](const ContactPhase& phase) {
+        return phase.begin <= frame && frame < phase.end;
+      });
+    });
+  };
+  for (FootContactFinder& foot : feet) {
+    foot.find_drifting_stances([&](int frame) {
+      return is_held_up(source, frame) && !rests_on_body(frame) &&
+             std::ranges::none_of(feet, [&](const FootContactFinder& other) {
+               return other.stands(frame, kHeelEnd) || other.stands(frame, kToeEnd);
+             });
+    });
+  }
+}
+
 // One end of a foot; foot -1: none.
 struct FootEnd {
   int foot = -1, end = kHeelEnd;
@@ -321,6 +387,7 @@ class ContactPlanner::Impl {
     for (int foot = 0; foot < source.foot_count; ++foot) {
       feet[foot].find_stands(source, plan_, options, foot);
     }
+    find_drifting_stances(source, plan_, feet);
     stand_while_held_up(source, plan_, feet, carrying_);
     for (int foot = 0; foot < source.foot_count; ++foot) {
       if (!source.has(foot, kHeelEnd)) continue;
