@@ -99,10 +99,11 @@ struct ContactPlan {
 /// The source does not describe raised surfaces such as boxes and stairs, so only the foot's motion
 /// can reveal a raised stance: the foot is upright, and both ends are slow for support_time and
 /// stay within support_drift. Feet held in the air rarely meet this test, and holding those that do
-/// at their position does no harm. If a foot moves farther while it is slow, the stance is the
-/// longest part of at least half a second in which it does not, provided that nothing else supports
-/// the body. If the heights of heel and toe differ by little, both get one height: the sole lies
-/// flat. Frames around the stance in which only one end is in contact belong to it.
+/// at their position does no harm. Where nothing else supports a body that is not falling, two more
+/// kinds count: the longest part of at least half a second in which a slow foot does not move
+/// farther, and a toe that meets the test alone, as on stairs. If the heights of heel and toe differ
+/// by little, both get one height: the sole lies flat. Frames around the stance in which only one
+/// end is in contact belong to it.
 [[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
 
 /// Contact phases of a sole of a robot's profile.

@@ -240,6 +240,37 @@ TEST(ContactPlan, AFootThatRollsSlowlyInTheAirIsNotInContactWhileTheOtherFootSta
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 120}));
 }
 
+// The left toe is still for 8 frames at half a metre while the heel passes over it; the right foot
+// swings.
+std::array<FootTrack, 2> toe_on_stair() {
+  auto feet = standing_feet(60);
+  for (int i = 20; i < 60; ++i) {
+    const double swing = 0.06 * (i < 30 ? i - 30 : i > 37 ? i - 37 : 0);
+    feet[0].ankle[i] += Eigen::Vector3d(0.02 * (i - 30), 0.0, 0.5);
+    feet[0].toe[i] += Eigen::Vector3d(swing, 0.0, 0.5);
+    feet[1].ankle[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
+    feet[1].toe[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
+  }
+  return feet;
+}
+
+TEST(ContactPlan, AStillToeOnAStairCarriesABodyThatIsNotFalling) {
+  const ContactPlan contacts =
+      contacts_of(toe_on_stair(), kLeg, kRate, {}, std::vector<double>(60, 1.0));
+  ASSERT_EQ(contacts.ends[0][kToeEnd].phases.size(), 2U);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].begin, 30, 1);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].end, 38, 1);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].support, 0.5, 1e-9);
+  EXPECT_EQ(contacts.ends[0][kHeelEnd].phases.size(), 1U);
+}
+
+TEST(ContactPlan, AStillToeOfAFallingBodyIsNotInContact) {
+  std::vector<double> hips(60);
+  for (int i = 0; i < 60; ++i) hips[i] = 3.0 - 0.5 * 9.81 * i * i / 900.0;
+  const ContactPlan contacts = contacts_of(toe_on_stair(), kLeg, kRate, {}, hips);
+  EXPECT_EQ(contacts.ends[0][kToeEnd].phases.size(), 1U);
+}
+
 TEST(ContactPlan, HeelsAndToesHaveSeparateContacts) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[1].ankle[i].z() += 0.1;
