@@ -9,9 +9,7 @@
 #include "retarget/scene.h"
 #include "retarget/so3.h"
 #include "scene/distance_grid.h"
-#include "scene/grid_cache.h"
 #include "scene/sample_distance.h"
-#include "scene/triangle_tree.h"
 #include "scene_world/mesh_bodies.h"
 #include "support/temporary_folder.h"
 

@@ -16,7 +16,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
-#include "motion/time_warp.h"
+#include "motion/resample.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/clip_range.h"

@@ -1,6 +1,6 @@
 #include "app/plan/path_scale.h"
 
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "human/skeleton/human_clip.h"
 #include "solve/fit/fit_setup.h"

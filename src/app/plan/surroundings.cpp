@@ -9,7 +9,6 @@
 
 #include "base/try.h"
 #include "motion/resample.h"
-#include "motion/time_warp.h"
 #include "retarget/resample.h"
 #include "retarget/text.h"
 #include "scene/change_scene.h"

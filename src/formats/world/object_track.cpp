@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "formats/containers/file_kind.h"
 #include "formats/containers/npy_stream.h"

@@ -8,7 +8,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/text.h"
-#include "scene/shape_mesh.h"
+#include "scene/scene_shapes.h"
 
 namespace retarget {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/math/pentadiagonal.h"
+#include "base/math/banded_system.h"
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/noisy_stances.h"

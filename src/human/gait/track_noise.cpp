@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "base/math/pentadiagonal.h"
+#include "base/math/banded_system.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 

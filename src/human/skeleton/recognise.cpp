@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/body_poses.h"

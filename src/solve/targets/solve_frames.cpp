@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
