@@ -9,7 +9,6 @@
 #include "base/try.h"
 #include "retarget/text.h"
 #include "retarget/trigonometry.h"
-#include "robot/model/mesh_files.h"
 #include "robot/model/read_mesh.h"
 
 namespace retarget {

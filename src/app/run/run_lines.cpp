@@ -22,7 +22,7 @@
 #include "retarget/robots.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
-#include "robot/model/limit_distance.h"
+#include "robot/model/limits.h"
 #include "solve/targets/limit_diagnosis.h"
 
 namespace retarget {

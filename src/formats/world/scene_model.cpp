@@ -15,8 +15,8 @@
 #include "base/try.h"
 #include "retarget/robot.h"
 #include "retarget/write_scene.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 
 namespace retarget {
 namespace {

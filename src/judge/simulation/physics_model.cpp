@@ -13,8 +13,8 @@
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {

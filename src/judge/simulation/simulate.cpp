@@ -17,7 +17,7 @@
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "retarget/trigonometry.h"
-#include "robot/model/mujoco_pointers.h"
+#include "robot/model/model_values.h"
 #include "solve/dynamics/motion_dynamics.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "robot/anatomy/limb_pairs.h"
+#include "robot/anatomy/limb_shape.h"
 
 #include <mujoco/mujoco.h>
 
@@ -14,8 +14,7 @@
 #include "base/try.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
-#include "robot/anatomy/counterparts.h"
-#include "robot/anatomy/limb_notes.h"
+#include "robot/anatomy/branches.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {

@@ -10,7 +10,6 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "retarget/trigonometry.h"
-#include "robot/anatomy/limb_notes.h"
 #include "robot/model/limb_joints.h"
 #include "robot/model/model_values.h"
 

@@ -21,7 +21,7 @@
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/urdf_extensions.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget {
 namespace {

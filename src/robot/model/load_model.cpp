@@ -18,13 +18,10 @@
 #include "retarget/load_robot.h"
 #include "retarget/text.h"
 #include "robot/model/check_model.h"
-#include "robot/model/mend_spec.h"
-#include "robot/model/mesh_geoms.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 #include "robot/model/repair_model.h"
-#include "robot/model/urdf_extensions.h"
-#include "robot/model/urdf_materials.h"
+#include "robot/model/urdf_extras.h"
 #include "version_numbers.h"
 
 namespace retarget {

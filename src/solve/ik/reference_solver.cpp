@@ -11,7 +11,7 @@
 
 #include "base/math/se3.h"
 #include "retarget/pose.h"
-#include "robot/model/mujoco_pointers.h"
+#include "robot/model/model_values.h"
 #include "solve/ik/box_qp.h"
 #include "solve/ik/ik_solver.h"
 #include "solve/ik/published_jacobian.h"

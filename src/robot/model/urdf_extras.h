@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tinyxml2.h>
-
 #include <string>
 #include <vector>
 
@@ -20,5 +19,9 @@ namespace retarget {
 /// Returns the elements of xacro in an expanded file (not a template), by name, each once. Nothing defines
 /// them, so an expansion left them behind; MuJoCo ignores them in a URDF.
 [[nodiscard]] std::vector<std::string> xacro_leftovers(const std::string& path);
+
+/// Replaces the materials of a URDF by spaces, so that positions in the text stay the same. They
+/// have no effect on kinematics.
+[[nodiscard]] std::string without_materials(std::string text);
 
 }  // namespace retarget
