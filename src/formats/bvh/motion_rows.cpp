@@ -9,7 +9,6 @@
 #include "base/option_name.h"
 #include "formats/bvh/euler_angles.h"
 #include "formats/bvh/number_parser.h"
-#include "formats/bvh/row_decoder.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/try.h"
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "retarget/text.h"
 
 namespace retarget {

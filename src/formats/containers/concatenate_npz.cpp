@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "formats/containers/npz.h"
-#include "formats/containers/npz_writer.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

@@ -12,7 +12,6 @@
 
 #include "base/try.h"
 #include "formats/containers/npy.h"
-#include "formats/containers/npy_stream.h"
 #include "retarget/text.h"
 
 namespace retarget {

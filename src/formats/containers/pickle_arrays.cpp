@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
+#include "formats/containers/npy.h"
 #include "formats/containers/pickle.h"
 #include "formats/containers/pickle_reader.h"
 

@@ -7,8 +7,7 @@
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/pickle_opcodes.h"
+#include "formats/containers/npy.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/pickle_opcodes.h"
+#include "formats/containers/npy.h"
+#include "formats/containers/pickle_reader.h"
 #include "formats/containers/zip_writer.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

@@ -10,7 +10,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
+#include "formats/containers/npy.h"
 #include "formats/containers/zip_writer.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

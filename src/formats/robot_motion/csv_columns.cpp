@@ -10,7 +10,6 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/robot_motion/csv_names.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "retarget/reference.h"
 #include "retarget/text.h"
 

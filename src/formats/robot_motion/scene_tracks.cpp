@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"

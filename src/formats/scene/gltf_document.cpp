@@ -13,7 +13,6 @@
 
 #include "base/json.h"
 #include "base/try.h"
-#include "formats/scene/gltf_motion.h"
 #include "motion/clip.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

@@ -1,4 +1,4 @@
-#include "formats/scene/gltf_motion.h"
+#include "formats/scene/gltf_document.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "formats/scene/gltf_scene.h"
+#include "formats/scene/read_scene.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -13,7 +13,6 @@
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
 #include "formats/scene/gltf_document.h"
-#include "formats/scene/gltf_motion.h"
 #include "retarget/text.h"
 
 namespace retarget {

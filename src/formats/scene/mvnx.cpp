@@ -1,4 +1,4 @@
-#include "formats/scene/mvnx.h"
+#include "formats/scene/read_scene.h"
 
 #include <tinyxml2.h>
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/npz_writer.h"
-#include "formats/smpl/motion_file.h"
+#include "formats/containers/npy.h"
+#include "formats/containers/npz.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 

@@ -9,8 +9,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/joint_orders.h"
-#include "formats/smpl/translation_unit.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/text.h"
 
 namespace retarget {

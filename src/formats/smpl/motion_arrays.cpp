@@ -11,7 +11,6 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/translation_unit.h"
 #include "retarget/text.h"
 
 namespace retarget {

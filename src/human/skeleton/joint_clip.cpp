@@ -12,7 +12,7 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/joint_motion.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/joint_tree.h"

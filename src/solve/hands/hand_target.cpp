@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "formats/smpl/generic_hand.h"
+#include "formats/smpl/smpl_body.h"
 #include "retarget/spline.h"
 #include "retarget/trigonometry.h"
 
