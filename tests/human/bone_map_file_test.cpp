@@ -1,4 +1,4 @@
-#include "human/skeleton/bone_map_file.h"
+#include "human/skeleton/bone_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

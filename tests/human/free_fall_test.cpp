@@ -1,4 +1,4 @@
-#include "human/skeleton/free_fall.h"
+#include "human/skeleton/up_evidence.h"
 
 #include <gtest/gtest.h>
 

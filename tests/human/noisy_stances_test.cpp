@@ -1,4 +1,4 @@
-#include "human/gait/noisy_stances.h"
+#include "human/gait/plant_noisy_feet.h"
 
 #include <gtest/gtest.h>
 

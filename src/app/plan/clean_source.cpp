@@ -10,7 +10,6 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
-#include "human/gait/clean_positions.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/option_table.h"

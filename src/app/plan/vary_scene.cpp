@@ -14,7 +14,6 @@
 #include "base/try.h"
 #include "human/gait/move_contacts.h"
 #include "human/gait/surface_contacts.h"
-#include "human/gait/terrain_moves.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/text.h"
 #include "scene/change_scene.h"

@@ -7,8 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "human/skeleton/body_words.h"
-#include "human/skeleton/facing.h"
+#include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
 #include "retarget/statistics.h"
 

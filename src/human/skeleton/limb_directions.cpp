@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "human/skeleton/body_axes.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/human_skeleton.h"

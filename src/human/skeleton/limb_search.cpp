@@ -1,4 +1,4 @@
-#include "human/skeleton/limb_search.h"
+#include "human/skeleton/candidate.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "human/skeleton/limb_twists.h"
+#include "human/skeleton/limb_directions.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "human/skeleton/learned_axes.h"
-#include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/clip_range.h"
 #include "retarget/so3.h"

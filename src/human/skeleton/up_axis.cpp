@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "base/option_name.h"
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/floor_evidence.h"
+#include "human/skeleton/posed_body.h"
+#include "human/skeleton/up_evidence.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/statistics.h"

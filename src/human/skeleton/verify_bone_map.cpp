@@ -9,9 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "human/skeleton/body_poses.h"
 #include "human/skeleton/candidate.h"
-#include "human/skeleton/facing.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/human.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/gait/contact_planner.h"
+#include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
