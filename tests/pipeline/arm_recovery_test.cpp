@@ -1,4 +1,4 @@
-#include "solve/targets/arm_recovery.h"
+#include "solve/targets/frame_solver.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "solve/targets/target_stream.h"
+#include "solve/targets/solve_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "formats/bvh/read_bvh.h"
-#include "solve/targets/solve_frames.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 

@@ -1,6 +1,6 @@
 // The shift of the centre of mass against the closed form of the linear inverted pendulum.
 
-#include "judge/simulation/balance_preview.h"
+#include "judge/simulation/reference_track.h"
 
 #include <gtest/gtest.h>
 

@@ -17,7 +17,7 @@
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/model/composite.h"
-#include "solve/ik/dense_least_squares.h"
+#include "solve/ik/box_qp.h"
 
 namespace retarget {
 namespace {
