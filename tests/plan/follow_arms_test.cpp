@@ -1,6 +1,6 @@
 // With Follow::kArms, only the arm joints of every robot stay free.
 
-#include "app/plan/follow_arms.h"
+#include "app/plan/set_up_robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

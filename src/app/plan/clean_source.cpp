@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "app/plan/path_scale.h"
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"

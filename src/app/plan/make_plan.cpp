@@ -7,12 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "app/plan/check_scene_fit.h"
 #include "app/plan/clean_source.h"
-#include "app/plan/follow_arms.h"
 #include "app/plan/scale_time.h"
+#include "app/plan/set_up_robot.h"
 #include "app/plan/surroundings.h"
-#include "app/plan/vary_scene.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "base/try.h"
 #include "retarget/hash.h"
 #include "retarget/text.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "app/plan/scale_time.h"
 #include "app/run/sidecar.h"
 #include "base/faults.h"
