@@ -12,13 +12,13 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/batch_report.h"
 #include "batch/certify_clip.h"
-#include "batch/clip_memory.h"
-#include "batch/clip_variations.h"
 #include "batch/data_set.h"
+#include "batch/duplicates.h"
+#include "batch/find_inputs.h"
+#include "batch/input_variants.h"
 #include "batch/process_pool.h"
-#include "batch/signature_pass.h"
-#include "batch/summary.h"
 #include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"

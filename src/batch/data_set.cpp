@@ -10,10 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/batch_report.h"
 #include "batch/certify_clip.h"
 #include "batch/duplicates.h"
 #include "batch/split.h"
-#include "batch/summary.h"
 #include "retarget/file.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"

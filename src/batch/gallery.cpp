@@ -9,10 +9,10 @@
 #include <set>
 #include <system_error>
 
-#include "batch/clip_memory.h"
+#include "batch/batch_report.h"
+#include "batch/find_inputs.h"
 #include "batch/gallery_batch.h"
 #include "batch/process_pool.h"
-#include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/machine.h"

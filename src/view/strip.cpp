@@ -9,9 +9,9 @@
 #include "retarget/view.h"
 #include "view/figure.h"
 #include "view/image.h"
+#include "view/page_data.h"
 #include "view/render.h"
 #include "view/strip.h"
-#include "view/written_motion.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "batch/folder_lock.h"
+#include "batch/output_tree.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "batch/summary.h"
+#include "batch/batch_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "edit/pose_distance.h"
+#include "edit/ground_pose.h"
 
 #include <gtest/gtest.h>
 

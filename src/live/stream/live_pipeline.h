@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "live/stream/packet_batch.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/clip.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "live/stream/robot_frame_writer.h"
+#include "live/stream/frame_output.h"
 #include "live/stream/stats_writer.h"
 #include "retarget/os.h"
 #include "retarget/try.h"
