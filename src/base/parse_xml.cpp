@@ -1,7 +1,6 @@
 #include "base/parse_xml.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tinyxml2.h>
-
 #include <string_view>
 
 #include "retarget/error.h"

@@ -1,7 +1,6 @@
 #include "batch/batch_runner.h"
 
 #include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -12,13 +11,10 @@
 #include <system_error>
 #include <utility>
 
-#include "batch/batch_report.h"
 #include "batch/certify_clip.h"
 #include "batch/data_set.h"
 #include "batch/duplicates.h"
-#include "batch/find_inputs.h"
 #include "batch/input_variants.h"
-#include "batch/process_pool.h"
 #include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"

@@ -1,11 +1,9 @@
 #include "retarget/rig.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <functional>
 #include <map>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

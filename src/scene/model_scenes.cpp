@@ -4,8 +4,6 @@
 #include <mujoco/mujoco.h>
 #include <tinyxml2.h>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <set>
 #include <string>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "base/try.h"

@@ -1,7 +1,6 @@
 #include "retarget/view.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,5 @@
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "retarget/appearance.h"
 #include "retarget/bytes.h"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "retarget/robot.h"
 #include "retarget/text.h"

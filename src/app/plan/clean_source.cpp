@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"

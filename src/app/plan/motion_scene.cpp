@@ -1,7 +1,6 @@
 #include "retarget/motion_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <string_view>
 #include <tuple>

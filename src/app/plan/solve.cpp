@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"

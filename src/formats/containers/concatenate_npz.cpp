@@ -1,7 +1,6 @@
 #include "retarget/concatenate_npz.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 #include <string_view>

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -7,8 +8,6 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/try.h"
 #include "formats/containers/npy.h"

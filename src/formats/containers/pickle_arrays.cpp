@@ -1,7 +1,6 @@
 // Results of the functions and classes that a pickle may name: arrays of NumPy and joblib.
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <string>
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npy.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -1,15 +1,11 @@
 #include "formats/containers/torch_file.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <bit>
-#include <limits>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npy.h"
 #include "formats/containers/pickle_reader.h"
 #include "formats/containers/zip_writer.h"
 #include "retarget/bytes.h"

@@ -1,11 +1,9 @@
 #include "retarget/zip.h"
 
 #include <fmt/format.h>
-
 #include <zip.h>
 #include <zlib.h>
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 
 #include "base/option_name.h"

@@ -3,7 +3,6 @@
 #include "formats/robot_motion/csv_columns.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 #include <span>

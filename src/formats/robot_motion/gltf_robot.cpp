@@ -1,7 +1,6 @@
 // GLB files of robots and humans.
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <vector>
 

@@ -1,15 +1,11 @@
 #include "formats/scene/gltf_document.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/json.h"
 #include "base/try.h"

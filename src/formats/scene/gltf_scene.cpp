@@ -1,13 +1,11 @@
 #include "formats/scene/read_scene.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/json.h"
 #include "base/try.h"

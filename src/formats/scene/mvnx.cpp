@@ -1,7 +1,7 @@
 #include "formats/scene/read_scene.h"
 
+#include <fmt/format.h>
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,8 +10,6 @@
 #include <optional>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/parse_xml.h"

@@ -1,12 +1,9 @@
 #include "formats/scene/read_scene.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <set>
 #include <utility>
 #include <vector>
 

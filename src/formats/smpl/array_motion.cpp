@@ -1,10 +1,8 @@
 // Motions in a single array: Motion-X and PHUMA (NumPy), InterMimic (PyTorch).
 
 #include <fmt/format.h>
-
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 

@@ -1,11 +1,9 @@
 #include "formats/smpl/joint_motion.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"

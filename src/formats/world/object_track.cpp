@@ -1,13 +1,11 @@
 // Tracks of objects: NPZ, NPY, CSV and InterMimic's tensors.
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/faults.h"
 #include "base/try.h"

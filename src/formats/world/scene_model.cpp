@@ -1,11 +1,9 @@
 // Robots and their scenes as MJCF.
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <type_traits>

@@ -1,7 +1,6 @@
 #include "retarget/write_scene.h"
 
 #include <fmt/format.h>
-
 #include <filesystem>
 
 #include "base/json.h"

@@ -1,13 +1,12 @@
 #include "human/skeleton/calibrate.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "base/faults.h"
 #include "base/option_name.h"
@@ -21,7 +20,6 @@
 #include "human/skeleton/up_axis.h"
 #include "human/skeleton/up_evidence.h"
 #include "retarget/clip_range.h"
-#include "retarget/human_skeleton.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -1,12 +1,11 @@
 #include "human/skeleton/limb_directions.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "human/skeleton/learned_axes.h"
 #include "human/skeleton/posed_body.h"

@@ -1,12 +1,11 @@
 #include "human/skeleton/recognise.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/faults.h"
 #include "base/option_name.h"

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <array>
 #include <memory>
 #include <utility>
 

@@ -1,13 +1,10 @@
 #include "judge/simulation/physics_model.h"
 
 #include <mujoco/mujoco.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <mutex>
-#include <string>
 
 #include "base/math/gravity.h"
 #include "base/try.h"

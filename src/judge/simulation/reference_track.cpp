@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/math/convex_hull.h"
 #include "base/math/gravity.h"

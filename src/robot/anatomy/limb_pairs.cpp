@@ -1,14 +1,12 @@
 #include "robot/anatomy/limb_shape.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"

@@ -1,7 +1,6 @@
 #include "robot/anatomy/limb_shape.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>

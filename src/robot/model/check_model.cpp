@@ -1,7 +1,7 @@
 #include "robot/model/check_model.h"
 
+#include <fmt/format.h>
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -13,8 +13,6 @@
 #include <system_error>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "base/parse_xml.h"
 #include "base/try.h"

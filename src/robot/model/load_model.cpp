@@ -1,16 +1,13 @@
 #include "robot/model/load_model.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <mutex>
 #include <string_view>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"

@@ -3,7 +3,6 @@
 #include <tinyxml2.h>
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <string_view>
 #include <utility>
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
-#include <memory>
 #include <utility>
 
 #include "base/try.h"

@@ -1,7 +1,6 @@
 // Reads the shapes in COLLADA files: nodes, geometries, triangles.
 
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <map>
 #include <numbers>

@@ -1,7 +1,6 @@
 #include "robot/model/repair_model.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>

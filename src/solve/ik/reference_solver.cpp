@@ -1,5 +1,4 @@
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,5 +1,6 @@
 #include "solve/robot_setup/t_pose.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,9 +9,6 @@
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
