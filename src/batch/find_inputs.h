@@ -39,7 +39,7 @@ struct ClipVariant {
 
   /// BatchInput::relative of the clip whose scene is changed; empty: not changed.
   std::string varied_of = {};
-  /// The changes of the scene (clip_variations.h), such as `terrain-scale=z=1.07`.
+  /// The changes of the scene (input_variants.h), such as `terrain-scale=z=1.07`.
   std::string changes = {};
 
   [[nodiscard]] bool is_mirrored() const { return !mirror_of.empty(); }

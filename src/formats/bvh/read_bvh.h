@@ -60,7 +60,7 @@ struct BvhFile {
 /// is skipped; `#` and `//` lines are skipped with a warning. The channel order is per joint.
 /// Rotations compose left to right (intrinsic). A position replaces the offset component by
 /// component, unless the positions of a joint below the root are relative to the offset, as zeros
-/// are (with a warning; see bvh/joint_positions.h). A frame time within a relative 1e-4 of 1/N
+/// are (with a warning; see read_positions_beside_offsets). A frame time within a relative 1e-4 of 1/N
 /// means the rate N.
 ///
 /// Numbers are correctly rounded and independent of the locale. Every error has its line and column

@@ -33,7 +33,7 @@ struct NoisyFeet {
   double farthest = 0.0;  ///< Largest displacement of an ankle relative to the hips, metres.
 };
 
-/// Holds feet that probably stand at the median positions of their stances (noisy_stances.h). Root
+/// Holds feet that probably stand at the median positions of their stances. Root
 /// drift alone cannot do that: with noise in the joints of the legs two standing feet move
 /// relative to each other. The root follows the common, slow part of the corrections; the legs
 /// take the remainder by two-bone inverse kinematics. Between stances the corrections change

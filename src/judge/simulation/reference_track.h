@@ -78,7 +78,7 @@ struct ReferenceState {
 /// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
 /// at equal steps, with the centre of mass, the feet and the contacts. The floor, the height at which
 /// soles stand in the motion, is moved to 0. The centre of mass is shifted so that the planned points
-/// can bear it (balance_preview.h).
+/// can bear it (balancing_shift).
 class ReferenceTrack {
  public:
   /// @param steps_per_frame  samples between two frames.

@@ -39,7 +39,7 @@ struct LimbShape {
 };
 
 /// Splits a chain at its knee or elbow. Returns nothing if no hinge splits it into two segments of
-/// plausible lengths. The rest of the limb affects the score (limb_notes.h); names decide if
+/// plausible lengths. The rest of the limb affects the score (plausibility); names decide if
 /// another joint fits nearly as well.
 ///
 /// Hinges next to the middle one that bend the limb at the same place (two-hinge knees and elbows)
