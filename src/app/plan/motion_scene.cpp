@@ -114,11 +114,6 @@ ContactLabels make_contact_labels(const Robot& robot, const ResolvedConfig& conf
   return LabelMaker(robot, config, frame_count, feet, scene).make();
 }
 
-ContactLabels contact_labels(const Motion& motion) {
-  return make_contact_labels(motion.clip.robot(), motion.plan.config, motion.clip.frame_count(),
-                             motion.contacts, motion.scene ? &*motion.scene : nullptr);
-}
-
 // The configuration without the tasks of bones that the human lacks.
 Result<ResolvedConfig> config_for_bones(const MeasuredSource& source, const HumanClip& human) {
   std::vector<Bone> missing;
@@ -142,6 +137,11 @@ void find_contacts_of_human(const HumanClip& human, const SourceFeet& feet, cons
 }
 
 }  // namespace
+
+ContactLabels contact_labels(const Motion& motion) {
+  return make_contact_labels(motion.clip.robot(), motion.plan.config, motion.clip.frame_count(),
+                             motion.contacts, motion.scene ? &*motion.scene : nullptr);
+}
 
 std::optional<MotionScene> motion_scene(const Motion& motion) {
   if (!motion.scene) return std::nullopt;

@@ -194,8 +194,6 @@ Result<void> check_scene_fit(const Clip& clip, Plan& plan) {
 
 namespace {
 
-using Eigen::Vector3d;
-
 // The human in the frames from the end of the lead-in.
 struct Walker {
   explicit Walker(const HumanClipInfo& info) : feet(info) {}

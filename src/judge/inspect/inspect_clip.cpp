@@ -1,4 +1,4 @@
-// Describes a motion file in text and JSON.
+// Describes a motion file in text and JSON, and lists the poses of its joints and the contacts of its soles.
 
 #include <algorithm>
 #include <array>
