@@ -75,4 +75,9 @@ Result<void> parse_xml(std::string_view text, tinyxml2::XMLDocument& document) {
                      static_cast<std::size_t>(std::max(document.ErrorLineNum(), 0)));
 }
 
+std::string attribute_of(const tinyxml2::XMLElement* element, const char* name) {
+  const char* text = element == nullptr ? nullptr : element->Attribute(name);
+  return text == nullptr ? std::string() : text;
+}
+
 }  // namespace retarget

@@ -87,7 +87,6 @@ SurfaceDistance distance_to_cylinder(double radius, double half_length, const Ve
 }  // namespace
 
 using Eigen::Matrix3d;
-using Eigen::Vector3d;
 using Type = SceneShape::Type;
 
 namespace {

@@ -1,4 +1,5 @@
-// Scenes as MJCF: every body with geoms that take part in contacts is a body.
+// Scenes as MJCF and URDF: every body with geoms that take part in contacts, or every link with a
+// collision, is a body.
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -148,13 +149,7 @@ Result<std::vector<SceneBody>> read_mjcf_scene(const std::string& file) {
 
 namespace {
 
-using Eigen::Vector3d;
 using tinyxml2::XMLElement;
-
-std::string attribute_of(const XMLElement* element, const char* name) {
-  const char* text = element == nullptr ? nullptr : element->Attribute(name);
-  return text == nullptr ? std::string() : text;
-}
 
 class UrdfSceneReader {
  public:

@@ -189,15 +189,7 @@ double TriangleTree::winding_number(const Vector3d& point) const {
   return angle / kFourPi;
 }
 
-double TriangleTree::exact_winding_number(const Vector3d& point) const {
-  double angle = 0.0;
-  for (const auto& [a, b, c] : triangles_) angle += solid_angle(point, a, b, c);
-  return angle / kFourPi;
-}
-
 namespace {
-
-using Eigen::Vector3d;
 
 // Twice more changes samples by less than a tenth of a millimetre on scanned objects.
 constexpr int kRounds = 2;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <vector>
 
 #include "retarget/triangle_mesh.h"
@@ -29,8 +28,6 @@ class TriangleTree {
   /// outward, 0 outside, a fraction near holes. Far parts of the surface count as dipoles (Barill et
   /// al., "Fast winding numbers for soups and clouds", 2018); errors are below 0.05.
   [[nodiscard]] double winding_number(const Eigen::Vector3d& point) const;
-  /// The same, by the solid angle of every triangle.
-  [[nodiscard]] double exact_winding_number(const Eigen::Vector3d& point) const;
 
  private:
   struct Triangle {

@@ -124,7 +124,6 @@ TriangleMesh ellipsoid_mesh(const Vector3d& radii) {
 
 namespace {
 
-using Eigen::Vector3d;
 using Type = SceneShape::Type;
 
 constexpr int kSides = 32;

@@ -21,11 +21,6 @@ namespace {
 using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
-std::string attribute_of(const XMLElement* element, const char* name) {
-  const char* text = element == nullptr ? nullptr : element->Attribute(name);
-  return text == nullptr ? std::string() : text;
-}
-
 // Parses three numbers; returns `otherwise` if the attribute is missing or malformed.
 Vector3d vector_of(const XMLElement* element, const char* name, const Vector3d& otherwise) {
   constexpr std::string_view kBlank = " \t\r\n";

@@ -88,7 +88,6 @@ class HandSolver {
   HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper,
              const HandWeights& weights = {});
 
-  [[nodiscard]] int variable_count() const { return static_cast<int>(lower_.size()); }
   /// Variables of the relaxed hand.
   [[nodiscard]] const Eigen::VectorXd& relaxed() const { return relaxed_; }
 
