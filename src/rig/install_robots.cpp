@@ -192,8 +192,6 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
   return folder;
 }
 
-namespace fs = std::filesystem;
-
 constexpr const char* kModelFile = "model.xml";
 constexpr const char* kProfileFile = "robot.json";
 constexpr const char* kUnverified = "unverified";

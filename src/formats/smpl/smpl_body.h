@@ -3,12 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"

@@ -218,8 +218,6 @@ CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibrati
 
 namespace {
 
-using Eigen::Vector3d;
-
 // World positions, indexed by joint and frame.
 std::vector<std::vector<Vector3d>> position_tracks(const Clip& clip) {
   const auto joints = static_cast<std::size_t>(clip.skeleton().joint_count());

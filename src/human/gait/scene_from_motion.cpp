@@ -234,8 +234,6 @@ std::vector<Footing> find_footings(const RestingHuman& of) {
   return footings;
 }
 
-using Eigen::Vector2d;
-using Eigen::Vector3d;
 using Points = std::vector<Vector2d>;
 
 // Metres.

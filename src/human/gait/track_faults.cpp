@@ -186,7 +186,6 @@ int bridge_frozen_frames(Clip& clip, FrameRange part) {
 
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kReach = 0.2;  // Window in seconds for the acceleration of the movement itself.

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
