@@ -9,7 +9,6 @@
 #include "retarget/try.h"
 #include "retarget/version.h"
 #include "view/figure.h"
-#include "view/scene_data.h"
 
 namespace retarget {
 namespace {

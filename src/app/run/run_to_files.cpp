@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "app/plan/scale_time.h"
 #include "app/run/sidecar.h"
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"

@@ -1,4 +1,4 @@
-#include "human/gait/contact_planner.h"
+#include "human/gait/contact_plan.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -7,7 +7,6 @@
 
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
-#include "human/gait/quintic_step.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
