@@ -167,9 +167,10 @@ class GalleryMaker {
   Result<void> make_folders() {
     std::error_code error;
     fs::create_directories(folder_ / kGalleryPages, error);
-    if (error)
+    if (error) {
       return run_failure((folder_ / kGalleryPages).generic_string(),
                          "cannot create the folder: " + error.message());
+    }
     return {};
   }
 

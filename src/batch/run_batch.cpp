@@ -189,7 +189,7 @@ struct BatchPlan {
 };
 
 // Replaces files by the parts that the clip table defines.
-Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
+Result<std::vector<BatchInput>> take_parts(const std::vector<BatchInput>& inputs,
                                            const std::vector<ClipRow>& rows,
                                            const BatchRequest& request, Observer& observer) {
   RETARGET_TRY_ASSIGN(std::vector<BatchInput> parts, parts_of(inputs, rows, request.clips));
@@ -220,7 +220,7 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
   RETARGET_TRY(check_distinct_outputs(found.inputs));
   std::vector<BatchInput> inputs = std::move(found.inputs);
   if (!rows.empty()) {
-    RETARGET_TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
+    RETARGET_TRY_ASSIGN(inputs, take_parts(inputs, rows, request, observer));
   }
   if (request.mirror) inputs = with_mirror_images(std::move(inputs));
   if (request.variants > 0) {

@@ -94,7 +94,7 @@ Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const Run
   std::vector<SolvedMotion> solved;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const bool is_last = i + 1 == rates.size();
-    Plan one = is_last ? std::move(plan) : plan;
+    Plan one = is_last ? std::exchange(plan, {}) : plan;
     one.rate = rates[i];
     TRY_ASSIGN(Motion motion,
                solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));

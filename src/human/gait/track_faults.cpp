@@ -162,7 +162,7 @@ int bridge_frozen_frames(Clip& clip, FrameRange part) {
   const auto turn = [&](int frame) { return turns[static_cast<std::size_t>(frame - part.begin)]; };
   std::vector<FrameRange> runs;
   int frozen = 0;
-  for (int begin = part.begin, end = begin; begin < part.end; begin = end) {
+  for (int begin = part.begin, end = 0; begin < part.end; begin = end) {
     end = begin + 1;
     while (end < part.end && equal_frames(clip, begin, end)) ++end;
     const int length = end - begin;
