@@ -17,7 +17,7 @@ VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>
 MORE_VALUES = re.compile(r"^constexpr \w[^;(){}]*;", re.M)
 FUNCTION = re.compile(r"^(?=\w)(?!using|struct|class|enum|namespace|//|#|constexpr \w+ k[A-Z])"
                       r"[\w:<>,&*\[\] ]+?[ &*\n]([\w:]+)\(([^;{}]*?)\)\s*(?:const )?(?:noexcept )?\{", re.M)
-ALIAS = re.compile(r"^using (\w+) = (.*?);", re.M | re.S)
+ALIAS = re.compile(r"^using (\w+) =\s+(.*?);", re.M | re.S)
 
 
 def wings_together():
