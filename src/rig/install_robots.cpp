@@ -171,27 +171,6 @@ Result<void> put_robot_folder(const fs::path& folder, const FileTexts& files,
   return {};
 }
 
-Result<void> check_new_robot(const std::string& model_path, const std::string& name,
-                             const fs::path& into, bool force) {
-  RETARGET_TRY(check_robot_name(name));
-  if (is_below(model_path, into / name)) {
-    return usage_failure("\"" + model_path + "\" is in the folder to be replaced, \"" + name + "\"",
-                         "move the model out of it first");
-  }
-  return check_place(into / name, options_for_made_robot(name, force));
-}
-
-Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
-  RETARGET_TRY(check_robot_name(robot.name));
-  const fs::path folder = into / robot.name;
-  const FileTexts files = {{"model.xml", robot.model},
-                           {"robot.json", robot.profile},
-                           {"ik.json", robot.config},
-                           {"decisions.md", robot.decisions}};
-  RETARGET_TRY(put_robot_folder(folder, files, options_for_made_robot(robot.name, force)));
-  return folder;
-}
-
 constexpr const char* kModelFile = "model.xml";
 constexpr const char* kProfileFile = "robot.json";
 constexpr const char* kUnverified = "unverified";
@@ -317,6 +296,27 @@ Result<void> check_loads(const fs::path& folder, const std::string& name) {
 }
 
 }  // namespace
+
+Result<void> check_new_robot(const std::string& model_path, const std::string& name,
+                             const fs::path& into, bool force) {
+  RETARGET_TRY(check_robot_name(name));
+  if (is_below(model_path, into / name)) {
+    return usage_failure("\"" + model_path + "\" is in the folder to be replaced, \"" + name + "\"",
+                         "move the model out of it first");
+  }
+  return check_place(into / name, options_for_made_robot(name, force));
+}
+
+Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
+  RETARGET_TRY(check_robot_name(robot.name));
+  const fs::path folder = into / robot.name;
+  const FileTexts files = {{"model.xml", robot.model},
+                           {"robot.json", robot.profile},
+                           {"ik.json", robot.config},
+                           {"decisions.md", robot.decisions}};
+  RETARGET_TRY(put_robot_folder(folder, files, options_for_made_robot(robot.name, force)));
+  return folder;
+}
 
 Result<std::vector<fs::path>> install_robots(const RobotsToInstall& request) {
   std::error_code ignored;

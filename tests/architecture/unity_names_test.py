@@ -11,11 +11,13 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.M | re.S)
 TYPE = re.compile(r"^(?:template <[^\n]*>\n)?(?:struct|class|enum class|enum) (\w+)", re.M)
-VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>,\s*&]*?\b(\w+)\s*(?:=|\{|\[|;)",
-                   re.M)
+VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>,\s*&]*?"
+                   r"\b(\w+(?=\s*[={\[;])|k[A-Z]\w*(?=\())", re.M)
+# The second and later names of a declaration: `constexpr double kNear = 0.1, kFar = 2.0;`.
+MORE_VALUES = re.compile(r"^constexpr \w[^;(){}]*;", re.M)
 FUNCTION = re.compile(r"^(?=\w)(?!using|struct|class|enum|namespace|//|#|constexpr \w+ k[A-Z])"
                       r"[\w:<>,&*\[\] ]+?[ &*\n]([\w:]+)\(([^;{}]*?)\)\s*(?:const )?(?:noexcept )?\{", re.M)
-ALIAS = re.compile(r"^using (\w+) = (.*?);", re.M | re.S)
+ALIAS = re.compile(r"^using (\w+) =\s+(.*?);", re.M | re.S)
 
 
 def wings_together():
@@ -37,6 +39,8 @@ def definitions(text):
     for block in ANONYMOUS.findall(text):
         yield from TYPE.findall(block)
         yield from VALUE.findall(block)
+        for declaration in MORE_VALUES.findall(block):
+            yield from re.findall(r",\s+(\w+) =", declaration)
         for name, parameters in FUNCTION.findall(block):
             kinds = [re.sub(r"\s*=.*|\s*\b\w+$", "", p.strip()) for p in parameters.split(",")]
             yield f"{name}({', '.join(kinds)})"

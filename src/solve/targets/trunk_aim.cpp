@@ -25,7 +25,7 @@ constexpr std::size_t kMaxJoints = 6;
 
 using Waist = RobotTrunk::Waist;
 constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMaxJoints);
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
+using TrunkMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
 using TrunkVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
 
 // Solves for the pelvis rotation and the waist positions of one frame.
@@ -79,7 +79,7 @@ class Search {
   std::array<double, kMaxJoints> positions_{}, positions_before_{};
   Eigen::Vector3d chord_, across_;                                // World.
   std::array<Eigen::Vector3d, kMaxJoints> axes_, chord_changes_;  // World, by joint.
-  Matrix normal_;
+  TrunkMatrix normal_;
   TrunkVector right_, step_;
 };
 
