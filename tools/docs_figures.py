@@ -14,7 +14,7 @@ HTML comments, which a rendered page does not show:
     <!-- speed: bench/compare_peers -->16,500<!-- /speed -->
 
 A figure is a key of a quality report, or `gates` (the number of default gates), `robots` (the number of robots; with
-`of=unverified` of those in robots/unverified), `verdict` (`22 of 22 gates kept`), `passed` and `motions` (the number of
+`of=unverified` of those in robots/unverified), `verdict` (`22 of 22 gates passed`), `passed` and `motions` (the number of
 motions that pass all gates, and of all motions). `of` names clips, separated by commas: walk, samples, lafan1, cuts,
 skeletons, walks. `method` is fit (the default), gmr, without-dynamics, as-published or published (Unitree's motions). `robot`
 selects another robot than unitree_g1. `take` combines several clips: mean (the default), sum, min, max or range. `scale`
@@ -109,7 +109,7 @@ class Fresh:
     def _text(self, what, name, options, found):
         if name == "verdict":
             gates = [gate["passed"] for gate in found[0]["gates"]]
-            return f"{gates.count(True)} of {len(gates)} gates kept"
+            return f"{gates.count(True)} of {len(gates)} gates passed"
         if name in ("passed", "motions"):
             return str(sum(name == "motions" or not tables.missed_gates(each) for each in found))
         values = [tables.value(each, name) for each in found]

@@ -44,7 +44,7 @@ def main(bvh: str, robot: str, folder: Path) -> None:
     print(clip, motion, motion.summary, sep="\n")
 
     report = retarget.evaluate(motion)
-    print(report.missed or "all gates kept")
+    print(report.missed or "all gates passed")
     print("fastest joint:", report.figures["peak_speed"], "rad/s")
 
     stem = folder / Path(bvh).stem

@@ -17,7 +17,7 @@ enum class ContactAction : unsigned char {
   kShift,   ///< The contacts that touch start to end move by `by`.
 };
 
-/// A change to the contacts that are found in a clip (docs/fit.md, "Contacts by hand"). Times are
+/// A change to the contacts that are found in a clip (docs/fit.md, "Editing contacts"). Times are
 /// seconds from the first frame of the motion.
 struct ContactEdit {
   /// `left_foot`, `left_heel`, `left_toe`, `left_knee`, `left_elbow`, `left_hand`, the same for

@@ -187,8 +187,8 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 /// Warnings about solver failures.
 [[nodiscard]] std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures);
 
-/// Missed gates with their values, and a verdict line with the number of kept gates and the joint
-/// that is most often at its limit: `16 of 16 gates kept; waist_pitch at its limit in 46 % of
+/// Missed gates with their values, and a verdict line with the number of passed gates and the joint
+/// that is most often at its limit: `16 of 16 gates passed; waist_pitch at its limit in 46 % of
 /// frames`.
 /// @param file  name of the motion, if there may be several.
 [[nodiscard]] std::vector<SummaryLine> verdict_lines(const QualityReport& report,

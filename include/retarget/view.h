@@ -107,7 +107,7 @@ struct GalleryClip {
   std::vector<std::string> missed;                      ///< Metrics that missed their gates.
 };
 
-/// The group in which the index of a gallery opens with a clip: 0 all gates kept, 1 not measured,
+/// The group in which the index of a gallery opens with a clip: 0 all gates passed, 1 not measured,
 /// 2 a gate missed, 3 failed, which is folded. Clips of a group keep their order.
 [[nodiscard]] int opening_rank(const GalleryClip& clip);
 

@@ -89,7 +89,7 @@ class Measured(unittest.TestCase):
         gates = [{"metric": "a", "passed": True}, {"metric": "b", "passed": None},
                  {"metric": "c", "passed": False}]
         known = {("walk", "fit"): {"gates": gates}, ("squat", "fit"): {"gates": gates[:2]}}
-        self.assertEqual(self.figure("verdict of=walk", known), "1 of 3 gates kept")
+        self.assertEqual(self.figure("verdict of=walk", known), "1 of 3 gates passed")
         self.assertEqual(self.figure("passed of=walk,squat", known), "1")
         self.assertEqual(self.figure("motions of=walk,squat", known), "2")
 
@@ -100,7 +100,7 @@ class Measured(unittest.TestCase):
         old = ("<!-- table: means robot=unitree_h2 -->\n\n| mean of | LAFAN1 | samples |\n"
                "| --- | --- | --- |\n| `limb_angle_deg` | 7.5 -> 3.1 | 9 -> 9 |\n\n<!-- /table -->")
         text = self.fresh(old, known, robot="unitree_h2")
-        self.assertIn("| mean of | LAFAN1 | cuts | other skeletons | samples |", text)
+        self.assertIn("| mean of | LAFAN1 | excerpts | other skeletons | samples |", text)
         self.assertIn("| `limb_angle_deg` | 7.5 -> 3.1 |  |  | 3 -> 2 |", text)
         self.assertEqual(self.fresh(old, {}, robot="unitree_h2"), old)
 

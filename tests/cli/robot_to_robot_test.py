@@ -244,7 +244,7 @@ class PublishedMotions(ToolTest):
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 0.1)
 
     def test_faults_of_a_motion_are_repaired_nearby(self):
-        """Published motions overlap themselves and their feet slip: after the repair they keep all gates."""
+        """Published motions overlap themselves and their feet slip: after the repair they pass all gates."""
         result = self.run_tool(self.motion, "g1", "--from-robot", "g1", "-o", "made.csv", "--gate",
                                "default", *self.PART)
         self.assert_done(result)

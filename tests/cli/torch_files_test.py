@@ -203,9 +203,9 @@ class RealFiles(ToolTest):
                     # Its body is thrown about for two frames, lands late, and its feet do not rest.
                     self.assertRegex(result.stderr,
                                      r"missed +com_acc_p99 [^,]*,\s+hover_pct [^,]*,\s+source_slide_mean")
-                    self.assertIn("verdict  27 of 30 gates kept", result.stderr)
+                    self.assertIn("verdict  27 of 30 gates passed", result.stderr)
                 else:
-                    self.assertIn("verdict  30 of 30 gates kept", result.stderr)
+                    self.assertIn("verdict  30 of 30 gates passed", result.stderr)
 
     def test_a_robots_motion_is_reported(self):
         file = pathlib.Path(SHARED or "") / "data" / "formats" / "protomotions_g1_walk.motion"

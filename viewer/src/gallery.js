@@ -10,7 +10,7 @@ function verdict(clip) {
   if (clip.failed) return ['bad', 'failed'];
   if (!clip.missed) return ['', 'not measured'];
   return clip.missed.length === 0
-    ? ['good', 'all gates kept']
+    ? ['good', 'all gates passed']
     : ['bad', `${count(clip.missed.length, 'gate')} missed`];
 }
 
@@ -82,7 +82,7 @@ function addOptions() {
   );
   byId('filter').append(
     option('', 'all'),
-    option('kept', 'all gates kept'),
+    option('kept', 'all gates passed'),
     option('missed', 'a gate missed'),
     option('failed', 'failed, or something missing'),
     el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, labelOf(key), key))),

@@ -27,7 +27,7 @@ export function verdict(motion) {
   if (measured === 0) return { state: 'unjudged', text: 'no gates' };
   const unmeasured = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
   const rest = unmeasured + (estimated ? ', soles estimated' : '');
-  if (missed === 0) return { state: 'good', text: `all ${measured} gates kept${rest}` };
+  if (missed === 0) return { state: 'good', text: `all ${measured} gates passed${rest}` };
   return { state: 'bad', text: `${missed} of ${measured} gates missed${rest}` };
 }
 

@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kLegend = "+ kept, x missed, - not measured";
+constexpr const char* kLegend = "+ passed, x missed, - not measured";
 
 // Width of the group labels, and of the first of two columns of figures.
 constexpr std::size_t kLabelWidth = 12, kCellWidth = 34;
