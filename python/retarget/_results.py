@@ -82,7 +82,7 @@ class Report:
                      _units().get(gate["metric"], ""), " ".join(bounds),
                      "passed" if gate["passed"] else "<b>missed</b>")
             rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-        head = "".join(f"<th>{name}</th>" for name in ("figure", "value", "unit", "gate", ""))
+        head = "".join(f"<th>{name}</th>" for name in ("metric", "value", "unit", "gate", ""))
         return (f"<table><caption>{html.escape(self.data['file'])}: {self._verdict()}</caption>"
                 f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>")
 

@@ -102,7 +102,7 @@ class InABrowser(PagesInABrowser):
             self.run_script(
                 "document.querySelector('[aria-label=Camera] [aria-checked=true]').textContent"
             ),
-            "Stand",
+            "Fixed",
         )
 
     def test_the_picture_turns_with_keys_while_it_has_the_focus(self):
@@ -198,7 +198,7 @@ class InABrowser(PagesInABrowser):
             ".filter((each) => each.textContent === 'Left foot').map((each) => each.title)"
         )
         self.assertEqual(
-            titles, ["When it stands, from top to bottom: walk.bvh, fit.csv, fit.npz"]
+            titles, ["In contact, from top to bottom: walk.bvh, fit.csv, fit.npz"]
         )
         # The first colour in the middle of each band.
         colours = self.run_script("""(() => {
@@ -305,7 +305,7 @@ class InABrowser(PagesInABrowser):
         self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
         button = (
             "[...document.querySelectorAll('button')]"
-            ".find((each) => each.textContent === 'For each')"
+            ".find((each) => each.textContent === 'Per robot')"
         )
         apart = "retarget.placeOf(1).map((value, i) => value - retarget.placeOf(0)[i])"
         before = np.linalg.norm(self.run_script(apart))

@@ -153,7 +153,7 @@ class Scene(unittest.TestCase):
             ],
         )
         self.assertEqual(dict(totals), {"limit": 37, "jump": 2})
-        self.assertEqual(texts, ["10 worst of 37", "3"])
+        self.assertEqual(texts, ["worst 10 of 37", "3"])
 
     def test_limits_of_several_motions_are_those_that_all_keep(self):
         self.assertEqual(

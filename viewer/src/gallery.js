@@ -64,13 +64,13 @@ missedGates.sort((a, b) => metricKeys.indexOf(a) - metricKeys.indexOf(b));
 function addOptions() {
   const option = (value, text, title) => el('option', { value, text, title });
   byId('sort').append(
-    option('passed', 'Passed first'),
+    option('passed', 'Best first'),
     option('worst', 'Worst first'),
     option('name', 'Name'),
     option('seconds', 'Length'),
     el(
       'optgroup',
-      { label: 'Figure' },
+      { label: 'Metric' },
       ...gallery.metrics.map((metric, i) =>
         option(
           `figure ${i}`,
@@ -83,8 +83,8 @@ function addOptions() {
   byId('filter').append(
     option('', 'all'),
     option('kept', 'all gates passed'),
-    option('missed', 'a gate missed'),
-    option('failed', 'failed, or something missing'),
+    option('missed', 'at least one gate missed'),
+    option('failed', 'failed or incomplete'),
     el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, labelOf(key), key))),
   );
   byId('robots').append(option('', 'all'), ...robots.map((robot) => option(`robot ${robot}`, robot)));
