@@ -26,7 +26,7 @@ namespace RETARGET_API retarget {
 [[nodiscard]] Result<Gates> default_gates(const std::string& data_folder);
 
 /// Applies a user's changes to the default gates, in order. A text is a file of gates,
-/// `FIGURE<=MAX`, `FIGURE>=MIN`, `FIGURE=MAX`, `FIGURE=none`, `none` (no gates at all) or `default`
+/// `METRIC<=MAX`, `METRIC>=MIN`, `METRIC=MAX`, `METRIC=none`, `none` (no gates at all) or `default`
 /// (no change; it does not undo `none`). The first text on a figure replaces its gate; `<=` and
 /// `>=` on the same figure combine to one gate. The part of a figure's name after the last `_` may
 /// be omitted: `limb_angle`. Errors: unknown figures and invalid numbers (kUsage), faults in a file
@@ -36,8 +36,8 @@ namespace RETARGET_API retarget {
 
 /// Help text for commands that describe the gate texts in full.
 inline constexpr const char* kGateHelp =
-    "Gates that extend or replace configs/quality/default.json: a file like it, 'FIGURE<=MAX', "
-    "'FIGURE>=MIN' (in quotes), FIGURE=MAX, FIGURE=none, or none for no gates at all; repeatable";
+    "Gates that extend or replace configs/quality/default.json: a file like it, 'METRIC<=MAX', "
+    "'METRIC>=MIN' (in quotes), METRIC=MAX, METRIC=none, or none for no gates at all; repeatable";
 
 /// Returns the command-line option that collects these texts.
 [[nodiscard]] Option gate_row(std::vector<std::string>& texts, const std::string& help = kGateHelp);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The parts of `FIGURE<=NUMBER`.
+// The parts of `METRIC<=NUMBER`.
 struct GateText {
   std::string figure, relation, bound;
 };
@@ -141,7 +141,7 @@ Result<Gates> changed_gates(const std::vector<std::string>& texts, const std::st
 }
 
 Option gate_row(std::vector<std::string>& texts, const std::string& help) {
-  return option("gate", texts, kOutputGroup, "FILE|FIGURE<=N", help,
+  return option("gate", texts, kOutputGroup, "FILE|METRIC<=N", help,
                 {.decides = false, .basic = true});
 }
 
