@@ -253,7 +253,7 @@ class Losses(ToolTest):
             result = self.run_tool(*command, *G1, "--format", "pkl-pbhc")
             self.assert_done(result)
             self.assertIn("warning: pkl-pbhc has the joints of the variant 23-pbhc: 6 joints "
-                          "with movement would be held, losing up to 0.", result.stderr)
+                          "with movement would be locked, losing up to 0.", result.stderr)
             self.assertIn("--dof 23-pbhc omits them", result.stderr)
         largest = max(max(abs(value) for value in row[26:29] + row[33:36])
                       for row in read_rows(GOLDEN.read_text()))

@@ -128,7 +128,7 @@ class RobotToRobot(ToolTest):
             os.remove(self.folder / "made.csv.json")
             result = self.convert("made.csv", "g1", "g1", "slow.csv", "--fps", "source",
                                   "--frames", "0:30")
-            self.assertIn("gives no rate", result.stderr)
+            self.assertIn("states no rate", result.stderr)
 
     def test_mirror_and_parts(self):
         self.make()

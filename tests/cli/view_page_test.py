@@ -133,7 +133,7 @@ class PageFiles(ToolTest):
         for arguments, message in (
             (
                 (*view, "b.csv", "-o", "two.svg"),
-                "a picture shows one motion, found 2 motions",
+                "a strip of poses shows one motion, found 2 motions",
             ),
             (
                 (*view, "--label", "x", "--label", "y", "-o", "p.html"),
@@ -162,7 +162,7 @@ class PageFiles(ToolTest):
         self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
         view = ("view", "a.csv", "--robot", "unitree_g1")
         for arguments, message in (
-            (("-o", "p.html", "--strip", 6), "--strip needs a picture"),
+            (("-o", "p.html", "--strip", 6), "--strip needs a PNG"),
             (("-o", "p.png", "--label", "x"), "--label needs a page"),
             (("-o", "p.svg", "--meshes", "."), "--meshes needs a page"),
         ):

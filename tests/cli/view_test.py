@@ -121,7 +121,7 @@ class View(ToolTest):
         for file in ("run.png", "walk.csv"):
             (self.folder / file).unlink()
         for arguments, words in (
-            (("--strip", 3), "--strip needs a picture"),
+            (("--strip", 3), "--strip needs a PNG"),
             (("--png", "-"), "--png needs a file"),
             (("--png", "no/x.png"), "no"),
             (("--png", "walk.bvh"), "overwrite the input"),

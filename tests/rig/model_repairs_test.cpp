@@ -59,7 +59,7 @@ std::string put(std::string text, const std::string& before, const std::string& 
   return text.insert(at, what);
 }
 
-// A small biped with arms as a URDF, below links and joints that stand for the world.
+// A small biped with arms as a URDF, below links and joints that represent the world.
 std::string urdf(const std::string& world = {}, const std::string& pelvis = {}) {
   std::string links, joints;
   const auto link = [&](const std::string& name, const std::string& more = {}) {
@@ -170,15 +170,15 @@ TEST_F(ModelRepairs, BodiesThatStandForTheWorldAreLeftOut) {
     return put(put(plain, "<body name=\"pelvis\"", bodies), "</worldbody>", ends);
   };
   expect_same(below("<body name=\"world\">", "</body>"), plain,
-              "the body \"world\" stands for the world");
+              "the body \"world\" represents the world");
   expect_same(below("<body name=\"dummy\">", "</body>"), plain,
-              "the body \"dummy\" stands for the world");
+              "the body \"dummy\" represents the world");
   expect_same(below("<body name=\"world\"><body name=\"dummy\"><site/>", "</body></body>"), plain,
-              "the bodies \"world\", \"dummy\" stand for the world");
+              "the bodies \"world\", \"dummy\" represent the world");
 }
 
 TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
-  const std::string note = "stands for the world: it has no mass, and is left out";
+  const std::string note = "represents the world: it has no mass, and is omitted";
   for (const std::string name : {"dummy", "odom"}) {
     const std::string link = "<link name=\"" + name + "\"/>";
     expect_same(urdf(link + world_joint("floating", name, "pelvis")), urdf(),

@@ -92,7 +92,7 @@ TEST_F(LoadScene, ListsAllFaultsOfJson) {
   EXPECT_THAT(error_of("none.json", "{}"), HasSubstr("\"bodies\" is missing"));
   EXPECT_THAT(error_of("empty.json", "{\"bodies\": []}"), HasSubstr("no shapes"));
   EXPECT_THAT(error_of("floor.json", R"({"bodies": [{"shapes": [{"type": "plane"}]}]})"),
-              HasSubstr("nothing but a floor"));
+              HasSubstr("only contains a floor"));
 }
 
 TEST_F(LoadScene, ReadsMeshesOfJsonNextToIt) {

@@ -346,7 +346,7 @@ std::vector<SummaryLine> time_scale_lines(const TimeScale& scale) {
   }
   if (!scale.left.empty()) {
     lines.push_back({scale.stretches.empty() ? "slowed" : "",
-                     "not where slower movement does not help: " + listed(scale.left)});
+                     "without effect, so unchanged: " + listed(scale.left)});
   }
   return lines;
 }

@@ -108,7 +108,7 @@ Result<void> check_change(const SceneChange& change, const Scene& scene) {
   }
   if (change.of_static() && moves) {
     return usage_failure(OPTION("terrain-scale") " requires a scene without moving bodies",
-                         "a carried object has no place in a room of another size");
+                         "the track of a carried object does not match a scaled scene");
   }
   return {};
 }

@@ -293,7 +293,7 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   }
   const std::string difference = first_difference(recorded, now);
   if (difference.empty()) {
-    observer.line("verified", name + ": all figures are identical");
+    observer.line("verified", name + ": all values are identical");
     return {};
   }
   const bool same_version = recorded.value("retarget", Json()) == Json(version_number());

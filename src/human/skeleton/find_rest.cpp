@@ -243,8 +243,8 @@ std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_
                       angle_between_axes(chosen.rest.axes, other.rest.axes) > kDiffers;
   if (!is_tie) return {};
   return fmt::format(
-      "two T-poses fit the movement nearly alike: that of {} was taken (expected error {:.1f} "
-      "degrees), not that of {} ({:.1f}){}",
+      "two T-poses fit the movement nearly equally well: using that of {} (expected error {:.1f} "
+      "degrees) instead of that of {} ({:.1f}){}",
       name_of(chosen), chosen.error, name_of(other), other.error, hint);
 }
 

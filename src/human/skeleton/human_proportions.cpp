@@ -138,7 +138,7 @@ void add_signs_of_animal(const BodySource& source, const BoneMap& map, double le
   if (is_built_on_four_legs(source, map)) doubts.signs.emplace_back(kFourLegs);
   const bool has_toes = map.has(Bone::kLeftToe) && map.has(Bone::kRightToe);
   if (has_toes && limb_length(source, map, {kFoot, kToe}) > kMaxFootPerLeg * leg) {
-    doubts.signs.emplace_back("the feet are parts of the legs");
+    doubts.signs.emplace_back("the feet are a large part of the legs");
   }
   const int head = map.joint(Bone::kHead);
   if (head >= 0 && has_one_tail(source, map, head, kMinTailPerTrunk * trunk) &&

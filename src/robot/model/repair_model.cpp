@@ -243,12 +243,12 @@ bool ModelRepair::free_world_bodies() {
     }
   }
   if (names.empty()) return false;
-  notes_.push_back(names.size() == 1
-                       ? "the body " + names[0] +
-                             " stands for the world: it has no mass and no joint, and is left out"
-                       : "the bodies " + list_names(names, 3) +
-                             " stand for the world: they have no mass and no joint, and are left "
-                             "out");
+  notes_.push_back(
+      names.size() == 1
+          ? "the body " + names[0] +
+                " represents the world: it has no mass and no joint, and is omitted"
+          : "the bodies " + list_names(names, 3) +
+                " represent the world: they have no mass and no joint, and are omitted");
   return true;
 }
 
@@ -281,7 +281,7 @@ bool ModelRepair::free_world_links() {
   }
   for (XMLElement* each : removed) robot.DeleteChild(each);
   notes_.push_back("the link \"" + name +
-                   "\" stands for the world: it has no mass, and is left out");
+                   "\" represents the world: it has no mass, and is omitted");
   return true;
 }
 
