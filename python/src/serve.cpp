@@ -155,7 +155,7 @@ int play_clip(const ClipHandle& clip, const nb::object& to, double speed, bool h
 }  // namespace
 
 void bind_serve(nb::module_& module) {
-  nb::class_<PythonServer>(module, "Server", "The engine of retarget.serve(); use that.")
+  nb::class_<PythonServer>(module, "Server", "The engine of retarget.serve(); use that function.")
       .def("__init__", &open_server, "robot"_a.none(), "fps"_a.none(), "options"_a,
            "data_dir"_a.none())
       .def("run", &PythonServer::run)
