@@ -35,7 +35,7 @@ struct RunFingerprint {
 using FindRecorded = std::function<std::string(const std::string& path, const std::string& hash)>;
 
 /// Restores the options with which a recorded run read and interpreted its sources and measured its
-/// motions: those that OptionUse::kShowBatch marks.
+/// motions: the options that OptionUse::kShowBatch marks.
 /// @param description  RunFingerprint::description, parsed.
 /// @return the recorded path of the first option file that `find` does not find; empty: none. Such
 ///   an option is not set.

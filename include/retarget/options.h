@@ -166,8 +166,8 @@ struct FitOptions {
 
   double scene_contact_weight = 230.0;  ///< Body in contact to its surface of the scene, per metre.
   double scene_place_weight = 12.0;     ///< This body to the human's contact position, per metre.
-  double scene_hold_weight =
-      150.0;  ///< This body to its own mean position on the surface, per metre.
+  /// This body to its own mean position on the surface, per metre.
+  double scene_hold_weight = 150.0;
   /// Direction of the hand side that faces a held object, per radian.
   double scene_palm_weight = 10.0;
   double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.

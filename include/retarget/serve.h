@@ -74,8 +74,8 @@ struct PipelineStatistics {
   std::int64_t malformed = 0;  ///< Dropped packets: invalid, or with frames of another skeleton.
   std::int64_t crowded = 0;    ///< Dropped frames: too many in one packet.
   int skeletons = 0;           ///< Skeletons received.
-  int refused_skeletons =
-      0;  ///< Rejected skeletons: not human or unusable; the previous body was kept.
+  /// Rejected skeletons: not human or unusable; the previous body was kept.
+  int refused_skeletons = 0;
 };
 
 /// Statistics of an output's robot frames.

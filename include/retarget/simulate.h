@@ -13,8 +13,8 @@ namespace RETARGET_API retarget {
 /// large as a G1; lengths scale with the legs (docs/simulation.md).
 inline constexpr double kFallHeight = 0.25;  ///< Root below the reference, metres.
 inline constexpr double kFallTilt = 45.0;    ///< Between the root's vertical axes, degrees.
-inline constexpr double kLostDistance =
-    0.5;  ///< Horizontal distance of the root from the reference, metres.
+/// Horizontal distance of the root from the reference, metres.
+inline constexpr double kLostDistance = 0.5;
 
 /// A mean and a 95th percentile.
 struct MeanAndP95 {
