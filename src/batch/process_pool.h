@@ -56,7 +56,7 @@ struct TaskEnd {
     const std::function<std::string(std::size_t task)>& work,
     const std::function<void(std::size_t task, const TaskEnd& end)>& ended);
 
-/// When the task of the calling thread must end. Nothing if it need not, or is ended from outside.
+/// Deadline of the calling thread's task; empty if there is none or another process ends it.
 [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> task_deadline();
 
 }  // namespace retarget

@@ -28,7 +28,7 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
     if (!plan) return {};
     return signature_of(*plan);
   } catch (const std::exception&) {
-    // Such as out of memory; the run itself reports it.
+    // For example, out of memory; the run itself reports it.
     return {};
   }
 }

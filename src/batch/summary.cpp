@@ -142,7 +142,7 @@ std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> ent
   for (const ManifestEntry& entry : entries) order.push_back(&entry);
   const auto key = [](const ManifestEntry* entry) {
     const bool measured = entry->quality.has_value();
-    // Duplicates that were left out come last.
+    // Skipped duplicates come last.
     const int place = entry->has_failed() ? 0 : entry->is_left_out() ? 2 : 1;
     return std::tuple(place, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
                       measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);

@@ -26,7 +26,7 @@ constexpr double kDeep = 0.1;   // Depth of a joint inside a body that it cannot
 constexpr double kOftenInside = 0.05;  // Share of the frames.
 constexpr double kInterval = 0.1;      // Seconds between the frames that are looked at.
 
-// How well a scene suits the human in it.
+// Consistency of a scene with the human in it.
 struct SceneFit {
   double nearest = std::numeric_limits<double>::infinity();  ///< Metres, over bodies and frames.
   double inside = 0.0;                                       ///< Share of the frames.

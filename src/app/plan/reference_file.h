@@ -14,8 +14,9 @@
 
 namespace retarget {
 
-/// File of the reference that the options ask for beside an output; empty: none.
-/// Errors (kUsage): an ending other than .npz and .csv; no name beside standard output.
+/// Name of the requested reference file next to an output; empty: none.
+/// Errors (kUsage): an extension other than .npz and .csv; no name if the motion goes to standard
+/// output.
 [[nodiscard]] Result<std::string> reference_path(const std::string& output,
                                                  const SaveOptions& options);
 

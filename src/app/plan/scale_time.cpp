@@ -27,14 +27,14 @@ constexpr double kAim = 0.95;      // Share of a limit that a slowed stretch may
 constexpr int kMaxRounds = 5;      // Solves with stretched time.
 constexpr double kMostSlower = 1.0 / kLeastTimeScale;
 // A limb that is this much farther from the human than without speed limits is distorted, degrees.
-// Where time is stretched already, it is stretched until little of that is left.
+// In intervals that are already slower, the pace rises until little of the excess remains.
 constexpr double kDistorted = 3.0, kLittle = 1.0;
 // Limits act at this distance in time, seconds.
 constexpr double kActsWithin = 0.1;
 
-// How far a step between two frames is beyond a speed limit.
+// Excess of a step between two frames over a speed limit.
 struct FastStep {
-  double ratio = 0.0;  // Of the speed to the limit.
+  double ratio = 0.0;  // Ratio of the speed to the limit.
   std::string cause;
 };
 
@@ -194,7 +194,8 @@ class TimeScaleSearch {
     return {};
   }
 
-  // By step: the speeds of a motion near it, relative to those from which the fit slows joints down.
+  // By step: the speeds of a motion near it, relative to those from which the fit slows joints
+  // down.
   [[nodiscard]] std::vector<FastStep> fast_near(const Motion& motion) const {
     return fastest_near(fast_steps(motion.clip, [&](int joint) { return soft_speed(joint); }),
                         plan_.rate.fps());
@@ -250,7 +251,8 @@ class TimeScaleSearch {
     return std::min(static_cast<std::size_t>(std::lround(source * plan_.rate.fps())), count - 1);
   }
 
-  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not matter.
+  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not
+  // matter.
   [[nodiscard]] std::vector<double> torque_excess(const Motion& motion) const {
     std::vector<double> excess;
     if (!takes_torques(plan_, motion)) return excess;

@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// Where the end of a limb moves to while it is in contact.
+/// Target of the end of a limb while it is in contact.
 struct ContactMove {
   int begin = 0, end = 0;  ///< Frames.
   /// World rotation of a foot, about its ankle; hands keep their orientation.
@@ -28,12 +28,12 @@ struct ContactMoves {
 
 /// Moves contacts of a human, and the human with them.
 ///
-/// Each foot moves as given while it stands, and smoothly from one stance to the next in between; in
-/// a swing to a higher stance it rises early, to a lower one it sinks late. The body moves by the
-/// mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s; it is
-/// lower, as smoothly, where standing legs would not reach the ground. Hands move as given in contact, else with the body.
-/// Two-bone inverse kinematics of legs and arms supplies the differences. A clip without moves stays
-/// identical.
+/// Each foot moves as given while it stands, and smoothly from one stance to the next in between;
+/// in a swing to a higher stance it rises early, to a lower one it sinks late. The body moves by
+/// the mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s; it
+/// is lower, as smoothly, where standing legs would not reach the ground. Hands move as given in
+/// contact, else with the body. Two-bone inverse kinematics of legs and arms supplies the
+/// differences. A clip without moves stays identical.
 /// @param first  frames before it stay.
 void move_contacts(Clip& clip, int first, const Calibration& calibration,
                    const ContactMoves& moves);

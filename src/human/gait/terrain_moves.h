@@ -13,18 +13,18 @@
 namespace retarget {
 
 /// Puts terrain under a human who walks on a flat floor: its edge is in front of the feet in the
-/// first frame, and it rises in the direction of the farthest point of the way.
+/// first frame, and it rises in the direction of the farthest point of the path.
 /// @param hips      path of the hips over the ground, by frame, metres
 /// @param contacts  of find_contacts, on the floor
-/// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs. Its
-///     position, direction and number of steps are set.
+/// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs.
+///     Its position, direction and number of steps are set.
 /// @return where the feet move to. They land on the ground, whole feet on one step if its tread is
 ///     long enough, otherwise with the toes at the next riser. Empty: the human does not walk.
 [[nodiscard]] ContactMoves put_on_terrain(const std::vector<Eigen::Vector2d>& hips,
                                           const SourceFeet& feet, const ContactPlan& contacts,
                                           Terrain& terrain);
 
-/// Where contacts move to if the scene around a human changes: a foot, hand, knee, seat or back
+/// Displacements of contacts if the scene around a human changes: a foot, hand, knee, seat or back
 /// stays at its place on its body. Places on the floor move if the floor is scaled.
 /// @param before, after  the scene in the frames of the human; bodies in equal order
 /// @param static_scale   factors of static bodies about the origin

@@ -21,7 +21,7 @@ namespace retarget {
 ///
 /// Uncertain cases stay unchanged: a scale that is not a ratio of two units, and a root that does
 /// not move while the feet do.
-/// @return one warning per change or doubt
+/// @return one warning per change or uncertain assumption
 [[nodiscard]] std::vector<Warning> mend_clip_units(Clip& clip, const BoneMap& map);
 
 }  // namespace retarget

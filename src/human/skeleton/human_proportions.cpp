@@ -96,7 +96,7 @@ std::vector<double> free_chains(const BodySource& source, const BoneMap& map, in
   return reaches;
 }
 
-// Whether exactly one long chain hangs from a joint, apart from pairs such as ears. Several are
+// Whether a joint has exactly one long child chain, apart from pairs such as ears. Several are
 // clothes.
 bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double min_length) {
   std::vector<double> reaches = free_chains(source, map, joint);

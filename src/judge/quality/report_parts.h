@@ -84,7 +84,7 @@ using ReportLine = std::vector<ReportPiece>;
 /// Text such as `walk.csv: jumps is 2, expected at most 0`.
 [[nodiscard]] std::string missed_text_of(const QualityReport& report, const GateResult& gate);
 
-/// Where and when a gate was missed, worst first, at most three.
+/// Locations and frames of a missed gate, worst first, at most three.
 [[nodiscard]] std::vector<std::string> places_of_gate(const QualityReport& report,
                                                       const GateResult& gate);
 

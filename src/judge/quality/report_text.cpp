@@ -125,7 +125,7 @@ Lines missed_lines(std::span<const QualityReport> reports, int room) {
   return lines;
 }
 
-// Facts that gates do not measure: estimated soles may be in another place, and a robot whose range
+// Properties that gates do not measure: estimated soles may be misplaced, and a robot whose range
 // is smaller than the pose is not at fault.
 Lines notes_on(const QualityReport& report) {
   constexpr double kOften = 10.0;  // Percent of the frames.

@@ -58,7 +58,7 @@ class SkeletonPackets {
 
  private:
   std::vector<std::string> told_, kept_;
-  std::vector<std::string> waiting_;  // Packets without a result so far.
+  std::vector<std::string> waiting_;  // Packets without a result yet.
   std::size_t waiting_bytes_ = 0;
 };
 

@@ -94,7 +94,7 @@ struct StreamFormat {
   bool is_metric = false;  ///< The encoder needs a clip's unit and up axis (clip_with_units).
   int request_port = 0;    ///< Port of its senders for requests; 0: none.
   std::span<const StreamExtra> extras = {};  ///< Parameters after `?` that its decoder reads.
-  /// Maximum number of text lines read from a datagram; the rest is dropped.
+  /// Maximum number of text lines read from a datagram; further lines are dropped.
   std::size_t datagram_lines = 64;
 };
 

@@ -8,7 +8,7 @@
 
 namespace retarget {
 
-/// How close a motion comes to its joint limits.
+/// Minimum distance of a motion from its joint limits.
 struct LimitDistance {
   std::string joint;             ///< The joint that comes closest to a limit or exceeds it most.
   int frame = 0;                 ///< First frame in which it does.

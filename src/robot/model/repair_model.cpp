@@ -252,7 +252,7 @@ bool ModelRepair::free_world_bodies() {
   return true;
 }
 
-// A URDF whose floating joint hangs below links that stand for the world. The parent of the joint
+// A URDF whose floating joint is below links that represent the world. The parent of the joint
 // takes the name that MuJoCo reserves for the world.
 bool ModelRepair::free_world_links() {
   XMLElement& robot = *document_.RootElement();

@@ -12,7 +12,7 @@ namespace retarget {
 inline constexpr const char* kNestedFreeJoint = "free joint can only be used on top level";
 
 /// Repairs the XML of a model that MuJoCo refuses for a reason other than its kinematics: sensors
-/// and actuators that MuJoCo does not know, and bodies that stand for the world.
+/// and actuators that MuJoCo does not know, and bodies that represent the world.
 ///
 /// The XML is that of the model with its included files, so lines of errors are not those of the
 /// file.
