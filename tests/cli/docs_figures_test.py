@@ -117,14 +117,14 @@ class Figures(ToolTest):
         stale = docs_figures.stale_lines(now)
         self.assertFalse(stale, "\n".join([AGAIN, *stale]))
 
-    def test_drawings_are_what_the_tool_draws(self):
+    def test_committed_drawings_are_up_to_date(self):
         for name, content in docs_figures.draw_with_tool(TOOL, self.folder).items():
             # The compression of PNG depends on zlib: view_test compares the pixels.
             if name.endswith(".svg"):
                 self.assertTrue(content == (SOURCE / "docs/pictures" / name).read_bytes(),
                                 f"{name}: {AGAIN}")
 
-    def test_pictures_of_pages_show_the_figures_of_today(self):
+    def test_page_screenshots_match_the_current_metrics(self):
         if importlib.util.find_spec("numpy") is None:
             self.skipTest("there is no numpy")
         with tempfile.TemporaryDirectory() as folder:

@@ -151,7 +151,7 @@ class RobotToRobot(ToolTest):
         self.assertIn("unitree_g1", sidecar["found"]["skeleton"])
         self.assert_done(self.run_tool("verify", "other.csv.json"))
 
-    def test_evaluate_and_view_beside_the_source(self):
+    def test_evaluate_and_view_use_the_source(self):
         self.make("walk")
         self.convert("made.csv", "g1", "t1", "other.csv", "--report", "other.json")
         result = self.run_tool("evaluate", "other.csv", "--robot", "t1", "--bvh", "made.csv",

@@ -127,7 +127,7 @@ class Output(ToolTest):
                           "29, 27, 23, 23-pbhc")
         self.assert_fails(self.retarget("--dof", 20, robot="fourier_n1"), 4, "23 joints")
 
-    def test_fingers_stay_at_zero_and_leave_the_rest_as_it_is(self):
+    def test_fingers_stay_at_zero_and_do_not_affect_other_joints(self):
         off = self.text("--csv-header", "--hands", "off", robot="unitree_g1_with_hands")
         header, body = off.split("\n", 1)
         rows = read_rows(body)
@@ -151,7 +151,7 @@ class Output(ToolTest):
         rows = exact("--dof", 29, robot="unitree_g1_with_hands")
         self.assertIsNone(difference(rows, plain, 2e-6))
 
-    def test_summary_names_joints_at_a_limit_and_what_pushes_them(self):
+    def test_summary_names_joints_at_a_limit_and_the_tasks_that_push_them(self):
         self.write("knees.json", '{"left_knee_joint": [0, 0.3]}')
         # By default the fit keeps joints off their limits.
         self.write("fit.json", '{"limit_margin_weight": 0}')

@@ -112,7 +112,7 @@ class PageFiles(ToolTest):
                 curves += 1
         self.assertGreater(curves, 15)
 
-    def test_humans_are_drawn_as_the_header_says(self):
+    def test_humans_are_drawn_as_the_header_describes(self):
         """Colours and chains have one source: the script has neither names of limbs nor colours of sides."""
         page = self.run_page("--method", "gmr", clip=self.write("walk.bvh", short_clip("walk", 20)))
         figure = data_of(page)[0]["figure"]
