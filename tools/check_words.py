@@ -257,7 +257,7 @@ def added_lines(ref):
     """{file: line numbers} added since a commit, changes that are not committed included."""
     diff = git("diff", "-U0", "--no-color", "--no-ext-diff", ref, "--")
     if diff is None:
-        raise ValueError(f"--new: git knows no commit \"{ref}\"")
+        raise ValueError(f"--new: git has no commit \"{ref}\"")
     added, name = collections.defaultdict(set), None
     for line in diff.splitlines():
         if line.startswith("+++ "):

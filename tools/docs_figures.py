@@ -221,7 +221,7 @@ def page_gates(tool, folder):
         header = data_of((pathlib.Path(folder) / page).read_text(encoding="utf-8"))[0]
         pictures[f"{name}.png"] = {
             motion["report"]["file"]: {
-                gate["metric"]: f"{gate.get('value', 0.0):.3g} {'kept' if gate['passed'] else 'missed'}"
+                gate["metric"]: f"{gate.get('value', 0.0):.3g} {'passed' if gate['passed'] else 'missed'}"
                 for gate in motion["report"]["gates"]}
             for motion in header["motions"]}
     return pictures

@@ -156,7 +156,7 @@ struct TrackingLayout {
 /// Options of make_tracking_motion.
 struct TrackingOptions {
   FrameRate rate{50, 1};
-  std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's trainer.
+  std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's training framework.
   bool until_last = false;               ///< Include a sample that coincides with the last frame.
 };
 
@@ -203,11 +203,11 @@ struct TrackingMotion {
                                                           const TrackingOptions& options = {});
 
 /// Formats an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
-/// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which trainers ignore: `flavour`,
-/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`. With
-/// moving objects: `object_names`, `object_pos_w`, `object_quat_w`, `object_lin_vel_w` and
-/// `object_ang_vel_w`. With a scene: `contact_labels` (frames, columns), `contact_links` and
-/// `contact_surfaces`.
+/// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which training frameworks ignore:
+/// `flavour`, joint names, body names and, if known, `contacts` (frames, 4) bool and
+/// `contact_names`. With moving objects: `object_names`, `object_pos_w`, `object_quat_w`,
+/// `object_lin_vel_w` and `object_ang_vel_w`. With a scene: `contact_labels` (frames, columns),
+/// `contact_links` and `contact_surfaces`.
 ///
 /// kNpzHolosoma: `joint_pos` starts with the root's position and quaternion wxyz, `joint_vel` with
 /// its linear and angular velocity in the world frame. With moving objects also `qpos`: position

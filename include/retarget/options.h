@@ -292,7 +292,7 @@ struct RobotChoice {
   Follow follow = Follow::kAll;
 };
 
-/// Purpose of a motion. The preset of a purpose sets several options; options that are given win.
+/// Purpose of a motion. The preset of a purpose sets several options; explicit options override it.
 enum class Purpose : unsigned char {
   kTracking,  ///< Training a policy that tracks the motion (docs/fit.md, "Motions for policies").
 };

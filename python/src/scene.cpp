@@ -1,4 +1,5 @@
-// retarget.Scene: the surroundings of a human or a robot, and the contacts of a motion with them.
+// Binds retarget.Scene: the environment of a human or a robot, and the contacts of a motion with
+// them.
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>

@@ -62,7 +62,7 @@ std::string message_of(std::string_view label, std::string_view text) {
   return std::string(label) + (label.empty() ? "" : ": ") + spell_options(text);
 }
 
-// Collects what loading a robot has to say.
+// Collects the messages about loading a robot.
 class LoadingObserver : public Observer {
  public:
   void line(std::string_view label, std::string_view text) override {

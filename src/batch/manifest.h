@@ -28,7 +28,7 @@ struct FileRecord {
 struct ClipQuality {
   std::vector<std::pair<std::string, double>> figures;  ///< Metric key and value.
   std::vector<std::string> missed;                      ///< Metrics whose gates were missed.
-  std::string worst;         ///< Metric furthest beyond its gate; empty if all gates are kept.
+  std::string worst;         ///< Metric furthest beyond its gate; empty if all gates pass.
   double worst_ratio = 0.0;  ///< Ratio of that metric to its gate; infinity if the gate is 0.
   std::vector<GateResult> missed_gates = {};  ///< The gates of `missed`, with values and bounds.
   std::optional<double> leg =

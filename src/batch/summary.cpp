@@ -24,7 +24,7 @@
 namespace retarget {
 namespace {
 
-// Ratio by which a value exceeds its gate; 0 if the gate is kept.
+// Ratio by which a value exceeds its gate; 0 if the value passes.
 double ratio_beyond(const GateResult& gate) {
   if (gate.passed || !gate.value) return 0.0;
   const bool too_much = gate.max && !(*gate.value <= *gate.max);

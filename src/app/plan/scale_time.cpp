@@ -23,8 +23,8 @@ namespace retarget {
 namespace {
 
 constexpr double kKnotTime = 0.1;  // Seconds.
-constexpr double kAim = 0.95;      // Share of a limit that a slowed stretch may use.
-constexpr int kMaxRounds = 5;      // Solves with stretched time.
+constexpr double kAim = 0.95;      // Share of a limit that a slowed interval uses.
+constexpr int kMaxRounds = 5;      // Maximum number of slowed solves.
 constexpr double kMostSlower = 1.0 / kLeastTimeScale;
 // A limb that is this much farther from the human than without speed limits is distorted, degrees.
 // In intervals that are already slower, the pace rises until little of the excess remains.

@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 // distance of its points from the skin, which no skeleton knows; the thresholds cover its error.
 constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
 constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
-// A contact slides if its place on the surface moves farther than this, metres, or as fast as this
-// throughout, m/s: a hand that passes over a surface touches it too briefly to move far.
+// A contact slides if it moves along the surface by more than this, metres, or always faster than
+// this, m/s: a hand that passes over a surface touches it too briefly to move far.
 constexpr double kSlideReach = 0.08, kSlideSpeed = 0.15;
 // Maximum movement of the nearest surface point before the contact position moves, metres.
 constexpr double kStickReach = 0.03;

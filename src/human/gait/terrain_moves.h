@@ -25,7 +25,7 @@ namespace retarget {
                                           Terrain& terrain);
 
 /// Displacements of contacts if the scene around a human changes: a foot, hand, knee, seat or back
-/// stays at its place on its body. Places on the floor move if the floor is scaled.
+/// stays at its position on its body. Positions on the floor move if the floor is scaled.
 /// @param before, after  the scene in the frames of the human; bodies in equal order
 /// @param static_scale   factors of static bodies about the origin
 /// @param object_scale   factor of the sizes of moving bodies

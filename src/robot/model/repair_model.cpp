@@ -221,7 +221,8 @@ bool ModelRepair::drop_sections(const std::string& complaint) {
   return dropped;
 }
 
-// Bodies of an MJCF that stand for the world: above the body with the free joint, or named "world".
+// Finds bodies of an MJCF that represent the world: above the body with the free joint, or named
+// "world".
 bool ModelRepair::free_world_bodies() {
   std::vector<std::string> names;
   for (auto* world = document_.RootElement()->FirstChildElement("worldbody"); world != nullptr;
