@@ -67,7 +67,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.contact_edits = plan.contact_edits;
   source.map = plan.human.map;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
-  // Stretched time starts with the used part.
+  // Scaled time starts at the used part, so such a motion has no lead-in.
   if (plan.lead_in_frames == 0 || plan.time_scale) return source;
   plan.part.begin = 0;
   TRY_ASSIGN(source.human_with_lead_in,

@@ -227,7 +227,7 @@ std::size_t runner_up(const std::vector<ScoredRest>& scored, std::size_t chosen)
   return best;
 }
 
-// Explains why the user should check the choice; empty if nothing is doubtful.
+// Explains why the user should check the choice; empty if the choice is certain.
 std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_meant) {
   constexpr double kBad = 15.0, kTie = 1.0, kDiffers = 15.0;  // degrees
   const std::string hint = "; if limbs look turned, give " OPTION("rest");
