@@ -1,4 +1,4 @@
-"""Text and number results of the functions."""
+"""Results of functions that consist of text and numbers."""
 
 from __future__ import annotations
 
