@@ -80,7 +80,7 @@ def parsed(what, allowed):
 
 
 class Fresh:
-    """Texts of marks from new measurements; None if the data are missing."""
+    """Makes texts of marks from new measurements; None if the data are missing."""
 
     def __init__(self, reports):
         self.reports, self.clips = reports, reports.clips
@@ -187,7 +187,7 @@ def stale_lines(documents_now):
 
 
 def fault_of_marks(text):
-    """Returns the fault of the marks of a text; empty if they are correct."""
+    """Returns the error in the marks of a text; empty if they are correct."""
     marks = len(ANY_MARK.findall(text))
     parts = sum(2 * len(each.findall(text)) for each in (FIGURE, TABLE, SPEED))
     if marks != parts:

@@ -128,7 +128,7 @@ def concatenate(clips: Sequence[Clip], *, data_dir: StrPath | None = None,
 @with_options("PathOptions", "EditOptions")
 def follow_path(clip: Clip, to: StrPath | None = None, *, data_dir: StrPath | None = None,
                 **options: Unpack[_options.PathEditOptions]) -> Clip:
-    """Moves along another path over the ground: `line`, `circle`, `figure8`, a JSON file.
+    """Returns the motion along another path: `line`, `circle`, `figure8`, a JSON file.
 
     Raises:
         RunError: the path is too fast for the motion.
