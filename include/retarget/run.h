@@ -179,7 +179,7 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 
 /// A missed gate: `jumps 3 (at most 0)`.
-/// @pre its figure was measured
+/// @pre its metric was measured
 [[nodiscard]] std::string missed_text(const GateResult& gate);
 /// All missed gates of a report, separated by commas. Empty if no gate is missed.
 [[nodiscard]] std::string missed_gates_text(const QualityReport& report);

@@ -187,7 +187,7 @@ double tracked_pct(const SimulationReport& report) {
   return report.fell ? std::clamp(100.0 * report.fall_time_s / length, 0.0, 100.0) : 100.0;
 }
 
-// Adds the figures of the certificate to the report, and judges it again.
+// Adds the metrics of the certificate to the report, and judges it again.
 void add_figures(const Certificate& certificate, const Gates& gates, QualityReport& report) {
   report.values.push_back({find_metric(kTrackedFigure), certificate.tracked_pct, {}});
   if (certificate.predicted_success >= 0.0) {

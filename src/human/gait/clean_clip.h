@@ -10,7 +10,7 @@ namespace retarget {
 
 /// Result of cleaning a clip.
 struct CleanReport {
-  std::vector<std::string> notes;  ///< Sentences with figures; empty if nothing changed.
+  std::vector<std::string> notes;  ///< Sentences with numbers; empty if nothing changed.
   /// Apparent speed of standing feet after smoothing, in m/s for a body with legs of
   /// kUsualSourceLeg; 0 if there was no joint noise. Slower feet may be in contact.
   double foot_speed = 0.0;

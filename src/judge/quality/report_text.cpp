@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kLegend = "+ passed, x missed, - not measured";
 
-// Width of the group labels, and of the first of two columns of figures.
+// Width of the group labels, and of the first of two columns of values.
 constexpr std::size_t kLabelWidth = 12, kCellWidth = 34;
 
 using Lines = std::vector<ReportLine>;
