@@ -112,7 +112,7 @@ TEST_F(ModelRepairs, LeftoversOfXacroAreIgnored) {
               "robot.urdf");
 }
 
-TEST_F(ModelRepairs, TemplatesOfXacroAreStillRefused) {
+TEST_F(ModelRepairs, StillRejectsTemplatesOfXacro) {
   const std::string links = "<link name=\"more\"/>";
   for (const std::string& definition : std::vector<std::string>{
            "<xacro:include filename=\"arms.xacro\"/>", "<xacro:macro name=\"imu\"/>",
@@ -151,7 +151,7 @@ TEST_F(ModelRepairs, UnknownSensorsOfIncludedFilesAreIgnored) {
               "cannot read one of them: unrecognized element");
 }
 
-TEST_F(ModelRepairs, UnknownKinematicsIsStillRefused) {
+TEST_F(ModelRepairs, StillRejectsUnknownKinematics) {
   const std::string plain = plain_humanoid().mjcf();
   const std::string sensors = "<sensor><radar/></sensor>";
   EXPECT_THAT(refusal(put(plain, "<freejoint/>", "<joint name=\"a\" helix=\"1\"/>")),
@@ -199,7 +199,7 @@ TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
   EXPECT_TRUE(fixed) << describe(fixed.error());
 }
 
-TEST_F(ModelRepairs, AFloatingLinkBelowABodyWithMassIsRefused) {
+TEST_F(ModelRepairs, RejectsAFloatingLinkBelowABodyWithMass) {
   const std::string cart =
       "<link name=\"cart\"><inertial><mass value=\"9\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" "
       "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>";
