@@ -44,7 +44,7 @@ class PacketBatch final : public StreamSink {
 };
 
 /// Keeps the packets that contained the skeleton in use. They restore a decoder that has accepted
-/// another skeleton which was then refused.
+/// another skeleton which was then rejected.
 class SkeletonPackets {
  public:
   /// Inspects a packet and its decoded contents.
