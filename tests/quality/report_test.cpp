@@ -68,8 +68,9 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
   gates.set({"jumps", std::nullopt, 0.0});
   for (QualityReport& report : reports) gates.judge(report);
   const std::string text = report_text(reports);
-  EXPECT_THAT(text, StartsWith("still.csv: 1 of 1 gate passed\njump.csv: 0 of 1 gate passed, 1 missed\n"
-                               "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
+  EXPECT_THAT(text,
+              StartsWith("still.csv: 1 of 1 gate passed\njump.csv: 0 of 1 gate passed, 1 missed\n"
+                         "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
   EXPECT_THAT(text, ContainsRegex("\n +metric +gate +still.csv +jump.csv\n"));
   EXPECT_THAT(text, ContainsRegex("\n +jumps +<=0 +0 [+] +2 x\n"));
   // Every metric has its row only on request.
