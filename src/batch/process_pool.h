@@ -49,7 +49,7 @@ struct TaskEnd {
 /// @param work    runs a task, in a process of the pool; must not throw.
 /// @param ended   called in this process, sequentially, for every task that began.
 /// Windows cannot fork: there the tasks run on threads of this process. A crash ends all of them,
-/// memory has no limit, and a task learns from task_deadline() when it must end.
+/// memory has no limit, and task_deadline() tells a task when it must end.
 /// Errors (kRun): no process could be created.
 [[nodiscard]] Result<void> run_in_processes(
     std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,

@@ -127,7 +127,7 @@ std::optional<SceneWorld> solved_world(const Motion& motion) {
   return world;
 }
 
-// Moves a motion and its world as its file.
+// Moves a motion and its world like the motion in the file.
 void normalize_start(RobotClip& clip, std::optional<SceneWorld>& world) {
   WriteMotionOptions moved;
   if (world) moved.scene = std::move(world->clip);

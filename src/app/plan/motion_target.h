@@ -33,7 +33,7 @@ class MotionTarget {
 };
 
 /// Returns when the ends of the robot's feet are planted. Empty: the motion was not fitted, so
-/// nothing holds the feet.
+/// no term holds the feet.
 [[nodiscard]] std::optional<FootContacts> contacts_of(const Motion& motion);
 
 /// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
@@ -44,8 +44,8 @@ class MotionTarget {
                                                 const FrameRate& rate,
                                                 const std::optional<ContactLabels>& labels);
 
-/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene; the
-/// motion has no scene (kUsage).
+/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene;
+/// the motion has no scene (kUsage).
 [[nodiscard]] Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
                                              const std::optional<SceneClip>& scene);
 

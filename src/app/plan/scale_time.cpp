@@ -120,8 +120,8 @@ bool takes_torques(const Plan& plan, const Motion& motion) {
   return plan.fit.dynamics && plan.options.solve.method == Method::kFit && !motion.scene;
 }
 
-// A torque has a part that rests and one that grows with the square of the speed. Half the speed
-// separates the two.
+// A torque has a static part and a part that grows with the square of the speed. Inverse dynamics
+// at half the speed separates the two.
 void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>& needs) {
   if (!takes_torques(plan, motion)) return;
   const auto now = torque_ratios(motion.clip, nullptr);
@@ -134,7 +134,7 @@ void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>&
     if (!over(now[i])) continue;
     const double moving = (ratio - slow[i].first) / 0.75, resting = ratio - moving;
     const int joint = robot.tree().links()[static_cast<std::size_t>(link)].joint;
-    // A torque that rests above its limit needs another pose.
+    // Slowing cannot reduce a static torque above the limit.
     if (moving <= 0.0 || resting >= kAim) continue;
     needs.push_back({static_cast<int>(i), StepNeed::kTorque, ratio - 1.0,
                      std::clamp(std::sqrt(moving / (kAim - resting)), 1.05, kMostSlower),
@@ -262,8 +262,8 @@ class TimeScaleSearch {
     return excess;
   }
 
-  // A stretch is worth its time only if the limbs come nearer to the human than without it, or if
-  // they stay as near and torques fall.
+  // Keeps a slowed interval only if the limbs are nearer to the human than without it, or if they
+  // are as near and the torques are lower.
   void give_back_what_does_not_help(const Motion& motion) {
     constexpr double kGain = 0.3, kLoss = 0.2;  // Degrees.
     constexpr double kLighter = 0.5;            // Share of the torque beyond limits.

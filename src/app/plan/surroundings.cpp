@@ -44,7 +44,7 @@ Result<void> load_surroundings(Plan& plan) {
 
 namespace {
 
-// Stretches the paths of bodies as warp_time does those of joints.
+// Warps the paths of bodies in time, as warp_time does for joints.
 SceneClip warp_scene(const SceneClip& clip, const TimeScale& scale) {
   const std::vector<WarpedFrame> frames = warped_frames(scale, clip.rate, clip.frame_count);
   SceneClip warped{clip.scene, clip.rate, static_cast<int>(frames.size()), {}, clip.contacts};

@@ -151,7 +151,7 @@ RobotClip part_of(const RobotClip& clip, int begin, int end) {
   return part;
 }
 
-// Windows of about equal length, at most that of the predictor and a half.
+// Windows of about equal length, at most 1.5 times the predictor's.
 Json prediction_json(const RobotClip& clip, const LimitSet& limits,
                      const TrackingPredictor& predictor, double& success) {
   const double frames = std::max(3.0, predictor.window_s * clip.rate().fps());

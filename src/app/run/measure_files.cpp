@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Stretches the time of the source as the sidecar of the motions records it, unless an option gives
+// Scales the time of the source as recorded in the sidecar of the motions, unless an option gives
 // a factor. Without a record, `auto` is decided again.
 Result<void> choose_time_scale(const std::vector<std::string>& motions, Plan& plan,
                                Observer& observer) {
