@@ -27,6 +27,6 @@ function(retarget_live_package choice package target source definition)
   endif()
 endfunction()
 
-retarget_live_package("${RETARGET_LZ4}" LZ4 LZ4::lz4 lz4_frame.cpp RETARGET_HAS_LZ4)
+retarget_live_package("${RETARGET_LZ4}" LZ4 LZ4::lz4 message_cutter.cpp RETARGET_HAS_LZ4)
 retarget_live_package("${RETARGET_ZEROMQ}" ZeroMQ ZeroMQ::zmq zmq_output.cpp RETARGET_HAS_ZEROMQ)
 retarget_live_package("${RETARGET_REDIS}" RedisClient RedisClient::hiredis redis_output.cpp RETARGET_HAS_HIREDIS)

@@ -1,7 +1,6 @@
 #include "retarget/version.h"
 
 #include <mujoco/mujoco.h>
-
 #include <Eigen/Core>
 
 #include "build_facts.h"

@@ -113,7 +113,7 @@ struct ClipTimes {
 ///
 /// Errors (kInput): a track of a body that the scene does not have, or of a plane; a track that is
 /// shorter than the clip; two tracks of a body.
-[[nodiscard]] Result<SceneClip> place_scene(std::shared_ptr<const Scene> scene,
+[[nodiscard]] Result<SceneClip> place_scene(const std::shared_ptr<const Scene>& scene,
                                             std::span<const ObjectTrack> tracks,
                                             const ClipTimes& times);
 

@@ -19,10 +19,10 @@ DATA = ROOT / "data"
 
 def shared_folder() -> pathlib.Path:
     """The folder with reference results; skips the test if it is missing."""
-    folder = os.environ.get("RETARGET_SHARED")
-    if not folder:
-        pytest.skip("RETARGET_SHARED does not name a folder with reference data")
-    return pathlib.Path(folder)
+    folder = pathlib.Path(os.environ.get("RETARGET_SHARED") or ROOT.parent / "shared")
+    if not (folder / "data").is_dir():
+        pytest.skip("no folder of shared data: set RETARGET_SHARED to run this test")
+    return folder
 
 
 def sample_frames(name: str = "walk", count: int | None = None) -> list[dict]:

@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <system_error>
-#include <utility>
 
 #include "base/try.h"
 #include "retarget/file.h"

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <utility>
 
 #include "base/json.h"
 #include "base/try.h"

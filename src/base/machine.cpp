@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <system_error>
 #include <thread>

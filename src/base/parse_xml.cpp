@@ -1,7 +1,6 @@
 #include "base/parse_xml.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -74,6 +73,11 @@ Result<void> parse_xml(std::string_view text, tinyxml2::XMLDocument& document) {
   if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS) return {};
   return xml_failure(tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID()),
                      static_cast<std::size_t>(std::max(document.ErrorLineNum(), 0)));
+}
+
+std::string attribute_of(const tinyxml2::XMLElement* element, const char* name) {
+  const char* text = element == nullptr ? nullptr : element->Attribute(name);
+  return text == nullptr ? std::string() : text;
 }
 
 }  // namespace retarget

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tinyxml2.h>
-
+#include <string>
 #include <string_view>
 
 #include "retarget/error.h"
@@ -17,5 +17,8 @@ inline constexpr int kMaxXmlAttributes = 100;
 /// line; callers add the file): such an element, or malformed XML; `document` then holds the
 /// details.
 [[nodiscard]] Result<void> parse_xml(std::string_view text, tinyxml2::XMLDocument& document);
+
+/// The value of an attribute; empty without the element or the attribute.
+[[nodiscard]] std::string attribute_of(const tinyxml2::XMLElement* element, const char* name);
 
 }  // namespace retarget

@@ -3,8 +3,16 @@
 #include <algorithm>
 #include <bit>
 
-namespace retarget {
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+#include <immintrin.h>
+#define RETARGET_SHA __attribute__((target("sha,sse4.1,ssse3")))
+#endif
 
+namespace retarget {
+namespace {
+
+// The constants K of the rounds: the first 32 bits of the fractions of the cube roots of the first 64 primes.
 constexpr std::array<std::uint32_t, 64> kSha256Constants = {
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
     0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
@@ -14,8 +22,6 @@ constexpr std::array<std::uint32_t, 64> kSha256Constants = {
     0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
-
-namespace {
 
 constexpr std::size_t kSha256Block = 64;
 constexpr std::size_t kSha256LengthBytes = 8;
@@ -60,7 +66,71 @@ void compress(std::array<std::uint32_t, 8>& state, const std::uint8_t* blocks, s
   (by_instructions != nullptr ? by_instructions : sha256_blocks)(state, blocks, count);
 }
 
+// The SHA instructions of x86-64, selected at run time; baseline builds contain them as well.
+//
+// SHA256RNDS2 makes two rounds on the state in the order ABEF and CDGH; SHA256MSG1 and SHA256MSG2 are the two halves of the message
+// schedule (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2).
+#ifdef RETARGET_SHA
+
+RETARGET_SHA __m128i load_four(const void* from) {
+  return _mm_loadu_si128(static_cast<const __m128i*>(from));
+}
+
+RETARGET_SHA void blocks_by_instructions(std::array<std::uint32_t, 8>& state,
+                                         const std::uint8_t* blocks, std::size_t count) {
+  const __m128i to_words = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
+  const __m128i cdab = _mm_shuffle_epi32(load_four(state.data()), 0xb1);
+  const __m128i efgh = _mm_shuffle_epi32(load_four(state.data() + 4), 0x1b);
+  __m128i abef = _mm_alignr_epi8(cdab, efgh, 8);
+  __m128i cdgh = _mm_blend_epi16(efgh, cdab, 0xf0);
+  for (std::size_t block = 0; block < count; ++block, blocks += 64) {
+    const __m128i abef_before = abef;
+    const __m128i cdgh_before = cdgh;
+    __m128i w[4];  // the last sixteen words of the message schedule
+    for (std::size_t group = 0; group < 16; ++group) {
+      __m128i& words = w[group % 4];
+      if (group < 4) {
+        words = _mm_shuffle_epi8(load_four(blocks + 16 * group), to_words);
+      } else {
+        const __m128i last = w[(group + 3) % 4];
+        const __m128i seven_before = _mm_alignr_epi8(last, w[(group + 2) % 4], 4);
+        words = _mm_sha256msg1_epu32(words, w[(group + 1) % 4]);
+        words = _mm_sha256msg2_epu32(_mm_add_epi32(words, seven_before), last);
+      }
+      const __m128i sum = _mm_add_epi32(words, load_four(kSha256Constants.data() + 4 * group));
+      cdgh = _mm_sha256rnds2_epu32(cdgh, abef, sum);
+      abef = _mm_sha256rnds2_epu32(abef, cdgh, _mm_shuffle_epi32(sum, 0x0e));
+    }
+    abef = _mm_add_epi32(abef, abef_before);
+    cdgh = _mm_add_epi32(cdgh, cdgh_before);
+  }
+  const __m128i feba = _mm_shuffle_epi32(abef, 0x1b);
+  const __m128i dchg = _mm_shuffle_epi32(cdgh, 0xb1);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(state.data()), _mm_blend_epi16(feba, dchg, 0xf0));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(state.data() + 4), _mm_alignr_epi8(dchg, feba, 8));
+}
+
+// GCC 12 does not know "sha" in __builtin_cpu_supports.
+bool has_sha_instructions() {
+  unsigned a = 0;
+  unsigned b = 0;
+  unsigned c = 0;
+  unsigned d = 0;
+  if (__get_cpuid_count(7, 0, &a, &b, &c, &d) == 0) return false;
+  return (b >> 29 & 1) != 0 && __builtin_cpu_supports("sse4.1") != 0 &&
+         __builtin_cpu_supports("ssse3") != 0;
+}
+
+#endif
+
 }  // namespace
+
+Sha256Blocks sha256_blocks_by_instructions() {
+#ifdef RETARGET_SHA
+  if (has_sha_instructions()) return blocks_by_instructions;
+#endif
+  return nullptr;
+}
 
 void sha256_blocks(std::array<std::uint32_t, 8>& state, const std::uint8_t* blocks,
                    std::size_t count) {

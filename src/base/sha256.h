@@ -33,7 +33,4 @@ void sha256_blocks(std::array<std::uint32_t, 8>& state, const std::uint8_t* bloc
 /// The same with the SHA instructions of x86-64; null on processors without them.
 [[nodiscard]] Sha256Blocks sha256_blocks_by_instructions();
 
-/// The constants K of the rounds: the first 32 bits of the fractions of the cube roots of the first 64 primes.
-extern const std::array<std::uint32_t, 64> kSha256Constants;
-
 }  // namespace retarget

@@ -1,7 +1,6 @@
 #include "batch/batch_runner.h"
 
 #include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -13,12 +12,9 @@
 #include <utility>
 
 #include "batch/certify_clip.h"
-#include "batch/clip_memory.h"
-#include "batch/clip_variations.h"
 #include "batch/data_set.h"
-#include "batch/process_pool.h"
-#include "batch/signature_pass.h"
-#include "batch/summary.h"
+#include "batch/duplicates.h"
+#include "batch/input_variants.h"
 #include "retarget/certificate.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "batch/batch_report.h"
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
 #include "batch/process_pool.h"
-#include "batch/progress.h"
 #include "batch/resume.h"
 #include "retarget/batch.h"
 #include "retarget/error.h"

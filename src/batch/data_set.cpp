@@ -1,23 +1,19 @@
 #include "batch/data_set.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "batch/batch_report.h"
 #include "batch/certify_clip.h"
 #include "batch/duplicates.h"
-#include "batch/split.h"
-#include "batch/summary.h"
 #include "retarget/file.h"
 #include "retarget/measure.h"
 #include "retarget/option_name.h"
-#include "retarget/run.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -5,12 +5,10 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <tuple>
 #include <utility>
 
-#include "batch/name_patterns.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
 #include "retarget/file_endings.h"
@@ -20,6 +18,22 @@
 #include "retarget/try.h"
 
 namespace retarget {
+namespace {
+
+// Memory of a clip: a multiple of its file size, and a constant. Measured with both methods,
+// including quality measurement.
+constexpr std::uint64_t kMemoryOfText = 8;
+constexpr std::uint64_t kMemoryOfNpz = 20;
+constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
+
+}  // namespace
+
+std::uint64_t memory_of_clip(std::string_view file, std::uint64_t bytes) {
+  const std::string ending = lower_case(std::filesystem::path(file).extension().generic_string());
+  const bool text = ending == ".bvh" || ending == ".csv";
+  return kMemoryOfClip + bytes * (text ? kMemoryOfText : kMemoryOfNpz);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -264,8 +278,6 @@ Result<FoundInputs> InputFinder::run() {
 }
 
 }  // namespace
-
-namespace fs = std::filesystem;
 
 std::string part_text(const std::string& start, const std::string& end) {
   return start.empty() && end.empty() ? std::string() : start + ":" + end;

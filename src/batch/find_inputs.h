@@ -3,12 +3,29 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "retarget/error.h"
 #include "retarget/options.h"
 
 namespace retarget {
+
+/// Whether a name matches a pattern of a shell: `*` any text, `?` one character, `[a-z]` one of
+/// these; `*` also matches `/`.
+[[nodiscard]] bool matches_pattern(const std::string& pattern, const std::string& name);
+
+/// Paths that match a pattern of a shell, in any order; `*` does not match `/`, nor a dot at the
+/// start of a name.
+[[nodiscard]] std::vector<std::string> files_of_pattern(const std::string& pattern);
+
+/// Estimates the memory in bytes that a clip needs while it is retargeted and measured.
+/// @param file   motion file; its extension determines the kind.
+/// @param bytes  size of the file.
+[[nodiscard]] std::uint64_t memory_of_clip(std::string_view file, std::uint64_t bytes);
+
+/// Memory of a process beyond the estimates of its clips: the tool itself and estimation errors.
+inline constexpr std::uint64_t kMemoryOfProcess = std::uint64_t{1} << 30U;
 
 /// The content of a clip relative to its file: the whole file, a part, the mirror image of either,
 /// or one of these in a changed scene.
@@ -22,7 +39,7 @@ struct ClipVariant {
 
   /// BatchInput::relative of the clip whose scene is changed; empty: not changed.
   std::string varied_of = {};
-  /// The changes of the scene (clip_variations.h), such as `terrain-scale=z=1.07`.
+  /// The changes of the scene (input_variants.h), such as `terrain-scale=z=1.07`.
   std::string changes = {};
 
   [[nodiscard]] bool is_mirrored() const { return !mirror_of.empty(); }

@@ -2,17 +2,16 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <new>
 #include <set>
 #include <system_error>
 
-#include "batch/clip_memory.h"
+#include "batch/batch_report.h"
+#include "batch/find_inputs.h"
 #include "batch/gallery_batch.h"
 #include "batch/process_pool.h"
-#include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/machine.h"
@@ -168,9 +167,10 @@ class GalleryMaker {
   Result<void> make_folders() {
     std::error_code error;
     fs::create_directories(folder_ / kGalleryPages, error);
-    if (error)
+    if (error) {
       return run_failure((folder_ / kGalleryPages).generic_string(),
                          "cannot create the folder: " + error.message());
+    }
     return {};
   }
 

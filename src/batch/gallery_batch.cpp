@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <system_error>
 
-#include "batch/clip_variations.h"
+#include "batch/input_variants.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "batch/batch_report.h"
 #include "batch/output_tree.h"
-#include "batch/summary.h"
 #include "retarget/file.h"
 #include "retarget/option_name.h"
 #include "retarget/text.h"

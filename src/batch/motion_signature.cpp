@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>

@@ -1,7 +1,7 @@
 #include <fnmatch.h>
 #include <glob.h>
 
-#include "batch/name_patterns.h"
+#include "batch/find_inputs.h"
 
 namespace retarget {
 

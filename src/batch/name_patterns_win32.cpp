@@ -3,7 +3,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "batch/name_patterns.h"
+#include "batch/find_inputs.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 

@@ -1,7 +1,6 @@
 #include "batch/pack_motions.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "batch/process_pool.h"
-#include "batch/task_queue.h"
 #include "retarget/option_name.h"
 
 namespace retarget {

@@ -12,21 +12,18 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/batch_report.h"
 #include "batch/batch_runner.h"
 #include "batch/certify_clip.h"
-#include "batch/clip_table.h"
-#include "batch/clip_variations.h"
 #include "batch/data_set.h"
+#include "batch/duplicates.h"
 #include "batch/find_inputs.h"
-#include "batch/folder_lock.h"
+#include "batch/input_variants.h"
 #include "batch/manifest.h"
 #include "batch/manifests.h"
 #include "batch/output_tree.h"
 #include "batch/pack_motions.h"
-#include "batch/progress.h"
 #include "batch/resume.h"
-#include "batch/signature_pass.h"
-#include "batch/summary.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
@@ -192,7 +189,7 @@ struct BatchPlan {
 };
 
 // Replaces files by the parts that the clip table defines.
-Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
+Result<std::vector<BatchInput>> take_parts(const std::vector<BatchInput>& inputs,
                                            const std::vector<ClipRow>& rows,
                                            const BatchRequest& request, Observer& observer) {
   RETARGET_TRY_ASSIGN(std::vector<BatchInput> parts, parts_of(inputs, rows, request.clips));
@@ -223,7 +220,7 @@ Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer
   RETARGET_TRY(check_distinct_outputs(found.inputs));
   std::vector<BatchInput> inputs = std::move(found.inputs);
   if (!rows.empty()) {
-    RETARGET_TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
+    RETARGET_TRY_ASSIGN(inputs, take_parts(inputs, rows, request, observer));
   }
   if (request.mirror) inputs = with_mirror_images(std::move(inputs));
   if (request.variants > 0) {

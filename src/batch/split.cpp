@@ -8,7 +8,6 @@
 #include <numeric>
 #include <regex>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "batch/duplicates.h"

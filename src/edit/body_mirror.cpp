@@ -8,14 +8,11 @@
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "edit/ground_pose.h"
 #include "edit/rest_frames.h"
-#include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"
-#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"

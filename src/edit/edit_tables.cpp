@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "retarget/option_name.h"
-#include "retarget/option_table.h"
 #include "retarget/try.h"
 
 namespace retarget {

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "edit/pose_distance.h"
-#include "edit/seam_blend.h"
+#include "edit/ground_pose.h"
 #include "retarget/contact_plan.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "edit/fit_path.h"
-#include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit/seam.h"

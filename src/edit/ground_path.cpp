@@ -4,10 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "retarget/edit.h"
 #include "retarget/file.h"

@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "edit/ground_pose.h"
-#include "edit/pose_distance.h"
 #include "edit/seam.h"
-#include "edit/seam_blend.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"

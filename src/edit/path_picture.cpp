@@ -1,7 +1,6 @@
 // Draws motions seen from above.
 
 #include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>

@@ -5,9 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/pose.h"

@@ -1,4 +1,4 @@
-#include "edit/seam_blend.h"
+#include "edit/seam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
-#include "edit/seam.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/ground_path.h"

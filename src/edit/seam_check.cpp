@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
-#include "edit/pose_distance.h"
 #include "edit/seam.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "edit/foot_offsets.h"
 #include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/transfer.h"

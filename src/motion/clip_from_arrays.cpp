@@ -1,7 +1,6 @@
 #include "retarget/clip_arrays.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>

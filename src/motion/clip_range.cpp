@@ -7,9 +7,11 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {
@@ -112,6 +114,150 @@ Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate, 
   return usage_failure(
       OPTION("frames") " and " OPTION("start") "/" OPTION("end") " both choose a part of the clip",
       "give only one of them");
+}
+
+namespace {
+
+constexpr double kJump = 0.1;          // Second difference, in spreads of the body.
+constexpr double kBeyondMotion = 5.0;  // Second difference, relative to the motion's 95th
+                                       // percentile.
+constexpr double kStill = 0.05;        // Spreads from the first frame; allows for noise and a
+                                       // standing person.
+constexpr double kMaxHold = 20.0;      // Seconds.
+constexpr double kMotionSeen = 2.0;    // Seconds.
+// A pose held for longer than this must differ from the motion's poses; otherwise it is motion
+// before a fault.
+constexpr double kShortHold = 0.25;  // Seconds.
+constexpr double kSamePose = 0.1;    // Spreads, after aligning position and rotation of the root.
+constexpr int kMinAfter = 5;         // Frames of motion after the jump.
+
+// World positions of all joints by frame, computed on demand.
+class Positions {
+ public:
+  explicit Positions(const Clip& clip)
+      : clip_(clip),
+        frames_(static_cast<std::size_t>(clip.frame_count())),
+        root_turns_(frames_.size()),
+        poses_(static_cast<std::size_t>(clip.skeleton().joint_count())) {}
+
+  const Eigen::Matrix3Xd& at(int frame) {
+    Eigen::Matrix3Xd& positions = frames_[static_cast<std::size_t>(frame)];
+    if (positions.size() > 0) return positions;
+    forward_kinematics(clip_, frame, poses_);
+    root_turns_[static_cast<std::size_t>(frame)] = poses_.front().rotation;
+    positions.resize(3, static_cast<Eigen::Index>(poses_.size()));
+    for (Eigen::Index joint = 0; joint < positions.cols(); ++joint) {
+      positions.col(joint) = poses_[static_cast<std::size_t>(joint)].translation;
+    }
+    return positions;
+  }
+
+  // Mean joint distance of two frames, relative to the root.
+  double pose_distance(int a, int b) {
+    return (seen_by_root(a) - seen_by_root(b)).colwise().norm().mean();
+  }
+  double distance(int a, int b) { return (at(a) - at(b)).colwise().norm().mean(); }
+
+  // step() and second_difference() are means over the joints; spread() is a root mean square.
+  double step(int frame) { return (at(frame + 1) - at(frame)).colwise().norm().mean(); }
+  double second_difference(int frame) {
+    return (at(frame - 1) - 2.0 * at(frame) + at(frame + 1)).colwise().norm().mean();
+  }
+  double spread(int frame) {
+    const Eigen::Matrix3Xd& positions = at(frame);
+    const Eigen::Vector3d middle = positions.rowwise().mean();
+    return std::sqrt((positions.colwise() - middle).colwise().squaredNorm().mean());
+  }
+
+ private:
+  Eigen::Matrix3Xd seen_by_root(int frame) {
+    const Eigen::Matrix3Xd& positions = at(frame);
+    const Eigen::Matrix3d root_from_world =
+        root_turns_[static_cast<std::size_t>(frame)].conjugate().toRotationMatrix();
+    return root_from_world * (positions.colwise() - positions.col(0));
+  }
+
+  const Clip& clip_;
+  std::vector<Eigen::Matrix3Xd> frames_;
+  std::vector<Eigen::Quaterniond> root_turns_;
+  std::vector<Pose> poses_;
+};
+
+// Whether the motion begins at frame `begin`, with a jump from the frame before.
+bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
+  if (clip.frame_count() - begin < kMinAfter) return false;
+  const double jump = positions.second_difference(begin);
+  if (!(jump > kJump * positions.spread(begin))) return false;
+  // The frame before a jump has an equally large second difference; a jump may take two frames.
+  if (positions.step(begin - 1) < 0.5 * positions.step(begin)) return false;
+  const int end = std::min(
+      clip.frame_count() - 1,
+      begin + 1 +
+          std::max(kMinAfter, static_cast<int>(std::lround(kMotionSeen * clip.rate().fps()))));
+  std::vector<double> after;
+  for (int frame = begin + 1; frame < end; ++frame) {
+    after.push_back(positions.second_difference(frame));
+  }
+  std::ranges::sort(after);
+  return jump > kBeyondMotion * after[(95 * (after.size() - 1)) / 100];
+}
+
+// Whether all rotations of a frame are zero and the next frame leaves it by a jump, which real
+// recordings do not do.
+bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
+  constexpr double kNoTurn = 1e-9;
+  const auto none = [](const Eigen::Quaterniond& rotation) {
+    return rotation.vec().norm() < kNoTurn;
+  };
+  if (!std::ranges::all_of(clip.rotations(frame), none) ||
+      std::ranges::all_of(clip.rotations(frame + 1), none)) {
+    return false;
+  }
+  const double step = positions.step(frame);
+  const double next = frame + 2 < clip.frame_count() ? positions.step(frame + 1) : 0.0;
+  return step > kJump * positions.spread(frame + 1) && step > kBeyondMotion * next;
+}
+
+// Whether the motion after `begin` returns to a pose within kMotionSeen.
+bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
+  const double near = kSamePose * positions.spread(pose);
+  const int end = std::min<int>(
+      clip.frame_count(), begin + static_cast<int>(std::lround(kMotionSeen * clip.rate().fps())));
+  for (int frame = begin; frame < end; ++frame) {
+    if (positions.pose_distance(pose, frame) < near) return true;
+  }
+  return false;
+}
+
+// Number of static frames from `begin` that end with a jump; 0 if there are none.
+int count_held(const Clip& clip, Positions& positions, int begin) {
+  const auto longest =
+      static_cast<int>(std::min(kMaxHold * clip.rate().fps(), 1.0 * clip.frame_count()));
+  for (int count = 1; count <= std::max(1, longest); ++count) {
+    if (begin + count >= clip.frame_count()) return 0;
+    if (is_frame_of_zeros(clip, positions, begin + count - 1)) return count;
+    if (begins_with_a_jump(clip, positions, begin + count)) {
+      const bool is_short = count * clip.rate().frame_time() <= kShortHold;
+      return is_short || !comes_back(clip, positions, begin, begin + count) ? count : 0;
+    }
+    if (!(positions.distance(begin, begin + count) <= kStill * positions.spread(begin))) return 0;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int count_lead_in_frames(const Clip& clip) {
+  // For example a frame of zeros and a T-pose.
+  constexpr int kMaxHolds = 3;
+  Positions positions(clip);
+  int count = 0;
+  for (int hold = 0; hold < kMaxHolds; ++hold) {
+    const int held = count_held(clip, positions, count);
+    if (held == 0) break;
+    count += held;
+  }
+  return count;
 }
 
 }  // namespace retarget

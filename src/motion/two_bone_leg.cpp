@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "retarget/clip.h"
 #include "retarget/so3.h"
 #include "retarget/spline.h"
 #include "retarget/trigonometry.h"

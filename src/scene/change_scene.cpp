@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "retarget/so3.h"
+#include "scene/scene_shapes.h"
 #include "scene/scene_world.h"
-#include "scene/shape_mesh.h"
 
 namespace retarget {
 namespace {

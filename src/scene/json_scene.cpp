@@ -1,10 +1,9 @@
 // Scenes as JSON lists of primitives (docs/world.md).
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/faults.h"
 #include "base/json.h"

@@ -1,10 +1,8 @@
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "base/parse_xml.h"

@@ -110,7 +110,8 @@ std::optional<Matrix3d> edges_of(const std::vector<Vector3d>& vertices, double t
       if (!are_square(edge(i), edge(j))) continue;
       for (std::size_t k = j + 1; k < 8; ++k) {
         if (!are_square(edge(i), edge(k)) || !are_square(edge(j), edge(k))) continue;
-        const Vector3d a = edge(i), b = edge(j), c = edge(k), o = vertices[0];
+        const Vector3d a = edge(i), b = edge(j), c = edge(k);
+        const Vector3d& o = vertices[0];
         if (!is_vertex(o + a + b) || !is_vertex(o + b + c) || !is_vertex(o + a + c) ||
             !is_vertex(o + a + b + c)) {
           continue;

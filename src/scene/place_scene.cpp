@@ -137,7 +137,7 @@ Result<void> check_tracked(const SceneBody& body, const Scene& scene, bool is_se
 
 }  // namespace
 
-Result<SceneClip> place_scene(std::shared_ptr<const Scene> scene,
+Result<SceneClip> place_scene(const std::shared_ptr<const Scene>& scene,
                               std::span<const ObjectTrack> tracks, const ClipTimes& times) {
   if (times.frame_count < 1 || times.source_begin < 0) {
     return input_failure("", "the clip has no frames");

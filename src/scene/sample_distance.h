@@ -1,11 +1,59 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "retarget/triangle_mesh.h"
 #include "scene/distance_grid.h"
 
 namespace retarget {
+
+/// A tree of boxes around the triangles of a mesh, for exact distances and winding numbers. The same
+/// mesh gives the same tree on every machine.
+class TriangleTree {
+ public:
+  /// @pre the mesh has triangles, and all their corners are finite.
+  explicit TriangleTree(const TriangleMesh& mesh);
+
+  struct Nearest {
+    double squared_distance = 0.0;  ///< Square metres.
+    int triangle = -1;              ///< In the order of the tree.
+  };
+  /// @param guess  a triangle that is probably near, as an earlier result named it; -1: none. It
+  ///     changes the time, and which of several equally near triangles is found.
+  [[nodiscard]] Nearest nearest(const Eigen::Vector3d& point, int guess = -1) const;
+
+  /// How often the surface winds around a point: 1 inside a closed mesh whose triangles face
+  /// outward, 0 outside, a fraction near holes. Far parts of the surface count as dipoles (Barill et
+  /// al., "Fast winding numbers for soups and clouds", 2018); errors are below 0.05.
+  [[nodiscard]] double winding_number(const Eigen::Vector3d& point) const;
+
+ private:
+  struct Triangle {
+    Eigen::Vector3d a, b, c;
+  };
+  struct Node {
+    Eigen::AlignedBox3d box;
+    int begin = 0, end = 0;  // Its triangles.
+    int right = -1;          // Its second child; the first one follows it. -1: a leaf.
+    Eigen::Vector3d area = Eigen::Vector3d::Zero();    // Sum of area times normal.
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // Of area.
+    double radius = 0.0;  // Of a sphere about the centre that encloses the triangles.
+  };
+  int build(std::vector<int>& order, int begin, int end, const std::vector<Triangle>& triangles,
+            const std::vector<Eigen::Vector3d>& centres);
+  void summarise(Node& node) const;
+
+  std::vector<Triangle> triangles_;  // In the order of the leaves.
+  std::vector<Node> nodes_;          // Depth first.
+};
+
+/// The point of a triangle nearest to a point.
+[[nodiscard]] Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& point,
+                                                  const Eigen::Vector3d& a,
+                                                  const Eigen::Vector3d& b,
+                                                  const Eigen::Vector3d& c);
 
 /// Samples the signed distance to a mesh at all nodes of a grid, metres, the x index fastest.
 ///

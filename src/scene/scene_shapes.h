@@ -45,4 +45,8 @@ inline constexpr double kHeightDepth = 1.0;
 /// An ellipsoid about the origin whose surface is 0.2 % of its size inside the exact one.
 [[nodiscard]] TriangleMesh ellipsoid_mesh(const Eigen::Vector3d& radii);
 
+/// The surface of a shape as triangles with outward normals, in the frame of the shape's body,
+/// metres. Round shapes have 32 sides; a plane is a square of 100 m.
+[[nodiscard]] TriangleMesh mesh_of_shape(const SceneShape& shape);
+
 }  // namespace retarget

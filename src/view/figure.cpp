@@ -5,10 +5,8 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
-#include <string>
 
 #include "retarget/appearance.h"
-#include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "retarget/text.h"

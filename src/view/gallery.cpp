@@ -1,7 +1,6 @@
 #include "retarget/view.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +8,6 @@
 #include "retarget/report.h"
 #include "retarget/text.h"
 #include "view/figure.h"
-#include "view/metric_labels.h"
 #include "view/page.h"
 #include "view/page_data.h"
 

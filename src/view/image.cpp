@@ -5,7 +5,6 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "view/image.h"
 

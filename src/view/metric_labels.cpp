@@ -1,4 +1,4 @@
-#include "view/metric_labels.h"
+#include "view/page.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,5 @@
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "retarget/appearance.h"
 #include "retarget/bytes.h"
@@ -9,10 +8,8 @@
 #include "retarget/try.h"
 #include "retarget/view.h"
 #include "view/figure.h"
-#include "view/metric_labels.h"
 #include "view/page.h"
 #include "view/page_data.h"
-#include "view/written_motion.h"
 
 namespace retarget {
 

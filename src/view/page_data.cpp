@@ -9,7 +9,6 @@
 #include "retarget/try.h"
 #include "retarget/version.h"
 #include "view/figure.h"
-#include "view/scene_data.h"
 
 namespace retarget {
 namespace {
@@ -18,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 // The error is half a step; over a chain of joints the errors sum to less than 0.2 mm.
 constexpr double kAngleStep = 1e-4;                        // Radians; metres for slides.
-constexpr double kBoneStep = 1.5e-4;                       // Metres.
+constexpr double kBoneStep = 2.0e-4;                       // Metres.
 constexpr double kErrorStepCm = 0.1, kErrorStepDeg = 0.5;  // Steps of tracking errors.
 constexpr double kErrorRate = 15.0;                        // Samples per second of tracking errors.
 

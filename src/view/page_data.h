@@ -1,16 +1,30 @@
 #pragma once
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/normalize_start.h"
 #include "retarget/pose.h"
+#include "retarget/solve.h"
 #include "retarget/view.h"
-#include "view/track_packer.h"
+#include "view/scene_data.h"
 
 namespace retarget {
+
+/// A solved motion as it is written, and its source frame by frame.
+struct WrittenMotion {
+  RobotClip clip;
+  HumanClip human;
+
+  explicit WrittenMotion(const Motion& motion)
+      : clip(motion.clip), human(to_human(*motion.source, motion.plan.human.calibration)) {
+    if (motion.plan.options.save.normalize_start) normalize_start(clip);
+  }
+};
 
 // Steps of numbers on a page; the error is half a step.
 inline constexpr double kPageRootStep = 1e-4;        ///< Metres.

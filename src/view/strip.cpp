@@ -1,20 +1,25 @@
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "retarget/motion.h"
 #include "retarget/robot.h"
 #include "retarget/text.h"
 #include "retarget/view.h"
 #include "view/figure.h"
 #include "view/image.h"
+#include "view/page_data.h"
 #include "view/render.h"
-#include "view/strip.h"
-#include "view/written_motion.h"
 
 namespace retarget {
+namespace {
 
+// Returns the evenly spaced frames from the first to the last.
+// @param poses  at least one; limited to the number of frames.
 std::vector<int> spread_frames(int frame_count, int poses) {
   const int count = std::clamp(poses, 1, frame_count);
   std::vector<int> frames;
@@ -26,6 +31,8 @@ std::vector<int> spread_frames(int frame_count, int poses) {
   return frames;
 }
 
+// Returns the mean facing direction in these frames, not normalised; x is forward in every robot's
+// root.
 Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const int frame : frames) {
@@ -35,13 +42,22 @@ Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) 
   return sum;
 }
 
+// Vertical extent of a strip row, metres above the floor.
+struct RowHeights {
+  double low = 0.0, high = 0.0;
+  bool has_floor = true;  // True if 0 lies within the extent.
+};
+
+// Extends a row to the floor if the floor is no farther from the figures than `body`. Otherwise
+// shows only the figures, so that the picture's height does not depend on the motion's position in
+// the world.
+// @param figures  bounding box of the row; not empty.
+// @param body     height of the tallest row's figures, metres.
 RowHeights row_heights(const Eigen::AlignedBox2d& figures, double body) {
   const double low = figures.min().y(), high = figures.max().y();
   if (low > body || high < -body) return {low, high, false};
   return {std::min(0.0, low), std::max(0.0, high), true};
 }
-
-namespace {
 
 constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
 constexpr double kBetween = 0.12;  // Gap between figures, relative to the tallest one.

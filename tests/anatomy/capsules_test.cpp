@@ -1,4 +1,4 @@
-#include "robot/anatomy/capsules.h"
+#include "robot/anatomy/shapes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "formats/containers/npz.h"
 #include "retarget/zip.h"
 
 namespace retarget {

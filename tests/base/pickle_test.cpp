@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "batch/clip_table.h"
+#include "batch/input_variants.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

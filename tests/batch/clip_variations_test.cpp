@@ -1,6 +1,6 @@
 // Variations of clips: their names, their changes, and what these depend on.
 
-#include "batch/clip_variations.h"
+#include "batch/input_variants.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -16,8 +16,6 @@
 #include <thread>
 #include <vector>
 
-#include "batch/sanitizer.h"
-
 namespace retarget {
 namespace {
 

@@ -1,19 +1,16 @@
 """Robot motions read from every format and converted: detection, required options."""
 
 import os
-import pathlib
 import pickle
 import unittest
 
 from motion_formats import GOLDEN, FormatsTest
-from tool import SOURCE, ToolTest, read_rows, sample
+from tool import SHARED, ToolTest, read_rows, sample
 
 try:
     import numpy as np
 except ImportError:
     np = None
-
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"))
 
 
 class Conversions(FormatsTest):

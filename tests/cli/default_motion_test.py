@@ -1,13 +1,10 @@
 """Properties of motions with default options: an upright trunk, likeness, a calm root, planted feet."""
 
 import json
-import os
-import pathlib
 import unittest
 
-from tool import SOURCE, ToolTest, sample
+from tool import SHARED, SOURCE, ToolTest, sample
 
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
 ROBOTS = sorted(path.parent.name for path in SOURCE.glob("robots/**/model.xml"))
 
 

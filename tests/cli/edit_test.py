@@ -1,12 +1,9 @@
 """`retarget edit`: BVH in, BVH out."""
 
-import os
 import pathlib
 import unittest
 
-from tool import SOURCE, ToolTest, difference, read_rows, sample
-
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
+from tool import SHARED, ToolTest, difference, needs_shared, read_rows, sample
 
 
 class Edit(ToolTest):
@@ -298,7 +295,7 @@ class Edit(ToolTest):
         self.assertIn("at rest", words)
         self.assertIn("RightIndex", words)
 
-    @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is missing")
+    @needs_shared
     def test_other_skeletons(self):
         dialects = SHARED / "data/dialects"
         source = dialects / "games105_walk60.bvh"

@@ -4,16 +4,14 @@ command among commands."""
 import csv
 import json
 import os
-import pathlib
 import shutil
 import subprocess
 import sys
 import unittest
 
 import tool
-from tool import SOURCE, ToolTest, short_clip
+from tool import SHARED, SOURCE, ToolTest, short_clip
 
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"))
 JUDGE = SHARED / "judge" / "judge.py"
 REFERENCE = SHARED / "reference" / "robots" / "unitree_g1"
 IK_CONFIG = SHARED / "reference" / "ik_configs" / "bvh_to_g1.json"

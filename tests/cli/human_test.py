@@ -2,14 +2,11 @@
 give one robot motion."""
 
 import json
-import os
-import pathlib
 import re
 import unittest
 
-from tool import SOURCE, ToolTest, difference, read_rows, sample
+from tool import SHARED, ToolTest, difference, needs_shared, read_rows, sample
 
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
 NUMBER = r"-?\d+(?:\.\d+)?"
 
 
@@ -163,7 +160,7 @@ class WhatIsUnderstood(ToolTest):
         self.assertEqual(self.files(), [])
 
 
-@unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is missing")
+@needs_shared
 class SharedFiles(ToolTest):
     REFUSED = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root",
                "slimevr_hmd_root"}

@@ -4,11 +4,9 @@ import csv
 import io
 import json
 import math
-import os
-import pathlib
 import unittest
 
-from tool import SOURCE, ToolTest, sample
+from tool import SHARED, SOURCE, ToolTest, sample
 
 # A root that moves and rotates, a child with a quarter turn about z, two ends.
 CLIP = """HIERARCHY
@@ -118,8 +116,7 @@ class Inspect(ToolTest):
         self.assertEqual(count, 64)
 
     def test_quirks(self):
-        shared = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE / ".." / "shared"))
-        table = shared / "data/quirks/README.tsv"
+        table = SHARED / "data/quirks/README.tsv"
         if not table.exists():
             self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
         for row in read_table(table):

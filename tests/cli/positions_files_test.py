@@ -1,26 +1,13 @@
-"""Joint positions without rotations: the robot moves as with the file that has both."""
+"""Files of joint positions without rotations: their layouts, units and axes, and what is wrong with them."""
 
-import csv
 import io
 import json
 import os
-import pathlib
 import pickle
 import unittest
 
-from tool import ToolTest, sample
-
-try:
-    import numpy
-except ImportError:
-    numpy = None
-
-SHARED = os.environ.get("RETARGET_SHARED")
-
-# Limbs of the G1 between the origins of its links.
-SEGMENTS = [(f"{side}_{a}_link", f"{side}_{b}_link") for side in ("left", "right") for a, b in (
-    ("hip_roll", "knee"), ("knee", "ankle_pitch"), ("shoulder_roll", "elbow"),
-    ("elbow", "wrist_roll"))]
+from joint_positions import PositionsTest, numpy
+from tool import sample
 
 SMPL = ("pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
         "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
@@ -30,89 +17,8 @@ LAFAN1 = ("Hips LeftUpLeg RightUpLeg Spine LeftLeg RightLeg Spine1 LeftFoot Righ
           "LeftHand RightHand").split()
 
 
-def segment_directions(path):
-    """Unit vectors (F, S, 3) along SEGMENTS and the trunk, in the world, of a tracking NPZ."""
-    motion = numpy.load(path)
-    bodies = list(motion["body_names"])
-    place = motion["body_pos_w"].astype(float)
-
-    def at(name):
-        return place[:, bodies.index(name)]
-
-    lines = [at(b) - at(a) for a, b in SEGMENTS]
-    lines.append(at("left_shoulder_pitch_link") + at("right_shoulder_pitch_link")
-                 - at("left_hip_pitch_link") - at("right_hip_pitch_link"))
-    lines = numpy.stack(lines, axis=1)
-    return lines / numpy.linalg.norm(lines, axis=2, keepdims=True)
-
-
 @unittest.skipIf(numpy is None, "needs numpy")
-class PositionsFiles(ToolTest):
-    def places_of(self, motion):
-        """Names and world places (F, J, 3) of a motion's joints, in its own unit and axes."""
-        found = self.run_tool("inspect", motion, "--json")
-        self.assert_done(found)
-        names = [joint["name"] for joint in json.loads(found.stdout)["joints"]]
-        table = self.run_tool("inspect", motion, "--positions", "-")
-        self.assert_done(table)
-        rows = list(csv.reader(io.StringIO(table.stdout)))
-        columns = [rows[0].index(name + ".x") for name in names]
-        numbers = numpy.array(rows[1:])[:, [c + axis for c in columns for axis in range(3)]]
-        return names, numbers.astype(float).reshape(len(rows) - 1, len(names), 3)
-
-    def solve(self, motion, name, *options):
-        """Directions of the G1's limbs, the report's verdict, the messages."""
-        result = self.run_tool(motion, "g1", "-o", f"{name}.npz", "--format", "npz-mjlab",
-                               "--report", f"{name}.json", *options)
-        self.assert_done(result)
-        report = json.loads((self.folder / f"{name}.json").read_text())["motions"][0]
-        return segment_directions(self.folder / f"{name}.npz"), report, result.stderr
-
-    def assert_alike(self, found, expected, parts, degrees=3.0):
-        cosine = numpy.clip((found * expected).sum(axis=2), -1, 1)
-        angles = numpy.degrees(numpy.arccos(cosine)).mean(axis=0)[parts]
-        self.assertLess(angles.max(), degrees, angles.round(2))
-
-    def compare(self, motion, *options, parts=slice(None), gates=True):
-        """A motion's own run against that of its places alone, with its names; some segments of it."""
-        names, places = self.places_of(motion)
-        numpy.savez(self.folder / "places.npz", joint_positions=places, joint_names=names, fps=30)
-        truth, expected, _ = self.solve(motion, "truth", "--source-fps", 30, *options)
-        found, report, said = self.solve("places.npz", "found", *options)
-        self.assertIn("rotations were computed", said)
-        self.assert_alike(found, truth, parts)
-        if not gates:
-            return
-        verdicts = [{gate["metric"]: gate["passed"] for gate in one["gates"]}
-                    for one in (report, expected)]
-        self.assertEqual(*verdicts)
-
-    def test_samples_without_their_rotations(self):
-        for name in ("walk", "wave", "squat"):
-            with self.subTest(name):
-                self.compare(sample(name))
-
-    def test_get_up_without_its_rotations(self):
-        # A kneeling body bends its toes, which positions do not determine: only arms and trunk are
-        # compared. The roll of hands on the floor, which decides the pose of planted arms, is
-        # unknown as well.
-        self.compare(sample("get_up"), "--without", "contact", parts=[2, 3, 6, 7, 8], gates=False)
-
-    def test_frame_by_frame(self):
-        self.compare(sample("walk"), "--method", "gmr", "--ik-config", "derived", "--scale", "limbs",
-                     gates=False)
-
-    def shared(self, *parts):
-        if not SHARED:
-            self.skipTest("RETARGET_SHARED is not set")
-        return pathlib.Path(SHARED, "data", *parts)
-
-    def test_lafan1_without_its_rotations(self):
-        self.compare(self.shared("lafan1_cuts", "fight1_subject2_backward.bvh"))
-
-    def test_smpl_without_its_rotations(self):
-        self.compare(self.shared("smpl", "smpl_walk.npz"))
-
+class PositionsFiles(PositionsTest):
     def smpl_places(self, name="walk", unit=0.01):
         """Places of SMPL's joints (F, 22, 3), metres, Y up, from a sample with LAFAN1's."""
         names, places = self.places_of(sample(name))
@@ -244,16 +150,6 @@ class PositionsFiles(ToolTest):
             [-.09, -.92, .12], [0, .52, 0], [.07, .43, 0], [-.07, .43, 0], [0, .62, 0],
             [.18, .45, 0], [-.18, .45, 0], [.44, .45, 0], [-.44, .45, 0], [.70, .45, 0],
             [-.70, .45, 0]])
-
-    def test_climb_of_53_joints(self):
-        climb = self.shared("formats", "climb_seq_0_joint_positions.npy")
-        result = self.run_tool(climb, "g1", "-o", "climb.csv", "--report", "climb.json")
-        self.assert_done(result)
-        for words in ("120 fps, as holosoma's motions of 53 joints have", "optical motion capture",
-                      "up +z", "unit m"):
-            self.assertIn(words, result.stderr)
-        report = json.loads((self.folder / "climb.json").read_text())["motions"][0]
-        self.assertTrue(report["passed"], report["gates"])
 
 
 if __name__ == "__main__":

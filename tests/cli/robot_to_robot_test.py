@@ -8,9 +8,8 @@ import shutil
 import unittest
 
 from motion_formats import FORMATS
-from tool import SOURCE, ToolTest, read_rows, sample
+from tool import SHARED, SOURCE, ToolTest, needs_shared, read_rows, sample
 
-SHARED = os.environ.get("RETARGET_SHARED")
 DEGREE = math.pi / 180
 
 
@@ -216,7 +215,7 @@ class RobotToRobot(ToolTest):
         self.assertEqual(self.files(), ["made.csv"])
 
 
-@unittest.skipIf(SHARED is None, "RETARGET_SHARED is not set: no published motions of the G1")
+@needs_shared
 class PublishedMotions(ToolTest):
     """Published motions of the G1 and their source clips."""
 
@@ -224,7 +223,7 @@ class PublishedMotions(ToolTest):
 
     def setUp(self):
         super().setUp()
-        data = pathlib.Path(SHARED) / "data"
+        data = SHARED / "data"
         self.motions = data / "unitree_g1_csv"
         self.clips = data / "lafan1"
         self.motion = self.motions / "dance1_subject2.csv"

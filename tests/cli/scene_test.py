@@ -2,16 +2,14 @@
 
 import array
 import json
-import os
-import pathlib
 import unittest
 import zipfile
 
 from scene_outputs_test import FRAMES, SCENE, raised_clip
-from tool import SOURCE, ToolTest, read_rows, sample
+from tool import SHARED, ToolTest, read_rows, sample
 
-SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared")) / "data"
-SCENES, FORMATS = SHARED / "scenes", SHARED / "formats"
+DATA = SHARED / "data"
+SCENES, FORMATS = DATA / "scenes", DATA / "formats"
 
 
 def tensor_rows(path, columns):

@@ -20,7 +20,13 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOOL = os.environ.get("RETARGET_TOOL", "")
 NODE = shutil.which("node")
 MEGABYTE = 1 << 20
+# Reference data and captured motions, which are not in the repository.
+SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
 SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
+
+
+needs_shared = unittest.skipUnless(
+    (SHARED / "data").is_dir(), "no folder of shared data: set RETARGET_SHARED to run this test")
 
 
 @functools.cache

@@ -1,7 +1,6 @@
 """Formats that trainers read, by readers of their own: each takes what the trainer's loader takes,
 by the same keys, columns and orders (docs/formats.md names the loaders)."""
 
-import pathlib
 import os
 import pickle
 import re
@@ -10,7 +9,7 @@ import unittest
 
 from formats_test import BREADTH_FIRST, G1
 from motion_formats import GOLDEN, FormatsTest
-from tool import sample
+from tool import SHARED, needs_shared, sample
 from torch_writer import torch_bytes
 
 try:
@@ -19,7 +18,6 @@ try:
 except ImportError:
     np = None
 
-SHARED = os.environ.get("RETARGET_SHARED")
 # SONIC's: where each of MuJoCo's joints of the G1 is in Isaac Lab's order
 ISAACLAB_TO_MUJOCO = [0, 3, 6, 9, 13, 17, 1, 4, 7, 10, 14, 18, 2, 5, 8, 11, 15, 19, 21, 23, 25, 27,
                       12, 16, 20, 22, 24, 26, 28]
@@ -164,6 +162,7 @@ class Written(FormatsTest):
         a, b = np.array(self.rows("a.csv")), np.array(self.rows("b.csv"))
         self.assertLess(np.abs(a[:500] - b).max(), 2e-6)
 
+    @needs_shared
     def test_protomotions(self):
         self.write_as("protomotions", "walk.motion")
         motion = torch_reader.load(self.folder / "walk.motion")
@@ -206,10 +205,9 @@ class Written(FormatsTest):
 class Published(FormatsTest):
     """ProtoMotions' own file of a walk is read, written and compared."""
 
+    @needs_shared
     def test_protomotions(self):
-        if not SHARED:
-            self.skipTest("RETARGET_SHARED is not set")
-        path = pathlib.Path(SHARED) / "data/formats/protomotions_g1_walk.motion"
+        path = SHARED / "data/formats/protomotions_g1_walk.motion"
         self.assertIn("protomotions", self.converted(path, "walk.csv"))
         self.converted(path, "again.motion")
         ours, theirs = torch_reader.load(self.folder / "again.motion"), torch_reader.load(path)

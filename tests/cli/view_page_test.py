@@ -2,8 +2,6 @@
 
 import json
 import math
-import os
-import pathlib
 import re
 import shutil
 import unittest
@@ -11,7 +9,7 @@ import unittest
 import numpy as np
 
 from pages import data_of, tracks_of
-from tool import SOURCE, ToolTest, sample, short_clip
+from tool import SHARED, SOURCE, ToolTest, needs_shared, sample, short_clip
 
 KILOBYTE, MEGABYTE = 1000, 1000000
 
@@ -44,14 +42,10 @@ class PageFiles(ToolTest):
         self.assertLess(sum(sizes), 300 * KILOBYTE)
         self.assertLess(len(page), 1.5 * MEGABYTE)
 
+    @needs_shared
     def test_a_minute_of_captured_motion_is_small(self):
-        shared = os.environ.get("RETARGET_SHARED")
-        if not shared:
-            self.skipTest("RETARGET_SHARED does not name the data")
-        found = sorted(pathlib.Path(shared).glob("data/**/dance1_subject2.bvh"))
-        if not found:
-            self.skipTest("there is no dance1_subject2.bvh below RETARGET_SHARED")
-        page = self.run_page("--method", "gmr", "--end", 60, clip=found[0])
+        clip = SHARED / "data/lafan1/dance1_subject2.bvh"
+        page = self.run_page("--method", "gmr", "--end", 60, clip=clip)
         header, *sizes = data_of(page)
         self.assertGreaterEqual(header["motions"][0]["frames"], 1800)
         self.assertLess(sum(sizes), 300 * KILOBYTE)

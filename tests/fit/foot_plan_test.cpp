@@ -10,7 +10,7 @@
 #include <functional>
 #include <span>
 
-#include "human/gait/support_slide.h"
+#include "human/gait/standing_heights.h"
 
 namespace retarget {
 namespace {

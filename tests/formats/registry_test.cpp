@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 

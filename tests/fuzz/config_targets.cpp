@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fuzz/fuzz_target.h"
-#include "human/skeleton/bone_map_file.h"
+#include "human/skeleton/bone_map.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "retarget/ground_path.h"
 #include "retarget/option_table.h"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "retarget/so3.h"
-#include "solve/hands/hand_posture.h"
 #include "solve/hands/hand_target.h"
 #include "support/counted_allocations.h"
 #include "support/finger_clip.h"

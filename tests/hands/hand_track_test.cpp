@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "solve/hands/hand_errors.h"
 #include "support/finger_clip.h"
 #include "support/hand_robots.h"
 

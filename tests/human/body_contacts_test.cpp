@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "human/gait/contact_plan.h"
-#include "human/gait/support_slide.h"
+#include "human/gait/standing_heights.h"
 
 namespace retarget {
 namespace {

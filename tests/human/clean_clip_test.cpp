@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "formats/bvh/read_bvh.h"
-#include "human/gait/clean_positions.h"
 #include "human/gait/contact_plan.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"

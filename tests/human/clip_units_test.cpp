@@ -1,7 +1,7 @@
 // Clips made from the samples whose angles or root translations have other units than the rest of
 // the file.
 
-#include "human/skeleton/clip_units.h"
+#include "human/skeleton/units.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -20,8 +20,9 @@ struct FootTrack {
 };
 
 ContactPlan contacts_of(const std::array<FootTrack, 2>& tracks, double leg, const FrameRate& rate,
-                        const ContactOptions& options = {}) {
+                        const ContactOptions& options = {}, std::vector<double> hips = {}) {
   SourceFeet feet;
+  feet.hips = std::move(hips);
   feet.frame_time = rate.frame_time();
   feet.foot_count = 2;
   feet.legs = {leg};
@@ -200,6 +201,74 @@ TEST(ContactPlan, AFootOnAStepStandsOnIt) {
   EXPECT_THAT(on_floor(contacts.phases[0]), ElementsAre(ContactPhase{0, 29}));
   EXPECT_EQ(contacts.of_ends()[1], contacts.ends[0][kToeEnd].phases);
   EXPECT_EQ(contacts.soles[0], contacts.phases[0]);
+}
+
+// The heel rises by 5 cm in the last second, as before a step, so the whole run is not in place.
+std::array<FootTrack, 2> foot_rolls_slowly_on_step() {
+  auto feet = standing_feet(120);
+  for (int i = 30; i < 120; ++i) {
+    const double roll = 0.05 * std::max(0, i - 90) / 30.0;
+    feet[0].ankle[i].z() += 0.5 + roll;
+    feet[0].toe[i].z() += 0.5;
+  }
+  return feet;
+}
+
+TEST(ContactPlan, AFootThatRollsSlowlyOnAStepStandsOnItIfNothingElseCarriesTheBody) {
+  auto feet = foot_rolls_slowly_on_step();
+  for (int i = 30; i < 120; ++i) {
+    feet[1].ankle[i].z() += 0.8;
+    feet[1].toe[i].z() += 0.8;
+    feet[1].ankle[i].x() += 0.02 * (i - 30);
+    feet[1].toe[i].x() += 0.02 * (i - 30);
+  }
+  const std::vector<double> hips(120, 1.0);
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate, {}, hips);
+  ASSERT_EQ(contacts.phases[0].size(), 2U);
+  EXPECT_EQ(contacts.phases[0][1].begin, 31);
+  // 2 cm until frame 102, and 2 cm more after the stance.
+  EXPECT_NEAR(contacts.phases[0][1].end, 113, 1);
+  EXPECT_NEAR(contacts.phases[0][1].support, 0.5, 0.005);
+  EXPECT_EQ(contacts.ends[0][kToeEnd].phases.back().end, 120);
+  EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 29}));
+}
+
+TEST(ContactPlan, AFootThatRollsSlowlyInTheAirIsNotInContactWhileTheOtherFootStands) {
+  const std::vector<double> hips(120, 1.0);
+  const ContactPlan contacts = contacts_of(foot_rolls_slowly_on_step(), kLeg, kRate, {}, hips);
+  EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 29}));
+  EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 120}));
+}
+
+// The left toe is still for 8 frames at half a metre while the heel passes over it; the right foot
+// swings.
+std::array<FootTrack, 2> toe_on_stair() {
+  auto feet = standing_feet(60);
+  for (int i = 20; i < 60; ++i) {
+    const double swing = 0.06 * (i < 30 ? i - 30 : i > 37 ? i - 37 : 0);
+    feet[0].ankle[i] += Eigen::Vector3d(0.02 * (i - 30), 0.0, 0.5);
+    feet[0].toe[i] += Eigen::Vector3d(swing, 0.0, 0.5);
+    feet[1].ankle[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
+    feet[1].toe[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
+  }
+  return feet;
+}
+
+TEST(ContactPlan, AStillToeOnAStairCarriesABodyThatIsNotFalling) {
+  const ContactPlan contacts =
+      contacts_of(toe_on_stair(), kLeg, kRate, {}, std::vector<double>(60, 1.0));
+  ASSERT_EQ(contacts.ends[0][kToeEnd].phases.size(), 2U);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].begin, 30, 1);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].end, 38, 1);
+  EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].support, 0.5, 1e-9);
+  EXPECT_EQ(contacts.ends[0][kHeelEnd].phases.size(), 1U);
+}
+
+TEST(ContactPlan, AStillToeOfAFallingBodyIsNotInContact) {
+  std::vector<double> hips(60);
+  for (int i = 0; i < 60; ++i) hips[i] = 3.0 - 0.5 * 9.81 * i * i / 900.0;
+  const ContactPlan contacts = contacts_of(toe_on_stair(), kLeg, kRate, {}, hips);
+  EXPECT_EQ(contacts.ends[0][kToeEnd].phases.size(), 1U);
 }
 
 TEST(ContactPlan, HeelsAndToesHaveSeparateContacts) {

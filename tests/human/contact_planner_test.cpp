@@ -1,6 +1,6 @@
 // Repeated plans equal those of a new planner, without additional memory.
 
-#include "human/gait/contact_planner.h"
+#include "human/gait/contact_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/joint_motion.h"
 #include "human/skeleton/joint_tree.h"
 #include "retarget/clip.h"
 #include "support/angles.h"

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "human/skeleton/body_words.h"
-
 namespace retarget {
 namespace {
 

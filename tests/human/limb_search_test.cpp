@@ -1,5 +1,5 @@
-#include "human/skeleton/limb_search.h"
 #include "base/option_name.h"
+#include "human/skeleton/candidate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Limbs whose rotations do not match their bends.
-#include "human/skeleton/limb_twists.h"
+#include "human/skeleton/limb_directions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

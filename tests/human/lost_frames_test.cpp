@@ -1,4 +1,4 @@
-#include "human/gait/lost_frames.h"
+#include "human/gait/track_faults.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

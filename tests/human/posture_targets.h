@@ -11,8 +11,8 @@
 
 #include "edit/transfer.h"
 #include "formats/bvh/read_bvh.h"
-#include "human/skeleton/body_axes.h"
 #include "human/skeleton/calibrate.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "human/twins.h"
 #include "retarget/load.h"

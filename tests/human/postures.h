@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/body_axes.h"
+#include "human/skeleton/posed_body.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/human_skeleton.h"

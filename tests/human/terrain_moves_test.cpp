@@ -1,6 +1,6 @@
 // Terrain under a walk, changed scenes, and scenes found from motion.
 
-#include "human/gait/terrain_moves.h"
+#include "human/gait/move_contacts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "human/gait/track_noise.h"
+#include "human/gait/track_faults.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ik/ik_cases.h"
-#include "solve/ik/dense_least_squares.h"
+#include "solve/ik/box_qp.h"
 #include "support/counted_allocations.h"
 
 namespace retarget {

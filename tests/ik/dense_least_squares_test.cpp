@@ -1,6 +1,6 @@
 // Bounded steps agree with MuJoCo's box QP; bounded minima satisfy the optimality conditions.
 
-#include "solve/ik/dense_least_squares.h"
+#include "solve/ik/box_qp.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

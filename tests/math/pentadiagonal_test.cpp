@@ -1,4 +1,4 @@
-#include "base/math/pentadiagonal.h"
+#include "base/math/banded_system.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "base/math/rotation_spline.h"
+#include "base/math/uniform_spline.h"
 
 #include <gtest/gtest.h>
 

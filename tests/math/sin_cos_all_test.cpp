@@ -1,4 +1,4 @@
-#include "base/math/sin_cos_all.h"
+#include "base/math/simd.h"
 
 #include <gtest/gtest.h>
 

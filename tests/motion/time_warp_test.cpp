@@ -1,4 +1,4 @@
-#include "motion/time_warp.h"
+#include "motion/resample.h"
 
 #include <gtest/gtest.h>
 

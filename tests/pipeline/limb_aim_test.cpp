@@ -1,6 +1,6 @@
 // Limbs whose elbow or knee is a hinge.
 
-#include "solve/targets/limb_aim.h"
+#include "solve/targets/targets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Where mesh files that models name are found.
 
-#include "robot/model/mesh_files.h"
+#include "robot/model/read_mesh.h"
 
 #include <gtest/gtest.h>
 

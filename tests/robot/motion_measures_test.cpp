@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "retarget/normalize_start.h"
-#include "robot/model/limit_distance.h"
+#include "robot/model/limits.h"
 #include "support/angles.h"
 #include "support/test_robots.h"
 

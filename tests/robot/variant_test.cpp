@@ -10,7 +10,7 @@
 #include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
-#include "robot/model/limit_distance.h"
+#include "robot/model/limits.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
 

@@ -1,4 +1,4 @@
-#include "formats/scene/fbx_scene.h"
+#include "formats/scene/read_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,6 @@
 #include "base/option_name.h"
 #include "fbx_text.h"
 #include "formats/containers/file_kind.h"
-#include "formats/scene/read_scene.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/scene/gltf_scene.h"
+#include "formats/scene/read_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/scene/read_scene.h"
 #include "retarget/bytes.h"
 #include "support/temporary_folder.h"
 

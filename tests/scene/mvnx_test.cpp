@@ -1,4 +1,4 @@
-#include "formats/scene/mvnx.h"
+#include "formats/scene/read_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

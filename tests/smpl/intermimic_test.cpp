@@ -1,4 +1,4 @@
-#include "formats/smpl/motion_file.h"
+#include "formats/smpl/motion_arrays.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "formats/containers/pickle.h"
-#include "formats/smpl/joint_orders.h"
 #include "formats/smpl/read_smpl.h"
 #include "motion_parts.h"
 

@@ -1,4 +1,4 @@
-#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/joint_motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "formats/containers/pickle.h"
 #include "formats/smpl/read_smpl.h"
 #include "smpl_test_support.h"

@@ -1,4 +1,4 @@
-#include "formats/smpl/translation_unit.h"
+#include "formats/smpl/motion_arrays.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

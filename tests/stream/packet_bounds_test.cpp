@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "live/stream/lz4_frame.h"
 #include "live/stream/message_cutter.h"
 #include "live/stream/stream_formats.h"
 #include "stream/stream_support.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "formats/containers/npy.h"
-#include "formats/containers/npy_stream.h"
 #include "retarget/text.h"
 
 namespace retarget {

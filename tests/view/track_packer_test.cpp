@@ -1,4 +1,4 @@
-#include "view/track_packer.h"
+#include "view/scene_data.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/** Reads the data packed into the page: the header and the tracks (src/view/track_packer.h). */
+/** Reads the data packed into the page: the header and the tracks (src/view/scene_data.h). */
 
 /**
  * Reverses folding, differencing and rounding of one track.

@@ -1,7 +1,6 @@
 #include "retarget/option_table.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 
 #include "retarget/text.h"

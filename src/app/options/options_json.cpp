@@ -1,12 +1,9 @@
 #include "app/options/options_json.h"
 
 #include <fmt/format.h>
-
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 

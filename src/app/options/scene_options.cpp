@@ -1,7 +1,6 @@
 #include "app/options/scene_options.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>

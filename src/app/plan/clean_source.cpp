@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
-#include "app/plan/path_scale.h"
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
-#include "human/gait/clean_positions.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/option_table.h"

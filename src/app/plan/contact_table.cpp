@@ -1,7 +1,6 @@
 #include "retarget/contact_table.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -1,7 +1,6 @@
 #include "retarget/measure.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <set>

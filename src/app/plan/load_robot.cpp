@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <system_error>
 #include <utility>
 
@@ -13,8 +11,6 @@
 #include "retarget/file.h"
 #include "retarget/load.h"
 #include "retarget/load_robot.h"
-#include "retarget/options.h"
-#include "retarget/robots.h"
 #include "retarget/text.h"
 #include "robot/anatomy/bare_robot.h"
 #include "robot/anatomy/overlaps.h"

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -7,16 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "app/plan/check_scene_fit.h"
 #include "app/plan/clean_source.h"
-#include "app/plan/follow_arms.h"
 #include "app/plan/scale_time.h"
+#include "app/plan/set_up_robot.h"
 #include "app/plan/surroundings.h"
-#include "app/plan/vary_scene.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/skeleton/robot_human.h"
-#include "motion/time_warp.h"
+#include "motion/resample.h"
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/clip_range.h"

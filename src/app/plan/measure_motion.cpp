@@ -1,8 +1,6 @@
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "app/plan/motion_target.h"

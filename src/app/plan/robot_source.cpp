@@ -1,7 +1,6 @@
 #include "app/plan/robot_source.h"
 
 #include <fmt/format.h>
-
 #include <filesystem>
 #include <utility>
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/registry/format.h"

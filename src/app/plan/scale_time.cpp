@@ -1,7 +1,6 @@
 #include "app/plan/scale_time.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

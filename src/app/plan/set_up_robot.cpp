@@ -1,22 +1,32 @@
 #include "app/plan/set_up_robot.h"
 
+#include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <filesystem>
-#include <string>
+#include <optional>
 #include <utility>
 
-#include "app/plan/follow_arms.h"
 #include "app/plan/robot_source.h"
+#include "base/faults.h"
+#include "base/option_name.h"
 #include "base/try.h"
+#include "human/skeleton/human_clip.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
+#include "retarget/human.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/kinematic_tree.h"
 #include "retarget/load.h"
+#include "retarget/load_robot.h"
 #include "retarget/option_table.h"
-#include "retarget/options.h"
-#include "retarget/plan.h"
 #include "retarget/retargeting_config.h"
-#include "retarget/robot.h"
+#include "retarget/text.h"
+#include "solve/fit/fit_setup.h"
+#include "solve/targets/targets.h"
+#include "solve/targets/trunk_aim.h"
 
 namespace retarget {
 namespace {
@@ -110,6 +120,126 @@ void apply_preset(const SolveOptions& options, FitOptions& fit) {
 std::string chosen_travel(const SolveOptions& options) {
   if (!options.travel.empty()) return options.travel;
   return options.purpose == Purpose::kTracking ? "auto" : "";
+}
+
+namespace {
+
+bool is_of_arm(Bone bone) {
+  const std::optional<LimbBone> part = limb_bone(bone);
+  return part == LimbBone::kArm || part == LimbBone::kForeArm || part == LimbBone::kHand;
+}
+
+// Returns the task of the chest. If the base itself carries the arms and follows the hips, it
+// represents the chest, with the rotation that the chest's bone has in the T-pose.
+ConfigTask chest_of(const ResolvedConfig& config) {
+  if (const ConfigTask* torso = torso_task(config); torso != nullptr && torso->body >= 0) {
+    return *torso;
+  }
+  ConfigTask chest;
+  chest.body = config.root_body;
+  chest.bone = Bone::kSpine2;
+  const Eigen::Quaterniond bone_from_hips =
+      Eigen::Quaterniond(canonical_t_pose(chest.bone)).conjugate() *
+      Eigen::Quaterniond(canonical_t_pose(config.root_bone));
+  const ConfigTask* root = config.find_task(config.root_bone);
+  chest.rotation_offset = bone_from_hips;
+  if (root != nullptr) chest.rotation_offset = bone_from_hips * root->rotation_offset;
+  chest.rotation_offset.normalize();
+  return chest;
+}
+
+// Sets the weights of other tasks to zero. The rows must stay, because they also assign bodies.
+Result<void> keep_arms(const Robot& robot, ResolvedConfig& config) {
+  ConfigTask chest = chest_of(config);
+  chest.position_weight = chest.rotation_weight = 0.0;
+  bool has_arm = false;
+  for (ResolvedConfig::Table& table : config.match_tables) {
+    for (ConfigTask& task : table.tasks) {
+      task.position_weight = 0.0;
+      if (!is_of_arm(task.bone)) task.rotation_weight = 0.0;
+      has_arm = has_arm || (table.used && task.has_weight());
+    }
+  }
+  if (!has_arm) {
+    return config_failure(config.file, "no arm of " + robot.name() + " follows an arm of the human",
+                          "without " OPTION("follow") " arms, the whole robot follows");
+  }
+  if (config.find_task(chest.bone) == nullptr) config.match_tables[0].tasks.push_back(chest);
+  config.root_bone = chest.bone;
+  config.root_body = chest.body;
+  return {};
+}
+
+// Marks the links of each arm: links that carry, or hang from, a body that follows the arm (such as
+// fingers). A link that carries both arms belongs to the trunk.
+void mark_arms(const Robot& robot, const ResolvedConfig& config,
+               std::vector<std::array<bool, 2>>& sides_of_link) {
+  const KinematicTree& tree = robot.tree();
+  for (const ResolvedConfig::Table& table : config.match_tables) {
+    for (const ConfigTask& task : table.tasks) {
+      if (!is_of_arm(task.bone) || task.body < 0) continue;
+      const int end = tree.attachment(task.body).link;
+      const std::size_t side = side_of(task.bone) == Side::kLeft ? 0 : 1;
+      for (int link = 1; end > 0 && link < static_cast<int>(tree.links().size()); ++link) {
+        if (!tree.carries(link, end) && !tree.carries(end, link)) continue;
+        sides_of_link[static_cast<std::size_t>(link)][side] = true;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Result<void> follow_arms_alone(const Robot& robot, RobotSetup& setup) {
+  const auto& links = robot.tree().links();
+  std::vector<std::array<bool, 2>> sides_of_link(links.size());
+  TRY(keep_arms(robot, setup.config));
+  mark_arms(robot, setup.config, sides_of_link);
+  if (setup.config_of_others) {
+    TRY(keep_arms(robot, *setup.config_of_others));
+    mark_arms(robot, *setup.config_of_others, sides_of_link);
+  }
+  const std::vector<double> standing = robot.zero_configuration();
+  for (std::size_t joint = 0; joint < robot.joints().size(); ++joint) {
+    const int link = robot.tree().link_of_joint(static_cast<int>(joint));
+    const auto& sides = sides_of_link[static_cast<std::size_t>(std::max(link, 0))];
+    if (link > 0 && sides[0] != sides[1]) continue;
+    double &lower = setup.limits.lower[joint], &upper = setup.limits.upper[joint];
+    const auto address = static_cast<std::size_t>(robot.joints()[joint].qpos_address);
+    lower = upper = std::clamp(standing[address], lower, upper);
+  }
+  return {};
+}
+
+std::vector<SummaryLine> follow_lines(const LoadedRobot& robot, const LimitSet& limits) {
+  if (robot.choice.follow != Follow::kArms) return {};
+  const std::size_t held = locked_joints(*robot.robot, limits).size();
+  return {{"follows", fmt::format("{} of the arms, relative to the chest; the base and {} keep the "
+                                  "standing pose for another controller",
+                                  count_text(robot.robot->output_joints().size() - held, "joint"),
+                                  count_text(held, "joint"))}};
+}
+
+std::vector<SummaryLine> RobotSetup::follow_lines() const {
+  return retarget::follow_lines(loaded, limits);
+}
+
+std::vector<std::string> locked_joints(const Robot& robot, const LimitSet& limits) {
+  std::vector<std::string> names;
+  for (const int joint : robot.output_joints()) {
+    const auto i = static_cast<std::size_t>(joint);
+    if (limits.lower[i] == limits.upper[i]) names.push_back(robot.joints()[i].name);
+  }
+  return names;
+}
+
+Result<double> foot_path_scale(const Clip& clip, const Plan& plan) {
+  HumanPoser poser(clip, plan.human.calibration);
+  TRY_ASSIGN(const TargetBuilder targets,
+             located(make_targets(poser.info(), poses_of(poser), *plan.robot.robot, plan.config,
+                                  plan.scale),
+                     clip.name()));
+  return path_scales(targets).foot;
 }
 
 }  // namespace retarget

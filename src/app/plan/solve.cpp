@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <iterator>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "app/plan/scale_time.h"
 #include "app/plan/surroundings.h"
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "motion/time_warp.h"
+#include "motion/resample.h"
 #include "retarget/machine.h"
 #include "retarget/resample.h"
 #include "retarget/scene.h"

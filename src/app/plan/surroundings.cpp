@@ -1,18 +1,26 @@
 #include "app/plan/surroundings.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "app/options/scene_options.h"
+#include "app/plan/set_up_robot.h"
+#include "base/option_name.h"
 #include "base/try.h"
+#include "human/gait/move_contacts.h"
+#include "human/gait/surface_contacts.h"
+#include "human/skeleton/human_clip.h"
 #include "motion/resample.h"
-#include "motion/time_warp.h"
 #include "retarget/resample.h"
+#include "retarget/restore_motion.h"
 #include "retarget/text.h"
 #include "scene/change_scene.h"
+#include "solve/fit/foot_plan.h"
 
 namespace retarget {
 
@@ -91,6 +99,250 @@ Result<std::shared_ptr<const SceneWorld>> human_surroundings(const Plan& plan,
   if (stretched) clip = warp_scene(clip, *plan.time_scale);
   TRY_ASSIGN(SceneWorld world, make_scene_world(std::move(clip)));
   return std::make_shared<const SceneWorld>(std::move(world));
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNear = 0.25;  // Distance of a joint from a body that it touches, metres.
+constexpr double kDeep = 0.1;   // Depth of a joint inside a body that it cannot have, metres.
+constexpr double kOftenInside = 0.05;  // Share of the frames.
+constexpr double kInterval = 0.1;      // Seconds between the frames that are looked at.
+
+// Consistency of a scene with the human in it.
+struct SceneFit {
+  double nearest = std::numeric_limits<double>::infinity();  ///< Metres, over bodies and frames.
+  double inside = 0.0;                                       ///< Share of the frames.
+  double deepest = 0.0;                                      ///< Metres.
+  std::string body;                                          ///< Of `deepest`.
+
+  [[nodiscard]] bool is_good() const { return nearest <= kNear && inside <= kOftenInside; }
+};
+
+Result<SceneFit> measure_fit(const Clip& clip, const Plan& plan,
+                             const std::shared_ptr<const Scene>& scene,
+                             const std::vector<ObjectTrack>& tracks) {
+  const int count = clip.frame_count() - plan.part.begin;
+  TRY_ASSIGN(SceneClip placed,
+             place_scene(scene, tracks,
+                         {clip.rate(), clip.frame_count(), plan.part.begin, clip.rate(), count}));
+  TRY_ASSIGN(const SceneWorld world, make_scene_world(std::move(placed)));
+  HumanPoser poser(clip, plan.human.calibration);
+  HumanPose pose;
+  SceneFit fit;
+  const int step = std::max(1, static_cast<int>(kInterval / clip.rate().frame_time()));
+  int frames = 0, inside = 0;
+  for (int frame = plan.part.begin; frame < plan.part.end; frame += step) {
+    poser.pose(frame, pose);
+    double deepest = 0.0;
+    for (const Bone bone : kMappedBones) {
+      if (!poser.info().has(bone)) continue;
+      for (std::size_t body = 0; body < world.body_count(); ++body) {
+        const double distance =
+            world.distance(frame - plan.part.begin, body, pose[bone].translation).distance;
+        fit.nearest = std::min(fit.nearest, distance);
+        deepest = std::max(deepest, -distance);
+        if (-distance > std::max(fit.deepest, kDeep))
+          fit.body = world.clip.scene->bodies[body].name;
+        fit.deepest = std::max(fit.deepest, -distance);
+      }
+    }
+    ++frames;
+    inside += deepest > kDeep ? 1 : 0;
+  }
+  if (frames > 0) fit.inside = static_cast<double>(inside) / frames;
+  return fit;
+}
+
+// Whether the scene suits the human if its file has the unit and axes of the clip.
+Result<bool> fits_in_clip_axes(const Clip& clip, const Plan& plan) {
+  const Calibration& calibration = plan.human.calibration;
+  Scene scene = *plan.scene;
+  std::vector<ObjectTrack> tracks = plan.object_tracks;
+  bring_to_world(calibration.human_from_source, calibration.metres_per_unit, scene, tracks);
+  const auto fit = measure_fit(clip, plan, std::make_shared<const Scene>(std::move(scene)), tracks);
+  return fit && fit->is_good();
+}
+
+std::string doubt_about(const SceneFit& fit, const std::string& scene) {
+  if (fit.inside > kOftenInside) {
+    return fmt::format(
+        "the human is inside \"{}\" of the scene {} in {} % of the frames, at most {} m "
+        "deep",
+        fit.body, scene, number_text(100.0 * fit.inside, 2), number_text(fit.deepest, 2));
+  }
+  return fmt::format("the human touches nothing in the scene {}: the nearest body is {} m away",
+                     scene, number_text(fit.nearest, 2));
+}
+
+}  // namespace
+
+Result<void> check_scene_fit(const Clip& clip, Plan& plan) {
+  if (!plan.scene || !plan.options.solve.terrain.empty()) return {};
+  TRY_ASSIGN(const SceneFit fit, measure_fit(clip, plan, plan.scene, plan.object_tracks));
+  if (fit.is_good()) return {};
+  std::string doubt = doubt_about(fit, plan.scene->name);
+  if (plan.options.solve.scene_axes == SceneAxes::kHuman) {
+    TRY_ASSIGN(const bool of_clip, fits_in_clip_axes(clip, plan));
+    doubt += of_clip ? "; it fits with " OPTION("scene-axes") " clip"
+                     : "; check its unit (metres), axes (z up) and origin";
+  }
+  plan.scene_doubts.push_back({0, 0, std::move(doubt)});
+  return {};
+}
+
+namespace {
+
+// The human in the frames from the end of the lead-in.
+struct Walker {
+  explicit Walker(const HumanClipInfo& info) : feet(info) {}
+
+  SourceFeet feet;
+  std::vector<HumanPose> poses;
+  std::vector<Eigen::Vector2d> hips;
+};
+
+Walker read_walker(const Clip& clip, const Plan& plan) {
+  HumanPoser poser(clip, plan.human.calibration);
+  Walker walker(poser.info());
+  HumanPose pose;
+  for (int frame = plan.lead_in_frames; frame < clip.frame_count(); ++frame) {
+    poser.pose(frame, pose);
+    walker.feet.add(pose);
+    walker.poses.push_back(pose);
+    walker.hips.emplace_back(pose[Bone::kHips].translation.head<2>());
+  }
+  return walker;
+}
+
+std::string terrain_text(const Terrain& terrain, const TerrainShape& shape) {
+  if (terrain.is_slope()) return "slope under the walk";
+  return fmt::format("stairs under the walk: {} of {} m x {} m", count_text(terrain.count, "step"),
+                     number_text(shape.rise, 3), number_text(shape.tread, 3));
+}
+
+Result<void> add_terrain(const TerrainShape& shape, Clip& clip, Plan& plan) {
+  // Ends of the ground: beyond the farthest position of the hips, metres.
+  constexpr double kBeyond = 1.5, kAside = 1.5;
+  TRY_ASSIGN(const double scale, foot_path_scale(clip, plan));
+  const Walker walker = read_walker(clip, plan);
+  Terrain terrain;
+  terrain.rise = shape.rise / scale;
+  terrain.tread = shape.tread / scale;
+  terrain.count = shape.count;
+  terrain.slope = shape.slope;
+  if (walker.feet.foot_count == 0) return input_failure(clip.name(), "the human has no feet");
+  const ContactPlan contacts = find_contacts(walker.feet, contact_options(plan.fit));
+  const ContactMoves moves = put_on_terrain(walker.hips, walker.feet, contacts, terrain);
+  if (moves.empty()) {
+    return input_failure(clip.name(), "the human does not walk far enough for " OPTION("terrain"),
+                         "choose a clip with a walk of some steps");
+  }
+  double length = 0.0, aside = 0.0;
+  for (const Eigen::Vector2d& place : walker.hips) {
+    length = std::max(length, terrain.distance(place));
+    const Eigen::Vector2d across(-terrain.along.y(), terrain.along.x());
+    aside = std::max(aside, std::abs(across.dot(place - terrain.edge)));
+  }
+  length = std::max(length, terrain.count * terrain.tread) + kBeyond;
+  plan.scene =
+      std::make_shared<const Scene>(terrain_scene(terrain, length, 2.0 * (aside + kAside)));
+  move_contacts(clip, plan.lead_in_frames, plan.human.calibration, moves);
+  plan.config_notes.push_back({"terrain", terrain_text(terrain, shape)});
+  return {};
+}
+
+Result<SceneClip> placed_scene(const Clip& clip, const Plan& plan) {
+  const int count = clip.frame_count() - plan.lead_in_frames;
+  return place_scene(plan.scene, plan.object_tracks,
+                     {clip.rate(), clip.frame_count(), plan.lead_in_frames, clip.rate(), count});
+}
+
+struct SceneChange {
+  Vector3d static_scale = Vector3d::Ones(), shift = Vector3d::Zero();
+  double object_scale = 1.0;
+
+  [[nodiscard]] bool of_static() const { return static_scale != Vector3d::Ones(); }
+  [[nodiscard]] bool of_objects() const { return !shift.isZero(0.0) || object_scale != 1.0; }
+};
+
+Result<void> check_change(const SceneChange& change, const Scene& scene) {
+  const bool moves = std::ranges::any_of(scene.bodies, &SceneBody::moves);
+  if (change.of_objects() && !moves) {
+    return usage_failure("no body of the scene moves, so " OPTION("object-shift") " and " OPTION(
+                             "object-scale") " change nothing",
+                         "add " OPTION("object-track") " [BODY=]FILE");
+  }
+  if (change.of_static() && moves) {
+    return usage_failure(OPTION("terrain-scale") " requires a scene without moving bodies",
+                         "the track of a carried object does not match a scaled scene");
+  }
+  return {};
+}
+
+Result<void> change_scene(const SceneChange& change, Clip& clip, Plan& plan) {
+  TRY_ASSIGN(SceneClip placed, placed_scene(clip, plan));
+  TRY_ASSIGN(const SceneWorld world, make_scene_world(std::move(placed)));
+  TRY(check_change(change, *world.clip.scene));
+  const Walker walker = read_walker(clip, plan);
+  const ContactOptions options = contact_options(plan.fit);
+  const ContactPlan contacts = find_contacts_on_ground(world, walker.feet, options);
+  SurfaceParts parts(HumanPoser(clip, plan.human.calibration).info(), contacts.scale);
+  for (const HumanPose& pose : walker.poses) parts.add(pose);
+  const auto phases = find_surface_contacts(world, parts, options, clip.rate().frame_time());
+
+  Scene scene = *world.clip.scene;
+  for (ObjectTrack& track : plan.object_tracks) {
+    if (!track.body.empty()) continue;
+    track.body = std::ranges::find_if(scene.bodies, &SceneBody::moves)->name;
+  }
+  for (SceneBody& body : scene.bodies) {
+    if (change.of_static()) scale_static_body(change.static_scale, body);
+  }
+  change_objects(change.shift, change.object_scale, world.fields, scene, plan.object_tracks);
+  plan.scene = std::make_shared<const Scene>(std::move(scene));
+  TRY_ASSIGN(const SceneClip after, placed_scene(clip, plan));
+  move_contacts(clip, plan.lead_in_frames, plan.human.calibration,
+                moves_with_scene(world, after, change.static_scale, change.object_scale,
+                                 walker.feet, contacts, phases));
+  return {};
+}
+
+void note_change(const SceneChange& change, const SolveOptions& solve, Plan& plan) {
+  std::vector<std::string> texts;
+  if (change.of_static()) texts.push_back("static bodies scaled by " + solve.terrain_scale);
+  if (!change.shift.isZero(0.0)) texts.push_back("objects moved by " + solve.object_shift + " m");
+  if (change.object_scale != 1.0) {
+    texts.push_back("objects scaled by " + number_text(change.object_scale, 3));
+  }
+  plan.config_notes.push_back({"", list_names(texts) + "; the human's contacts follow"});
+}
+
+}  // namespace
+
+Result<void> vary_scene(Clip& clip, Plan& plan) {
+  const SolveOptions& solve = plan.options.solve;
+  TRY_ASSIGN(const auto terrain, terrain_from_text(solve.terrain));
+  if (terrain && plan.robot.robot->fixed_base()) {
+    plan.config_notes.push_back({"terrain", "ignored: the base of the robot is fixed"});
+    return {};
+  }
+  if (terrain) return add_terrain(*terrain, clip, plan);
+  if (!plan.scene) return {};
+  SceneChange change;
+  TRY_ASSIGN(change.static_scale, terrain_scale_from_text(solve.terrain_scale));
+  TRY_ASSIGN(change.shift, object_shift_from_text(solve.object_shift));
+  change.object_scale = solve.object_scale;
+  if (!change.of_static() && !change.of_objects()) return {};
+  TRY(change_scene(change, clip, plan));
+  note_change(change, solve, plan);
+  return {};
+}
+
+Result<std::shared_ptr<const SceneWorld>> restore_human_scene(const Plan& plan,
+                                                              const Clip& prepared) {
+  return human_surroundings(plan, prepared);
 }
 
 }  // namespace retarget

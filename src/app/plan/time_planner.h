@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/time_warp.h"
+#include "motion/resample.h"
 #include "retarget/clip.h"
 #include "retarget/time_scale.h"
 

@@ -1,10 +1,10 @@
 #include "retarget/hash.h"
 
 #include <cerrno>
-#include <memory>
 #include <system_error>
 #include <utility>
 
+#include "base/sha256.h"
 #include "base/try.h"
 #include "retarget/os.h"
 #include "retarget/text.h"
@@ -51,6 +51,31 @@ Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
     hasher.update({piece.get(), static_cast<std::size_t>(count)});
   }
   return hasher.finish();
+}
+
+struct ContentHasher::Digest {
+  Sha256 sha256;
+  bool is_finished = false;
+};
+
+ContentHasher::ContentHasher(std::unique_ptr<Digest> digest) : digest_(std::move(digest)) {}
+ContentHasher::~ContentHasher() = default;
+ContentHasher::ContentHasher(ContentHasher&&) noexcept = default;
+ContentHasher& ContentHasher::operator=(ContentHasher&&) noexcept = default;
+
+Result<ContentHasher> ContentHasher::create() {
+  return ContentHasher(std::make_unique<Digest>());
+}
+
+void ContentHasher::update(std::string_view bytes) {
+  digest_->sha256.update(bytes);
+}
+
+Result<std::string> ContentHasher::finish() {
+  if (digest_->is_finished) return run_failure("", "the hash of these bytes was already taken", "");
+  digest_->is_finished = true;
+  const Sha256::Digest digest = digest_->sha256.finish();
+  return "sha256:" + hex_text(std::string(digest.begin(), digest.end()));
 }
 
 }  // namespace retarget

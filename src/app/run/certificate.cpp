@@ -5,14 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "app/run/sidecar.h"
 #include "base/json.h"
-#include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/hash.h"

@@ -1,9 +1,7 @@
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -13,7 +11,6 @@
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
 #include "retarget/hash.h"
-#include "retarget/option_table.h"
 #include "retarget/os.h"
 #include "retarget/robot.h"
 #include "retarget/version.h"

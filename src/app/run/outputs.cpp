@@ -5,10 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "base/try.h"
-#include "retarget/hash.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "app/plan/reference_file.h"
+#include "app/plan/motion_target.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -22,7 +22,7 @@
 #include "retarget/robots.h"
 #include "retarget/run.h"
 #include "retarget/text.h"
-#include "robot/model/limit_distance.h"
+#include "robot/model/limits.h"
 #include "solve/targets/limit_diagnosis.h"
 
 namespace retarget {

@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "app/plan/motion_target.h"
-#include "app/plan/reference_file.h"
 #include "app/plan/scale_time.h"
 #include "app/run/sidecar.h"
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
@@ -95,7 +94,7 @@ Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const Run
   std::vector<SolvedMotion> solved;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const bool is_last = i + 1 == rates.size();
-    Plan one = is_last ? std::move(plan) : plan;
+    Plan one = is_last ? std::exchange(plan, {}) : plan;
     one.rate = rates[i];
     TRY_ASSIGN(Motion motion,
                solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));

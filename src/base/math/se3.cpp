@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 
 namespace retarget {

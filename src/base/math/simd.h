@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 /// Compiles loops twice on x86-64: with baseline instructions and with AVX2 for processors that
 /// have it. Multiplications and additions are never fused (AVX2 alone has no FMA) and loops keep
 /// their order, so both versions give identical bits.
@@ -44,5 +46,11 @@ inline bool has_avx2() {
   return false;
 #endif
 }
+
+/// Computes the sines and cosines of many angles in vectors; the same bits as portable::sin_cos.
+/// @param angles         radians.
+/// @param sines, cosines  angles.size() values each.
+void sin_cos_all(std::span<const double> angles, std::span<double> sines,
+                 std::span<double> cosines);
 
 }  // namespace retarget

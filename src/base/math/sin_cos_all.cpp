@@ -1,10 +1,9 @@
-#include "base/math/sin_cos_all.h"
+#include "base/math/simd.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "base/math/simd.h"
 #include "retarget/trigonometry.h"
 
 namespace retarget {

@@ -1,7 +1,6 @@
 #include "formats/bvh/hierarchy_parser.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "formats/bvh/motion_header.h"
+#include "formats/bvh/motion_rows.h"
 
 #include <charconv>
 #include <string_view>

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "base/option_name.h"
 #include "formats/bvh/euler_angles.h"
 #include "formats/bvh/number_parser.h"
-#include "formats/bvh/row_decoder.h"
 
 namespace retarget {
 namespace {

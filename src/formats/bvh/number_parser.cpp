@@ -5,8 +5,6 @@
 #include <string>
 #include <system_error>
 
-#include "formats/bvh/source_text.h"
-
 namespace retarget {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <new>
 #include <span>
@@ -12,10 +11,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/bvh/hierarchy_parser.h"
-#include "formats/bvh/joint_positions.h"
-#include "formats/bvh/motion_header.h"
 #include "formats/bvh/motion_rows.h"
-#include "formats/bvh/row_decoder.h"
 #include "formats/bvh/source_text.h"
 #include "motion/clip.h"
 #include "retarget/file.h"

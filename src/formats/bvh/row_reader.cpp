@@ -1,12 +1,11 @@
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "formats/bvh/motion_rows.h"
 #include "formats/bvh/number_parser.h"
 #include "formats/bvh/read_bvh.h"
-#include "formats/bvh/row_decoder.h"
 #include "retarget/bvh.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

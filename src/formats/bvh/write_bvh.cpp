@@ -10,7 +10,7 @@
 
 #include "base/try.h"
 #include "formats/bvh/euler_angles.h"
-#include "formats/bvh/joint_positions.h"
+#include "formats/bvh/read_bvh.h"
 #include "formats/bvh/source_text.h"
 #include "retarget/file.h"
 

@@ -1,12 +1,8 @@
 #include "formats/containers/array_source.h"
 
-#include <algorithm>
-#include <utility>
-
 #include <fmt/format.h>
+#include <algorithm>
 
-#include "base/try.h"
-#include "formats/containers/npz_writer.h"
 #include "retarget/text.h"
 
 namespace retarget {

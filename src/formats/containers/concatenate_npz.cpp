@@ -1,7 +1,6 @@
 #include "retarget/concatenate_npz.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 #include <string_view>
@@ -9,7 +8,6 @@
 #include <vector>
 
 #include "formats/containers/npz.h"
-#include "formats/containers/npz_writer.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "retarget/try.h"

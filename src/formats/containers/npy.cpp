@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "formats/containers/npy_stream.h"
-
 namespace retarget {
 namespace {
 

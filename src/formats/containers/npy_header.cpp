@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -8,11 +9,8 @@
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/try.h"
 #include "formats/containers/npy.h"
-#include "formats/containers/npy_stream.h"
 #include "retarget/text.h"
 
 namespace retarget {

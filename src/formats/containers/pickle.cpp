@@ -7,8 +7,7 @@
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npz_writer.h"
-#include "formats/containers/pickle_opcodes.h"
+#include "formats/containers/npz.h"
 #include "formats/containers/pickle_reader.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

@@ -1,7 +1,6 @@
 // Results of the functions and classes that a pickle may name: arrays of NumPy and joblib.
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,7 +9,7 @@
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
+#include "formats/containers/npy.h"
 #include "formats/containers/pickle.h"
 #include "formats/containers/pickle_reader.h"
 

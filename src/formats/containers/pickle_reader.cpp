@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <string>
 #include <utility>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/pickle_opcodes.h"
 #include "retarget/text.h"
 
 namespace retarget {

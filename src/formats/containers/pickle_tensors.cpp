@@ -1,11 +1,10 @@
 // Results of the functions and classes that a PyTorch pickle may name: layouts of tensors.
 
+#include <fmt/format.h>
 #include <array>
 #include <limits>
 #include <optional>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/try.h"
 #include "formats/containers/npy.h"

@@ -1,16 +1,12 @@
 #include "formats/containers/torch_file.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <bit>
-#include <limits>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/pickle_opcodes.h"
+#include "formats/containers/pickle_reader.h"
 #include "formats/containers/zip_writer.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

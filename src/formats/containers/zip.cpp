@@ -1,16 +1,14 @@
 #include "retarget/zip.h"
 
 #include <fmt/format.h>
-
 #include <zip.h>
 #include <zlib.h>
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
+#include "formats/containers/npy.h"
 #include "formats/containers/zip_writer.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

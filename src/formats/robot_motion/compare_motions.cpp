@@ -1,7 +1,6 @@
 #include "retarget/compare.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>

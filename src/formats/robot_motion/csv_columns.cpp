@@ -3,14 +3,12 @@
 #include "formats/robot_motion/csv_columns.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 #include <span>
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/robot_motion/csv_names.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -1,6 +1,6 @@
 // Normalises column names of CSV files from various tools.
 
-#include "formats/robot_motion/csv_names.h"
+#include "formats/robot_motion/csv_columns.h"
 
 #include <algorithm>
 #include <array>

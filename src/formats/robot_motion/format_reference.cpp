@@ -1,18 +1,15 @@
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "base/try.h"
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "retarget/reference.h"
 #include "retarget/text.h"
 

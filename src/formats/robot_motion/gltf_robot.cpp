@@ -1,15 +1,15 @@
 // GLB files of robots and humans.
 
 #include <algorithm>
-#include <array>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "base/try.h"
-#include "formats/robot_motion/gltf_motion.h"
 #include "formats/robot_motion/gltf_writer.h"
 #include "formats/robot_motion/motion_writers.h"
 #include "retarget/appearance.h"
+#include "retarget/motion_io.h"
 
 namespace retarget {
 namespace {
@@ -105,42 +105,7 @@ int add_nodes(const RobotClip& clip, GltfWriter& writer) {
   return base;
 }
 
-}  // namespace
-
-Result<std::string> format_robot_glb(const RobotClip& clip, const HumanInWorld* human,
-                                     const std::string& name) {
-  TRY(check_key_times(clip.rate(), clip.frame_count()));
-  if (human != nullptr) TRY(check_key_times(human->clip->rate(), human->clip->frame_count()));
-  GltfWriter writer;
-  GltfAnimation animation(writer, name.empty() ? "motion" : name);
-  std::vector<int> roots = {add_nodes(clip, writer)};
-  std::vector<BodyTrack> tracks = tracks_of(clip.robot());
-  add_keys(clip, tracks);
-  if (clip.frame_count() > 0) {
-    const int times = animation.add_times(clip.rate(), clip.frame_count());
-    for (std::size_t b = 1; b < tracks.size(); ++b) {
-      const int node = roots.front() + static_cast<int>(b);
-      if (tracks[b].slides) animation.add_translations(node, times, tracks[b].translations);
-      if (tracks[b].turns) animation.add_rotations(node, times, tracks[b].rotations);
-    }
-  }
-  if (human != nullptr) {
-    const std::vector<int> others = add_gltf_human(writer, *human, animation);
-    roots.insert(roots.end(), others.begin(), others.end());
-  }
-  animation.finish();
-  return writer.finish(roots);
-}
-
-MotionFiles write_glb(const RobotClip& clip, MotionFormat /*format*/,
-                      const WriteMotionOptions& options) {
-  return one_file(format_robot_glb(clip, options.human ? &*options.human : nullptr, options.name));
-}
-
-namespace {
-
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
 
 constexpr double kMinBoneLength = 0.001;                // Metres; shorter bones are not drawn.
 constexpr double kThickness = 0.15;                     // Ratio of radius to length.
@@ -256,8 +221,8 @@ void add_keys(const HumanInWorld& human, int first_joint, GltfAnimation& animati
   }
 }
 
-}  // namespace
-
+// Adds a human's skeleton as a skin of simple bones, and its motion to an animation.
+// @return the scene's root nodes: that of the skeleton, and that of the mesh if it has bones.
 std::vector<int> add_gltf_human(GltfWriter& writer, const HumanInWorld& human,
                                 GltfAnimation& animation) {
   const Skeleton& skeleton = human.clip->skeleton();
@@ -280,6 +245,41 @@ std::vector<int> add_gltf_human(GltfWriter& writer, const HumanInWorld& human,
   }
   add_keys(human, base + 1, animation);
   return roots;
+}
+
+// Formats a robot's motion as GLB: a root node that turns Z up into Y up, below it a node per body
+// with a mesh of the body's shapes, and an animation. If `human` is given, its skeleton is added.
+// @param name  of the animation.
+Result<std::string> format_robot_glb(const RobotClip& clip, const HumanInWorld* human,
+                                     const std::string& name) {
+  TRY(check_key_times(clip.rate(), clip.frame_count()));
+  if (human != nullptr) TRY(check_key_times(human->clip->rate(), human->clip->frame_count()));
+  GltfWriter writer;
+  GltfAnimation animation(writer, name.empty() ? "motion" : name);
+  std::vector<int> roots = {add_nodes(clip, writer)};
+  std::vector<BodyTrack> tracks = tracks_of(clip.robot());
+  add_keys(clip, tracks);
+  if (clip.frame_count() > 0) {
+    const int times = animation.add_times(clip.rate(), clip.frame_count());
+    for (std::size_t b = 1; b < tracks.size(); ++b) {
+      const int node = roots.front() + static_cast<int>(b);
+      if (tracks[b].slides) animation.add_translations(node, times, tracks[b].translations);
+      if (tracks[b].turns) animation.add_rotations(node, times, tracks[b].rotations);
+    }
+  }
+  if (human != nullptr) {
+    const std::vector<int> others = add_gltf_human(writer, *human, animation);
+    roots.insert(roots.end(), others.begin(), others.end());
+  }
+  animation.finish();
+  return writer.finish(roots);
+}
+
+}  // namespace
+
+MotionFiles write_glb(const RobotClip& clip, MotionFormat /*format*/,
+                      const WriteMotionOptions& options) {
+  return one_file(format_robot_glb(clip, options.human ? &*options.human : nullptr, options.name));
 }
 
 Result<std::string> format_human_glb(const HumanInWorld& human, const std::string& name) {

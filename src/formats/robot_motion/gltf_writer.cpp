@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "retarget/bytes.h"
 #include "retarget/so3.h"

@@ -1,4 +1,4 @@
-#include "formats/robot_motion/quaternion_order.h"
+#include "formats/robot_motion/raw_motion.h"
 
 #include <algorithm>
 #include <vector>

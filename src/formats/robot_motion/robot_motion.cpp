@@ -1,20 +1,16 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/robot_motion/motion_writers.h"
-#include "formats/robot_motion/quaternion_order.h"
 #include "formats/robot_motion/raw_motion.h"
-#include "formats/robot_motion/units.h"
 #include "retarget/clip.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"

@@ -1,15 +1,12 @@
 #include "formats/robot_motion/scene_tracks.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "formats/containers/npz_writer.h"
 #include "formats/robot_motion/sample_times.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "retarget/clip.h"
 #include "retarget/motion_io.h"
 #include "retarget/scene.h"

@@ -1,12 +1,9 @@
 // SONIC's reference motions: a folder of CSVs with headers, columns in Isaac Lab's order.
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>

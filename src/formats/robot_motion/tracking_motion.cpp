@@ -1,10 +1,7 @@
 #include "retarget/motion_io.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
-#include <array>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "formats/robot_motion/units.h"
+#include "formats/robot_motion/raw_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/robot_motion/quaternion_order.h"
 #include "retarget/pose.h"
 #include "retarget/text.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npz_writer.h"
+#include "formats/containers/npz.h"
 #include "formats/containers/pickle.h"
 #include "formats/containers/torch_file.h"
 #include "formats/robot_motion/motion_writers.h"

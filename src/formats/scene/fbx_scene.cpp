@@ -1,4 +1,4 @@
-#include "formats/scene/fbx_scene.h"
+#include "formats/scene/read_scene.h"
 
 #include <ufbx/ufbx.h>
 #include <algorithm>

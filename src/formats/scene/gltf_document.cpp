@@ -1,19 +1,14 @@
 #include "formats/scene/gltf_document.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/json.h"
 #include "base/try.h"
-#include "formats/scene/gltf_motion.h"
 #include "motion/clip.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"

@@ -1,9 +1,8 @@
-#include "formats/scene/gltf_motion.h"
+#include "formats/scene/gltf_document.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>

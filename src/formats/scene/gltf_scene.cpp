@@ -1,19 +1,16 @@
-#include "formats/scene/gltf_scene.h"
+#include "formats/scene/read_scene.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/json.h"
 #include "base/try.h"
 #include "formats/scene/clip_builder.h"
 #include "formats/scene/gltf_document.h"
-#include "formats/scene/gltf_motion.h"
 #include "retarget/text.h"
 
 namespace retarget {

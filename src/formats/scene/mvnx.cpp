@@ -1,7 +1,7 @@
-#include "formats/scene/mvnx.h"
+#include "formats/scene/read_scene.h"
 
+#include <fmt/format.h>
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,8 +10,6 @@
 #include <optional>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/parse_xml.h"
@@ -27,11 +25,6 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr std::size_t kMaxSegments = 1000;
-
-std::string_view attribute(const XMLElement& element, const char* name) {
-  const char* text = element.Attribute(name);
-  return text == nullptr ? std::string_view() : std::string_view(text);
-}
 
 std::string_view text_of(const XMLElement* element) {
   const char* text = element == nullptr ? nullptr : element->GetText();
@@ -98,7 +91,7 @@ class MvnxReader {
     std::map<std::string, int> numbers;
     for (const XMLElement* each = segments->FirstChildElement("segment"); each != nullptr;
          each = each->NextSiblingElement("segment")) {
-      const std::string name(attribute(*each, "label"));
+      const std::string name = attribute_of(each, "label");
       if (!numbers.emplace(name, static_cast<int>(names_.size())).second) {
         return fault("two segments have the name \"" + printable(name) + "\"");
       }
@@ -144,7 +137,7 @@ class MvnxReader {
     if (frames == nullptr) return fault("it has no frames");
     for (const XMLElement* each = frames->FirstChildElement("frame"); each != nullptr;
          each = each->NextSiblingElement("frame")) {
-      const std::string_view type = attribute(*each, "type");
+      const std::string type = attribute_of(each, "type");
       if (type.empty() || type == "normal") {
         frames_.push_back(each);
       } else {
@@ -209,7 +202,7 @@ class MvnxReader {
 
   Result<FrameRate> rate_of(const XMLElement& subject) const {
     if (options_.source_fps) return frame_rate_from_fps(*options_.source_fps);
-    const auto fps = parse_number<double>(attribute(subject, "frameRate"));
+    const auto fps = parse_number<double>(attribute_of(&subject, "frameRate"));
     if (!fps || !is_plausible_rate(*fps)) {
       return input_failure(file_name_, "the MVNX file has no frame rate",
                            OPTION("source-fps") " N gives it");

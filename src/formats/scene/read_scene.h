@@ -36,4 +36,37 @@ struct SceneReadOptions {
 [[nodiscard]] Result<Clip> clip_of_scene(const SceneGraph& scene, const std::string& file_name,
                                          std::size_t file_bytes, const SceneReadOptions& options);
 
+/// Reads the nodes and animations of an FBX file with ufbx. Meshes, textures and other content are
+/// ignored. Files that it refers to are never opened.
+///
+/// ufbx evaluates pre- and post-rotations, axis orders, pivots, layers and scale inheritance. The
+/// result is a plain transform relative to the parent.
+///
+/// @param max_bytes  memory limit for files of any size; a file that needs more is rejected.
+/// @return kInput errors.
+[[nodiscard]] Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
+                                          std::size_t max_bytes);
+
+/// Reads the nodes, skins and animations of a glTF 2.0 file.
+///
+/// If a VRM extension maps nodes to human bones (VRMC_vrm, VRM, VRMC_vrm_animation), these nodes
+/// get VRM's bone names: hips, leftUpperArm, ... Other nodes with such a name get the suffix
+/// `_node`.
+///
+/// @param max_bytes  limit on external files and numbers together; see GltfDocument.
+/// @return kInput errors; see GltfDocument.
+[[nodiscard]] Result<SceneGraph> read_gltf(std::string_view bytes, const std::string& file_name,
+                                           std::size_t max_bytes);
+
+/// Reads Xsens MVNX: XML with the orientation (w x y z) and position of every body segment per
+/// frame, in metres, Z up (MVN User Manual, "MVNX").
+///
+/// The motion consists of the frames of type `normal`. The rest pose is the frame `tpose`,
+/// otherwise `identity`, otherwise `npose`; without them all segments are aligned with the world
+/// axes. The document's `joints` define the hierarchy.
+///
+/// @return kInput errors.
+[[nodiscard]] Result<Clip> read_mvnx(std::string_view bytes, const std::string& file_name,
+                                     const SceneReadOptions& options);
+
 }  // namespace retarget

@@ -1,12 +1,9 @@
 #include "formats/scene/read_scene.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -14,9 +11,6 @@
 #include "base/try.h"
 #include "formats/containers/file_kind.h"
 #include "formats/scene/clip_builder.h"
-#include "formats/scene/fbx_scene.h"
-#include "formats/scene/gltf_scene.h"
-#include "formats/scene/mvnx.h"
 #include "formats/scene/scene_skeleton.h"
 #include "motion/clip.h"
 #include "retarget/bvh.h"

@@ -1,12 +1,11 @@
 #include "formats/scene/scene_skeleton.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"

@@ -1,17 +1,15 @@
 // Motions in a single array: Motion-X and PHUMA (NumPy), InterMimic (PyTorch).
 
 #include <fmt/format.h>
-
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "base/try.h"
-#include "formats/containers/npy_stream.h"
-#include "formats/containers/npz_writer.h"
-#include "formats/smpl/motion_file.h"
+#include "formats/containers/npy.h"
+#include "formats/containers/npz.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 

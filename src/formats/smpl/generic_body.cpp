@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "formats/smpl/generic_hand.h"
 #include "formats/smpl/smpl_body.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"

@@ -1,16 +1,13 @@
 #include "formats/smpl/joint_motion.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/joint_orders.h"
-#include "formats/smpl/translation_unit.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/text.h"
 
 namespace retarget {

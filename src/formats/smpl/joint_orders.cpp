@@ -1,7 +1,6 @@
-#include "formats/smpl/joint_orders.h"
+#include "formats/smpl/joint_motion.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <string>

@@ -1,17 +1,14 @@
 #include "formats/smpl/motion_arrays.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/translation_unit.h"
 #include "retarget/text.h"
 
 namespace retarget {

@@ -1,11 +1,10 @@
-#include "formats/smpl/motion_file.h"
+#include "formats/smpl/motion_arrays.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <set>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"

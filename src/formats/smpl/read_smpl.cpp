@@ -9,8 +9,6 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "formats/smpl/motion_arrays.h"
-#include "formats/smpl/motion_file.h"
-#include "formats/smpl/translation_unit.h"
 #include "motion/clip.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"

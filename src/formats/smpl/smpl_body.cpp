@@ -1,14 +1,11 @@
 #include "formats/smpl/smpl_body.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <new>
-#include <optional>
 #include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "base/try.h"
 #include "formats/containers/npy.h"

@@ -1,7 +1,6 @@
-#include "formats/smpl/translation_unit.h"
+#include "formats/smpl/motion_arrays.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,21 +1,19 @@
 // Tracks of objects: NPZ, NPY, CSV and InterMimic's tensors.
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/try.h"
 #include "formats/containers/file_kind.h"
-#include "formats/containers/npy_stream.h"
+#include "formats/containers/npy.h"
 #include "formats/containers/npz.h"
 #include "formats/containers/torch_file.h"
-#include "formats/smpl/motion_file.h"
+#include "formats/smpl/motion_arrays.h"
 #include "retarget/csv_table.h"
 #include "retarget/file.h"
 #include "retarget/scene.h"

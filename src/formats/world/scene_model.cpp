@@ -1,11 +1,9 @@
 // Robots and their scenes as MJCF.
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <type_traits>
@@ -15,8 +13,8 @@
 #include "base/try.h"
 #include "retarget/robot.h"
 #include "retarget/write_scene.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 
 namespace retarget {
 namespace {

@@ -1,14 +1,13 @@
 #include "retarget/write_scene.h"
 
 #include <fmt/format.h>
-
 #include <filesystem>
 
 #include "base/json.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/text.h"
-#include "scene/shape_mesh.h"
+#include "scene/scene_shapes.h"
 
 namespace retarget {
 namespace {

@@ -21,13 +21,19 @@ struct CleanReport {
 /// Removes the noise of video estimates and IMU suits where it is measured. Other clips stay
 /// identical.
 ///
-/// The steps, in this order: interpolate frozen frames and lost joints (lost_frames.h). If half of
-/// the joints have large noise, smooth all noisy joints as strongly as their noise requires
-/// (track_noise.h) and set varying bone lengths to their medians. If standing feet move, translate
-/// the whole body so that they do not (root_drift.h); the legs keep their poses, except where the
-/// joints had noise: then the feet are held in their stances (plant_noisy_feet.h).
-/// @param jittery  whether the clip's positions had noise (clean_positions.h)
+/// The steps, in this order: interpolate frozen frames and lost joints. If half of the joints have
+/// large noise, smooth all noisy joints as strongly as their noise requires (measure_noise) and set
+/// varying bone lengths to their medians. If standing feet move, translate the whole body so that
+/// they do not (root_drift.h); the legs keep their poses, except where the joints had noise: then
+/// the feet are held in their stances (plant_noisy_feet.h).
+/// @param jittery  whether the clip's positions had noise (clean_positions)
 CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibration,
                        bool jittery = false);
+
+/// Smooths the joints of a clip made from joint positions alone (ClipOrigin::unknown_rotations) if
+/// half of them have noise above 0.3 % of the body's size per frame. Then recomputes the rotations,
+/// because noisy positions make them spin about nearly straight limbs. Other clips stay identical.
+/// @return a sentence with numbers; empty if nothing changed
+std::string clean_positions(Clip& clip);
 
 }  // namespace retarget

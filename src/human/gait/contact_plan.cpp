@@ -1,13 +1,9 @@
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <iterator>
-#include <vector>
 
 #include "human/gait/contact_plan.h"
-#include "human/gait/contact_planner.h"
 #include "human/gait/frame_runs.h"
-#include "human/gait/source_feet.h"
 #include "human/gait/standing_heights.h"
 
 namespace retarget {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "human/gait/source_feet.h"
@@ -27,7 +28,7 @@ void find_body_contacts(const SourceFeet& source, const StandingHeights& standin
 [[nodiscard]] StandingHeights find_standing_heights(const SourceFeet& source,
                                                     const ContactOptions& options = {});
 
-/// As find_contacts of a human. For a clip that grows, use ContactPlanner (contact_planner.h).
+/// As find_contacts of a human. For a clip that grows, use ContactPlanner.
 [[nodiscard]] ContactPlan find_contacts(const SourceFeet& source,
                                         const ContactOptions& options = {});
 
@@ -45,5 +46,24 @@ void phases_on_sole(const SourceFeet& source, int foot, const std::vector<Contac
 /// @param count  number of frames of the clip
 [[nodiscard]] std::vector<FrameRange> foot_stances(const ContactPlan& contacts, int foot, int count,
                                                    double frame_time);
+
+/// Computes find_contacts() repeatedly, for example for a growing clip. Reuses its memory: nothing
+/// is allocated for clips that are no longer than an earlier clip or the reserved length.
+class ContactPlanner {
+ public:
+  ContactPlanner();
+  ~ContactPlanner();
+  ContactPlanner(ContactPlanner&&) noexcept;
+  ContactPlanner& operator=(ContactPlanner&&) noexcept;
+
+  /// Valid until the next call.
+  [[nodiscard]] const ContactPlan& plan(const SourceFeet& source,
+                                        const ContactOptions& options = {});
+  void reserve(int frames);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "human/gait/contact_planner.h"
+#include "human/gait/contact_plan.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,6 +21,9 @@ namespace {
 // of the toe's side vector.
 constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 constexpr double kMinLevelTime = 1.0 / 6.0;  // Seconds.
+// Seconds for which a part of a drifting run must stay in place to be a raised stance.
+constexpr double kMinDriftingStance = 0.5;
+constexpr std::array kBothEnds{kHeelEnd, kToeEnd}, kToeOnly{kToeEnd, kToeEnd};
 // Height difference of heel and toe, metres, below which the surface is level.
 constexpr double kFlat = 0.03;
 // Support of one end of a foot: the index of a raised stance, or one of these.
@@ -55,6 +58,18 @@ class FootContactFinder {
       stand_on_floor(end);
       for (std::size_t i = 0; i < raised_.size(); ++i) stand_raised(static_cast<int>(i), end);
     }
+  }
+
+  // Finds raised stances that find_raised_stances omits, because feet in the air look the same. They
+  // count if nothing else supports the body: a slow foot that moves farther than support_drift, as
+  // when a person on a step lifts the heel slowly, and a still toe below a moving heel, as on
+  // stairs. Call this after find_stands of all feet.
+  // @param carries(frame)  whether the body is supported although no part of it is in contact.
+  template <typename Carries>
+  void find_carrying_stances(const Carries& carries) {
+    if (!has(kHeelEnd) || !has(kToeEnd)) return;
+    find_carrying_stances(kBothEnds, kMinDriftingStance, carries);
+    find_carrying_stances(kToeOnly, options_->support_time, carries);
   }
 
   [[nodiscard]] bool stands(int frame, int end) const {
@@ -135,9 +150,11 @@ class FootContactFinder {
     }
   }
 
-  [[nodiscard]] bool is_still_above_floor(int frame) const {
-    return source_->at(frame, foot_).up > kSoleUp &&
-           std::ranges::all_of(std::array{kHeelEnd, kToeEnd}, [&](int end) {
+  // Ends of a foot that must both be still.
+  using Ends = std::array<int, 2>;
+
+  [[nodiscard]] bool is_still_above_floor(int frame, const Ends& ends) const {
+    return source_->at(frame, foot_).up > kSoleUp && std::ranges::all_of(ends, [&](int end) {
              return height(frame, end) > options_->begin_height * size_ &&
                     source_->speed(frame, foot_, end) < options_->begin_speed * size_;
            });
@@ -151,26 +168,66 @@ class FootContactFinder {
     });
   }
 
+  void add_raised_stance(int begin, int end) {
+    RaisedStance stance{begin, end, {}};
+    for (const int foot_end : {kHeelEnd, kToeEnd}) {
+      heights_.clear();
+      for (int frame = begin; frame < end; ++frame) heights_.push_back(height(frame, foot_end));
+      stance.height[foot_end] = median_in_place(heights_);
+    }
+    if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
+      stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));
+    }
+    raised_.push_back(stance);
+  }
+
+  // Returns the longest part of the run in which the ends stay in place, up to an eighth of its
+  // length.
+  [[nodiscard]] ContactPhase longest_in_place(int begin, int end, const Ends& ends) const {
+    ContactPhase longest{begin, begin, 0.0};
+    for (int first = begin; first < end;) {
+      int last = first;
+      std::array<Eigen::AlignedBox3d, 2> boxes;
+      for (bool fits = true; fits && last < end;) {
+        for (const int foot_end : ends) {
+          boxes[foot_end].extend(place(last, foot_end));
+          if (boxes[foot_end].sizes().maxCoeff() > options_->support_drift * size_) fits = false;
+        }
+        if (fits) ++last;
+      }
+      if (last - first > longest.end - longest.begin) longest = {first, last, 0.0};
+      first += std::max(1, (last - first) / 8);
+    }
+    return longest;
+  }
+
+  template <typename Carries>
+  void find_carrying_stances(const Ends& ends, double min_time, const Carries& carries) {
+    const auto is_free_and_still = [&](int frame) {
+      return !stands(frame, kToeEnd) && is_still_above_floor(frame, ends);
+    };
+    for_each_run(0, frames_, is_free_and_still, [&](int begin, int end) {
+      if (!is_free_and_still(begin)) return;
+      const ContactPhase part = longest_in_place(begin, end, ends);
+      if (!lasts(part.end - part.begin, min_time)) return;
+      int alone = 0;
+      for (int frame = part.begin; frame < part.end; ++frame) alone += carries(frame) ? 1 : 0;
+      if (2 * alone < part.end - part.begin) return;
+      add_raised_stance(part.begin, part.end);
+      stand_raised(static_cast<int>(raised_.size()) - 1, kToeEnd);
+      if (ends == kBothEnds) stand_raised(static_cast<int>(raised_.size()) - 1, kHeelEnd);
+    });
+  }
+
   void find_raised_stances() {
     for_each_run(
-        0, frames_, [&](int frame) { return is_still_above_floor(frame); },
+        0, frames_, [&](int frame) { return is_still_above_floor(frame, kBothEnds); },
         [&](int begin, int end) {
-          if (!is_still_above_floor(begin) || !lasts(end - begin, options_->support_time) ||
-              !stays_in_place(begin, end)) {
+          if (!is_still_above_floor(begin, kBothEnds) ||
+              !lasts(end - begin, options_->support_time) || !stays_in_place(begin, end)) {
             return;
           }
-          RaisedStance stance{begin, end, {}};
-          for (const int foot_end : {kHeelEnd, kToeEnd}) {
-            heights_.clear();
-            for (int frame = begin; frame < end; ++frame) {
-              heights_.push_back(height(frame, foot_end));
-            }
-            stance.height[foot_end] = median_in_place(heights_);
-          }
-          if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
-            stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));
-          }
-          raised_.push_back(stance);
+          add_raised_stance(begin, end);
         });
   }
 
@@ -255,6 +312,25 @@ bool is_held_up(const SourceFeet& source, int frame) {
   return (hips(frame + half) - 2.0 * hips(frame) + hips(frame - half)) / (time * time) > kFalls;
 }
 
+void find_carrying_stances(const SourceFeet& source, const ContactPlan& plan,
+                           std::span<FootContactFinder> feet) {
+  const auto rests_on_body = [&](int frame) {
+    return std::ranges::any_of(plan.bodies, [&](const std::vector<ContactPhase>& phases) {
+      return std::ranges::any_of(phases, [&](const ContactPhase& phase) {
+        return phase.begin <= frame && frame < phase.end;
+      });
+    });
+  };
+  for (FootContactFinder& foot : feet) {
+    foot.find_carrying_stances([&](int frame) {
+      return is_held_up(source, frame) && !rests_on_body(frame) &&
+             std::ranges::none_of(feet, [&](const FootContactFinder& other) {
+               return other.stands(frame, kHeelEnd) || other.stands(frame, kToeEnd);
+             });
+    });
+  }
+}
+
 // One end of a foot; foot -1: none.
 struct FootEnd {
   int foot = -1, end = kHeelEnd;
@@ -321,6 +397,7 @@ class ContactPlanner::Impl {
     for (int foot = 0; foot < source.foot_count; ++foot) {
       feet[foot].find_stands(source, plan_, options, foot);
     }
+    find_carrying_stances(source, plan_, feet);
     stand_while_held_up(source, plan_, feet, carrying_);
     for (int foot = 0; foot < source.foot_count; ++foot) {
       if (!source.has(foot, kHeelEnd)) continue;

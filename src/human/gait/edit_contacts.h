@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "human/gait/contact_plan.h"
@@ -9,6 +10,17 @@
 #include "retarget/contact_edits.h"
 
 namespace retarget {
+
+/// A part of a human whose contacts can be edited.
+struct ContactPart {
+  std::string_view name;
+  int foot = -1;            ///< 0 left, 1 right; -1: another part.
+  int end = -1;             ///< kHeelEnd, kToeEnd; -1: both.
+  std::size_t support = 0;  ///< For parts that are not feet: index into kSupportBones.
+};
+
+/// Returns null for an unknown name.
+[[nodiscard]] const ContactPart* find_contact_part(std::string_view name);
 
 /// Applies edits to the contacts of a human, in order. Frames that no edit names keep their
 /// contacts. An edited foot is in contact as a whole where its heel and toe are on one surface. An

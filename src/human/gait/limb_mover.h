@@ -1,12 +1,19 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/two_bone_leg.h"
 
 namespace retarget {
+
+/// The quintic from 0 to 1 with zero velocity and acceleration at both ends; constant beyond them.
+[[nodiscard]] inline double quintic_step(double share) {
+  const double s = std::clamp(share, 0.0, 1.0);
+  return s * s * s * (10.0 + s * (6.0 * s - 15.0));
+}
 
 /// Moves an ankle or a wrist of a clip by turning the joints of its limb. The rest of the body stays.
 class LimbMover {

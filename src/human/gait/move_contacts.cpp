@@ -7,7 +7,6 @@
 
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
-#include "human/gait/quintic_step.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/so3.h"
@@ -204,9 +203,10 @@ class ContactMover {
     std::array<Track, 2> hands;
     for (std::size_t side = 0; side < 2; ++side) {
       hands[side] = hand_offsets(moves_.hands[side]);
-      if (legs[side])
+      if (legs[side]) {
         limb_movers[side].emplace(clip_, calibration_, *legs[side],
                                   side_bone(kSides[side], LimbBone::kLeg));
+      }
       if (arms[side] && !moves_.hands[side].empty()) {
         arm_movers[side].emplace(clip_, calibration_, *arms[side],
                                  side_bone(kSides[side], LimbBone::kForeArm));

@@ -1,11 +1,31 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
 
+#include "human/gait/source_feet.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 
 namespace retarget {
+
+/// Whether each end of the feet stands on the floor, by frame: left heel, left toe, right heel,
+/// right toe.
+using NoisyStances = std::array<std::vector<char>, 4>;
+
+/// Index of one end of a foot in NoisyStances.
+[[nodiscard]] constexpr std::size_t stance_index(int foot, int end) {
+  return static_cast<std::size_t>(2 * foot + end);
+}
+
+/// Finds the stances of feet whose positions are noisy. Thresholds on single frames break such
+/// stances where the noise peaks; here the most likely sequence of stances and swings of both feet
+/// is found. In it a change must be supported by evidence over a tenth of a second, and an upright
+/// body is rarely without support.
+/// @param noise_speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
+[[nodiscard]] NoisyStances find_noisy_stances(const SourceFeet& feet, double noise_speed);
 
 /// Result of plant_noisy_feet().
 struct NoisyFeet {
@@ -13,7 +33,7 @@ struct NoisyFeet {
   double farthest = 0.0;  ///< Largest displacement of an ankle relative to the hips, metres.
 };
 
-/// Holds feet that probably stand at the median positions of their stances (noisy_stances.h). Root
+/// Holds feet that probably stand at the median positions of their stances. Root
 /// drift alone cannot do that: with noise in the joints of the legs two standing feet move
 /// relative to each other. The root follows the common, slow part of the corrections; the legs
 /// take the remainder by two-bone inverse kinematics. Between stances the corrections change

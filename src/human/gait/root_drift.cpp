@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "base/math/pentadiagonal.h"
+#include "base/math/banded_system.h"
 #include "retarget/statistics.h"
 
 namespace retarget {

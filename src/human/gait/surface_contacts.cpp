@@ -1,10 +1,8 @@
 #include "human/gait/surface_contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "human/gait/contact_plan.h"
 #include "human/gait/frame_runs.h"

@@ -1,4 +1,4 @@
-#include "human/gait/terrain_moves.h"
+#include "human/gait/move_contacts.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -12,7 +12,6 @@
 #include "human/gait/frame_runs.h"
 #include "human/gait/limb_mover.h"
 #include "human/gait/plant_noisy_feet.h"
-#include "human/gait/quintic_step.h"
 #include "human/gait/source_feet.h"
 #include "human/skeleton/human_clip.h"
 #include "retarget/human_skeleton.h"

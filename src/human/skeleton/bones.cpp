@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "retarget/appearance.h"
 #include "retarget/human.h"
+#include "retarget/human_skeleton.h"
 
 namespace retarget {
 namespace {
@@ -81,6 +83,70 @@ int BoneMap::mapped_count() const {
 Bone mirrored(Bone bone) {
   const auto [side, part] = place_in_limb(bone);
   return part ? side_bone(side == Side::kLeft ? Side::kRight : Side::kLeft, *part) : bone;
+}
+
+namespace {
+
+using enum LimbBone;
+
+Eigen::Matrix3d columns(const Eigen::Vector3d& x, const Eigen::Vector3d& y,
+                        const Eigen::Vector3d& z) {
+  Eigen::Matrix3d axes;
+  axes << x, y, z;
+  return axes;
+}
+
+// The foot slopes down by 25 degrees from the ankle to the ball.
+constexpr double kSineOfPitch = 0.42261826174069944;
+constexpr double kCosineOfPitch = 0.90630778703664996;
+
+}  // namespace
+
+Eigen::Matrix3d canonical_t_pose(Bone bone) {
+  const Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d left = Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (!part) return columns(up, forward, left);
+  switch (*part) {
+    case kUpLeg:
+    case kLeg:
+      return columns(-up, forward, -left);
+    case kToe:
+    case kFootMod:
+      return columns(forward, up, -left);
+    case kFoot:
+      return columns(kCosineOfPitch * forward - kSineOfPitch * up,
+                     kSineOfPitch * forward + kCosineOfPitch * up, -left);
+    default:
+      return side_of(bone) == Side::kLeft ? columns(left, -forward, up)
+                                          : columns(-left, -forward, -up);
+  }
+}
+
+int side_colour(Side side) {
+  switch (side) {
+    case Side::kLeft:
+      return 0x5AA469;
+    case Side::kRight:
+      return 0xD0705F;
+    default:
+      return 0x8A8A8A;
+  }
+}
+
+std::vector<int> joint_colours(const Skeleton& skeleton, const Calibration& calibration) {
+  std::vector<int> colours(static_cast<std::size_t>(skeleton.joint_count()), -1);
+  for (const Bone bone : kMappedBones) {
+    const int joint = calibration.bones[bone].position_joint;
+    if (joint >= 0) colours[static_cast<std::size_t>(joint)] = side_colour(side_of(bone));
+  }
+  for (std::size_t j = 0; j < colours.size(); ++j) {
+    const int parent = skeleton.joint(static_cast<int>(j)).parent;
+    if (colours[j] >= 0) continue;
+    colours[j] = parent < 0 ? side_colour(Side::kNone) : colours[static_cast<std::size_t>(parent)];
+  }
+  return colours;
 }
 
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #include "human/skeleton/calibrate.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,23 +8,18 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/bone_sources.h"
-#include "human/skeleton/facing.h"
+#include "human/skeleton/candidate.h"
 #include "human/skeleton/find_rest.h"
-#include "human/skeleton/free_fall.h"
 #include "human/skeleton/learned_axes.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/rest_pose.h"
 #include "human/skeleton/units.h"
 #include "human/skeleton/up_axis.h"
+#include "human/skeleton/up_evidence.h"
 #include "retarget/clip_range.h"
-#include "retarget/human_skeleton.h"
 #include "retarget/text.h"
 
 namespace retarget {

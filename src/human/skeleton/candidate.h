@@ -1,11 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "human/skeleton/body_poses.h"
 #include "human/skeleton/joint_names.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_profile.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/clip.h"
@@ -112,5 +113,94 @@ struct Verdict {
 /// Returns the limbs that a map lacks entirely or in part: `left arm`, `legs`, also `hips` and
 /// `torso`; empty: complete. Clavicles, hands, toes, neck and head do not count as limbs.
 [[nodiscard]] std::vector<std::string> missing_parts(const BoneMap& map);
+
+/// The sides are swapped if left_is_left, or the mean of leg_facing, is below minus this value.
+inline constexpr double kMinSwapEvidence = 0.1;
+
+/// Evidence of a leg for the direction `front`: knees bend forwards, and toes point forwards.
+/// @param thigh, shin  vectors between the joints, any length unit
+/// @param foot   vector from the ankle to the tip of the foot; nearly zero: unknown
+/// @param front  a unit vector
+/// @return about 1: the front; about -1: the back; near 0: no evidence
+[[nodiscard]] double leg_facing(const Eigen::Vector3d& thigh, const Eigen::Vector3d& shin,
+                                const Eigen::Vector3d& foot, const Eigen::Vector3d& front);
+
+/// Evidence that the left side of a map is the left of the body. The front follows from toes and
+/// knees, and left x up = front fails for a mirrored body.
+/// @return about 1: correct; about -1: swapped; near 0: no evidence
+[[nodiscard]] double left_is_left(const BodySource& source, const BoneMap& map);
+
+/// A joint whose name may mean a bone.
+struct NamedJoint {
+  int joint;
+  double weight;  ///< Confidence in the name, at most 1.
+};
+
+/// One bone of a limb, and its candidate joints.
+struct LimbSlot {
+  Bone bone;
+  bool required;
+  std::vector<NamedJoint> choices;
+};
+
+/// An assignment of joints to the slots of a limb.
+struct LimbChoice {
+  std::vector<int> joints;  ///< One per slot, or -1.
+  double weight = 0.0;      ///< Sum of the names' weights.
+  std::vector<std::string> notes;
+};
+
+/// Returns the best assignment of joints to slots, in line from the body outwards. For equal merit,
+/// the upper joints win. If joints on separate branches fit a required bone equally well, this is
+/// an error; for an optional bone, the joint closest to their centre is taken, with a note.
+[[nodiscard]] Result<LimbChoice> choose_limb(const BodySource& source,
+                                             const std::vector<LimbSlot>& slots);
+
+/// Error: two joints fit a bone equally well.
+[[nodiscard]] Failure ambiguous_bone(const BodySource& source, Bone bone, int a, int b);
+
+/// Note for users: any of several joints could be the bone.
+[[nodiscard]] std::string note_of_choice(const BodySource& source, Bone bone,
+                                         const std::vector<int>& joints, int chosen);
+
+/// Returns the joint closest to the centre of several candidates; for equal distances, the first.
+[[nodiscard]] int middle_joint(const BodySource& source, const std::vector<int>& joints);
+
+/// Two chains of joints of equal lengths that leave a body on either side.
+struct ChainPair {
+  std::vector<int> left, right;  ///< From the body outwards, of equal size; which is left is
+                                 ///< undecided.
+  std::vector<double> lengths;   ///< Mean distance of a joint from the previous one.
+  double reach = 0.0;            ///< Sum of `lengths`.
+};
+
+/// Distances along the tree and longest paths from a joint through each neighbour.
+class TreeReach {
+ public:
+  explicit TreeReach(const BodySource& source);
+
+  /// Returns the distance between neighbours.
+  [[nodiscard]] double edge(int a, int b) const { return lengths_[tree_.parent(a) == b ? a : b]; }
+  /// Returns the length of the longest path from `from` through its neighbour `by`; end sites
+  /// count.
+  [[nodiscard]] double reach(int from, int by) const;
+  /// Returns the length of the longest path of the tree.
+  [[nodiscard]] double diameter() const;
+
+ private:
+  const SkeletonTree& tree_;
+  const std::vector<double>& lengths_;
+  std::vector<double> down_;  // From a joint to the farthest one below it.
+  std::vector<double> up_;    // From a joint to the farthest one not below it.
+};
+
+/// The longest pair of equal chains that leave a joint, not through its neighbour `avoid`. Pairs of
+/// similar length that begin with another joint count as rivals.
+struct BestPair {
+  ChainPair pair;
+  double rival_reach = 0.0;  ///< Reach of the longest other pair; 0: none.
+};
+[[nodiscard]] BestPair longest_mirrored_pair(const BodySource& source, const TreeReach& reach,
+                                             int joint, int avoid);
 
 }  // namespace retarget

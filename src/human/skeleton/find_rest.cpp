@@ -1,17 +1,13 @@
 #include "human/skeleton/find_rest.h"
 
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/learned_axes.h"
-#include "human/skeleton/rest_evidence.h"
+#include "retarget/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -300,6 +296,60 @@ Result<Rest> find_rest(const RestSearch& search) {
     rest.doubt = doubt_of(scored[chosen], scored[other], meant.has_value());
   }
   return rest;
+}
+
+namespace {
+
+// Bones whose axes a movement can show.
+constexpr std::array kShownBones = {Bone::kHips,        Bone::kSpine2,     Bone::kLeftUpLeg,
+                                    Bone::kLeftLeg,     Bone::kLeftToe,    Bone::kLeftArm,
+                                    Bone::kLeftForeArm, Bone::kRightUpLeg, Bone::kRightLeg,
+                                    Bone::kRightToe,    Bone::kRightArm,   Bone::kRightForeArm};
+
+// Angle of a rotation, degrees.
+double degrees_of(const Eigen::Matrix3d& turn) {
+  constexpr double kDegreesPerRad = 57.295779513082321;
+  const Eigen::Vector3d sine(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0),
+                             turn(1, 0) - turn(0, 1));
+  return kDegreesPerRad * portable::atan2(sine.norm(), turn.trace() - 1.0);
+}
+
+// Weighted root mean square over the shown bones that have both axes.
+template <typename Angle, typename Weight>
+double mean_square_root(const JointFromBone& a, const JointFromBone& b, const Angle& angle,
+                        const Weight& weight) {
+  double sum = 0.0, weights = 0.0;
+  for (const Bone bone : kShownBones) {
+    if (!a[bone] || !b[bone]) continue;
+    const double degrees = angle(bone);
+    sum += weight(bone) * degrees * degrees;
+    weights += weight(bone);
+  }
+  return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
+}
+
+}  // namespace
+
+double expected_error(const LearnedAxes& learned) {
+  return mean_square_root(
+      learned.axes, learned.axes, [&](Bone bone) { return learned.error[bone]; },
+      [](Bone) { return 1.0; });
+}
+
+double expected_error(const JointFromBone& axes, const LearnedAxes& learned) {
+  const auto beyond = [&](Bone bone) {
+    const double apart = degrees_of(axes[bone]->transpose() * *learned.axes[bone]);
+    return std::sqrt(std::max(0.0, apart * apart - learned.error[bone] * learned.error[bone]));
+  };
+  return mean_square_root(axes, learned.axes, beyond, [&](Bone bone) {
+    return 1.0 / (learned.error[bone] * learned.error[bone]);
+  });
+}
+
+double angle_between_axes(const JointFromBone& a, const JointFromBone& b) {
+  return mean_square_root(
+      a, b, [&](Bone bone) { return degrees_of(a[bone]->transpose() * *b[bone]); },
+      [](Bone) { return 1.0; });
 }
 
 }  // namespace retarget

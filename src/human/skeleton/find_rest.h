@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "human/skeleton/calibrate.h"
+#include "human/skeleton/learned_axes.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/rest_pose.h"
 #include "retarget/clip.h"
@@ -48,5 +49,17 @@ struct RestSearch {
 [[nodiscard]] std::optional<RestCandidate> zero_candidate(const RestSearch& search);
 /// The frame closest to a T-pose and its number, from the movement and its lead-in.
 [[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame(const RestSearch& search);
+
+/// Returns the expected error of learned axes in degrees, root mean square over hips, torso, legs,
+/// feet and arms.
+[[nodiscard]] double expected_error(const LearnedAxes& learned);
+
+/// Returns the expected error of other axes, such as those of a rest pose, in degrees: their angle
+/// to the learned axes beyond the expected error of these. Each bone is weighted by the certainty of
+/// its learned axes.
+[[nodiscard]] double expected_error(const JointFromBone& axes, const LearnedAxes& learned);
+
+/// Returns the root mean square angle between two sets of axes in degrees, over the bones that both have.
+[[nodiscard]] double angle_between_axes(const JointFromBone& a, const JointFromBone& b);
 
 }  // namespace retarget

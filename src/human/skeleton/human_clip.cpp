@@ -1,8 +1,15 @@
 #include "human/skeleton/human_clip.h"
 
-#include "retarget/clip.h"
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "human/skeleton/joint_clip.h"
+#include "human/skeleton/robot_human.h"
+#include "retarget/clip_arrays.h"
 
 namespace retarget {
+
 Calibration lafan1_calibration(const BoneArray<int>& joints, const BoneArray<int>& turning) {
   Calibration calibration;
   calibration.profile = "lafan1";
@@ -81,6 +88,42 @@ HumanClip to_human(const Clip& clip, const Calibration& calibration) {
     poser.pose(frame, human.world_from_bone[frame]);
   }
   return human;
+}
+
+Result<Clip> clip_of_human(const Clip& clip, const Calibration& calibration) {
+  if (clip.frame_count() == 0) return input_failure(clip.name(), "the clip has no frames");
+  HumanPoser poser(clip, calibration);
+  const HumanClipInfo info = poser.info();
+  // Reuse the conversion from a robot's motion to a human clip.
+  RobotHuman human;
+  human.rate = clip.rate();
+  human.frame_count = clip.frame_count();
+  human.poses = poses_of(poser);
+  for (const Bone bone : kMappedBones) human.has[bone] = info.has(bone);
+  poser.pose(0, human.standing);
+  Clip bones = clip_of_robot_human(human, clip.name());
+  ClipOrigin origin = bones.origin();
+  origin.body_height = calibration.height;
+  bones.set_origin(std::move(origin));
+  return bones;
+}
+
+Result<Clip> clip_from_positions(const JointPositions& given) {
+  constexpr std::size_t kMax = std::numeric_limits<int>::max();
+  if (given.frames == 0 || given.joints == 0 || given.frames > kMax || given.joints > kMax) {
+    return usage_failure("positions: expected frames and joints, found none or too many");
+  }
+  JointMotion motion;
+  motion.rate = given.rate;
+  motion.names = given.names;
+  motion.frame_count = static_cast<int>(given.frames);
+  motion.joint_count = static_cast<int>(given.joints);
+  motion.positions.reserve(given.positions.size() / 3);
+  for (std::size_t i = 0; i + 2 < given.positions.size(); i += 3) {
+    motion.positions.emplace_back(given.positions[i], given.positions[i + 1],
+                                  given.positions[i + 2]);
+  }
+  return clip_of_joints(motion, given.name);
 }
 
 }  // namespace retarget

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/human_poser.h"

@@ -3,11 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "human/skeleton/body_poses.h"
-#include "human/skeleton/body_words.h"
 #include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
-#include "human/skeleton/mirrored_chains.h"
+#include "human/skeleton/posed_body.h"
 #include "retarget/human.h"
 #include "retarget/statistics.h"
 

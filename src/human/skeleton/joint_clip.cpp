@@ -1,18 +1,15 @@
 #include "human/skeleton/joint_clip.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
-#include <span>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "formats/smpl/joint_orders.h"
 #include "human/skeleton/calibrate.h"
 #include "human/skeleton/joint_names.h"
 #include "human/skeleton/joint_tree.h"

@@ -4,11 +4,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <span>
 #include <utility>
 
-#include "human/skeleton/body_words.h"
-#include "human/skeleton/facing.h"
+#include "human/skeleton/candidate.h"
 #include "human/skeleton/joint_names.h"
 #include "retarget/statistics.h"
 

@@ -1,20 +1,14 @@
 #include "human/skeleton/limb_directions.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
-#include "retarget/human_skeleton.h"
 #include "retarget/options.h"
 
 namespace retarget {

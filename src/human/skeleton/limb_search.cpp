@@ -1,10 +1,9 @@
-#include "human/skeleton/limb_search.h"
+#include "human/skeleton/candidate.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <optional>
 #include <set>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "retarget/text.h"

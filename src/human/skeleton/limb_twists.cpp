@@ -1,15 +1,13 @@
-#include "human/skeleton/limb_twists.h"
+#include "human/skeleton/limb_directions.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "human/skeleton/learned_axes.h"
-#include "human/skeleton/limb_directions.h"
 #include "human/skeleton/posed_body.h"
 #include "retarget/clip_range.h"
 #include "retarget/so3.h"

@@ -1,12 +1,12 @@
 #include "human/skeleton/posed_body.h"
-#include "human/skeleton/skeleton_tree.h"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 
 #include "base/math/se3.h"
-#include "retarget/clip.h"
+#include "human/skeleton/skeleton_tree.h"
 
 namespace retarget {
 namespace {
@@ -139,6 +139,123 @@ Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d
   // Rodrigues' formula with the sine in the axis: 1 + [v] + [v]^2 / (1 + cosine).
   const Eigen::Matrix3d cross = skew(a.cross(b));
   return Eigen::Matrix3d::Identity() + cross + cross * cross / (1.0 + cosine);
+}
+
+std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
+                                      const Eigen::Vector3d& up) {
+  Eigen::Vector3d left = Eigen::Vector3d::Zero();
+  for (const LimbBone part : {LimbBone::kUpLeg, LimbBone::kArm}) {
+    const int l = body.joint(side_bone(Side::kLeft, part));
+    const int r = body.joint(side_bone(Side::kRight, part));
+    if (l >= 0 && r >= 0) left += pose[l].translation - pose[r].translation;
+  }
+  const double length = left.norm();
+  left -= left.dot(up) * up;
+  // The negated comparison rejects NaN too.
+  if (!(left.norm() > 0.2 * length)) return std::nullopt;
+  return told_axes(left.normalized().cross(up), up);
+}
+
+BodyFromFile told_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d ahead = (forward - forward.dot(up) * up).normalized();
+  BodyFromFile axes;
+  axes << ahead.transpose(), up.cross(ahead).transpose(), up.transpose();
+  return axes;
+}
+
+SignedAxis nearest_axis(const Eigen::Vector3d& direction) {
+  SignedAxis nearest;
+  direction.cwiseAbs().maxCoeff(&nearest.axis);
+  nearest.negative = direction[nearest.axis] < 0.0;
+  return nearest;
+}
+
+std::optional<Eigen::Vector3d> trunk_direction(const Body& body, const JointPoses& pose) {
+  for (const Bone bone : {Bone::kHead, Bone::kNeck, Bone::kSpine2, Bone::kSpine1, Bone::kSpine}) {
+    if (!body.has(bone)) continue;
+    const Eigen::Vector3d way =
+        pose[body.joint(bone)].translation - pose[body.joint(Bone::kHips)].translation;
+    if (way.norm() > 0.0) return way.normalized();
+  }
+  return std::nullopt;
+}
+
+Eigen::Matrix3d z_up_from_file(const SignedAxis& up) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();  // Rows: x, y, z.
+  axes(0, up.axis == 0 ? 1 : 0) = 1.0;
+  axes(2, up.axis) = up.negative ? -1.0 : 1.0;
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+  return axes;
+}
+
+namespace {
+
+constexpr int kMaxPoses = 48;
+
+BodyPoses::Pose pose_of(const Clip& clip, int frame) {
+  const Skeleton& skeleton = clip.skeleton();
+  std::vector<Pose> world_from_joint(skeleton.joint_count());
+  forward_kinematics(clip, frame, world_from_joint);
+  BodyPoses::Pose pose;
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    const Pose& world = world_from_joint[joint];
+    pose.joints.push_back(world.translation);
+    pose.tips.push_back(world * farthest_end(skeleton.joint(joint)));
+  }
+  return pose;
+}
+
+// Uses the translations: a joint with position channels and a zero offset can still be displaced.
+std::vector<double> mean_lengths(const Clip& clip, const std::vector<int>& frames) {
+  const int joint_count = clip.skeleton().joint_count();
+  std::vector<double> lengths(joint_count, 0.0);
+  for (int joint = 1; joint < joint_count; ++joint) {
+    for (const int frame : frames) lengths[joint] += clip.translation(frame, joint).norm();
+    lengths[joint] /= static_cast<double>(frames.size());
+  }
+  return lengths;
+}
+
+// A joint without siblings above the body only positions it, so its length is not part of the body.
+void forget_placing_joints(const Skeleton& skeleton, std::vector<double>& lengths) {
+  std::vector<int> child_counts(skeleton.joint_count());
+  for (const Joint& joint : skeleton.joints()) {
+    if (joint.parent >= 0) ++child_counts[joint.parent];
+  }
+  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+    if (child_counts[joint - 1] != 1 || skeleton.joint(joint).parent != joint - 1) return;
+    if (!skeleton.joint(joint).has_position_channels() && joint > 1) return;
+    lengths[joint] = 0.0;
+  }
+}
+
+BodyPoses poses_at(const Clip& clip, const std::vector<int>& frames) {
+  BodyPoses result;
+  result.poses.reserve(frames.size());
+  for (const int frame : frames) result.poses.push_back(pose_of(clip, frame));
+  result.lengths = mean_lengths(clip, frames);
+  forget_placing_joints(clip.skeleton(), result.lengths);
+  return result;
+}
+
+}  // namespace
+
+BodyPoses sample_zero_pose(const Skeleton& skeleton) {
+  return poses_at(Clip(std::make_shared<const Skeleton>(skeleton), FrameRate{30, 1}, 1), {0});
+}
+
+BodyPoses sample_poses(const Clip& clip) {
+  if (clip.frame_count() == 0) return sample_zero_pose(clip.skeleton());
+  const int count = std::min(clip.frame_count(), kMaxPoses);
+  std::vector<int> frames;
+  frames.reserve(count);
+  for (int i = 0; i < count; ++i) {
+    frames.push_back(static_cast<int>(static_cast<long long>(clip.frame_count() - 1) * i /
+                                      std::max(count - 1, 1)));
+  }
+  BodyPoses result = poses_at(clip, frames);
+  result.from_motion = true;
+  return result;
 }
 
 }  // namespace retarget

@@ -4,9 +4,11 @@
 #include <optional>
 #include <vector>
 
+#include "human/skeleton/calibrate.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/human_skeleton.h"
+#include "retarget/options.h"
 #include "retarget/pose.h"
 
 namespace retarget {
@@ -76,5 +78,47 @@ class Body {
 /// the remaining rotation.
 [[nodiscard]] Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                                const Eigen::Vector3d& fallback);
+
+/// Body axes in a pose: the rows are forward, left and up in file axes, so the matrix maps file
+/// directions to x forward, y left, z up.
+using BodyFromFile = Eigen::Matrix3d;
+
+/// Left is the direction from the right to the left hip and upper arm, orthogonal to `up`; forward
+/// is left x up. Returns nothing if this direction is degenerate.
+[[nodiscard]] std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
+                                                    const Eigen::Vector3d& up);
+
+/// As body_axes, with a given facing. `forward` must not be parallel to `up`.
+[[nodiscard]] BodyFromFile told_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up);
+
+/// Returns the axis closest to a direction.
+[[nodiscard]] SignedAxis nearest_axis(const Eigen::Vector3d& direction);
+
+/// Direction from the hips to the head, or to the highest mapped trunk bone; unit length.
+[[nodiscard]] std::optional<Eigen::Vector3d> trunk_direction(const Body& body,
+                                                             const JointPoses& pose);
+
+/// Rotation from file axes to z up: the identity for +z, a quarter turn about x for +y. The
+/// determinant is +1 for every axis.
+[[nodiscard]] Eigen::Matrix3d z_up_from_file(const SignedAxis& up);
+
+/// Joint positions of a skeleton in several poses; file units and axes.
+struct BodyPoses {
+  struct Pose {
+    std::vector<Eigen::Vector3d> joints;  ///< World positions.
+    std::vector<Eigen::Vector3d> tips;  ///< Per joint: its farthest end site, or the joint itself.
+  };
+  std::vector<Pose> poses;  ///< At least one.
+  /// Mean distance of each joint from its parent; 0 for the root and for joints that only position
+  /// the body.
+  std::vector<double> lengths;
+  bool from_motion = false;  ///< False: the only pose has all rotations zero.
+};
+
+/// The pose with all rotations zero, which need not look human.
+[[nodiscard]] BodyPoses sample_zero_pose(const Skeleton& skeleton);
+
+/// At most 48 frames, spread evenly over the clip; the zero pose if the clip has no frames.
+[[nodiscard]] BodyPoses sample_poses(const Clip& clip);
 
 }  // namespace retarget

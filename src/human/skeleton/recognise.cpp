@@ -1,19 +1,18 @@
 #include "human/skeleton/recognise.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/skeleton/body_poses.h"
-#include "human/skeleton/body_words.h"
 #include "human/skeleton/candidate.h"
+#include "human/skeleton/joint_names.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/text.h"
 

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "base/try.h"
-#include "human/skeleton/body_words.h"
 #include "human/skeleton/candidate.h"
-#include "human/skeleton/limb_search.h"
+#include "human/skeleton/joint_names.h"
 #include "retarget/human.h"
 
 namespace retarget {

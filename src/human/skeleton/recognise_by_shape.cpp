@@ -7,10 +7,8 @@
 
 #include "base/option_name.h"
 #include "base/try.h"
-#include "human/skeleton/body_poses.h"
 #include "human/skeleton/candidate.h"
-#include "human/skeleton/facing.h"
-#include "human/skeleton/mirrored_chains.h"
+#include "human/skeleton/posed_body.h"
 #include "retarget/human.h"
 
 namespace retarget {

@@ -1,13 +1,11 @@
 #include <fmt/format.h>
-#include <array>
 #include <memory>
 #include <utility>
 
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/free_fall.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
 #include "human/skeleton/up_axis.h"
+#include "human/skeleton/up_evidence.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/pose.h"
 

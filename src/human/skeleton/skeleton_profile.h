@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "human/skeleton/source_hands.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "human/skeleton/body_words.h"
 #include "human/skeleton/candidate.h"
+#include "human/skeleton/joint_names.h"
 #include "retarget/human.h"
 #include "retarget/text.h"
 

@@ -1,10 +1,9 @@
 #include "human/skeleton/units.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "retarget/human.h"
 

@@ -1,17 +1,14 @@
 #include "human/skeleton/up_axis.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/option_name.h"
-#include "human/skeleton/body_axes.h"
-#include "human/skeleton/floor_evidence.h"
+#include "human/skeleton/up_evidence.h"
 #include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/statistics.h"

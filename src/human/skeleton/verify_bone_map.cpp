@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,11 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "human/skeleton/body_poses.h"
 #include "human/skeleton/candidate.h"
-#include "human/skeleton/facing.h"
+#include "human/skeleton/posed_body.h"
 #include "human/skeleton/skeleton_tree.h"
 #include "retarget/human.h"
 

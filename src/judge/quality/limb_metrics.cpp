@@ -16,7 +16,7 @@
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
 #include "robot/anatomy/robot_hands.h"
-#include "solve/hands/hand_errors.h"
+#include "solve/hands/hand_track.h"
 
 namespace retarget {
 

@@ -23,9 +23,9 @@
 #include "judge/quality/support_metrics.h"
 #include "judge/quality/tracking_metrics.h"
 #include "retarget/pose.h"
-#include "solve/targets/held_base.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/limit_diagnosis.h"
+#include "solve/targets/targets.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/gait/support_slide.h"
+#include "human/gait/standing_heights.h"
 #include "judge/quality/contact_motion.h"
 #include "judge/quality/report_parts.h"
 #include "retarget/kinematic_tree.h"

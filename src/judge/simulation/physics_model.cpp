@@ -1,20 +1,17 @@
 #include "judge/simulation/physics_model.h"
 
 #include <mujoco/mujoco.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <mutex>
-#include <string>
 
 #include "base/math/gravity.h"
 #include "base/try.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/so3.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 #include "solve/dynamics/inertias.h"
 
 namespace retarget {

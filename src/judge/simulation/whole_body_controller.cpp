@@ -1,7 +1,6 @@
 #include "judge/simulation/whole_body_controller.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

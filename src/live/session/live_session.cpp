@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "live/session/frame_queue.h"
 #include "live/session/motion_limiter.h"
 #include "live/session/playout.h"
 #include "live/session/sender_clock.h"

@@ -3,7 +3,6 @@
 // in one datagram or line by line.
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <optional>

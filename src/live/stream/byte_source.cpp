@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
-#include <utility>
 
-#include "live/stream/stream_formats.h"
 #include "retarget/try.h"
 
 namespace retarget {

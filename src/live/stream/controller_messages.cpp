@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
-#include <string>
 
 #include "retarget/bytes.h"
 #include "retarget/motion_io.h"

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <utility>
-#include <vector>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
 
 #include "live/stream/byte_output.h"
+#include "retarget/motion_io.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 
@@ -103,6 +105,127 @@ std::vector<OutputStatistics> Outputs::statistics() const {
   all.reserve(all_.size());
   for (const auto& output : all_) all.push_back(output->statistics());
   return all;
+}
+
+namespace {
+
+constexpr int kMaxReports = 10;  // For intermittent outputs; further troubles are only counted.
+
+class JsonFrameWriter final : public RobotFrameWriter {
+ public:
+  JsonFrameWriter(std::shared_ptr<const Robot> robot, double fps, std::vector<std::string> held)
+      : robot_(std::move(robot)), fps_(fps), held_(std::move(held)) {
+    for (const int joint : robot_->output_joints()) {
+      addresses_.push_back(
+          static_cast<std::size_t>(robot_->joints()[static_cast<std::size_t>(joint)].qpos_address));
+    }
+  }
+
+  [[nodiscard]] std::string header() const override {
+    std::vector<std::string> joints;
+    for (const int joint : robot_->output_joints()) {
+      joints.push_back(robot_->joints()[static_cast<std::size_t>(joint)].name);
+    }
+    nlohmann::ordered_json header = {{"robot", robot_->name()}, {"fps", fps_}, {"joints", joints}};
+    if (!held_.empty()) {
+      header["held"] = nlohmann::ordered_json::array({"root_position", "root_rotation"});
+      for (const std::string& joint : held_) header["held"].push_back(joint);
+    }
+    return header.dump() + "\n";
+  }
+
+  void append(const RobotFrame& frame, std::string& bytes) override {
+    auto out = std::back_inserter(bytes);
+    fmt::format_to(out, "{{\"frame\":{},\"time\":{},\"state\":\"{}\",\"root_position\":[",
+                   frame.index, frame.time, live_state_name(frame.state));
+    const auto numbers = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        fmt::format_to(out, "{}{}", i == begin ? "" : ",", frame.qpos[i]);
+      }
+    };
+    numbers(0, 3);
+    fmt::format_to(out, "],\"root_rotation\":[");
+    numbers(3, 7);
+    fmt::format_to(out, "],\"joints\":[");
+    for (std::size_t i = 0; i < addresses_.size(); ++i) {
+      fmt::format_to(out, "{}{}", i == 0 ? "" : ",", frame.qpos[addresses_[i]]);
+    }
+    fmt::format_to(out, "]}}\n");
+  }
+
+ private:
+  std::shared_ptr<const Robot> robot_;
+  double fps_;
+  std::vector<std::string> held_;
+  std::vector<std::size_t> addresses_;
+};
+
+class CsvFrameWriter final : public RobotFrameWriter {
+ public:
+  explicit CsvFrameWriter(std::shared_ptr<const Robot> robot)
+      : robot_(std::move(robot)), formatter_(*robot_) {}
+
+  [[nodiscard]] std::string header() const override { return formatter_.header(); }
+  void append(const RobotFrame& frame, std::string& bytes) override {
+    formatter_.append_line(frame.qpos, bytes);
+  }
+
+ private:
+  std::shared_ptr<const Robot> robot_;
+  RobotCsvFormatter formatter_;
+};
+
+}  // namespace
+
+void OutputAccount::report_trouble(std::string_view reason) {
+  if (statistics_.is_closed) return;
+  statistics_.last_error = printable(reason);
+  if (std::exchange(in_trouble_, true)) return;
+  dropped_before_ = statistics_.dropped;
+  if (++reports_ > kMaxReports) return;
+  tell_("output",
+        fmt::format("{} does not accept robot frames: {}; retrying{}", statistics_.name,
+                    statistics_.last_error,
+                    reports_ == kMaxReports ? ". Further failures are only counted" : ""));
+}
+
+void OutputAccount::report_recovery() {
+  if (!std::exchange(in_trouble_, false) || reports_ > kMaxReports) return;
+  const auto dropped = statistics_.dropped - dropped_before_;
+  tell_("output", fmt::format("{} accepts robot frames again; {} dropped", statistics_.name,
+                              count_text(dropped, "frame")));
+}
+
+void OutputAccount::close(std::string_view reason) {
+  if (std::exchange(statistics_.is_closed, true)) return;
+  statistics_.last_error = printable(reason);
+  tell_("output", fmt::format("{} no longer accepts robot frames: {}", statistics_.name,
+                              statistics_.last_error));
+}
+
+std::string_view live_state_name(LiveState state) {
+  static constexpr std::array<std::string_view, 4> kNames = {"waiting", "following", "holding",
+                                                             "standing"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+std::unique_ptr<RobotFrameWriter> make_json_frame_writer(std::shared_ptr<const Robot> robot,
+                                                         double fps,
+                                                         std::vector<std::string> held) {
+  return std::make_unique<JsonFrameWriter>(std::move(robot), fps, std::move(held));
+}
+
+std::unique_ptr<RobotFrameWriter> make_csv_frame_writer(std::shared_ptr<const Robot> robot) {
+  return std::make_unique<CsvFrameWriter>(std::move(robot));
+}
+
+std::unique_ptr<RobotFrameWriter> make_frame_writer(const std::string& format,
+                                                    const std::string& file,
+                                                    std::shared_ptr<const Robot> robot, double fps,
+                                                    std::vector<std::string> held) {
+  const bool csv = format == "csv" || (format.empty() && file.ends_with(".csv"));
+  if (csv) return make_csv_frame_writer(std::move(robot));
+  return make_json_frame_writer(std::move(robot), fps, std::move(held));
 }
 
 }  // namespace retarget

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "retarget/clip.h"
 #include "retarget/human_poser.h"
 #include "retarget/plan.h"
 #include "retarget/try.h"

@@ -1,12 +1,9 @@
 #include "live/stream/live_pipeline.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <string>
 #include <utility>
 
 #include "retarget/text.h"

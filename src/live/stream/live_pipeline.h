@@ -6,9 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "live/stream/packet_batch.h"
 #include "live/stream/stream_formats.h"
 #include "live/stream/stream_skeleton.h"
 #include "retarget/clip.h"

@@ -4,9 +4,7 @@
 // bone positions.
 
 #include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <set>

@@ -1,6 +1,5 @@
 // Builds the messages that a NatNet server sends.
 
-#include <algorithm>
 #include <bit>
 #include <string>
 #include <vector>

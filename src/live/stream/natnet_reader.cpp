@@ -5,12 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "live/stream/natnet_protocol.h"
 #include "retarget/bytes.h"
 #include "retarget/text.h"
-#include "retarget/try.h"
 
 namespace retarget {
 namespace {

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "live/stream/byte_output.h"
-#include "live/stream/connection.h"
 #include "live/stream/human_bones.h"
 #include "live/stream/stream_formats.h"
 #include "retarget/serve.h"

@@ -22,9 +22,8 @@
 #include <utility>
 #include <vector>
 
-#include "live/stream/connection.h"
+#include "live/stream/byte_output.h"
 #include "live/stream/controller_messages.h"
-#include "live/stream/robot_frame_writer.h"
 
 namespace retarget {
 namespace {

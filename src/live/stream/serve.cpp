@@ -1,7 +1,6 @@
 #include "retarget/serve.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,11 +8,9 @@
 #include <filesystem>
 #include <mutex>
 #include <stop_token>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "live/stream/byte_source.h"
 #include "live/stream/frame_output.h"

@@ -1,9 +1,7 @@
 #include "retarget/serve_table.h"
 
 #include <fmt/format.h>
-
 #include <filesystem>
-#include <optional>
 #include <system_error>
 
 #include "retarget/check_options.h"

@@ -129,7 +129,7 @@ class WithoutSignals {
 class ExactWaits {
  public:
   ExactWaits();
-  ~ExactWaits();
+  ~ExactWaits();  // NOLINT(performance-trivially-destructible): not on Windows
   ExactWaits(const ExactWaits&) = delete;
   ExactWaits& operator=(const ExactWaits&) = delete;
 };

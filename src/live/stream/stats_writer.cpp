@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "live/stream/robot_frame_writer.h"
 #include "live/stream/stats_writer.h"
 #include "retarget/os.h"
 #include "retarget/try.h"

@@ -1,13 +1,9 @@
 #include "live/stream/stream_record.h"
 
 #include <fmt/format.h>
-
-#include <cstring>
 #include <iterator>
-#include <string_view>
 #include <utility>
 
-#include "live/stream/writer_thread.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
 

@@ -1,18 +1,14 @@
 #include "live/stream/writer_thread.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstddef>
-#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "live/stream/socket.h"
 #include "retarget/file.h"
 #include "retarget/os.h"
 #include "retarget/serve.h"

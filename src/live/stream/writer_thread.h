@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "live/stream/frame_output.h"
-#include "live/stream/robot_frame_writer.h"
 #include "live/stream/socket.h"
 #include "live/stream/stream_address.h"
 #include "retarget/error.h"

@@ -1,9 +1,7 @@
 #include "robot/anatomy/bare_robot.h"
 
 #include <mujoco/mujoco.h>
-
 #include <utility>
-#include <vector>
 
 #include "base/try.h"
 #include "robot/anatomy/limbs.h"

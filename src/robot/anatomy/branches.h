@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,5 +38,13 @@ struct BranchPair {
 /// Returns the pairs attached to the trunk: to the root, or to links attached to it that carry
 /// pairs.
 [[nodiscard]] std::vector<BranchPair> branch_pairs(const Robot& robot, const TreeState& posed);
+
+/// Explains which limb or joint lacks a counterpart on the other side; nothing if all have one. Two
+/// branches of one body that mirror each other up to a joint are the same limb. A branch on its own
+/// is a limb if it is beside the trunk, as seen by the pairs that were found.
+/// @param pairs  of branch_pairs.
+[[nodiscard]] std::optional<std::string> missing_counterpart(const Robot& robot,
+                                                             const TreeState& posed,
+                                                             const std::vector<BranchPair>& pairs);
 
 }  // namespace retarget

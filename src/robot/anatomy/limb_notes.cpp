@@ -9,7 +9,7 @@
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"
-#include "robot/anatomy/limb_notes.h"
+#include "robot/anatomy/limb_shape.h"
 
 namespace retarget {
 namespace {

@@ -1,21 +1,18 @@
-#include "robot/anatomy/limb_pairs.h"
+#include "robot/anatomy/limb_shape.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
-#include "robot/anatomy/counterparts.h"
-#include "robot/anatomy/limb_notes.h"
+#include "robot/anatomy/branches.h"
 #include "robot/model/model_values.h"
 
 namespace retarget {

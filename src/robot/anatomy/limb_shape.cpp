@@ -1,7 +1,6 @@
 #include "robot/anatomy/limb_shape.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +9,6 @@
 #include "retarget/pose.h"
 #include "retarget/shape_distance.h"
 #include "retarget/trigonometry.h"
-#include "robot/anatomy/limb_notes.h"
 #include "robot/model/limb_joints.h"
 #include "robot/model/model_values.h"
 

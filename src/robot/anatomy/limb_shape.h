@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "retarget/error.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"
 #include "robot/anatomy/branches.h"
@@ -36,7 +39,7 @@ struct LimbShape {
 };
 
 /// Splits a chain at its knee or elbow. Returns nothing if no hinge splits it into two segments of
-/// plausible lengths. The rest of the limb affects the score (limb_notes.h); names decide if
+/// plausible lengths. The rest of the limb affects the score (plausibility); names decide if
 /// another joint fits nearly as well.
 ///
 /// Hinges next to the middle one that bend the limb at the same place (two-hinge knees and elbows)
@@ -61,5 +64,69 @@ struct LimbShape {
 /// body origins and corners of the boxes around geoms.
 [[nodiscard]] std::vector<Eigen::Vector3d> outline_points(const Robot& robot,
                                                           const TreeState& posed, int body);
+
+/// Shapes of a pair's limbs; index 0 is the first branch, towards which `across` points.
+struct ShapedPair {
+  BranchPair pair;
+  std::array<LimbShape, 2> limbs;
+};
+
+/// The pairs of branches that are a robot's legs and arms, left and right in any order.
+struct LimbPairs {
+  ShapedPair legs;  ///< Without joints for a robot with a fixed base.
+  ShapedPair arms;
+  double lean = 0.0;  ///< Lean of the line from hips to shoulders, degrees; 0 without legs.
+};
+
+/// Chooses the legs, the pair of branches that reaches lowest, and the arms, the remaining pair
+/// with the most joints; for a robot with a fixed base only the arms, the highest pair.
+///
+/// @param posed  the tree in the configuration `reference` (reference_configuration).
+/// @param file  the model, for errors (kConfig): those of find_limbs that concern legs and arms.
+[[nodiscard]] Result<LimbPairs> find_limb_pairs(const Robot& robot, const TreeState& posed,
+                                                const std::vector<double>& reference,
+                                                const std::string& file);
+
+/// The error that a model is not a humanoid with two legs and two arms.
+/// @param found  what it is instead.
+/// @param hint  what to check; a fixed base is suggested in any case.
+[[nodiscard]] Failure no_legs_failure(const std::string& file, const std::string& found,
+                                      const std::string& hint = {});
+
+/// A candidate for a limb's knee or elbow.
+struct MiddleJoint {
+  const std::vector<int>& chain;  ///< All joints of the limb, from the trunk outwards.
+  int index = 0;                  ///< Index into the chain.
+  int before = 0;                 ///< Number of joints that move the segment before it.
+  bool is_leg = false;
+};
+
+/// Returns the plausibility of a knee or elbow from the other parts of the limb: a factor of at
+/// most 1 on its geometric score. The factor is lower for a hip or shoulder of one joint, which
+/// cannot aim the limb; for a small joint range; and for a segment with almost no mass.
+[[nodiscard]] double plausibility(const Robot& robot, const MiddleJoint& middle);
+
+/// Classifies a joint by its name and its body's name: +1 a knee or elbow, -1 another part of the
+/// limb, 0 unknown.
+[[nodiscard]] int middle_vote_of_names(const Robot& robot, int joint, bool is_leg);
+
+/// Limbs that the names of a joint and its body mention.
+struct LimbNames {
+  bool leg = false, arm = false;
+};
+[[nodiscard]] LimbNames limb_named_by(const Robot& robot, int joint);
+
+/// Observations in the zero configuration.
+struct ZeroPose {
+  double lean = 0.0;       ///< Lean of the line from hips to shoulders, degrees.
+  std::optional<int> toe;  ///< Joint excluded at the end of the left leg, if any.
+};
+
+/// Adds unusual decisions to RobotAnatomy::notes.
+void note_limbs(const Robot& robot, const ZeroPose& zero, RobotAnatomy& found);
+
+/// Adds ambiguous knees and elbows to RobotAnatomy::doubts: another joint fits nearly as well, or
+/// one segment is shorter than 0.4 of the other.
+void doubt_limbs(const Robot& robot, RobotAnatomy& found);
 
 }  // namespace retarget

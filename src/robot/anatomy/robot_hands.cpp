@@ -1,9 +1,7 @@
 #include "robot/anatomy/robot_hands.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>

@@ -1,7 +1,7 @@
 #include "robot/model/check_model.h"
 
+#include <fmt/format.h>
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -14,14 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "base/parse_xml.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/text.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/urdf_extensions.h"
+#include "robot/model/urdf_extras.h"
 
 namespace retarget {
 namespace {
@@ -129,11 +127,6 @@ Failure fault(const XMLElement& element, const Place& place, const std::string& 
   return failure(std::move(error));
 }
 
-std::string text_of(const XMLElement& element, const char* attribute) {
-  const char* text = element.Attribute(attribute);
-  return text == nullptr ? std::string() : text;
-}
-
 double ModelChecker::total() const {
   constexpr double kMaxDoublings = 60.0;
   return std::ldexp(elements_ + attached_ * largest_model_,
@@ -190,7 +183,7 @@ Result<void> ModelChecker::vet_file(const std::string& file, const Place& from) 
 // Returns the product of an attribute's numbers; 1 if the attribute is missing.
 Result<double> ModelChecker::product(const XMLElement& element, const char* attribute,
                                      const Place& place, double at_most) const {
-  const std::string text = text_of(element, attribute);
+  const std::string text = attribute_of(&element, attribute);
   const auto numbers = numbers_in(text);
   if (!numbers) {
     return fault(
@@ -212,7 +205,7 @@ Result<void> ModelChecker::vet_size(const XMLElement& element, const Place& plac
   // `nkey` reserves keyframes in addition to the <key> elements.
   TRY_ASSIGN(const auto keys, product(element, "nkey", place, kMaxKeyNumbers));
   keys_ += keys;
-  std::string memory = text_of(element, "memory");
+  std::string memory = attribute_of(&element, "memory");
   if (memory.empty()) return {};
   const auto power = std::string_view("KMGTPE").find(
       static_cast<char>(std::toupper(static_cast<unsigned char>(memory.back()))));
@@ -221,13 +214,14 @@ Result<void> ModelChecker::vet_size(const XMLElement& element, const Place& plac
       power == std::string_view::npos ? 1.0 : std::ldexp(1.0, 10 * static_cast<int>(power + 1));
   const auto numbers = numbers_in(memory);
   if (numbers && numbers->size() == 1 && numbers->front() * unit <= kMaxMemory) return {};
-  return fault(element, place,
-               "memory is " + text_of(element, "memory").substr(0, 40) + ": at most 3G is allowed");
+  return fault(
+      element, place,
+      "memory is " + attribute_of(&element, "memory").substr(0, 40) + ": at most 3G is allowed");
 }
 
 // MuJoCo searches the model's folder and the folder of the including file.
 Result<void> ModelChecker::vet_named_file(const XMLElement& element, const Place& place) {
-  const std::string named = text_of(element, "file");
+  const std::string named = attribute_of(&element, "file");
   if (named.empty()) return {};
   if (place.files > kMaxFileDepth) return fault(element, place, "nests files too deeply");
   bool found = false;
@@ -266,7 +260,7 @@ Result<void> ModelChecker::vet_attached(const XMLElement& element, const Place& 
 
 Result<void> ModelChecker::vet_mesh(const XMLElement& element, const Place& place) {
   const std::string named =
-      text_of(element, element.Attribute("filename") != nullptr ? "filename" : "file");
+      attribute_of(&element, element.Attribute("filename") != nullptr ? "filename" : "file");
   if (!meshes_ || named.empty()) return {};
   const fs::path package = root_.parent_path();
   for (const std::string& folder : mesh_folders_) {
@@ -326,7 +320,8 @@ Result<void> ModelChecker::vet_kind(const XMLElement& element, Place& place) {
   }
   if (is("compiler")) {
     for (const char* folder : {"meshdir", "assetdir"}) {
-      if (element.Attribute(folder) != nullptr) mesh_folders_.push_back(text_of(element, folder));
+      if (element.Attribute(folder) != nullptr)
+        mesh_folders_.push_back(attribute_of(&element, folder));
     }
   } else if (is("body") || is("link")) {
     bodies_ += place.copies;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/math/sin_cos_all.h"
+#include "base/math/simd.h"
 #include "retarget/so3.h"
 #include "retarget/trigonometry.h"
 

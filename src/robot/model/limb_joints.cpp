@@ -1,7 +1,6 @@
 #include "robot/model/limb_joints.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 

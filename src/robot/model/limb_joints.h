@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "retarget/kinematic_tree.h"
 #include "retarget/robot.h"

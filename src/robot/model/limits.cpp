@@ -1,20 +1,56 @@
-#include "retarget/robot.h"
+#include "robot/model/limits.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
-
+#include <algorithm>
+#include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
-#include "base/faults.h"
 #include "base/json.h"
 #include "base/try.h"
 #include "retarget/text.h"
-#include "robot/model/json_ranges.h"
 #include "robot/model/load_model.h"
 #include "robot/model/variant.h"
 
 namespace retarget {
+namespace {
+
+bool is_range(const nlohmann::ordered_json& json) {
+  return json.is_array() && json.size() == 2 && json[0].is_number() && json[1].is_number() &&
+         std::isfinite(json[0].get<double>()) && std::isfinite(json[1].get<double>());
+}
+
+}  // namespace
+
+LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,
+                          const std::string& what, Faults& faults) {
+  LimitSet set = robot.model_limits();
+  if (!json.is_object()) {
+    faults.add(what + " must be an object of [lower, upper] by joint");
+    return set;
+  }
+  for (const auto& [name, range] : json.items()) {
+    const auto joint = robot.find_joint(name);
+    // A variant's own model lacks its locked joints.
+    if (!joint && robot.variant().locked.contains(name)) continue;
+    if (!joint) {
+      faults.add(fmt::format("{}: the model has no joint \"{}\"{}", what, name,
+                             faults.suggestion(name, robot.joint_names())));
+    } else if (!is_range(range)) {
+      faults.add(fmt::format("{} of \"{}\" must be [lower, upper], found {}", what, name,
+                             short_text(range)));
+    } else if (range[0].get<double>() > range[1].get<double>()) {
+      faults.add(
+          fmt::format("{} of \"{}\": lower is above upper in {}", what, name, short_text(range)));
+    } else {
+      set.lower[*joint] = range[0].get<double>();
+      set.upper[*joint] = range[1].get<double>();
+    }
+  }
+  return set;
+}
+
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
@@ -76,6 +112,53 @@ Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file
   set.source = name_or_file;
   hold_locked_joints(robot, set);
   return set;
+}
+
+namespace {
+
+// Marks the joints that leave the zero configuration in at least one frame.
+std::vector<bool> moving_joints(const RobotClip& clip) {
+  const std::vector<double> zero = clip.robot().zero_configuration();
+  std::vector<bool> moves;
+  for (const RobotJoint& joint : clip.robot().joints()) {
+    bool any = false;
+    for (int frame = 0; frame < clip.frame_count() && !any; ++frame) {
+      any = clip.qpos(frame)[joint.qpos_address] != zero[joint.qpos_address];
+    }
+    moves.push_back(any);
+  }
+  return moves;
+}
+
+}  // namespace
+
+std::optional<LimitDistance> nearest_limit(const RobotClip& clip, const LimitSet& limits) {
+  LimitDistance nearest;
+  nearest.distance = std::numeric_limits<double>::infinity();
+  const std::vector<bool> moves = moving_joints(clip);
+  int frames_at_limit = 0;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    bool at_limit = false;
+    for (std::size_t j = 0; j < clip.robot().joints().size(); ++j) {
+      if (!moves[j] || limits.lower[j] == limits.upper[j]) continue;
+      const RobotJoint& joint = clip.robot().joints()[j];
+      const double q = clip.qpos(frame)[joint.qpos_address];
+      const double from_lower = q - limits.lower[j];
+      const double from_upper = limits.upper[j] - q;
+      const double distance = std::min(from_lower, from_upper);
+      at_limit = at_limit || distance <= kAtLimit;
+      if (distance < nearest.distance) {
+        nearest.joint = joint.name;
+        nearest.frame = frame;
+        nearest.at_upper = from_upper < from_lower;
+        nearest.distance = distance;
+      }
+    }
+    if (at_limit) ++frames_at_limit;
+  }
+  if (nearest.joint.empty()) return std::nullopt;
+  nearest.frames_at_limit = static_cast<double>(frames_at_limit) / clip.frame_count();
+  return nearest;
 }
 
 }  // namespace retarget

@@ -1,16 +1,13 @@
 #include "robot/model/load_model.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <mutex>
 #include <string_view>
-
-#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"
@@ -18,13 +15,10 @@
 #include "retarget/load_robot.h"
 #include "retarget/text.h"
 #include "robot/model/check_model.h"
-#include "robot/model/mend_spec.h"
-#include "robot/model/mesh_geoms.h"
+#include "robot/model/model_values.h"
 #include "robot/model/mujoco_messages.h"
-#include "robot/model/mujoco_pointers.h"
 #include "robot/model/repair_model.h"
-#include "robot/model/urdf_extensions.h"
-#include "robot/model/urdf_materials.h"
+#include "robot/model/urdf_extras.h"
 #include "version_numbers.h"
 
 namespace retarget {

@@ -11,7 +11,7 @@
 #include "base/json.h"
 #include "base/try.h"
 #include "retarget/file.h"
-#include "robot/model/json_ranges.h"
+#include "robot/model/limits.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "retarget/error.h"
 #include "retarget/pose.h"
+#include "retarget/robot.h"
+#include "retarget/triangle_mesh.h"
 
 namespace retarget {
 
@@ -29,5 +32,24 @@ struct ModelMesh {
 /// Lists the meshes of an MJCF or URDF file without reading them; the mesh files need not exist.
 /// Errors (kConfig): load_model's; mesh files outside the model's package (check_model).
 [[nodiscard]] Result<std::vector<ModelMesh>> model_meshes(const std::string& path);
+
+/// Surfaces of a robot's bodies, read from the mesh files that its model names.
+struct BodySurfaces {
+  /// Meshes by body index, in the body's frame; only bodies whose files all exist and are readable.
+  /// Geoms without contacts (visual geoms) take precedence; a body that has none uses all of its
+  /// meshes.
+  std::map<int, TriangleMesh> bodies;
+  std::size_t named = 0;  ///< Number of files that the model names for bodies of the robot.
+  std::vector<std::string> missing;  ///< Missing files, as the model names them.
+  std::vector<Error> unreadable;     ///< One error per body, in body order.
+};
+
+/// Reads the STL, OBJ and COLLADA files that a model names (model_meshes), one after the other.
+/// Missing or damaged files do not affect the others.
+/// @param model   MJCF or URDF; `package://` names and mesh folders are resolved (find_mesh_file).
+/// @param folder  searched first; empty: no extra folder.
+/// Errors (kConfig): those of model_meshes.
+[[nodiscard]] Result<BodySurfaces> read_body_surfaces(const Robot& robot, const std::string& model,
+                                                      const std::string& folder = {});
 
 }  // namespace retarget

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <mujoco/mujoco.h>
-
 #include <cstdint>
 #include <string>
 #include <string_view>

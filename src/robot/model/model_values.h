@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cstddef>
-
+#include <mujoco/mujoco.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
+#include <memory>
 
 #include "retarget/pose.h"
 
@@ -19,5 +20,15 @@ namespace retarget {
   const double* q = quaternions + 4 * static_cast<std::ptrdiff_t>(element);
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), vector_at(positions, element)};
 }
+
+struct MujocoSpecDeleter {
+  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
+};
+using MujocoSpec = std::unique_ptr<mjSpec, MujocoSpecDeleter>;
+
+struct MujocoDataDeleter {
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+using MujocoData = std::unique_ptr<mjData, MujocoDataDeleter>;
 
 }  // namespace retarget

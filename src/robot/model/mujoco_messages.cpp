@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 #include <tinyxml2.h>
-
 #include <array>
 #include <cctype>
 #include <cstdlib>

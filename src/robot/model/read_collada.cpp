@@ -1,7 +1,6 @@
 // Reads the shapes in COLLADA files: nodes, geometries, triangles.
 
 #include <tinyxml2.h>
-
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -43,14 +42,9 @@ std::optional<std::vector<Number>> numbers_of(const XMLElement* element) {
   }
 }
 
-std::string attribute(const XMLElement& element, const char* name) {
-  const char* text = element.Attribute(name);
-  return text == nullptr ? std::string() : text;
-}
-
 // Returns the id in a `url="#name"` reference.
 std::string target(const XMLElement& element, const char* name) {
-  const std::string text = attribute(element, name);
+  const std::string text = attribute_of(&element, name);
   return text.starts_with('#') ? text.substr(1) : text;
 }
 
@@ -67,12 +61,13 @@ void each(const XMLElement* parent, const char* name, const Call& call) {
 class ColladaReader {
  public:
   explicit ColladaReader(const XMLElement& root) {
-    each(root.FirstChildElement("library_geometries"), "geometry",
-         [&](const XMLElement& geometry) { geometries_[attribute(geometry, "id")] = &geometry; });
+    each(root.FirstChildElement("library_geometries"), "geometry", [&](const XMLElement& geometry) {
+      geometries_[attribute_of(&geometry, "id")] = &geometry;
+    });
     const XMLElement* asset = root.FirstChildElement("asset");
     const XMLElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");
     if (unit != nullptr) {
-      if (const auto metres = parse_number<double>(attribute(*unit, "meter"))) metres_ = *metres;
+      if (const auto metres = parse_number<double>(attribute_of(unit, "meter"))) metres_ = *metres;
     }
     each(root.FirstChildElement("library_visual_scenes"), "visual_scene",
          [&](const XMLElement& scene) {
@@ -142,11 +137,11 @@ void ColladaReader::add_geometry(const XMLElement& geometry, const Matrix4d& wor
   if (mesh == nullptr) return;
   std::string positions;
   each(mesh->FirstChildElement("vertices"), "input", [&](const XMLElement& input) {
-    if (attribute(input, "semantic") == "POSITION") positions = target(input, "source");
+    if (attribute_of(&input, "semantic") == "POSITION") positions = target(input, "source");
   });
   const XMLElement* array = nullptr;
   each(mesh, "source", [&](const XMLElement& source) {
-    if (attribute(source, "id") == positions) array = source.FirstChildElement("float_array");
+    if (attribute_of(&source, "id") == positions) array = source.FirstChildElement("float_array");
   });
   const auto numbers = numbers_of<double>(array);
   if (!numbers || numbers->size() % 3 != 0) {
@@ -170,9 +165,9 @@ bool ColladaReader::add_triangles(const XMLElement& primitive, std::size_t first
                                   std::size_t count) {
   std::size_t stride = 0, offset = 0;
   each(&primitive, "input", [&](const XMLElement& input) {
-    const std::size_t at = parse_number<unsigned>(attribute(input, "offset")).value_or(0);
+    const std::size_t at = parse_number<unsigned>(attribute_of(&input, "offset")).value_or(0);
     stride = std::max(stride, at + 1);
-    if (attribute(input, "semantic") == "VERTEX") offset = at;
+    if (attribute_of(&input, "semantic") == "VERTEX") offset = at;
   });
   const auto sizes = numbers_of<unsigned>(primitive.FirstChildElement("vcount"));
   if (stride == 0 || stride > 100 || !sizes) return false;

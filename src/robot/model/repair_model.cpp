@@ -1,7 +1,6 @@
 #include "robot/model/repair_model.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -40,11 +39,6 @@ bool is_named(const XMLElement& element, std::string_view name) {
   return element.Name() == name;
 }
 
-std::string attribute_of(const XMLElement& element, const char* name) {
-  const char* text = element.Attribute(name);
-  return text == nullptr ? std::string() : text;
-}
-
 // Calls `visit` for the elements below `root`, parents first. An element for which it returns false
 // is deleted. The checker of models bounds the depth.
 void visit_elements(XMLElement& root, const std::function<bool(XMLElement&)>& visit) {
@@ -73,7 +67,7 @@ bool expand_includes(XMLElement& element, const fs::path& root, const fs::path& 
       if (!expand_includes(*each, root, folder, depth)) return false;
       continue;
     }
-    const std::string name = attribute_of(*each, "file");
+    const std::string name = attribute_of(each, "file");
     const fs::path file = is_file(root / name) ? root / name : folder / name;
     tinyxml2::XMLDocument included;
     if (depth >= kMaxIncludeDepth || !parse_file(file.string(), included)) return false;
@@ -108,7 +102,7 @@ bool holds_free_joint(const XMLElement& body) {
   if (body.FirstChildElement("freejoint") != nullptr) return true;
   for (const auto* joint = body.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
-    if (attribute_of(*joint, "type") == "free") return true;
+    if (attribute_of(joint, "type") == "free") return true;
   }
   for (const auto* child = body.FirstChildElement("body"); child != nullptr;
        child = child->NextSiblingElement("body")) {
@@ -139,7 +133,7 @@ bool is_massless(const XMLElement& link) {
 bool is_at_origin(const XMLElement& joint) {
   const auto* origin = joint.FirstChildElement("origin");
   if (origin == nullptr) return true;
-  std::istringstream numbers(attribute_of(*origin, "xyz") + " " + attribute_of(*origin, "rpy"));
+  std::istringstream numbers(attribute_of(origin, "xyz") + " " + attribute_of(origin, "rpy"));
   double number = 0.0;
   while (numbers >> number) {
     if (number != 0.0) return false;
@@ -151,7 +145,7 @@ XMLElement* joint_from(XMLElement& robot, const char* end, const std::string& li
   for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
     const auto* named = joint->FirstChildElement(end);
-    if (named != nullptr && attribute_of(*named, "link") == link) return joint;
+    if (named != nullptr && attribute_of(named, "link") == link) return joint;
   }
   return nullptr;
 }
@@ -159,7 +153,7 @@ XMLElement* joint_from(XMLElement& robot, const char* end, const std::string& li
 XMLElement* link_named(XMLElement& robot, const std::string& name) {
   for (auto* link = robot.FirstChildElement("link"); link != nullptr;
        link = link->NextSiblingElement("link")) {
-    if (attribute_of(*link, "name") == name) return link;
+    if (attribute_of(link, "name") == name) return link;
   }
   return nullptr;
 }
@@ -167,7 +161,7 @@ XMLElement* link_named(XMLElement& robot, const std::string& name) {
 XMLElement* floating_joint(XMLElement& robot) {
   for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
-    if (attribute_of(*joint, "type") == "floating") return joint;
+    if (attribute_of(joint, "type") == "floating") return joint;
   }
   return nullptr;
 }
@@ -230,7 +224,7 @@ bool ModelRepair::free_world_bodies() {
     auto* body = world->FirstChildElement("body");
     while (body != nullptr) {
       auto* next = body->NextSiblingElement("body");
-      const std::string name = attribute_of(*body, "name");
+      const std::string name = attribute_of(body, "name");
       if (is_only_frame(*body) && (name == "world" || holds_free_joint(*body))) {
         names.push_back("\"" + name + "\"");
         auto* inner = body->FirstChildElement("body");
@@ -260,7 +254,7 @@ bool ModelRepair::free_world_links() {
   XMLElement* floating = floating_joint(robot);
   auto* parent = floating == nullptr ? nullptr : floating->FirstChildElement("parent");
   if (parent == nullptr) return false;
-  const std::string name = attribute_of(*parent, "link");
+  const std::string name = attribute_of(parent, "link");
   std::vector<XMLElement*> removed;
   for (std::string link = name;;) {
     XMLElement* element = link_named(robot, link);
@@ -269,16 +263,16 @@ bool ModelRepair::free_world_links() {
     XMLElement* joint = joint_from(robot, "child", link);
     if (joint == nullptr) break;
     const auto* above = joint->FirstChildElement("parent");
-    const bool is_fixed = attribute_of(*joint, "type") == "fixed" && is_at_origin(*joint);
+    const bool is_fixed = attribute_of(joint, "type") == "fixed" && is_at_origin(*joint);
     if (!is_fixed || above == nullptr || removed.size() > 10) return false;
     removed.push_back(joint);
-    link = attribute_of(*above, "link");
+    link = attribute_of(above, "link");
   }
   link_named(robot, name)->SetAttribute("name", "world");
   for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
     auto* from = joint->FirstChildElement("parent");
-    if (from != nullptr && attribute_of(*from, "link") == name) from->SetAttribute("link", "world");
+    if (from != nullptr && attribute_of(from, "link") == name) from->SetAttribute("link", "world");
   }
   for (XMLElement* each : removed) robot.DeleteChild(each);
   notes_.push_back("the link \"" + name +

@@ -1,10 +1,8 @@
 #include "retarget/robot.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "retarget/kinematic_tree.h"
 #include "robot/model/model_values.h"

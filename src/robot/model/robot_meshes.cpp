@@ -14,8 +14,7 @@
 #include "retarget/robot_meshes.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
-#include "robot/model/body_surfaces.h"
-#include "robot/model/mesh_files.h"
+#include "robot/model/model_meshes.h"
 #include "robot/model/read_mesh.h"
 #include "robot/model/robot_meshes.h"
 

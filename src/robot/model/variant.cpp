@@ -1,7 +1,6 @@
 #include "robot/model/variant.h"
 
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "base/math/rotation_spline.h"
+#include "base/math/uniform_spline.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/motion.h"
 #include "retarget/robot.h"

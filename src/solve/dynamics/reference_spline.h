@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "base/math/rotation_spline.h"
 #include "base/math/uniform_spline.h"
 #include "retarget/motion.h"
 #include "retarget/reference.h"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/located.h"
+#include "base/faults.h"
 #include "base/math/step_bounds.h"
 #include "base/option_name.h"
 #include "base/try.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "human/gait/standing_heights.h"
-#include "human/gait/support_slide.h"
 #include "retarget/human.h"
 #include "solve/fit/shorthand.h"
 

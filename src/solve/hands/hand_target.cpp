@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "formats/smpl/generic_hand.h"
+#include "formats/smpl/smpl_body.h"
 #include "retarget/spline.h"
 #include "retarget/trigonometry.h"
 
@@ -49,6 +49,7 @@ constexpr double kFar = 0.5;
 // Gap of thumb and index finger of a wide open hand, per finger length.
 constexpr double kOpenGap = 0.8;
 
+// Distance of two tips per finger length, minus the distance of the bones when the skins touch.
 double gap_between(const FingerLine& thumb, const FingerLine& finger) {
   return std::max(0.0, (finger.tip() - thumb.tip()).norm() / finger.length - kSkin);
 }
@@ -62,10 +63,6 @@ Eigen::Vector3d chord(const FingerLine& line, double from, double to) {
 }
 
 }  // namespace
-
-double human_gap(const HandShape& shape, Finger finger) {
-  return gap_between(shape.line(Finger::kThumb), shape.line(finger));
-}
 
 HandMatch::HandMatch(const RobotHand& hand) : hand_(&hand) {
   // Gripper jaws follow only thumb and index finger.

@@ -27,10 +27,6 @@ struct HandTarget {
   std::array<bool, kFingerCount> has_gap{};
 };
 
-/// Distance from a source finger's tip to the thumb's, per finger length, minus the distance of the
-/// bones when the skins touch.
-[[nodiscard]] double human_gap(const HandShape& shape, Finger finger);
-
 /// Thumb and finger count as touching up to this gap, per finger length.
 inline constexpr double kTouchingGap = 0.02;
 

@@ -1,6 +1,7 @@
 #include "solve/ik/box_qp.h"
 
 #include <Eigen/Cholesky>
+#include <limits>
 #include <vector>
 
 #include "solve/ik/active_set.h"
@@ -95,6 +96,25 @@ BoxQpStats BoxQp::solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
   workspace_->active_set.reset();
   const auto outcome = workspace_->active_set.solve(workspace_->system, lower, upper, x);
   return {outcome.factorizations, workspace_->active_set.active_count(), outcome.converged};
+}
+
+DenseLeastSquares::DenseLeastSquares(int size)
+    : hessian(Eigen::MatrixXd::Zero(size, size)),
+      gradient(Eigen::VectorXd::Zero(size)),
+      lower(Eigen::VectorXd::Zero(size)),
+      upper(Eigen::VectorXd::Zero(size)),
+      unit(Eigen::VectorXd::Ones(size)),
+      step(Eigen::VectorXd::Zero(size)),
+      damped_(hessian),
+      qp_(size) {}
+
+std::optional<double> DenseLeastSquares::solve(double damping) {
+  damped_ = hessian;
+  damped_.diagonal().array() += damping / unit.array().square();
+  const BoxQpStats stats = qp_.solve(damped_, gradient, lower, upper, step);
+  // BoxQp factorises nothing if a value is not finite.
+  if (stats.factorizations == 0) return std::numeric_limits<double>::quiet_NaN();
+  return step.norm();
 }
 
 }  // namespace retarget

@@ -1,5 +1,4 @@
 #include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,7 +10,7 @@
 
 #include "base/math/se3.h"
 #include "retarget/pose.h"
-#include "robot/model/mujoco_pointers.h"
+#include "robot/model/model_values.h"
 #include "solve/ik/box_qp.h"
 #include "solve/ik/ik_solver.h"
 #include "solve/ik/published_jacobian.h"

@@ -6,10 +6,8 @@
 #include <vector>
 
 #include "retarget/try.h"
-#include "solve/online/floor_finder.h"
-#include "solve/online/foot_holder.h"
+#include "solve/online/floor_and_feet.h"
 #include "solve/online/lag_fit.h"
-#include "solve/online/online_targets.h"
 
 namespace retarget {
 

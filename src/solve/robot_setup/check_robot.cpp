@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "retarget/error.h"

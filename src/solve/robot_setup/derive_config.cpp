@@ -2,7 +2,6 @@
 
 #include <array>
 #include <optional>
-#include <string>
 
 #include "retarget/human.h"
 #include "retarget/kinematic_tree.h"

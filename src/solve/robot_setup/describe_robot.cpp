@@ -1,7 +1,6 @@
 #include "solve/robot_setup/describe_robot.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <numbers>
 

@@ -6,14 +6,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 #include "base/parse_xml.h"
-#include "retarget/error.h"
 #include "retarget/file.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/text.h"

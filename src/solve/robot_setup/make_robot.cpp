@@ -1,12 +1,9 @@
 #include "retarget/make_robot.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"

@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <numbers>
-#include <string>
-#include <utility>
 
 #include "human/skeleton/limb_segments.h"
 #include "retarget/human_skeleton.h"

@@ -1,5 +1,6 @@
 #include "solve/robot_setup/t_pose.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,16 +9,13 @@
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "retarget/human.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/kinematic_tree.h"
 #include "retarget/pose.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 #include "robot/model/composite.h"
-#include "solve/ik/dense_least_squares.h"
+#include "solve/ik/box_qp.h"
 
 namespace retarget {
 namespace {

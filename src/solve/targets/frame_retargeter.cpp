@@ -1,11 +1,10 @@
 #include "retarget/frame_retargeter.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/try.h"
 #include "solve/ik/frame_error.h"

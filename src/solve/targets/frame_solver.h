@@ -3,11 +3,14 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
+#include <vector>
 
 #include "retarget/error.h"
 #include "retarget/options.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "solve/ik/ik_solver.h"
+#include "solve/targets/targets.h"
 
 namespace retarget {
 
@@ -35,6 +38,27 @@ class FrameSolver {
  private:
   int passes_;
   std::unique_ptr<IkSolver> solver_;
+};
+
+/// Detects arms on a wrong branch. A shoulder reaches most poses in two ways; a frame-by-frame
+/// solver that takes the wrong one while an arm is stretched runs into joint limits and stays
+/// there.
+class ArmRecovery {
+ public:
+  ArmRecovery(const IkProblem& problem, const TargetBuilder& targets);
+
+  /// @return true if an upper arm is more than 60 degrees off its target and a search for another
+  ///     configuration is due. While the arm stays off target, the number of frames until the next
+  ///     search doubles, up to 256.
+  /// @param qpos  solved configuration of the frame.
+  [[nodiscard]] bool seen(std::span<const double> qpos, std::span<const Pose> world_from_target);
+
+ private:
+  const Robot& robot_;
+  std::vector<FrameTask> arms_;
+  std::vector<Pose> world_from_body_;
+  int wait_ = 0;  // Frames until the next search.
+  int next_wait_;
 };
 
 }  // namespace retarget

@@ -1,12 +1,11 @@
 #include "retarget/retargeting_config.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-
-#include <fmt/format.h>
 
 #include "base/faults.h"
 #include "base/json.h"

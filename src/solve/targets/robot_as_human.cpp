@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "base/try.h"
 #include "retarget/human_skeleton.h"
-#include "retarget/kinematic_tree.h"
 #include "robot/model/sole_ends.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/trunk_aim.h"

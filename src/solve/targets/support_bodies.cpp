@@ -1,12 +1,9 @@
 #include "solve/targets/support_bodies.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "retarget/human.h"
-#include "retarget/kinematic_tree.h"
 #include "retarget/shape_distance.h"
 
 namespace retarget {

@@ -1,13 +1,102 @@
 #include "solve/targets/targets.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <utility>
 
-#include "retarget/retargeting_config.h"
-#include "solve/targets/limb_aim.h"
+#include "base/try.h"
+#include "retarget/human_skeleton.h"
+#include "retarget/text.h"
 
 namespace retarget {
+namespace {
+
+// The rotation about the vertical contained in a rotation; identity if the rotation turns upside
+// down.
+Eigen::Quaterniond heading_of(const Eigen::Quaterniond& rotation) {
+  constexpr double kTurned = 1e-9;
+  const double norm = std::sqrt(rotation.w() * rotation.w() + rotation.z() * rotation.z());
+  if (!(norm > kTurned)) return Eigen::Quaterniond::Identity();
+  return {rotation.w() / norm, 0.0, 0.0, rotation.z() / norm};
+}
+
+}  // namespace
+
+HeldBase::HeldBase(const Robot& robot, const ResolvedConfig& config) : root_(config.root_bone) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  const Pose& base = world_from_body[static_cast<std::size_t>(config.root_body)];
+  place_ = base.translation;
+  const Eigen::Quaterniond standing(canonical_t_pose(root_));
+  standing_from_root_ = standing.conjugate();
+  const ConfigTask* task = config.find_task(root_);
+  const Eigen::Quaterniond offset =
+      task == nullptr ? Eigen::Quaterniond::Identity() : task->rotation_offset;
+  base_from_standing_ = (base.rotation * (standing * offset).conjugate()).normalized();
+}
+
+Eigen::Quaterniond HeldBase::turn(const HumanPose& world_from_bone) const {
+  const Eigen::Quaterniond turned =
+      (world_from_bone[root_].rotation * standing_from_root_).normalized();
+  const Eigen::Quaterniond frame = root_ == Bone::kHips ? heading_of(turned) : turned;
+  return (base_from_standing_ * frame.conjugate()).normalized();
+}
+
+std::optional<HeldBase> held_base(const Robot& robot, const ResolvedConfig& config) {
+  if (!robot.fixed_base()) return std::nullopt;
+  return HeldBase(robot, config);
+}
+
+HumanClip seen_by(const HeldBase& base, Bone root, HumanClip human) {
+  for (HumanPose& pose : human.world_from_bone) {
+    const Eigen::Quaterniond turn = base.turn(pose);
+    const Eigen::Vector3d from = pose[root].translation;
+    for (const Bone bone : kAllBones) {
+      pose[bone] = {(turn * pose[bone].rotation).normalized(),
+                    base.place() + turn * (pose[bone].translation - from)};
+    }
+  }
+  return human;
+}
+
+namespace {
+
+constexpr double kMinLength = 1e-6;  // Metres; also used for a sine.
+constexpr double kOwnShare = 0.1;    // Share of the upper bone's own axis; the sine of a bend of 6
+                                     // degrees.
+
+// Rotation with X along a direction and Z as close to the hinge as possible.
+std::optional<Eigen::Quaterniond> bone_along(const Eigen::Vector3d& along,
+                                             const Eigen::Vector3d& hinge) {
+  const Eigen::Vector3d y = hinge.cross(along);
+  const double clear = y.norm();
+  if (!(clear > kMinLength)) return std::nullopt;
+  Eigen::Matrix3d axes;
+  axes.col(0) = along;
+  axes.col(1) = y / clear;
+  axes.col(2) = along.cross(axes.col(1));
+  return Eigen::Quaterniond(axes);
+}
+
+}  // namespace
+
+std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower, const Pose& end) {
+  const Eigen::Vector3d first = lower.translation - upper.translation;
+  const Eigen::Vector3d second = end.translation - lower.translation;
+  const double first_length = first.norm(), second_length = second.norm();
+  if (!(first_length > kMinLength && second_length > kMinLength)) return std::nullopt;
+  const Eigen::Vector3d u = first / first_length, f = second / second_length;
+  const Eigen::Vector3d own = upper.rotation.normalized() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d plane = -u.cross(f);
+  // A hinge cannot bend backwards, so a limb that does counts as straight.
+  const double back = std::min(0.0, plane.dot(own));
+  const Eigen::Vector3d hinge = (kOwnShare - back) * own + plane;
+  const auto first_turn = bone_along(u, hinge), second_turn = bone_along(f, hinge);
+  if (!first_turn || !second_turn) return std::nullopt;
+  return LimbAim{*first_turn, *second_turn};
+}
+
 namespace {
 
 using enum LimbBone;
@@ -200,6 +289,79 @@ std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot
   problem->upper = Eigen::Map<const Eigen::VectorXd>(limits.upper.data(), joints);
   problem->robot = std::move(robot);
   return problem;
+}
+
+namespace {
+
+// Reports the mapped bones that the source lacks, and the bones that it has.
+Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
+                         const std::string& config) {
+  std::vector<std::string> missing;
+  for (const Bone bone : targets.bones()) {
+    if (!human.has(bone)) missing.emplace_back(bone_name(bone));
+  }
+  if (missing.empty()) return {};
+  return input_failure(
+      {},
+      fmt::format("the skeleton has no joint for the bone{} {}, which the configuration "
+                  "{} uses",
+                  missing.size() == 1 ? "" : "s", list_names(missing), config),
+      "the file has " + list_names(human.source_joints));
+}
+
+Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                   bool forearms) {
+  for (const Bone bone : kMeasuredBones) {
+    if (human.has(bone)) continue;
+    return input_failure(
+        {}, fmt::format("limbs cannot be measured: no joint found for {}", bone_name(bone)),
+        kOtherScaleHint);
+  }
+  if (const auto& built = human.built) {
+    return LimbLengths{built->leg, built->upper_arm + (forearms ? built->forearm : 0.0),
+                       built->trunk.norm()};
+  }
+  HumanPose world_from_bone;
+  poses(0, world_from_bone);
+  const LimbLengths lengths = human_limb_lengths(world_from_bone, forearms);
+  if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
+  return input_failure({}, "a limb of the body has zero length", kOtherScaleHint);
+}
+
+std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                       const Robot& robot, const ResolvedConfig& config,
+                                       const RobotLimbs& limbs, const LimitSet& limits) {
+  auto trunk = robot_trunk(robot, config, limbs, limits);
+  const ConfigTask* const hips = config.find_task(Bone::kHips);
+  if (!trunk || hips == nullptr) return std::nullopt;
+  TrunkAim aim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
+  if (human.built) aim.follow_robot();
+  return aim;
+}
+
+}  // namespace
+
+Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                   const Robot& robot, const ResolvedConfig& config,
+                                   ScaleRule scale, TrunkRule trunk, const LimitSet* limits) {
+  const double height = scale == ScaleRule::kTable ? human.height : human.size;
+  TargetBuilder targets(config, height, scale);
+  TRY(check_bones(human, targets, config.file));
+  if (const auto held = held_base(robot, config)) {
+    targets.hold(*held);
+    if (trunk == TrunkRule::kLines && !human.built) targets.aim_limbs(config);
+    return targets;
+  }
+  if (scale != ScaleRule::kLimbs || human.frame_count == 0) return targets;
+  TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
+  TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));
+  TargetBuilder by_limbs(config, limbs, body,
+                         trunk == TrunkRule::kLines
+                             ? make_trunk_aim(human, poses, robot, config, limbs,
+                                              limits == nullptr ? robot.model_limits() : *limits)
+                             : std::nullopt);
+  if (human.built) by_limbs.keep_bones();
+  return by_limbs;
 }
 
 }  // namespace retarget

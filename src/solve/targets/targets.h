@@ -1,10 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "human/skeleton/human_clip.h"
@@ -15,12 +16,67 @@
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "solve/ik/ik_solver.h"
-#include "solve/targets/held_base.h"
 #include "solve/targets/limb_lengths.h"
 #include "solve/targets/trunk_aim.h"
 #include "solve/targets/trunk_lines.h"
 
 namespace retarget {
+
+/// The transform of a human for a robot with a fixed base (Robot::fixed_base). The base represents
+/// the body part of the configuration's root bone. A base that represents the hips removes only
+/// their position and heading, so the trunk leans relative to the vertical. A base that represents
+/// the chest of an upper body removes the chest's whole rotation, so the arms move as they do
+/// relative to the chest.
+///
+/// Let q be the root bone's world rotation and T its rotation for a human who stands facing +x. The
+/// reference frame is q T^-1; for the hips, only its rotation about the vertical. Poses in this
+/// frame are transferred unchanged to the frame in which the base has its own orientation when the
+/// human stands facing +x.
+class HeldBase {
+ public:
+  HeldBase(const Robot& robot, const ResolvedConfig& config);
+
+  /// Rotation that transforms the human's world poses of this frame to those that the robot
+  /// follows.
+  [[nodiscard]] Eigen::Quaterniond turn(const HumanPose& world_from_bone) const;
+  /// Position of the base, to which the root bone is moved; world, metres.
+  [[nodiscard]] const Eigen::Vector3d& place() const { return place_; }
+
+ private:
+  Bone root_;
+  Eigen::Quaterniond standing_from_root_;  // Equals T^-1.
+  // Rotation from a human who stands facing +x to the base.
+  Eigen::Quaterniond base_from_standing_;
+  Eigen::Vector3d place_;
+};
+
+/// Returns nothing for a robot with a floating base.
+[[nodiscard]] std::optional<HeldBase> held_base(const Robot& robot, const ResolvedConfig& config);
+
+/// Transforms a human clip for a robot with a fixed base.
+[[nodiscard]] HumanClip seen_by(const HeldBase& base, Bone root, HumanClip human);
+
+/// World rotations of the two bones of a limb.
+struct LimbAim {
+  Eigen::Quaterniond upper = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond lower = Eigen::Quaterniond::Identity();
+};
+
+/// Aims a human limb as if its elbow or knee were a hinge: the X axes of both bones point along the
+/// limb, their Z axes are perpendicular to the limb's plane. Human bones also rotate about their own axes at
+/// elbow and knee; a robot that followed these rotations would have to point its limbs elsewhere.
+/// The straighter the limb, the less its plane is defined, so the upper bone's own Z counts more.
+/// The hinge is along
+///
+///     n + (0.1 - min(0, n z)) z,    n = -(u x f)
+///
+/// with the directions u and f of both bones and the upper bone's Z axis z.
+///
+/// Returns nothing for a limb without length.
+/// @param upper, lower, end  poses of the bones that begin at shoulder, elbow and wrist (hip, knee,
+///     ankle), with the axes of canonical_t_pose.
+[[nodiscard]] std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower,
+                                              const Pose& end);
 
 /// Computes target poses of robot bodies: human bones, scaled about the root and offset.
 ///

@@ -8,13 +8,11 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/math/least_squares.h"
 #include "base/math/se3.h"
 #include "retarget/human_skeleton.h"
 #include "retarget/kinematic_tree.h"
-#include "retarget/robot.h"
 #include "retarget/so3.h"
 
 namespace retarget {

@@ -1,0 +1,322 @@
+#include "human/gait/track_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "base/math/banded_system.h"
+#include "human/gait/frame_runs.h"
+#include "retarget/so3.h"
+#include "retarget/statistics.h"
+#include "retarget/text.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+
+bool is_zero(const Quaterniond& rotation) {
+  return std::abs(rotation.w()) > 1.0 - 1e-14;
+}
+
+double angle_between_rotations(const Quaterniond& a, const Quaterniond& b) {
+  return log_so3(a.conjugate() * b).norm();
+}
+
+// Interpolates the rotations of one joint between two known frames.
+void bridge_joint(Clip& clip, int joint, int begin, int end) {
+  const auto at = static_cast<std::size_t>(joint);
+  const Quaterniond before = clip.rotations(begin - 1)[at], after = clip.rotations(end)[at];
+  const Eigen::Vector3d turn = log_so3(before.conjugate() * after);
+  for (int frame = begin; frame < end; ++frame) {
+    const double share = (frame - begin + 1.0) / (end - begin + 1.0);
+    clip.rotations(frame)[at] = before * exp_so3(share * turn);
+  }
+}
+
+void bridge_body(Clip& clip, int begin, int end) {
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    bridge_joint(clip, joint, begin, end);
+  }
+  for (std::size_t slot = 0; slot < clip.translations(begin).size(); ++slot) {
+    const Eigen::Vector3d before = clip.translations(begin - 1)[slot];
+    const Eigen::Vector3d after = clip.translations(end)[slot];
+    for (int frame = begin; frame < end; ++frame) {
+      const double share = (frame - begin + 1.0) / (end - begin + 1.0);
+      clip.translations(frame)[slot] = before + share * (after - before);
+    }
+  }
+}
+
+// Marks frames of the zero pose: a calibration pose is not a lost joint.
+std::vector<char> zero_poses(const Clip& clip, FrameRange part) {
+  std::vector<char> zero(static_cast<std::size_t>(clip.frame_count()), 0);
+  for (int frame = part.begin; frame < part.end; ++frame) {
+    const auto rotations = clip.rotations(frame);
+    const auto zeros = std::ranges::count_if(rotations, is_zero);
+    // Half of the joints suffice, because many skeletons have joints that never turn.
+    zero[static_cast<std::size_t>(frame)] =
+        2 * static_cast<std::size_t>(zeros) > rotations.size() ? 1 : 0;
+  }
+  return zero;
+}
+
+// Sum of the rotation angles of all joints from a frame to the next one.
+double turn_of_body(const Clip& clip, int frame) {
+  const auto from = std::as_const(clip).rotations(frame);
+  const auto to = std::as_const(clip).rotations(frame + 1);
+  double sum = 0.0;
+  for (std::size_t joint = 0; joint < from.size(); ++joint) {
+    sum += angle_between_rotations(from[joint], to[joint]);
+  }
+  return sum;
+}
+
+bool equal_frames(const Clip& clip, int a, int b) {
+  const auto same = [](const Quaterniond& p, const Quaterniond& q) {
+    return p.coeffs() == q.coeffs();
+  };
+  return std::ranges::equal(clip.rotations(a), clip.rotations(b), same) &&
+         std::ranges::equal(clip.translations(a), clip.translations(b));
+}
+
+// Movement of a joint in the frames around a gap, without other frames in which it is lost.
+struct MovementAround {
+  double step = 0.0;  // Largest angle between neighbouring frames.
+  double bend = 0.0;  // Largest distance of a frame from the middle of its neighbours.
+};
+
+MovementAround movement_around(const Clip& clip, int joint, FrameRange part, FrameRange gap) {
+  constexpr int kAround = 3;
+  const auto at = static_cast<std::size_t>(joint);
+  MovementAround found;
+  const int first = std::max(gap.begin - kAround, part.begin);
+  const int last = std::min(gap.end + kAround, part.end) - 1;
+  for (int frame = first; frame < last; ++frame) {
+    const Quaterniond &from = clip.rotations(frame)[at], &to = clip.rotations(frame + 1)[at];
+    if (is_zero(from) || is_zero(to)) continue;
+    found.step = std::max(found.step, angle_between_rotations(from, to));
+    if (frame == first) continue;
+    const Quaterniond& before = clip.rotations(frame - 1)[at];
+    if (is_zero(before)) continue;
+    const Eigen::Vector3d off = log_so3(from.conjugate() * before) + log_so3(from.conjugate() * to);
+    found.bend = std::max(found.bend, 0.5 * off.norm());
+  }
+  return found;
+}
+
+// Whether a joint whose rotation is zero in a gap was lost there.
+bool is_lost_in(const Clip& clip, int joint, FrameRange part, FrameRange gap) {
+  constexpr double kCertain = 20.0 * std::numbers::pi / 180.0, kLeast = 0.1 * kCertain;
+  // A joint that stops at zero, such as a straight knee, hardly accelerates before.
+  constexpr double kSteps = 2.0, kBends = 3.0;
+  const auto at = static_cast<std::size_t>(joint);
+  const Quaterniond before = clip.rotations(gap.begin - 1)[at], after = clip.rotations(gap.end)[at];
+  const double jump = std::min(log_so3(before).norm(), log_so3(after).norm());
+  // The true movement across the gap must be much smaller than the jump.
+  if (!(jump > kLeast) || angle_between_rotations(before, after) > 0.5 * jump) return false;
+  if (jump > kCertain) return true;
+  const MovementAround around = movement_around(clip, joint, part, gap);
+  const double frames = 0.5 * (gap.end - gap.begin + 1);
+  return jump > kSteps * around.step && jump > kBends * frames * frames * around.bend;
+}
+
+}  // namespace
+
+std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
+  constexpr double kLongest = 1.0;  // Seconds.
+  std::vector<std::string> found;
+  const std::vector<char> zero = zero_poses(clip, part);
+  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+    const auto at = static_cast<std::size_t>(joint);
+    const auto is_lost = [&](int frame) {
+      return zero[static_cast<std::size_t>(frame)] == 0 &&
+             is_zero(std::as_const(clip).rotations(frame)[at]);
+    };
+    int lost = 0;
+    std::vector<FrameRange> runs;
+    for_each_run(part.begin, part.end, is_lost, [&](int begin, int end) {
+      if (!is_lost(begin) || begin == part.begin || end == part.end) return;
+      if ((end - begin) * clip.rate().frame_time() > kLongest) return;
+      if (!is_lost_in(clip, joint, part, {begin, end})) return;
+      runs.push_back({begin, end});
+      lost += end - begin;
+    });
+    for (const FrameRange& run : runs) bridge_joint(clip, joint, run.begin, run.end);
+    if (lost == 0) continue;
+    found.push_back(clip.skeleton().joint(joint).name + " was lost in " +
+                    count_text(lost, "frame"));
+  }
+  return found;
+}
+
+int bridge_frozen_frames(Clip& clip, FrameRange part) {
+  constexpr int kFewest = 3, kAround = 5;
+  constexpr double kLongest = 1.0;  // Seconds.
+  std::vector<double> turns;
+  for (int frame = part.begin; frame + 1 < part.end; ++frame) {
+    turns.push_back(turn_of_body(clip, frame));
+  }
+  const auto turn = [&](int frame) { return turns[static_cast<std::size_t>(frame - part.begin)]; };
+  std::vector<FrameRange> runs;
+  int frozen = 0;
+  for (int begin = part.begin, end = 0; begin < part.end; begin = end) {
+    end = begin + 1;
+    while (end < part.end && equal_frames(clip, begin, end)) ++end;
+    const int length = end - begin;
+    if (length < kFewest || length * clip.rate().frame_time() > kLongest) continue;
+    if (begin - kAround < part.begin || end + kAround >= part.end) continue;
+    std::vector<double> around;
+    for (int i = 1; i <= kAround; ++i) {
+      around.push_back(turn(begin - i));
+      around.push_back(turn(end - 1 + i));
+    }
+    // After a freeze, the body catches up in a single step.
+    const double usual = median(around);
+    if (!(usual > 0.0) || !(turn(end - 1) > std::max(2.0, 0.4 * length) * usual)) continue;
+    runs.push_back({begin + 1, end});
+    frozen += length - 1;
+  }
+  if (3 * frozen > part.end - part.begin) return 0;
+  for (const FrameRange& run : runs) bridge_body(clip, run.begin, run.end);
+  return frozen;
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kReach = 0.2;  // Window in seconds for the acceleration of the movement itself.
+
+// Changes of a track's velocity, each over `reach` frames to either side.
+template <typename Track, typename Difference>
+std::vector<Vector3d> velocity_changes(const Track& track, std::size_t reach,
+                                       const Difference& difference) {
+  std::vector<Vector3d> steps, changes;
+  for (std::size_t i = 0; i + reach < track.size(); ++i) {
+    steps.push_back(difference(track[i], track[i + reach]));
+  }
+  for (std::size_t i = 0; i + reach < steps.size(); ++i) {
+    changes.push_back(steps[i + reach] - steps[i]);
+  }
+  return changes;
+}
+
+double mean_square(const std::vector<Vector3d>& values) {
+  double sum = 0.0;
+  for (const Vector3d& value : values) sum += value.squaredNorm();
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+// @param still  mean square of the changes of a resting track
+template <typename Track, typename Difference>
+TrackNoise noise_of(const Track& track, double frame_time, double still,
+                    const Difference& difference) {
+  constexpr std::size_t kFewest = 12;
+  TrackNoise noise;
+  const std::vector<Vector3d> changes = velocity_changes(track, 1, difference);
+  if (changes.size() < kFewest) return noise;
+  std::vector<double> squares;
+  squares.reserve(changes.size());
+  for (const Vector3d& change : changes) squares.push_back(change.squaredNorm());
+  // Ignore single jumps, because the noise is continuous.
+  const double usual = percentile(squares, 90.0);
+  if (!(usual > still)) return noise;
+  noise.moves = true;
+  double product = 0.0, sum = 0.0, sharp_product = 0.0, sharp_sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + 2 < changes.size(); ++i) {
+    if (std::max({squares[i], squares[i + 1], squares[i + 2]}) > usual) continue;
+    product += changes[i].dot(changes[i + 1]);
+    sum += 0.5 * (squares[i] + squares[i + 1]);
+    // Differences of changes contain even less of the movement.
+    const Vector3d first = changes[i + 1] - changes[i], second = changes[i + 2] - changes[i + 1];
+    sharp_product += first.dot(second);
+    sharp_sum += 0.5 * (first.squaredNorm() + second.squaredNorm());
+    ++count;
+  }
+  if (count < kFewest / 2 || !(sum > 0.0) || !(sharp_sum > 0.0)) return noise;
+  noise.correlation = product / sum;
+  noise.sharp_correlation = sharp_product / sharp_sum;
+  // Neighbouring differences of changes share four times the squared error step.
+  noise.step = std::sqrt(std::max(0.0, -0.25 * sharp_product / static_cast<double>(count)));
+  const auto reach = static_cast<std::size_t>(std::max(1L, std::lround(kReach / frame_time)));
+  const double frames = static_cast<double>(reach);
+  const double seen = mean_square(velocity_changes(track, reach, difference));
+  const double of_noise = 2.0 * frames * noise.step * noise.step;
+  noise.acceleration = std::sqrt(std::max(0.1 * seen, seen - of_noise)) / (frames * frames);
+  return noise;
+}
+
+double smoothing_strength(double cutoff, double frame_time) {
+  const double frequency = 2.0 * std::numbers::pi * cutoff * frame_time;
+  const double square = frequency * frequency;
+  return 1.0 / (square * square);
+}
+
+}  // namespace
+
+bool TrackNoise::exceeds(double step_limit) const {
+  constexpr double kCorrelation = -0.25;
+  return moves && correlation < kCorrelation && step > step_limit;
+}
+
+bool TrackNoise::may_exceed(double step_limit) const {
+  constexpr double kCorrelation = -0.35;
+  return moves && sharp_correlation < kCorrelation && step > step_limit;
+}
+
+TrackNoise measure_noise(const std::vector<Quaterniond>& rotations, double frame_time) {
+  constexpr double kStill = 1e-12;
+  return noise_of(rotations, frame_time, kStill,
+                  [](const Quaterniond& from, const Quaterniond& to) {
+                    return log_so3(from.conjugate() * to);
+                  });
+}
+
+TrackNoise measure_noise(const std::vector<Vector3d>& places, double frame_time) {
+  return noise_of(places, frame_time, 0.0,
+                  [](const Vector3d& from, const Vector3d& to) { return Vector3d(to - from); });
+}
+
+double cutoff_for(const TrackNoise& noise, double frame_time, double slowest) {
+  constexpr double kFastest = 6.0;  // Hz
+  // Slow movements have more of the higher frequencies than their acceleration over kReach shows:
+  // a factor of 2.2, up to a few Hz, gives the least errors of rotations with known noise.
+  constexpr double kSharper = 2.2, kSharperUpTo = 4.5;
+  if (!(noise.step > 0.0)) return kFastest;
+  const double frequency = noise.acceleration / noise.step / (2.0 * std::numbers::pi * frame_time);
+  const double sharper = std::max(frequency, std::min(kSharper * frequency, kSharperUpTo));
+  return std::clamp(sharper, slowest, kFastest);
+}
+
+std::vector<Quaterniond> smoothed(const std::vector<Quaterniond>& rotations, double cutoff,
+                                  double frame_time) {
+  const double strength = smoothing_strength(cutoff, frame_time);
+  std::vector<Quaterniond> result(rotations);
+  std::vector<double> track(rotations.size());
+  for (int part = 0; part < 4; ++part) {
+    for (std::size_t i = 0; i < track.size(); ++i) track[i] = rotations[i].coeffs()[part];
+    track = smoothed(track, strength);
+    for (std::size_t i = 0; i < track.size(); ++i) result[i].coeffs()[part] = track[i];
+  }
+  for (Quaterniond& rotation : result) rotation.normalize();
+  return result;
+}
+
+std::vector<Vector3d> smoothed(const std::vector<Vector3d>& places, double cutoff,
+                               double frame_time) {
+  const double strength = smoothing_strength(cutoff, frame_time);
+  std::vector<Vector3d> result(places);
+  std::vector<double> track(places.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < track.size(); ++i) track[i] = places[i][axis];
+    track = smoothed(track, strength);
+    for (std::size_t i = 0; i < track.size(); ++i) result[i][axis] = track[i];
+  }
+  return result;
+}
+
+}  // namespace retarget

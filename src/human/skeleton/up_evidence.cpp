@@ -1,0 +1,209 @@
+#include "human/skeleton/up_evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "retarget/human.h"
+#include "retarget/statistics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// Approximate mass fractions around these joints.
+constexpr std::array<std::pair<Bone, double>, 11> kMasses = {{{Bone::kHips, 0.25},
+                                                              {Bone::kSpine2, 0.30},
+                                                              {Bone::kHead, 0.08},
+                                                              {Bone::kLeftLeg, 0.11},
+                                                              {Bone::kRightLeg, 0.11},
+                                                              {Bone::kLeftFoot, 0.04},
+                                                              {Bone::kRightFoot, 0.04},
+                                                              {Bone::kLeftForeArm, 0.03},
+                                                              {Bone::kRightForeArm, 0.03},
+                                                              {Bone::kLeftHand, 0.02},
+                                                              {Bone::kRightHand, 0.02}}};
+
+// The body's centre of mass, about 60 times a second.
+struct CentreTrack {
+  std::vector<Vector3d> places;  // Legs.
+  double step = 0.0;             // Seconds.
+};
+
+CentreTrack centre_track(const Clip& clip, const Body& body, int begin, double leg) {
+  constexpr double kRate = 60.0;
+  const int stride = std::max(1, static_cast<int>(std::lround(clip.rate().fps() / kRate)));
+  CentreTrack track;
+  track.step = clip.rate().frame_time() * stride;
+  for (int frame = begin; frame < clip.frame_count(); frame += stride) {
+    const JointPoses pose = frame_pose(clip, frame);
+    Vector3d sum = Vector3d::Zero();
+    double mass = 0.0;
+    for (const auto& [bone, share] : kMasses) {
+      if (!body.has(bone)) continue;
+      sum += share * pose[body.joint(bone)].translation;
+      mass += share;
+    }
+    track.places.emplace_back(sum / (mass * leg));
+  }
+  return track;
+}
+
+// Least-squares parabola through a section of a track.
+struct Parabola {
+  Vector3d acceleration;
+  double residual = 0.0;  // Root mean square.
+};
+
+Parabola fit_parabola(const CentreTrack& track, int middle, int half) {
+  double square = 0.0, fourth = 0.0;
+  std::array<Vector3d, 3> moments{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  for (int k = -half; k <= half; ++k) {
+    const double t = k * track.step;
+    const Vector3d& place = track.places[static_cast<std::size_t>(middle + k)];
+    square += t * t;
+    fourth += t * t * t * t;
+    moments[0] += place;
+    moments[1] += t * place;
+    moments[2] += t * t * place;
+  }
+  const double count = 2.0 * half + 1.0, determinant = count * fourth - square * square;
+  const Vector3d start = (fourth * moments[0] - square * moments[2]) / determinant;
+  const Vector3d speed = moments[1] / square;
+  const Vector3d curve = (count * moments[2] - square * moments[0]) / determinant;
+  double sum = 0.0;
+  for (int k = -half; k <= half; ++k) {
+    const double t = k * track.step;
+    sum += (track.places[static_cast<std::size_t>(middle + k)] - start - speed * t - curve * t * t)
+               .squaredNorm();
+  }
+  return {2.0 * curve, std::sqrt(sum / count)};
+}
+
+}  // namespace
+
+double leg_length(const Body& body) {
+  double sum = 0.0;
+  int sides = 0;
+  for (const Side side : kSides) {
+    const double thigh = length_by_offsets(body, side_bone(side, LimbBone::kUpLeg));
+    const double shin = length_by_offsets(body, side_bone(side, LimbBone::kLeg));
+    if (thigh <= 0.0 || shin <= 0.0) continue;
+    sum += thigh + shin;
+    ++sides;
+  }
+  return sides > 0 ? sum / sides : 0.0;
+}
+
+std::optional<SignedAxis> free_fall_axis(const Clip& clip, const Body& body, int begin) {
+  constexpr double kHalfWindow = 0.1, kLeast = 9.0, kMost = 16.0;  // Seconds, legs/s^2.
+  constexpr double kMaxResidual = 0.03;  // Share of the parabola's height.
+  constexpr double kMinFlight = 0.25, kMinCoherence = 0.75, kMinCosine = 0.9;
+  const double leg = leg_length(body);
+  if (leg <= 0.0 || !body.has(Bone::kHips)) return std::nullopt;
+  const CentreTrack track = centre_track(clip, body, begin, leg);
+  const int half = static_cast<int>(std::lround(kHalfWindow / track.step));
+  // A parabola through three points always fits.
+  if (half < 2) return std::nullopt;
+  Vector3d sum = Vector3d::Zero();
+  int flying = 0;
+  for (int at = half; at + half < static_cast<int>(track.places.size()); ++at) {
+    const Parabola parabola = fit_parabola(track, at, half);
+    const double strength = parabola.acceleration.norm();
+    const double reach = half * track.step;
+    if (!(strength > kLeast && strength < kMost) ||
+        parabola.residual > kMaxResidual * 0.5 * strength * reach * reach) {
+      continue;
+    }
+    sum -= parabola.acceleration / strength;
+    ++flying;
+  }
+  if (flying * track.step < kMinFlight || sum.norm() < kMinCoherence * flying) return std::nullopt;
+  const SignedAxis up = nearest_axis(sum);
+  if (up.direction().dot(sum.normalized()) < kMinCosine) return std::nullopt;
+  return up;
+}
+
+namespace {
+
+// Lengths in legs.
+constexpr double kNearFloor = 0.2, kSteady = 0.1;
+constexpr double kStandingHips = 0.6;  // Excludes squatting and kneeling.
+
+// Whether a foot stands flat; nothing if its direction is unknown.
+std::optional<bool> stands_flat(const Body& body, const JointPoses& pose, Side side,
+                                const Eigen::Vector3d& up) {
+  constexpr double kToesUp = 0.17, kToesDown = 0.77;  // Sines of 10 and 50 degrees.
+  const auto way = along(body.segment(side_bone(side, LimbBone::kFoot)), pose);
+  if (!way) return std::nullopt;
+  const double down = -up.dot(way->normalized());
+  return down > -kToesUp && down < kToesDown;
+}
+
+}  // namespace
+
+bool FloorEvidence::on_floor() const {
+  return std::abs(level) <= kNearFloor && wander < kSteady;
+}
+
+bool FloorEvidence::resting() const {
+  return on_floor() && level >= 0.0;
+}
+
+bool FloorEvidence::standing() const {
+  constexpr double kMostly = 0.5;
+  return hips > kStandingHips && flat.value_or(1.0) >= kMostly;
+}
+
+FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& poses,
+                             const SignedAxis& up) {
+  FloorEvidence found;
+  const double leg = leg_length(body);
+  if (leg <= 0.0 || poses.empty() || !body.has(Bone::kHips)) return found;
+  const Eigen::Vector3d direction = up.direction();
+  std::vector<double> levels, hips;
+  int flat = 0, seen = 0;
+  for (const JointPoses& pose : poses) {
+    const auto height = [&](Bone bone) {
+      return direction.dot(pose[body.joint(bone)].translation) / leg;
+    };
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const Bone bone : kMappedBones) {
+      if (body.has(bone)) lowest = std::min(lowest, height(bone));
+    }
+    levels.push_back(lowest);
+    hips.push_back(height(Bone::kHips) - lowest);
+    bool is_flat = false, is_seen = false;
+    for (const Side side : kSides) {
+      const Bone ankle = side_bone(side, LimbBone::kFoot);
+      const auto flat_foot =
+          body.has(ankle) ? stands_flat(body, pose, side, direction) : std::nullopt;
+      if (!flat_foot) continue;
+      is_seen = true;
+      is_flat = is_flat || (*flat_foot && height(ankle) - lowest < kNearFloor);
+    }
+    seen += is_seen ? 1 : 0;
+    flat += is_flat ? 1 : 0;
+  }
+  found.level = median(levels);
+  found.wander = found.level - percentile(levels, 10.0);
+  found.hips = median(hips);
+  if (seen > 0) found.flat = static_cast<double>(flat) / seen;
+  return found;
+}
+
+bool climbs_along(const FloorEvidence& axis, const FloorEvidence& other) {
+  // Stairs and slopes make the lowest joint wander along the true axis, too.
+  constexpr double kClimbs = 0.2, kFarther = 1.5;
+  return axis.wander > std::max(kClimbs, kFarther * other.wander);
+}
+
+bool clearly_stands(const FloorEvidence& standing, const FloorEvidence& other) {
+  if (!standing.standing()) return false;
+  return standing.on_floor() || climbs_along(other, standing);
+}
+
+}  // namespace retarget

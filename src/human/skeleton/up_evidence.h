@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "human/skeleton/posed_body.h"
+#include "retarget/clip.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// Finds the up axis from free fall: in flight, the centre of mass has a constant acceleration
+/// along gravity. Returns nothing if the clip has less than a quarter of a second of flight, or if
+/// the directions differ.
+///
+/// Lengths are in legs, so the unit is not needed: gravity is 9 to 16 legs/s^2 for legs of 1.1 to
+/// 0.6 m.
+/// @param begin  first frame to use
+[[nodiscard]] std::optional<SignedAxis> free_fall_axis(const Clip& clip, const Body& body,
+                                                       int begin);
+
+/// Length of thigh and shin from the OFFSETs, averaged over both sides, file units; 0 if unknown.
+[[nodiscard]] double leg_length(const Body& body);
+
+/// Evidence that an axis points up, from how the floor would support the body. Lengths are in legs
+/// (thigh plus shin).
+struct FloorEvidence {
+  double wander =
+      0.0;             ///< Of the lowest joint's height, from its tenth to its fiftieth percentile.
+  double level = 0.0;  ///< Median height of the lowest joint.
+  double hips = 0.0;   ///< Median height of the hips above the lowest joint.
+  /// Share of the poses in which a foot stands flat near the lowest joint. Empty: the foot
+  /// directions are unknown.
+  std::optional<double> flat;
+
+  /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
+  [[nodiscard]] bool on_floor() const;
+  /// Whether the body rests on a floor at height 0: all joints, which are inside limbs, are above it.
+  [[nodiscard]] bool resting() const;
+  /// Whether the hips are at standing height above flat feet.
+  [[nodiscard]] bool standing() const;
+};
+
+/// Returns zeros if the legs have no length.
+[[nodiscard]] FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& poses,
+                                           const SignedAxis& up);
+
+/// Whether the lowest joint climbs or travels along an axis, and much less along another one.
+[[nodiscard]] bool climbs_along(const FloorEvidence& axis, const FloorEvidence& other);
+
+/// Whether the body clearly stands along the first axis, and does not lie, crawl or hang along the
+/// other one: it stands on a floor at height 0, or its lowest joint would climb along the other
+/// axis.
+[[nodiscard]] bool clearly_stands(const FloorEvidence& standing, const FloorEvidence& other);
+
+}  // namespace retarget

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <tinyxml2.h>
+#include <string>
+#include <vector>
+
+namespace retarget {
+
+/// Whether an element of a URDF belongs to a simulator or a controller; MuJoCo ignores it.
+[[nodiscard]] bool is_extension_of_urdf(const tinyxml2::XMLElement& element);
+
+/// Whether an element belongs to xacro.
+[[nodiscard]] bool is_xacro(const tinyxml2::XMLElement& element);
+
+/// Whether a URDF needs xacro: it defines or includes macros, or has links or joints in elements of
+/// xacro.
+[[nodiscard]] bool is_xacro_template(const tinyxml2::XMLElement& root);
+
+/// Returns the elements of xacro in an expanded file (not a template), by name, each once. Nothing defines
+/// them, so an expansion left them behind; MuJoCo ignores them in a URDF.
+[[nodiscard]] std::vector<std::string> xacro_leftovers(const std::string& path);
+
+/// Replaces the materials of a URDF by spaces, so that positions in the text stay the same. They
+/// have no effect on kinematics.
+[[nodiscard]] std::string without_materials(std::string text);
+
+}  // namespace retarget

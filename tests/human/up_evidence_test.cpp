@@ -1,0 +1,50 @@
+#include "human/skeleton/up_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include "formats/bvh/read_bvh.h"
+#include "human/hand_made_maps.h"
+#include "human/postures.h"
+#include "human/twins.h"
+#include "support/recorded_clip.h"
+
+namespace retarget {
+namespace {
+
+std::optional<SignedAxis> fall_of(const Clip& clip) {
+  return free_fall_axis(clip, Body(clip.skeleton(), lafan1_map(clip.skeleton(), "test")), 0);
+}
+
+// A hopping body: parabolas of half a second, with the feet on the floor for as long in between.
+Clip hopping() {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0, 90);
+  constexpr double kFlight = 0.5, kGravity = 981.0;  // s, cm/s^2
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double phase = std::fmod(frame / 30.0, 2.0 * kFlight);
+    if (phase < kFlight)
+      clip.translations(frame)[0].y() += 0.5 * kGravity * phase * (kFlight - phase);
+  }
+  return clip;
+}
+
+TEST(FreeFall, ShowsTheUpAxisOfAHoppingBody) {
+  const Clip clip = hopping();
+  EXPECT_EQ(fall_of(clip), SignedAxis{});
+  for (const SignedAxis up : {SignedAxis{0, false}, SignedAxis{2, false}, SignedAxis{2, true}}) {
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), up.direction());
+    EXPECT_EQ(fall_of(scaled_and_turned(clip, 0.01, turn)), up) << to_text(up);
+  }
+}
+
+TEST(FreeFall, IsNotDetectedInSupportedBodies) {
+  for (const char* name : {"walk", "squat", "get_up", "wave", "turn_in_place"}) {
+    EXPECT_EQ(fall_of(recorded_clip(name)), std::nullopt) << name;
+  }
+  const PostureClips postures(recorded_clip("walk"));
+  for (const Posture posture : kPostures) {
+    EXPECT_EQ(fall_of(postures.make(posture, 30.0)), std::nullopt) << posture_name(posture);
+  }
+}
+
+}  // namespace
+}  // namespace retarget
