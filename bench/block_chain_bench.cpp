@@ -1,5 +1,5 @@
-// Compares the elimination of a block chain with Eigen's LLT: a window of 20 s of the G1, random
-// blocks.
+// Compares the factorization of a block-tridiagonal matrix with Eigen's LLT: random blocks of the
+// size of a 20 s window of the G1.
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
-// Wall time of the whole-clip fit on one and several threads, including its first stage. The
-// published method on the same clip, in the same run, is the reference.
+// Measures the wall time of the whole-clip fit on one and several threads, including its first
+// stage. The reference is the published method on the same clip in the same run.
 
 #include "bench_support.h"
 #include "solve/fit/fit.h"

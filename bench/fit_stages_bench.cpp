@@ -166,7 +166,7 @@ void fit_step_smoothing(benchmark::State& state) {
 }
 BENCHMARK(fit_step_smoothing)->Unit(benchmark::kMillisecond);
 
-// The costs of the terms in the report; a step that is judged by its cost would take this long.
+// The costs of the terms in the report, which a line search would compute in every step.
 void fit_costs(benchmark::State& state) {
   const StagesCase& work = stages();
   const FitWindow window = work.window();

@@ -1,5 +1,5 @@
-// Hands that open and close within a second: time per hand and frame for human shape, targets and
-// joints.
+// Times human hand shapes, targets and joints per hand and frame, for hands that open and close
+// within a second.
 
 #include <benchmark/benchmark.h>
 

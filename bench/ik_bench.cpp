@@ -1,4 +1,4 @@
-// Whole clips through each engine: time per frame and per step of the inverse kinematics.
+// Times inverse kinematics per frame and per step, over whole clips, for each engine.
 
 #include "bench_support.h"
 #include "solve/ik/ik_solver.h"

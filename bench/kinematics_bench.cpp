@@ -1,4 +1,4 @@
-// Single steps of the inverse kinematics, forward kinematics and resampling, over whole clips.
+// Times single steps of inverse kinematics, forward kinematics and resampling over whole clips.
 
 #include "bench_support.h"
 #include "retarget/clip.h"

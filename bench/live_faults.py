@@ -2,7 +2,7 @@
 
 The script streams a clip at its own rate, back and forth, to `retarget live` as `lines` over UDP. One fault begins every
 `--every` seconds: a stall, a step of the sender's clock, a slow or fast sender, jitter, a burst, a replay, lost frames, a
-teleport, malformed packets, a flood, non-finite values, a skeleton that is not human, a second sender, a stopped
+teleport, malformed packets, a flood, non-finite values, a non-human skeleton, a second sender, a stopped
 process, a TCP receiver that does not read. Robot frames are timed at the receiver. The script fails if
 
 * the run ends,

@@ -1,4 +1,4 @@
-// The box QP on random problems of the G1's size and scale.
+// Times the box QP on random problems of the G1's size and scale.
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,4 @@
-// Reading 100 MB of BVH: from bytes to channel values, and on to quaternions.
+// Times the BVH reader on 100 MB: from bytes to channel values, and to quaternions.
 
 #include <algorithm>
 #include <charconv>
@@ -66,7 +66,7 @@ void rows_by_line(benchmark::State& state, ReadNumberLine reader) {
   std::vector<double> row(kRowWidth + kNumberLineSlack);
   for (auto _ : state) {
     std::size_t at = text.find_first_not_of('\n');
-    // The vector reader declines the last line, because it never reads past the end.
+    // The SIMD reader leaves the last line to the caller, because it never reads past the end.
     while (at + 2000 < text.size()) {
       at = reader(text, at, kRowWidth, row) + 1;
       benchmark::DoNotOptimize(row.data());

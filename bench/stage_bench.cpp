@@ -1,4 +1,4 @@
-// Stages around the inverse kinematics: reading, kinematics, targets, writing.
+// Times the stages around inverse kinematics: reading, kinematics, targets, writing.
 
 #include "bench_support.h"
 #include "retarget/file.h"

@@ -1,4 +1,4 @@
-// Sends every datagram back: the cost of a round trip without any work, for bench/live_latency.py.
+// Echoes every datagram: bench/live_latency.py measures the cost of a round trip without work.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -10,7 +10,7 @@ find_path(RETARGET_MUJOCO_HEADERS mujoco/mujoco.h REQUIRED NO_DEFAULT_PATH
 
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp)
 list(FILTER sources EXCLUDE REGEX "_win32\\.cpp$")
-# Rooms of other programs ...
+# Exclude modules that only other programs use ...
 list(FILTER sources EXCLUDE REGEX "/src/(edit|rig|live|batch|app/provenance|app/run|solve/robot_setup|solve/online|judge/simulation)/")
 # ... and files that read or write models through MuJoCo.
 list(FILTER sources EXCLUDE REGEX

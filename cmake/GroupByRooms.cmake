@@ -1,7 +1,7 @@
-# Groups the files of a library that are compiled as one, at most RETARGET_UNITY_FILES: files of a wing, or of the
-# wings that stand together here. They share includes and instantiations of templates; every unit less saves
+# Groups the files of a library that are compiled as one unit, at most RETARGET_UNITY_FILES: files of a module, or of
+# the modules that one entry lists here. They share includes and template instantiations; each avoided unit saves
 # about four seconds. Names in their anonymous namespaces differ (tests/architecture/unity_names_test.py reads this list).
-# RETARGET_QUICK_CODE leaves full optimisation to the wings in retarget_hot_wings, which hold the inner loops.
+# RETARGET_QUICK_CODE optimises fully only the modules in retarget_hot_wings, which contain the inner loops.
 set(retarget_unity_wings "base motion scene" "app view batch" "solve rig" edit formats human judge live robot)
 set(retarget_hot_wings "base motion scene" "solve rig" robot)
 

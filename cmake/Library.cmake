@@ -1,14 +1,14 @@
 # retarget_add_library(NAME [ROOMS room...] [PUBLIC library...] [PRIVATE library...]): a library of the
-# folders src/ROOM, with the project's warnings and hardening, installed and exported as retarget::NAME (the core,
-# `retarget`, as retarget::retarget). The core has every room that no other library has, so it comes last.
+# folders src/ROOM (modules or their folders), with the project's warnings and hardening, installed and exported as retarget::NAME (the core,
+# `retarget`, as retarget::retarget). The core has every module that no other library has, so it comes last.
 #
 # The libraries use each other's internal headers and names. A shared build hides these names, so
-# there the core contains all rooms, and the other libraries are aliases of it.
+# there the core contains all modules, and the other libraries are aliases of it.
 
 set(retarget_libraries "")     # libraries with their own objects; build flags apply to each
 set(retarget_exported "")      # targets to install
 set(retarget_taken_rooms "")   # by libraries beside the core
-set(retarget_shared_links "")  # of the rooms that a shared core takes in
+set(retarget_shared_links "")  # of the modules that a shared core includes
 
 include(cmake/GroupByRooms.cmake)
 

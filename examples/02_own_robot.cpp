@@ -1,4 +1,4 @@
-// Your own robot from its MJCF or URDF, without meshes; then a motion for it:
+// Sets up your own robot from its MJCF or URDF, without meshes, and retargets a motion to it:
 //     02_own_robot my_robot.xml walk.bvh walk.csv
 // Writes the folder my_robot here; check decisions.md in it before using it.
 

@@ -1,4 +1,4 @@
-// Every decision can be inspected and replaced before solving, and the quality measured afterwards:
+// Runs the stages one by one, to inspect and replace decisions before solving and measure quality:
 //     03_stages_by_hand walk.bvh unitree_g1 walk.csv
 
 #include <retarget/retarget.h>
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   options.time.fps = 60.0;
   auto plan = retarget::make_plan(std::move(*clip), *robot, options);
   if (!plan) return fail(plan.error());
-  // the robot's own ranges, narrowed by 2 degrees on either side
+  // Narrow the robot's joint ranges by 2 degrees on either side.
   for (std::size_t i = 0; i < plan->limits.lower.size(); ++i) {
     plan->limits.lower[i] += 0.035;
     plan->limits.upper[i] -= 0.035;

@@ -1,4 +1,4 @@
-// Retargets every BVH below a folder to one robot, set up once. A bad file does not stop the run:
+// Retargets every BVH below a folder to one robot, loaded once. A bad file does not stop the run:
 //     04_whole_folder clips unitree_g1 out
 
 #include <retarget/retarget.h>

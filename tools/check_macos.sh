@@ -36,7 +36,7 @@ for header in zlib.h zconf.h zip.h zipconf.h tinyxml2.h lz4frame.h lz4.h zmq.h; 
 done
 cmake -DSOURCE="$root" -DVERSION=0.0.0 -DOUTPUT="$folder/generated/build_facts.h" -P "$root/cmake/write_build_facts.cmake"
 
-# One unit per room, as unity builds have: names in a room do not clash.
+# One unit per folder, as in unity builds: names in a folder do not clash.
 cd -- "$root"
 while read -r file; do
   room=$(dirname "$file")

@@ -93,7 +93,7 @@ SENTENCE_END = re.compile(r"(^|[\0.:;!?]|\n\s*\n)\s*$|^\s*$")
 
 
 class Pattern:
-    """One entry of tools/words.txt: the words, what to write instead, an example of both.
+    """One entry of tools/words.txt: the pattern, its replacement, an example of both.
 
     The words are a regular expression over lower-case text. A space matches any white space,
     "^" the beginning of a sentence; only whole words match."""
@@ -135,7 +135,7 @@ def read_patterns(path=PATTERNS):
 
 
 def language(name):
-    """The language of a file by its path, None for files that are not checked."""
+    """Returns the language of a file by its path; None for files that are not checked."""
     if EXEMPT.search(name):
         return None
     base = name.rsplit("/", 1)[-1]
@@ -195,7 +195,7 @@ Hit = collections.namedtuple("Hit", "file line column last_line words hint")
 
 
 def source_place(places, place):
-    """The place in the text of a place in its prose."""
+    """Maps an offset in the prose to an offset in the text."""
     there, here = places[bisect.bisect_right(places, (place, sys.maxsize)) - 1]
     return here + place - there
 
@@ -226,13 +226,13 @@ def check_text(name, text, kind, patterns):
 
 
 def git(*arguments):
-    """The output of git, None if it fails."""
+    """Returns the output of git; None if it fails."""
     done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True)
     return done.stdout if done.returncode == 0 else None
 
 
 def repository_files():
-    """Paths of all files that are checked; an unpacked archive has no git and is walked."""
+    """Returns the paths of all checked files; walks the folders of an archive without git."""
     listed = git("ls-files", "--cached", "--others", "--exclude-standard")
     if listed is not None and listed:
         names = listed.splitlines()
@@ -254,10 +254,10 @@ def check_files(names, patterns):
 
 
 def added_lines(ref):
-    """{file: line numbers} added since a commit, changes that are not committed included."""
+    """Returns {file: line numbers} added since a commit, including uncommitted changes."""
     diff = git("diff", "-U0", "--no-color", "--no-ext-diff", ref, "--")
     if diff is None:
-        raise ValueError(f"--new: git knows no commit \"{ref}\"")
+        raise ValueError(f"--new: git has no commit \"{ref}\"")
     added, name = collections.defaultdict(set), None
     for line in diff.splitlines():
         if line.startswith("+++ "):
@@ -270,7 +270,7 @@ def added_lines(ref):
 
 
 def default_ref():
-    """Where the present branch left main; on main itself the commit before."""
+    """Returns the merge base of this branch and main; on main, the previous commit."""
     head = (git("rev-parse", "HEAD") or "").strip()
     for main in ("origin/main", "main"):
         base = (git("merge-base", "HEAD", main) or "").strip()

@@ -14,7 +14,7 @@ HTML comments, which a rendered page does not show:
     <!-- speed: bench/compare_peers -->16,500<!-- /speed -->
 
 A figure is a key of a quality report, or `gates` (the number of default gates), `robots` (the number of robots; with
-`of=unverified` of those in robots/unverified), `verdict` (`22 of 22 gates kept`), `passed` and `motions` (the number of
+`of=unverified` of those in robots/unverified), `verdict` (`22 of 22 gates passed`), `passed` and `motions` (the number of
 motions that pass all gates, and of all motions). `of` names clips, separated by commas: walk, samples, lafan1, cuts,
 skeletons, walks. `method` is fit (the default), gmr, without-dynamics, as-published or published (Unitree's motions). `robot`
 selects another robot than unitree_g1. `take` combines several clips: mean (the default), sum, min, max or range. `scale`
@@ -80,7 +80,7 @@ def parsed(what, allowed):
 
 
 class Fresh:
-    """Texts of marks from new measurements; None if the data are missing."""
+    """Makes texts of marks from new measurements; None if the data are missing."""
 
     def __init__(self, reports):
         self.reports, self.clips = reports, reports.clips
@@ -109,7 +109,7 @@ class Fresh:
     def _text(self, what, name, options, found):
         if name == "verdict":
             gates = [gate["passed"] for gate in found[0]["gates"]]
-            return f"{gates.count(True)} of {len(gates)} gates kept"
+            return f"{gates.count(True)} of {len(gates)} gates passed"
         if name in ("passed", "motions"):
             return str(sum(name == "motions" or not tables.missed_gates(each) for each in found))
         values = [tables.value(each, name) for each in found]
@@ -187,7 +187,7 @@ def stale_lines(documents_now):
 
 
 def fault_of_marks(text):
-    """Returns the fault of the marks of a text; empty if they are correct."""
+    """Returns the error in the marks of a text; empty if they are correct."""
     marks = len(ANY_MARK.findall(text))
     parts = sum(2 * len(each.findall(text)) for each in (FIGURE, TABLE, SPEED))
     if marks != parts:
@@ -221,7 +221,7 @@ def page_gates(tool, folder):
         header = data_of((pathlib.Path(folder) / page).read_text(encoding="utf-8"))[0]
         pictures[f"{name}.png"] = {
             motion["report"]["file"]: {
-                gate["metric"]: f"{gate.get('value', 0.0):.3g} {'kept' if gate['passed'] else 'missed'}"
+                gate["metric"]: f"{gate.get('value', 0.0):.3g} {'passed' if gate['passed'] else 'missed'}"
                 for gate in motion["report"]["gates"]}
             for motion in header["motions"]}
     return pictures

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Fits configs/quality/tracking_predictor.json: the probability that a controller tracks five seconds of a
-motion, from the figures of its report (docs/certificate.md).
+motion, from the metrics of its report (docs/certificate.md).
 
     tools/fit_tracking_predictor.py --tool build/release/tools/retarget/retarget --data FOLDER \\
         --windows windows.jsonl -o configs/quality/tracking_predictor.json
 
 Every clip in the folders (BVH) is cut into windows, retargeted in several ways, measured and simulated with
-`retarget certify`; the results are appended to --windows, and windows that it has are not made again. The
+`retarget certify`; the results are appended to --windows, and windows in that file are not repeated. The
 model is then fitted on all of them. For the AUC and the calibration, every clip is predicted by a model that
 was fitted on the others. Without --data, it only fits. Needs numpy.
 """
@@ -49,7 +49,7 @@ BINS = 5
 
 
 def value_of(figures, metric, p95):
-    """A figure; NaN if the report lacks it."""
+    """Returns a metric; NaN if the report lacks it."""
     return figures.get(metric + ".p95" if p95 else metric, float("nan"))
 
 
@@ -66,7 +66,7 @@ def window_starts(seconds, count):
 
 
 def leaned(path, degrees):
-    """Turns the root of every frame of a CSV about its own lateral axis."""
+    """Rotates the root in every frame of a CSV about its own lateral axis."""
     rows = np.loadtxt(path, delimiter=",")
     half = np.radians(degrees) / 2
     x, y, z, w = rows[:, 3:7].T
@@ -114,7 +114,7 @@ def make_windows(arguments):
         try:
             seconds = seconds_of(clip)
         except (AttributeError, ValueError):
-            continue  # a file that is not whole
+            continue  # A truncated file.
         if seconds < SHORTEST_S:
             continue
         starts = window_starts(seconds, arguments.per_clip)
@@ -123,7 +123,7 @@ def make_windows(arguments):
                        for robot in arguments.robots for variant in VARIANTS]
             rng.shuffle(of_part)
             parts.append(of_part)
-    # The parts take turns, so that a job that ends early has seen all of them.
+    # Parts alternate, so that a run that ends early has windows of all of them.
     rng.shuffle(parts)
     jobs = [job for turn in zip(*parts) for job in turn]
     end = time.monotonic() + 60.0 * arguments.minutes
@@ -146,7 +146,7 @@ def read_windows(path):
 
 
 class Windows:
-    """Figures, outcomes and clips of windows, as arrays."""
+    """Returns metrics, outcomes and clips of windows, as arrays."""
 
     def __init__(self, windows):
         self.raw = np.array([[value_of(w["figures"], metric, p95) for metric, p95, _ in FIGURES]
@@ -158,7 +158,7 @@ class Windows:
 
 
 class Model:
-    """Logistic regression with a ridge on standardised figures, by Newton's method."""
+    """Fits a ridge logistic regression to standardised metrics, by Newton's method."""
 
     def __init__(self, raw, success):
         # The range without the outermost values: beyond it, the predictor does not extrapolate.
@@ -193,7 +193,7 @@ class Model:
 
 
 def left_out(windows, groups):
-    """The probability of every window by a model that was fitted without its group."""
+    """Returns the probability of every window by a model that was fitted without its group."""
     probability = np.zeros(len(groups))
     for group in sorted(set(groups)):
         inside = groups == group
@@ -203,7 +203,7 @@ def left_out(windows, groups):
 
 
 def auc_of(probability, success):
-    """The share of pairs of a success and a failure that are in the right order; ties count half."""
+    """Returns the share of pairs of a success and a failure in the correct order; ties count half."""
     good, bad = probability[success == 1], probability[success == 0]
     if not len(good) or not len(bad):
         return float("nan")
@@ -211,7 +211,7 @@ def auc_of(probability, success):
 
 
 def interval_of(probability, windows):
-    """A 95 % interval of the AUC, by drawing clips."""
+    """Returns a 95 % bootstrap interval of the AUC over clips."""
     rng = np.random.default_rng(43)
     names = sorted(set(windows.clips))
     rows = {name: np.flatnonzero(windows.clips == name) for name in names}

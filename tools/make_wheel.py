@@ -34,7 +34,7 @@ def copy_file(source: Path, target: Path) -> None:
 
 
 def copy_tree(tree: Path, package: Path) -> None:
-    """Copies the parts of the installed tree. A wheel has no links, so the library has the name that is loaded."""
+    """Copies the parts of the installed tree. A wheel has no links, so the library has the name that the loader uses."""
     for pattern in TREE_PARTS:
         found = [file for file in tree.glob(pattern) if file.is_file()]
         if not found:
@@ -56,7 +56,7 @@ def copy_python(modules: Path, package: Path) -> None:
 
 
 def module_tags(modules: Path) -> tuple[list[str], list[str]]:
-    """The tags of the interpreters and of the ABIs of all modules."""
+    """Returns the interpreter tags and ABI tags of all modules."""
     names = [file.name for file in modules.glob("_retarget.*.so")]
     older = sorted({f"cp{found[1]}" for name in names if (found := re.search(r"\.cpython-(\d+)-", name))})
     stable = any(name.endswith(".abi3.so") for name in names)

@@ -179,7 +179,7 @@ class Table:
 def clip_table(reports, clips, method):
     """Returns a table with one column per clip and one row per metric that any of them has."""
     found = [reports.get(clip, method=method) for clip in clips]
-    table = Table("figure", [short(clip) for clip in clips])
+    table = Table("metric", [short(clip) for clip in clips])
     for name, digits in FIGURES.items():
         cells = [report if report is SKIPPED else value(report, name) for report in found]
         if any(cell is not None for cell in cells):
@@ -200,7 +200,7 @@ def mean_cell(pairs, name):
 
 def means_table(reports, robot):
     """Returns a table of published configuration -> default, one column per kind of source."""
-    kinds = {"LAFAN1": "lafan1", "cuts": "cuts", "other skeletons": "skeletons", "samples": "samples"}
+    kinds = {"LAFAN1": "lafan1", "excerpts": "cuts", "other skeletons": "skeletons", "samples": "samples"}
     table = Table("mean of", list(kinds))
     table.rows = {f"`{name}`": [] for name in MEANS}
     for kind in kinds.values():

@@ -31,7 +31,7 @@ def text(path: str) -> str:
 
 
 def notices() -> dict[str, str]:
-    """The licence of each part, by its name in THIRD_PARTY_NOTICES."""
+    """Returns the licence of each part by its name in THIRD_PARTY_NOTICES."""
     return dict(re.findall(r"^={78}\n(.*)\n\nLicence: (.*)", text("THIRD_PARTY_NOTICES"), re.MULTILINE))
 
 

@@ -131,7 +131,7 @@ def palette_png(pixels):
 
 
 def take_pictures(folder):
-    """Takes the pictures of the pages in a folder."""
+    """Takes screenshots of the pages in a folder."""
     with browser.Browser(browser.chromium()) as window:
         for name, (page, moment, size, features, scripts) in SCENES.items():
             window.open(pathlib.Path(folder) / page, moment, size=size, features=features)

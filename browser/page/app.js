@@ -74,7 +74,7 @@ function showResult(out, seconds) {
   const result = JSON.parse(decoder.decode(results.get("result.json")));
   const stem = motion.name.replace(/\.[^.]*$/, "");
   $("result").hidden = false;
-  $("verdict").textContent = result.passed ? "All gates are kept." : `${result.missed.length} of the gates are missed:`;
+  $("verdict").textContent = result.passed ? "All gates passed." : `${result.missed.length} gates missed:`;
   $("verdict").className = result.passed ? "good" : "bad";
   $("missed").replaceChildren(...result.missed.map((gate) => {
     const item = document.createElement("li");

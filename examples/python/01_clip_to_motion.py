@@ -1,4 +1,4 @@
-"""One clip: retarget it, look at it, save it for training.
+"""Retargets one clip, plots its joints and saves it for training.
 
     python 01_clip_to_motion.py data/walk.bvh unitree_g1 out/
 """
@@ -14,7 +14,7 @@ import retarget
 
 
 def plot_joints(motion: retarget.Motion, file: Path, count: int = 6) -> bool:
-    """Curves of the joints that move most, with their limits; False without matplotlib."""
+    """Plots the joints that move most, with their limits; returns False without matplotlib."""
     try:
         import matplotlib
 
@@ -44,7 +44,7 @@ def main(bvh: str, robot: str, folder: Path) -> None:
     print(clip, motion, motion.summary, sep="\n")
 
     report = retarget.evaluate(motion)
-    print(report.missed or "all gates kept")
+    print(report.missed or "all gates passed")
     print("fastest joint:", report.figures["peak_speed"], "rad/s")
 
     stem = folder / Path(bvh).stem

@@ -1,9 +1,9 @@
-"""A folder of clips in threads, with their mirror images; and the same as a batch.
+"""Retargets a folder of clips and their mirror images, first in threads, then as a batch.
 
     python 02_folder.py data/ unitree_g1 out/
 
-Threads share the robot and the process; retarget.batch() takes a process for each clip, which
-limits memory and time of each, resumes, and writes a manifest. Both use all processors.
+Threads share the robot and the process. retarget.batch() starts a process for each clip, so it can
+limit memory and time per clip; it also resumes and writes a manifest. Both use all processors.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""A live loop: each frame of a human as it arrives, the robot's configuration for it at once.
+"""Retargets human frames as they arrive, and computes the robot's configuration for each at once.
 
     python 03_live.py data/walk.bvh unitree_g1
 
-A file plays the part of the tracker here. Frames are those of the published class
+A file replaces the tracker here. Frames have the format of the published class
 GeneralMotionRetargeting (docs/migrating_from_gmr.md): {body: (position, quaternion w x y z)}, metres,
-Z up. Each frame is solved from the one before it, without looking ahead: the method is `gmr`.
+Z up. Each solve starts from the previous frame, without look-ahead: the method is `gmr`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from retarget.gmr.utils.lafan1 import load_bvh_file
 
 
 def frames_of(file: str) -> tuple[Iterator[dict], float]:
-    """Frames as a tracker would give them, and the body's height, metres."""
+    """Returns frames like a tracker's, and the body's height, metres."""
     frames, height = load_bvh_file(file)
     return iter(frames), height
 
@@ -34,7 +34,7 @@ def main(file: str, robot: str) -> None:
         start = time.perf_counter()
         qpos = retargeter.retarget(frame)
         times.append(time.perf_counter() - start)
-        # here the robot's controller or the simulator would get its joints
+        # Send the joints to the robot's controller or the simulator here.
         assert np.isfinite(qpos).all()
     print(f"{len(times)} frames, {1e6 * np.median(times):.0f} us each, "
           f"the slowest {1e6 * max(times):.0f} us; the pelvis ended at {qpos[:3].round(3)}")

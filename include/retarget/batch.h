@@ -16,8 +16,9 @@ namespace RETARGET_API retarget {
 
 /// Settings of a batch: many clips for one or several robots.
 struct BatchRequest {
-  Run run;                           ///< Settings of every clip; the memory limit is for all clips.
-  RunRequest of_clip;                ///< Whether sidecars are written.
+  Run run;  ///< Settings of every clip; the memory limit is for all clips.
+  /// Sidecars and dynamics of every clip; its other members are ignored.
+  RunRequest of_clip;
   std::string data_folder;           ///< Contains robots/ and configs/.
   std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; or manifests to merge.
   std::vector<std::string> lists;    ///< Files with lists of names.
@@ -33,11 +34,11 @@ struct BatchRequest {
   std::string shard;                 ///< `I/N`; empty: the whole batch.
   bool quality = true;               ///< Measure the quality of the motions.
   std::vector<std::string> gates;    ///< Quality gates for the motions: changed_gates().
-  std::string clips;                 ///< Table of parts of the files (docs/batch.md); empty: none.
-  bool mirror = false;               ///< Add the mirror image of every clip.
-  int variants = 0;                  ///< Add every clip in so many changed scenes.
-  int seed = 0;                      ///< Of these changes.
-  bool dedupe = false;               ///< Leave out duplicate clips.
+  std::string clips;      ///< Table of intervals of the files (docs/batch.md); empty: none.
+  bool mirror = false;    ///< Add the mirror image of every clip.
+  int variants = 0;       ///< Number of variations of every clip in changed scenes.
+  int seed = 0;           ///< Random seed of these changes.
+  bool dedupe = false;    ///< Skip duplicate clips.
   std::string split;      ///< `SHARES:SEED` (docs/batch.md); empty: no lists for training.
   bool certify = false;   ///< Write a certificate for each motion; implies sidecars and dynamics.
   bool contacts = false;  ///< Write CLIP.contacts.csv next to each motion.
@@ -54,7 +55,7 @@ struct BatchRequest {
 /// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer);
 
-/// Merges the manifests of all parts in the output folder and the manifests given as inputs.
+/// Merges the manifests of all shards in the output folder and the manifests given as inputs.
 /// @return the number of failed clips.
 [[nodiscard]] Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer);
 

@@ -14,26 +14,26 @@ namespace RETARGET_API retarget {
 
 // Reading: load_clip and load_skeleton (load.h).
 
-/// How a clip is written as BVH.
+/// Options for writing a clip as BVH.
 struct BvhWriteOptions {
-  /// Decimals of offsets, positions and angles, 0 to 17. When not set, numbers have as many digits
-  /// as an exact round trip needs. The frame time always does.
+  /// Decimals of offsets, positions and angles, 0 to 17. If empty, numbers have as many digits as
+  /// an exact round trip needs. The frame time always does.
   std::optional<int> decimals;
 };
 
 /// Formats the clip as BVH text with LF line ends, in any locale.
 ///
 /// Each joint's channels are written as its skeleton lists them, rotations in the joint's own order
-/// in degrees. Of all angles that give a rotation, those nearest to the previous frame are written
-/// (in the first frame: nearest to 0), so that curves do not jump. Scale channels are 1. Without
-/// `decimals`, reading the text gives the same rotations, translations and offsets to 1e-9; a
-/// quaternion may change its sign.
+/// in degrees. Of all angles that represent a rotation, those nearest to the previous frame are
+/// written (in the first frame: nearest to 0), so that angles do not jump. Scale channels are 1.
+/// Without `decimals`, reading the text gives the same rotations, translations and offsets to 1e-9;
+/// a quaternion may change its sign.
 ///
 /// @return ErrorKind::kRun errors, with joint and frame, for content that BVH cannot represent:
-///     values that are not finite, a rotation that the joint's channels do not reach (fewer than
-///     three different turns), a translation that differs from the offset along an axis without a
-///     position channel, names that are empty or hold line ends or `{`, frames without any channel,
-///     joints that are not in depth-first order.
+///     values that are not finite, a rotation that the joint's channels cannot represent (fewer
+///     than three different axes), a translation that differs from the offset along an axis without
+///     a position channel, names that are empty or hold line ends or `{`, frames without any
+///     channel, joints that are not in depth-first order.
 [[nodiscard]] Result<std::string> format_bvh(const Clip& clip, const BvhWriteOptions& options = {});
 
 /// Writes the clip to a file, completely or not at all; `-` is standard output.

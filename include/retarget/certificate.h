@@ -15,12 +15,12 @@ namespace RETARGET_API retarget {
 inline constexpr const char* kTrackedFigure = "tracked_pct";
 inline constexpr const char* kPredictedFigure = "predicted_tracking_success";
 
-/// The figures of a motion, its simulation and its prediction in one document (docs/certificate.md;
+/// The metrics of a motion, its simulation and its prediction in one document (docs/certificate.md;
 /// schema: docs/certificate.schema.json).
 struct Certificate {
   std::string json;
   bool gates_passed = false;
-  bool fell = false;           ///< In the simulation.
+  bool fell = false;           ///< Whether the simulated robot fell.
   double tracked_pct = 100.0;  ///< Share of the motion before the fall, %.
   /// Predicted probability that a controller tracks the motion; -1 if it is unknown.
   double predicted_success = -1.0;
@@ -29,10 +29,11 @@ struct Certificate {
   [[nodiscard]] bool passed() const { return gates_passed && !fell; }
 };
 
-/// Measures a motion with all figures, simulates it, and predicts whether a controller can track it.
-/// The gates of the request may also bound the figures of the certificate.
+/// Measures all metrics of a motion, simulates it, and predicts whether a controller can track it.
+/// The gates of the request may also bound the metrics of the certificate.
 /// @param request  names exactly one motion file; `dynamics` is implied.
-/// Errors: those of load_measures, measure_file and simulate; standard input as the motion (kUsage).
+/// Errors: those of load_measures, measure_file and simulate; standard input as the motion
+/// (kUsage).
 [[nodiscard]] Result<Certificate> certify(const MeasureRequest& request, Observer& observer);
 
 /// Name of the certificate of a motion file: next to it, `MOTION.certificate.json`.
@@ -41,11 +42,10 @@ struct Certificate {
 /// Whether a text looks like a certificate.
 [[nodiscard]] bool is_certificate(std::string_view text);
 
-/// Checks that a certificate's motion and inputs are unchanged, and that all of its figures are
-/// those that this version computes. Files that moved together with the certificate are found next
-/// to it.
+/// Checks that a certificate's motion and inputs are unchanged, and that this version computes the
+/// same values. Files that moved together with the certificate are found next to it.
 /// @param text  the certificate.  @param file  its name.
-/// Errors: not a certificate (kInput); a file or a figure differs (kRun), with its name.
+/// Errors: not a certificate (kInput); a file or a value differs (kRun), with its name.
 [[nodiscard]] Result<void> verify_certificate(std::string_view text, const std::string& file,
                                               const DataFolder& data_folder, Observer& observer);
 

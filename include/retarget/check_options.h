@@ -63,23 +63,22 @@ struct ConfigFiles {
 /// the available memory. 0: unknown.
 [[nodiscard]] std::uint64_t memory_bound(double memory_gb);
 
-/// Returns the part of the limit that a motion's file, a clip or an array may take. Unlimited if
+/// Returns the share of the limit that a motion's file, a clip or an array may take; unlimited if
 /// the limit is unknown.
 [[nodiscard]] std::size_t memory_share(double memory_gb);
 
-/// Size of a motion that will be made, and its source.
+/// Size of a planned motion and of its source.
 struct MotionNeed {
   std::int64_t frames = 0;
   FrameRate rate;
   std::uint64_t file_bytes = 0;  ///< Size of the source file.
   std::string file;              ///< Name of the source file, for messages.
-  bool is_solved = true;         ///< True: retargeted from a human and measured; false: as read
-                                 ///< from a file.
+  bool is_solved = true;  ///< True: retargeted from a human and measured; false: read from a file.
 };
 
 /// Checks that the motion and its output files fit into memory: within the user's limit, and in
 /// proportion to the size of the source file.
-/// @return kInput error with the required size and the option that helps.
+/// @return kInput error with the required size and the option that reduces it.
 [[nodiscard]] Result<void> check_need(const MotionNeed& need, double memory_gb,
                                       const SaveOptions& save);
 

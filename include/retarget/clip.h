@@ -120,14 +120,14 @@ class Skeleton {
   int channel_count_ = 0;
 };
 
-/// Where a clip came from.
+/// Origin of a clip.
 struct ClipOrigin {
-  std::string name;                   ///< The file as the user named it, or `standard input`.
+  std::string name;                   ///< The file name given by the user, or `standard input`.
   std::uint64_t bytes = 0;            ///< Of the file.
   std::optional<double> body_height;  ///< Metres, if the file states it.
   std::vector<Warning> warnings;      ///< Problems found while reading.
 
-  // Scene files (FBX, glTF, MVNX) state more than joints (docs/scenes.md).
+  // Properties of scene files: FBX, glTF, MVNX (docs/scenes.md).
   std::optional<double> metres_per_unit;  ///< If the file states it.
   std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file states it.
   std::vector<std::string> takes;         ///< Names of the file's animations, in file order.
@@ -141,7 +141,7 @@ struct ClipOrigin {
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,
-/// in the units and axes of the file it came from.
+/// in the units and axes of its file.
 ///
 /// Joints without position channels use their offset as translation in every frame; no memory is
 /// allocated for it.

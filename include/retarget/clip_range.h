@@ -28,14 +28,14 @@ namespace RETARGET_API retarget {
                                                           std::optional<double> end,
                                                           const FrameRate& rate, int frame_count);
 
-/// The part of a clip that the options select, by frames or by times; all of it if they select
-/// nothing. Usage errors: those of the two functions above; both frames and times given.
+/// The frames of a clip that the options select, by frames or by times; all frames by default.
+/// Usage errors: those of the two functions above; both frames and times given.
 [[nodiscard]] Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate,
                                               int frame_count);
 
-/// Number of frames at the beginning of a clip that are not part of its motion: a T-pose, a frame
-/// of zeros, or several of them, each held still and then left by a jump that no human makes. 0 if
-/// the motion begins with the first frame.
+/// Number of frames at the beginning of a clip that are not part of its motion: one or several
+/// static poses (a T-pose, all zeros), each followed by a jump that no human can make. 0 if the
+/// motion begins with the first frame.
 ///
 /// A jump is a step with a large second difference (mean over the joints): larger than 0.1 times
 /// the spread of the body (the root mean square distance of its joints from their mean) and larger

@@ -26,7 +26,7 @@ class NpzConcatenation {
 
   /// Reads a file and adds it as the next part. kInput errors: not an NPZ file, arrays unlike those
   /// of the first file, arrays of different numbers of frames.
-  /// @param name  of the part, for clip_names.
+  /// @param name  name of the part, for clip_names.
   [[nodiscard]] Result<void> add(std::string name, std::string path);
 
   /// Called before an array of a part is read; its error ends the writing.

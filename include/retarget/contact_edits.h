@@ -17,11 +17,11 @@ enum class ContactAction : unsigned char {
   kShift,   ///< The contacts that touch start to end move by `by`.
 };
 
-/// A change to the contacts that are found in a clip (docs/fit.md, "Contacts by hand"). Times are
+/// A change to the detected contacts of a clip (docs/fit.md, "Editing contacts"). Times are
 /// seconds from the first frame of the motion.
 struct ContactEdit {
   /// `left_foot`, `left_heel`, `left_toe`, `left_knee`, `left_elbow`, `left_hand`, the same for
-  /// right, `seat`, `back`. A foot stands for its heel and toe.
+  /// right, `seat`, `back`. A foot means its heel and toe.
   std::string part;
   ContactAction action = ContactAction::kAdd;
   double start = 0.0, end = 0.0;
@@ -45,7 +45,7 @@ struct ContactEdit {
 /// Writes edits as parse_contact_edits reads them.
 [[nodiscard]] std::string contact_edits_text(std::span<const ContactEdit> edits);
 
-/// Refuses edits outside a motion (kConfig).
+/// Checks that all edits are within a motion (kConfig).
 /// @param seconds  length of the motion.
 /// @param file  name for messages.
 [[nodiscard]] Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seconds,

@@ -16,8 +16,8 @@ inline constexpr int kHeelEnd = 0, kToeEnd = 1;
 /// Length of thigh plus shank of the body to which ContactOptions apply, metres.
 inline constexpr double kUsualSourceLeg = 0.85;
 
-/// Parts that may carry the body besides the feet, by the joint they surround: knees, elbows,
-/// hands, seat and back.
+/// Parts other than the feet that may support the body, by the joint that they surround: knees,
+/// elbows, hands, seat and back.
 inline constexpr std::array kSupportBones = {
     Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
     Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
@@ -36,8 +36,8 @@ struct ContactOptions {
   double support_time = 0.15;   ///< A foot above the floor is in contact if it is slow for this
                                 ///< time, seconds,
   double support_drift = 0.02;  ///< and moves no farther than this, metres.
-  bool goes_on = false;         ///< The clip still grows: a contact that reaches its end may be too
-                                ///< short so far.
+  /// The clip is still growing: a contact that reaches its end may become longer.
+  bool goes_on = false;
 };
 
 /// Returns the phases on the floor, without those on raised surfaces.
@@ -84,7 +84,7 @@ struct ContactPlan {
   [[nodiscard]] bool in_contact(int foot, int frame) const;
   /// Returns whether one end of a foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int end, int frame) const;
-  /// Returns the contacts that are written with a motion.
+  /// Returns the contacts in the form that motion files store.
   [[nodiscard]] SourceContacts of_ends() const;
 };
 
@@ -98,22 +98,22 @@ struct ContactPlan {
 ///
 /// The source does not describe raised surfaces such as boxes and stairs, so only the foot's motion
 /// can reveal a raised stance: the foot is upright, and both ends are slow for support_time and
-/// stay within support_drift. Feet held in the air rarely meet this test, and holding those that do
-/// at their position does no harm. Where nothing else supports a body that is not falling, two more
-/// kinds count: the longest part of at least half a second in which a slow foot does not move
-/// farther, and a toe that meets the test alone, as on stairs. If the heights of heel and toe differ
-/// by little, both get one height: the sole lies flat. Frames around the stance in which only one
-/// end is in contact belong to it.
+/// stay within support_drift. Feet in the air rarely meet this test; if they do, fixing them in
+/// place is harmless. If nothing else supports a body that is not falling, two more kinds count: the
+/// longest part of at least half a second in which a slow foot does not move farther, and a toe that
+/// meets the test alone, as on stairs. If the heights of heel and toe differ little, both get one
+/// height, so the sole is flat. Frames around the stance in which only one end is in contact belong
+/// to it.
 [[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
 
 /// Contact phases of a sole of a robot's profile.
 struct SoleContacts {
-  const Sole* sole = nullptr;  ///< Of the robot, which must outlive this.
+  const Sole* sole = nullptr;  ///< Belongs to the robot, which must outlive this.
   std::vector<ContactPhase> phases;
 };
 
-/// Finds when a robot's soles are in contact, one element per sole of its profile: the lowest point
-/// of the sole is less than 2 cm above the floor, and its middle is slower than 0.25 m/s.
+/// Finds the contact phases of a robot's soles, one element per sole of its profile: the lowest
+/// point of the sole is less than 2 cm above the floor, and its middle is slower than 0.25 m/s.
 [[nodiscard]] std::vector<SoleContacts> sole_contacts(const RobotClip& clip);
 
 }  // namespace retarget

@@ -12,7 +12,7 @@
 
 namespace RETARGET_API retarget {
 
-/// The numbers of a CSV, uninterpreted.
+/// The numbers of a CSV, without interpretation.
 struct CsvTable {
   /// Cells of the first line, if it does not begin with a number.
   std::vector<std::string> header;

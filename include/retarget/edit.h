@@ -59,7 +59,7 @@ struct TimingOptions {
 /// @return kUsage errors: a speed out of range. kInput errors: an implausible number of samples.
 [[nodiscard]] Result<Clip> change_timing(Clip clip, const TimingOptions& options);
 
-/// A part of a clip, given by times or by frames; by default the whole clip.
+/// An interval of a clip, given by times or by frames; by default the whole clip.
 /// @return kUsage errors: both times and frames given, a part without frames.
 [[nodiscard]] Result<Clip> trim(Clip clip, const PartOptions& part);
 
@@ -130,9 +130,9 @@ struct Transferred : Edited {
 /// of the same name. Joints without a counterpart keep their rest rotation (zero). Joint order,
 /// offsets and channels are the target's.
 ///
-/// Bodies of other proportions would slide in stances, so feet are then planted: each foot that
-/// stands on its toes, sole or heel slides no more than the source's, in proportion, and keeps its
-/// height above the floor.
+/// Bodies with different proportions would slide in stances, so feet are then planted: each foot
+/// that stands on its toes, sole or heel slides no more than the source's, in proportion, and keeps
+/// its height above the floor.
 [[nodiscard]] Transferred transfer(const Subject& source, const Subject& target);
 
 /// Converts a human's movement to a clip on LAFAN1's skeleton: its 22 joints in its order, names
@@ -141,8 +141,8 @@ struct Transferred : Edited {
 ///
 /// The body and its path over the floor are scaled to the size that readers of LAFAN1 assume
 /// (Calibration::size becomes 1.75 m). Offsets are the mean positions of the bones over the clip,
-/// so the source's proportions stay. Joints that the source lacks are at their parents and turn
-/// with them.
+/// which preserves the source's proportions. Joints that the source lacks are at their parents and
+/// rotate with them.
 /// @return a kInput error if the hips, a leg or an arm is missing.
 [[nodiscard]] Result<Clip> lafan1_clip(const Clip& clip, const Calibration& calibration);
 
@@ -187,9 +187,9 @@ struct Transferred : Edited {
 struct PlantOptions {
   /// Duration of the blend between a foot's contact and its unplanted position, seconds.
   double release = 0.3;
-  /// Legs stretch freely up to this fraction of the length of thigh and shin; beyond it the stretch
-  /// saturates at max_reach. For legs that the source stretches farther, the range is from there to
-  /// their full length.
+  /// Legs extend freely up to this fraction of the length of thigh and shin; beyond it the
+  /// extension saturates at max_reach. For legs that the source extends farther, the range is from
+  /// there to their full length.
   double soft_reach = 0.96;
   double max_reach = 0.995;
   double pelvis_blend = 0.25;   ///< Blend before and after a frame with lowered hips, seconds.
@@ -199,11 +199,11 @@ struct PlantOptions {
 // --- seams ---
 
 struct SeamOptions {
-  double window = 1.0 / 3.0;  ///< Length of the part that is compared and blended, seconds.
+  double window = 1.0 / 3.0;  ///< Length of the compared and blended interval, seconds.
   double band = 2.0;          ///< Search range at the end of a and at the beginning of b, seconds.
   bool search_all = false;    ///< Search both clips as a whole.
   /// Cost of dropping one second of either clip, metres of distance. Of equally good seams, the one
-  /// that keeps most frames wins.
+  /// that keeps most frames is chosen.
   double cost_of_second = 0.01;
   double cost_of_all =
       0.2;  ///< Cost of dropping all of both clips, in proportion to the dropped share.
@@ -240,7 +240,8 @@ enum class SeamBlend : std::uint8_t {
   kInertial,   ///< Switches at once; the difference at the seam fades out in the second clip.
 };
 
-/// Joint speed and acceleration limits at a seam or on a path, as multiples of their 99.9th percentile in the clips.
+/// Joint speed and acceleration limits at a seam or on a path, as multiples of their 99.9th
+/// percentile in the clips.
 struct MotionLimits {
   double speed = 3.0;
   double acceleration = 3.0;
@@ -443,11 +444,11 @@ struct FollowedPath : Edited {
                     ///< fast.
 };
 
-/// Sends a motion along another path. The body keeps its pose relative to the frame F that moves
+/// Maps a motion to another path. The body keeps its pose relative to the frame F that moves
 /// along the path (position and tangent), so the body at s(t) on its own path moves by
 /// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s. Only the channels
-/// that move the whole body change. Standing feet are then planted at the position that the frame
-/// in the middle of each contact gives.
+/// that move the whole body change. Standing feet are then planted at the position in the middle
+/// frame of each contact.
 /// @return kInput errors of fit_path and turn_clip; kUsage errors: kSpeed for a motion that stays
 ///     in place or for a path more than 100 times longer or shorter.
 [[nodiscard]] Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibration,

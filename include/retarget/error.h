@@ -39,7 +39,7 @@ enum class ErrorKind {
   return 1;
 }
 
-/// A place in a file.
+/// A location in a file.
 struct Location {
   std::string file;        ///< As the user named it; may be empty.
   std::size_t line = 0;    ///< 1-based; 0: unknown.
@@ -58,7 +58,7 @@ struct Error {
   std::string hint;                  ///< Suggested remedy; may be empty.
 };
 
-/// Something odd that did not stop the work, at a place in a file.
+/// A problem that did not stop the work, at a location in a file.
 struct Warning {
   std::size_t line = 0;    ///< 1-based; 0: unknown.
   std::size_t column = 0;  ///< 1-based, in bytes; 0: unknown.
@@ -84,7 +84,7 @@ using Failure = tl::unexpected<Error>;
 /// The error of a run that the user stopped.
 [[nodiscard]] Failure interrupted_failure();
 
-/// How an option is spelled in a text, given its name in the schema (`source-fps`).
+/// Spelling of an option in a text, given its name in the schema (`source-fps`).
 using OptionSpelling = std::string (*)(std::string_view name);
 
 /// `source_fps`, as a member of options or a keyword.

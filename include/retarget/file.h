@@ -41,7 +41,8 @@ class FileContent {
 /// Whether `path` is a regular file or a link to one.
 [[nodiscard]] bool is_file(const std::filesystem::path& path);
 
-/// Entries of a folder, sorted by name. Stops silently where the folder cannot be read.
+/// Entries of a folder, sorted by name. Returns the entries read so far if the folder cannot be
+/// read.
 [[nodiscard]] std::vector<std::filesystem::path> files_in_folder(
     const std::filesystem::path& folder);
 

@@ -24,7 +24,7 @@ namespace RETARGET_API retarget {
 /// 0.988 at 8 Hz, 0.5 at 12 Hz, 0.05 at 15 Hz and at most 1e-3 above 20 Hz.
 ///
 /// Ratios above 170 get the same filter width (1024 taps on each side), which bounds work and
-/// memory for any rate that a file claims. Aliases are then damped less.
+/// memory for any rate that a file claims. Aliasing is then attenuated less.
 [[nodiscard]] std::vector<double> anti_alias_taps(double ratio);
 
 /// Filters a track of points without delay. Returns the samples 0, stride, 2 stride, ... of the

@@ -17,9 +17,9 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// Identifies everything besides the clip itself that determines the result for one robot.
+/// Identifies all inputs other than the clip that determine the result for one robot.
 struct RunFingerprint {
-  std::string hash;         ///< Changes when any of it changes.
+  std::string hash;         ///< Changes when any input changes.
   std::string description;  ///< A JSON object: tool, options, files with their hashes, robot.
 };
 
@@ -31,18 +31,18 @@ struct RunFingerprint {
 [[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
                                                      const RobotSetup& setup);
 
-/// Where a recorded file is now: its path, or empty if it is missing or its content has changed.
+/// Returns the present path of a recorded file; empty if it is missing or its content has changed.
 using FindRecorded = std::function<std::string(const std::string& path, const std::string& hash)>;
 
-/// Restores how a recorded run read and understood its sources, and how its motions are measured:
-/// the options that OptionUse::kShowBatch marks.
+/// Restores the options with which a recorded run read and interpreted its sources and measured its
+/// motions: the options that OptionUse::kShowBatch marks.
 /// @param description  RunFingerprint::description, parsed.
 /// @return the recorded path of the first option file that `find` does not find; empty: none. Such
 ///   an option is not set.
 [[nodiscard]] std::string restore_options(const nlohmann::ordered_json& description,
                                           const FindRecorded& find, Run& run);
 
-/// How to read a CSV that a recorded run wrote; other formats are self-describing.
+/// Returns the options for reading a CSV of a recorded run; other formats are self-describing.
 [[nodiscard]] ReadingOptions restored_dialect(const nlohmann::ordered_json& description);
 
 /// Gates by metric, in the form used in RunFingerprint::description.

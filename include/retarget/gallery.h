@@ -18,8 +18,7 @@ struct GalleryRequest {
   std::string batch;   ///< Output folder of a batch, which may still be running.
   std::string output;  ///< Folder of the gallery.
   DataFolder data_folder;
-  /// A robot of the batch, loaded in this way instead of by its recorded name; no name and no
-  /// model: none.
+  /// A robot of the batch to load with these options instead of by its recorded name; empty: none.
   RobotChoice robot;
   std::vector<std::string> gates;  ///< As for changed_gates().
   std::string meshes;  ///< As for load_robot_meshes; empty: the pages have no meshes, which keeps
@@ -29,10 +28,10 @@ struct GalleryRequest {
   std::function<void()> begin_worker;
 };
 
-/// Makes a gallery. Every motion gets a page with its figures, and its source if that is unchanged.
-/// Worker processes make the pages, so the caller must have no other threads. The index is written
-/// last: an interrupted gallery has no new index. Pages of an earlier gallery in the folder that
-/// are no longer linked are removed.
+/// Makes a gallery. Every motion gets a page with its metrics, and with its source if the source is
+/// unchanged. Worker processes make the pages, so the caller must have no other threads. The index
+/// is written last: an interrupted gallery has no new index. Pages of an earlier gallery in the
+/// folder that are no longer linked are removed.
 ///
 /// Errors: a folder without a manifest (kInput); an output that is the folder of a batch or
 /// contains its files, a robot that is not in the batch (kUsage); kRun; kInterrupted.

@@ -37,7 +37,7 @@ using HumanPoseSource = std::function<void(int frame, HumanPose& world_from_bone
 /// Poses from a poser, which must outlive the source.
 [[nodiscard]] HumanPoseSource poses_of(HumanPoser& poser);
 
-/// Converts the human in a clip to a clip of its own: one joint per bone found, with the bone's
+/// Converts the human in a clip to a separate clip: one joint per recognised bone, with the bone's
 /// name (bone_name), in metres, Z up.
 ///
 /// The zero pose is the T-pose that faces x, in which all joints have the world's axes. Bones that

@@ -10,7 +10,7 @@
 
 namespace RETARGET_API retarget {
 
-/// Contents of a motion file: the clip as read, and the human recognised in it.
+/// Contents of a motion file: the clip, and the human recognised in it.
 struct Inspection {
   std::string file;  ///< File name.
   const Clip& clip;

@@ -42,13 +42,13 @@ class KinematicTree {
   KinematicTree() = default;
   /// Builds the tree of all joints, in Robot's order: joint 0 moves link 1.
   explicit KinematicTree(const Robot& robot);
-  /// Leaves out joints that carry none of the given bodies (Robot's body indices).
+  /// Omits joints that carry none of the given bodies (Robot's body indices).
   KinematicTree(const Robot& robot, std::span<const int> bodies);
 
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
   /// Returns the attachment of one of the bodies that the tree was built for.
   [[nodiscard]] const Attachment& attachment(int body) const { return attachments_[body]; }
-  /// Returns the link of a joint, by Robot's joint index; kWorld if the joint was left out.
+  /// Returns the link of a joint, by Robot's joint index; kWorld if the tree omits the joint.
   [[nodiscard]] int link_of_joint(int joint) const { return link_of_joint_[joint]; }
   /// Returns true if `link` carries `other` or is the same link. No link carries kWorld.
   [[nodiscard]] bool carries(int link, int other) const {
@@ -58,7 +58,7 @@ class KinematicTree {
   [[nodiscard]] std::vector<int> children(int link) const;
 
   /// Returns the moved body whose link carries this body: the body itself if a joint moves it, 0 if
-  /// nothing moves it.
+  /// no joint does.
   [[nodiscard]] int carrier(int body) const;
   /// Returns all bodies that move rigidly with this one, which a joint must move; itself first.
   [[nodiscard]] std::vector<int> rigid_group(int body) const;

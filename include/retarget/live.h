@@ -84,7 +84,7 @@ struct RobotFrame {
   LiveState state = LiveState::kFollowing;
   std::span<const double>
       qpos;          ///< Configuration, layout of RobotClip; quaternions are sign-continuous.
-  double due = 0.0;  ///< When the frame is due, seconds on the caller's clock.
+  double due = 0.0;  ///< Time at which the frame is due, seconds on the caller's clock.
   /// Arrival time of the newest human frame shown, seconds on the caller's clock; NaN: no new one.
   double since = std::numeric_limits<double>::quiet_NaN();
 };
@@ -108,7 +108,7 @@ struct LiveStatistics {
   std::int64_t robot_frames = 0;
   std::int64_t held = 0;     ///< Robot frames without a human pose to follow.
   std::int64_t limited = 0;  ///< Robot frames changed by a speed or acceleration limit.
-  std::int64_t missed = 0;   ///< Robot frames never sent because the caller was away.
+  std::int64_t missed = 0;   ///< Robot frames never sent because the caller did not pull them.
   double sender_rate = 1.0;  ///< Estimated seconds of the sender's clock per local second.
   double frame_rate = 0.0;   ///< Received frames per local second; 0: not known yet.
   double delay_s = 0.0;   ///< Age of the human pose shown last, relative to the fastest delivery.
@@ -139,11 +139,11 @@ class LiveSession {
   /// 1 / fps seconds, independent of the input. After every push, and when due() is reached, call
   /// it until it returns nothing.
   [[nodiscard]] std::optional<RobotFrame> pull(double now);
-  /// When the next robot frame is due, unless a human frame arrives earlier; empty before the first
-  /// human frame. Seconds on the caller's clock.
+  /// Time at which the next robot frame is due, unless a human frame arrives earlier; empty before
+  /// the first human frame. Seconds on the caller's clock.
   [[nodiscard]] std::optional<double> due() const;
-  /// Drops the robot frames that fell due while the caller was away for longer than a frame.
-  /// Without this call, pull catches up on them.
+  /// Drops the robot frames that became due while the caller did not call pull for more than a
+  /// frame. Without this call, pull returns them late.
   void skip_to(double now);
 
   /// Ends the stream: pull returns the remaining frames at once, then nothing.

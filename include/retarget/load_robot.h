@@ -31,7 +31,7 @@ namespace RETARGET_API retarget {
 /// | `base` | `floating` (default) or `fixed`: the robot has no soles, `soles` is ignored |
 /// | `joint_order` | joint names: the output columns; joints not named are not written |
 /// | `limit_sets` | name: `{"source": text, "ranges": {joint: [lower, upper]}}`, rad or m; joints
-/// not named keep the model's range; the set `model` is always there |
+/// not named keep the model's range; the set `model` always exists |
 /// | `default_limits` | name of a set (default: `model`) |
 /// | `method_limits` | method: name of its default limit set |
 /// | `speed_limits` | joint: rad/s or m/s, above 0 |

@@ -26,25 +26,26 @@ namespace RETARGET_API retarget {
 [[nodiscard]] Result<Gates> default_gates(const std::string& data_folder);
 
 /// Applies a user's changes to the default gates, in order. A text is a file of gates,
-/// `FIGURE<=MAX`, `FIGURE>=MIN`, `FIGURE=MAX`, `FIGURE=none`, `none` (no gates at all) or `default`
-/// (no change; it does not undo `none`). The first text on a figure replaces its gate; `<=` and
-/// `>=` on the same figure combine to one gate. The part of a figure's name after the last `_` may
-/// be omitted: `limb_angle`. Errors: unknown figures and invalid numbers (kUsage), faults in a file
+/// `METRIC<=MAX`, `METRIC>=MIN`, `METRIC=MAX`, `METRIC=none`, `none` (no gates at all) or `default`
+/// (no change; it does not undo `none`). The first text on a metric replaces its gate; `<=` and
+/// `>=` on the same metric combine to one gate. The part of a metric's name after the last `_` may
+/// be omitted: `limb_angle`. Errors: unknown metrics and invalid numbers (kUsage), errors in a file
 /// (kConfig).
 [[nodiscard]] Result<Gates> changed_gates(const std::vector<std::string>& texts,
                                           const std::string& data_folder);
 
 /// Help text for commands that describe the gate texts in full.
 inline constexpr const char* kGateHelp =
-    "Gates that extend or replace configs/quality/default.json: a file like it, 'FIGURE<=MAX', "
-    "'FIGURE>=MIN' (in quotes), FIGURE=MAX, FIGURE=none, or none for no gates at all; repeatable";
+    "Gates that extend or replace configs/quality/default.json: a file like it, 'METRIC<=MAX', "
+    "'METRIC>=MIN' (in quotes), METRIC=MAX, METRIC=none, or none for no gates at all; repeatable";
 
 /// Returns the command-line option that collects these texts.
 [[nodiscard]] Option gate_row(std::vector<std::string>& texts, const std::string& help = kGateHelp);
 
 struct SceneWorld;
 
-/// The human motion from which a robot's motion was made. Frames with the same index are simultaneous.
+/// The human motion from which a robot's motion was made. Frames with the same index are
+/// simultaneous.
 struct QualitySource {
   const HumanClip* human = nullptr;  ///< At the motion's frame rate; may be longer or shorter.
   const ResolvedConfig* config = nullptr;  ///< Defines the tracked targets; nullptr: no tracking.
@@ -72,8 +73,9 @@ struct QualityOptions {
                                             const QualitySource* source = nullptr,
                                             const QualityOptions& options = {});
 
-/// Adds the demands of a motion on its robot by inverse dynamics, and the part that contacts can
-/// supply. Uses no source. Omitted for a robot without mass and for fewer than three frames.
+/// Adds the forces and torques that a motion requires, by inverse dynamics, and the part that
+/// contacts can supply. Uses no source. Omitted for a robot without mass and for fewer than three
+/// frames.
 /// @param scene  around the robot, in the frames of the motion; null: only the floor.
 void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene = nullptr,
                   const QualityOptions& options = {});
@@ -83,7 +85,7 @@ void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld
 [[nodiscard]] std::shared_ptr<const SceneWorld> robot_world(const QualitySource& source,
                                                             const Robot& robot);
 
-/// Adds how the robot's fingers follow the source's if both have fingers (docs/hands.md).
+/// Adds the tracking errors of the robot's fingers if the source has fingers, too (docs/hands.md).
 /// @param source  has the same frames as the motion.
 void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
                QualityReport& report);
@@ -113,7 +115,7 @@ struct MeasuredSource {
 /// Errors: those of prepare_clip.
 [[nodiscard]] Result<MeasuredSource> measured_source(Plan plan);
 
-/// The figures of a motion and the part of the source they refer to.
+/// The metrics of a motion and the part of the source that they refer to.
 struct MotionMeasure {
   QualityReport report;      ///< Without gates.
   bool has_lead_in = false;  ///< The motion includes the source's lead-in.
@@ -124,7 +126,7 @@ struct MotionMeasure {
 /// part of it; it is compared with the source frames that its limbs match.
 /// @param motion  at the source's rate.
 /// @param source    null: none.
-/// @param dynamics  whether to add the figures of add_dynamics.
+/// @param dynamics  whether to add the metrics of add_dynamics.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
                                            const MeasuredSource* source, bool dynamics = false);
 

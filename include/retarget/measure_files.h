@@ -26,8 +26,8 @@ namespace RETARGET_API retarget {
 
 /// Motion files to measure, and the source that they are compared with.
 struct MeasureRequest {
-  /// Robot and limits, and how the source is read and understood. `motion` is the source; empty:
-  /// none, and figures that need a source are omitted.
+  /// Robot, limits, and options for reading and interpreting the source. `motion` is the source;
+  /// empty: none, and metrics that need a source are omitted.
   Run run;
   RunRequest of_source;              ///< Whether the source is mirrored; file of its bone map.
   std::string fps;                   ///< Frame rate of motions whose files have none, in frames per
@@ -35,7 +35,7 @@ struct MeasureRequest {
   ReadingOptions reading;            ///< Facts that the motion files do not state.
   std::vector<std::string> motions;  ///< Motion files; only their sidecars are read.
   std::vector<std::string> gates;    ///< As for changed_gates().
-  bool dynamics = false;             ///< Also compute inverse dynamics figures.
+  bool dynamics = false;             ///< Also compute inverse dynamics metrics.
   DataFolder data_folder;
 };
 
@@ -47,7 +47,7 @@ struct Measures {
   ReadMotionOptions reading;
   FrameRate rate;  ///< Frame rate of the source.
   std::optional<MeasuredSource> source;
-  /// Without a source: the scene of the options, taken as the robot's world; null: none.
+  /// Without a source: the scene of the options, used as the robot's scene; null: none.
   std::shared_ptr<const Scene> scene;
   std::vector<ObjectTrack> object_tracks;  ///< Of that scene.
   Gates gates;
@@ -79,9 +79,9 @@ struct MeasuredMotion {
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
 
-/// The scene of a measured motion; null if there is none. With a source it is the robot's world that a
-/// fit makes of it; motions that show the same human share it. Without a source it is the scene as in
-/// its file, in the frames of the motion.
+/// Returns the scene of a measured motion; null if there is none. With a source, it is the robot's
+/// scene that a fit derives from the human's; motions of the same human share it. Without a source,
+/// it is the scene of the file, in the frames of the motion.
 /// Errors: those of motion_scene and place_scene.
 [[nodiscard]] Result<std::shared_ptr<const MotionScene>> measured_scene(
     const MeasuredMotion& motion, const Measures& measures);

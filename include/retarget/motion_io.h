@@ -131,8 +131,9 @@ struct FootContacts {
 
 /// Formats contacts as CSV: a header, then per frame its number, its time in seconds and 0 or 1 for
 /// each of kContactNames.
-/// @param labels  contacts in a scene; null: no scene. The columns of kContactNames are then contacts
-///     with the floor, and a column `part:surface` follows for each part and surface that touch.
+/// @param labels  contacts in a scene; null: no scene. The columns of kContactNames are then
+///     contacts with the floor, and a column `part:surface` follows for each part and surface that
+///     touch.
 [[nodiscard]] std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& rate,
                                               const ContactLabels* labels = nullptr);
 
@@ -155,11 +156,11 @@ struct TrackingLayout {
 /// Options of make_tracking_motion.
 struct TrackingOptions {
   FrameRate rate{50, 1};
-  std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's trainer.
+  std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's training framework.
   bool until_last = false;               ///< Include a sample that coincides with the last frame.
 };
 
-/// Moving objects of a TrackingMotion; arrays alike, frames x objects x 3 or 4.
+/// Moving objects of a TrackingMotion; arrays of frames x objects x 3 or 4.
 struct TrackedObjects {
   std::vector<std::string> names;
   std::vector<double> pos, quat;
@@ -183,7 +184,7 @@ struct TrackingMotion {
   std::vector<double> body_pos, body_quat;         ///< frames x bodies x 3 and x 4.
   std::vector<double> body_lin_vel, body_ang_vel;  ///< frames x bodies x 3.
   std::optional<FootContacts> contacts;            ///< One per sample; empty: unknown.
-  std::optional<TrackedObjects> objects;           ///< Empty: nothing moves but the robot.
+  std::optional<TrackedObjects> objects;           ///< Empty: only the robot moves.
   std::optional<TrackedContacts> touches;          ///< Empty: no scene.
 };
 
@@ -202,16 +203,16 @@ struct TrackingMotion {
                                                           const TrackingOptions& options = {});
 
 /// Formats an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
-/// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which trainers ignore: `flavour`,
-/// joint names, body names and, if known, `contacts` (frames, 4) bool and `contact_names`. With
-/// moving objects: `object_names`, `object_pos_w`, `object_quat_w`, `object_lin_vel_w` and
-/// `object_ang_vel_w`. With a scene: `contact_labels` (frames, columns), `contact_links` and
-/// `contact_surfaces`.
+/// `body_lin_vel_w`, `body_ang_vel_w` float32. Additional arrays, which training frameworks ignore:
+/// `flavour`, joint names, body names and, if known, `contacts` (frames, 4) bool and
+/// `contact_names`. With moving objects: `object_names`, `object_pos_w`, `object_quat_w`,
+/// `object_lin_vel_w` and `object_ang_vel_w`. With a scene: `contact_labels` (frames, columns),
+/// `contact_links` and `contact_surfaces`.
 ///
 /// kNpzHolosoma: `joint_pos` starts with the root's position and quaternion wxyz, `joint_vel` with
-/// its linear and angular velocity in the world frame. With moving objects also `qpos`: position and
-/// quaternion wxyz of the root, joints, position and quaternion of each object.
-/// Errors (kRun): a size of 4 GiB or more; a rate that is not an integer.
+/// its linear and angular velocity in the world frame. With moving objects also `qpos`: position
+/// and quaternion wxyz of the root, joints, position and quaternion of each object. Errors (kRun):
+/// a size of 4 GiB or more; a rate that is not an integer.
 [[nodiscard]] Result<std::string> format_tracking_npz(const TrackingMotion& motion);
 
 /// Colour of joints without their own colour, 0xRRGGBB.
@@ -284,15 +285,15 @@ struct FormattedFile {
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
                                                    const std::string& name = {});
 
-/// Converts a clip to another variant of its robot. Joints correspond by name; joints held by that
-/// variant stay at their held positions.
+/// Converts a clip to another variant of its robot. Joints correspond by name; joints that the
+/// variant locks have their locked positions.
 [[nodiscard]] RobotClip with_robot(const RobotClip& clip, std::shared_ptr<const Robot> robot);
 
 /// The robot variant used in PBHC files; see format_robot_motion, kPklPbhc.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> pbhc_robot(
     const std::shared_ptr<const Robot>& robot);
 
-/// Describes the joints that move in the clip but are held by a variant: their number, largest
+/// Describes the joints that move in the clip but that a variant locks: their number, largest
 /// motion and names; empty: none.
 [[nodiscard]] std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant);
 
@@ -300,7 +301,8 @@ struct FormattedFile {
 /// SOMA's support only 120 frames per second and its divisors.
 [[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format);
 
-/// Properties that a motion file lacks or has wrong. Empty: detected, or the format's default.
+/// Properties that a motion file does not state or states wrongly. Empty: detected, or the format's
+/// default.
 struct ReadMotionOptions {
   std::optional<MotionFormat> format;         ///< Overrides detection by content.
   std::optional<FrameRate> rate;              ///< Overrides the file's rate.
@@ -337,9 +339,9 @@ struct RobotMotion {
 ///   the robot or of one of its variants; a leading column that counts up is allowed. Frame numbers
 ///   are ignored; times in s, ms, us or ns give the rate. SOMA's frame numbers count at 120 per
 ///   second, so steps of 4 mean 30 fps. SOMA and BONES-SEED files are recognised by their header.
-/// * CSV units: values without a unit are radians and metres, as in our own files. In that case,
-///   joint positions more than half a radian beyond the robot's widest range (joints without a
-///   range: four turns) and a root higher than five times the reach of the robot's limbs are
+/// * CSV units: values without a unit are radians and metres, as in files of retarget. In that
+///   case, joint positions more than half a radian beyond the robot's widest range (joints without
+///   a range: four turns) and a root higher than five times the reach of the robot's limbs are
 ///   errors; joints beyond their own ranges in most frames, and a root that is never near the
 ///   ground or too fast, give warnings.
 /// * Order of the root quaternion: the order in which the robot stands upright, else the one in
@@ -350,8 +352,8 @@ struct RobotMotion {
 /// * Tracking NPZ: the order of joints and bodies is detected by forward kinematics. Values are in
 ///   radians and metres; unit options are errors.
 ///
-/// Joints without a column stay at the zero configuration, joints held by the robot's variant at
-/// their held position. Quaternions are normalised and made sign-continuous.
+/// Joints without a column stay at the zero configuration, joints that the robot's variant locks at
+/// their locked position. Quaternions are normalised and made sign-continuous.
 ///
 /// @param bytes  the whole file.
 /// @param file   for messages.

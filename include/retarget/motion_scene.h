@@ -12,7 +12,7 @@
 
 namespace RETARGET_API retarget {
 
-/// The scene of a motion as pages show it.
+/// The scene of a motion, for display on a page.
 struct MotionScene {
   SceneClip robot;  ///< The robot's world, in the frames of the motion or its source.
   std::optional<SceneClip> human;  ///< The human's world, in the frames of the source; empty: none.
@@ -24,7 +24,7 @@ struct MotionScene {
 [[nodiscard]] std::optional<MotionScene> motion_scene(const Motion& motion);
 
 /// The scene of a motion that is measured against a source, as a fit makes it for this robot; empty
-/// if the source has none. Its contacts are those that a fit would hold.
+/// if the source has none. Its contacts are those that a fit would enforce.
 /// @param lead_in  whether the motion includes the source's lead-in.
 /// Errors: a robot whose limbs cannot be measured (kConfig).
 [[nodiscard]] Result<std::optional<MotionScene>> motion_scene(const MeasuredSource& source,

@@ -12,24 +12,24 @@
 
 namespace RETARGET_API retarget {
 
-/// How OnlineSolver solves a stream of human poses.
+/// Options of OnlineSolver.
 struct OnlineOptions {
   double frame_time = 0.02;  ///< Seconds from one pose to the next, above 0.
-  /// Fits a window of the latest poses, which moves with them: smoother, but a configuration leaves
-  /// at this age, seconds. Empty: every pose is solved when it arrives. Requires the method `fit`.
+  /// Fits a moving window of the latest poses: smoother, but a configuration is output at this age,
+  /// seconds. Empty: every pose is solved on arrival. Requires the method `fit`.
   std::optional<double> lag_s;
   bool floor = true;      ///< Without a window: keep the lowest point of the robot on the floor.
   bool hold_feet = true;  ///< Without a window: pull feet in contact to their contact positions.
 };
 
 /// Solves human poses at a constant rate for configurations of a robot, from past poses only. It
-/// makes the targets, runs the two-pass inverse kinematics, finds the floor and keeps feet in
-/// contact on it. It knows no clock and limits no speeds; LiveSession (live.h) does both. Use an
+/// makes the targets, runs the two-pass inverse kinematics, estimates the floor and keeps feet in
+/// contact on it. It neither uses a clock nor limits speeds; LiveSession (live.h) does both. Use an
 /// object from one thread at a time. Nothing is allocated per pose, except after restart.
 class OnlineSolver {
  public:
-  /// @param plan  from make_plan, with its clip: a few frames of the performer, which give the
-  ///     lengths of the limbs. The plan's method selects the targets.
+  /// @param plan  from make_plan, with its clip: a few frames of the performer, which determine the
+  ///     limb lengths. The plan's method selects the targets.
   /// Errors: those of make_targets.
   [[nodiscard]] static Result<OnlineSolver> make(const Plan& plan, const OnlineOptions& options);
   ~OnlineSolver();
@@ -39,12 +39,12 @@ class OnlineSolver {
   enum class Outcome : unsigned char {
     kSolved,   ///< There is a new configuration, qpos().
     kFilling,  ///< The window is not full yet.
-    kFailed,   ///< The pose cannot be solved and was left out.
+    kFailed,   ///< The pose cannot be solved and was skipped.
   };
   /// Solves the next pose.
   /// @param world_from_bone  metres, Z up; all values finite.
   Outcome push(const HumanPose& world_from_bone);
-  /// Ends the stream and takes the next configuration that is left in the window.
+  /// Ends the stream and takes the next remaining configuration of the window.
   /// @return false if there is none.
   [[nodiscard]] bool take_rest();
   /// The latest configuration, layout of RobotClip; valid until the next call.

@@ -34,8 +34,8 @@ enum class OptionFile : unsigned char {
              ///< file.
 };
 
-/// Work other than a run that takes some of a run's options. A row states it, so that no list of
-/// names has to be kept where the work is done. Values combine with `|`.
+/// Commands other than a run that accept some of a run's options. Each row states its commands, so
+/// that commands need no lists of names. Values combine with `|`.
 enum class OptionUse : unsigned {
   kNone = 0,
   kMeasure = 1U << 0U,  ///< Measuring a robot motion against its source.
@@ -47,7 +47,7 @@ enum class OptionUse : unsigned {
   kEdit = 1U << 5U,     ///< Editing a human motion.
   kLive = 1U << 6U,     ///< Retargeting a stream.
   kTrack = 1U << 7U,    ///< Making training arrays of motion trackers.
-  kOneClip = 1U << 8U,  ///< Only a run of one clip: a batch does not take the option.
+  kOneClip = 1U << 8U,  ///< Only a run of one clip: batches do not accept the option.
 };
 [[nodiscard]] constexpr OptionUse operator|(OptionUse a, OptionUse b) {
   return static_cast<OptionUse>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
@@ -68,7 +68,7 @@ struct OptionInfo {
   std::string former_name = {};  ///< Also accepted in files; empty if the name never changed.
   bool required = false;         ///< On the command line.
   std::string none = {};         ///< For an optional enum: the word for no choice; empty: none.
-  OptionUse uses = OptionUse::kNone;  ///< Other work that takes the option.
+  OptionUse uses = OptionUse::kNone;  ///< Other commands that accept the option.
   bool recorded_if_given = false;     ///< Records omit it while it is an empty text, so that they
                                       ///< are those of versions without it.
 };
@@ -205,7 +205,7 @@ Option option(std::string name, T& member, std::string group, std::string type, 
 /// Appends the rows of a table to another.
 void append(OptionTable& table, OptionTable rows);
 
-/// The rows of a table that this work takes, or the others; in order.
+/// The rows of a table that these commands accept, or the other rows; in order.
 [[nodiscard]] OptionTable rows_for(OptionUse use, OptionTable table);
 [[nodiscard]] OptionTable rows_not_for(OptionUse use, OptionTable table);
 

@@ -23,8 +23,7 @@ enum class Method : unsigned char {
 /// Inverse kinematics engine; both engines produce the same iterates.
 enum class IkEngine : unsigned char { kFast, kReference };
 
-/// Treatment of the lead-in: leading frames from which the motion jumps away (a T-pose, an all-zero
-/// frame).
+/// Treatment of the lead-in: leading frames before a jump (a T-pose, an all-zero frame).
 enum class LeadIn : unsigned char {
   kAuto,  ///< Drops the lead-in, except with Method::kGmr.
   kDrop,
@@ -33,8 +32,8 @@ enum class LeadIn : unsigned char {
 
 /// Treatment of noise in a clip: jittering joints, a drifting root, lost joints, frozen frames.
 enum class CleanRule : unsigned char {
-  kAuto,  ///< Removes noise that is measured, except with Method::kGmr; clean clips stay unchanged.
-  kOff,   ///< Uses the clip as it is.
+  kAuto,  ///< Removes measured noise, except with Method::kGmr; clean clips remain unchanged.
+  kOff,   ///< Uses the clip unchanged.
 };
 
 /// Interpolation between two frames of a clip.
@@ -63,7 +62,7 @@ enum class MotionFormat : unsigned char {
 /// Order of the four quaternion columns.
 enum class QuaternionOrder { kXyzw, kWxyz };
 
-/// The point whose velocity `body_lin_vel_w` is.
+/// The point to which the velocity `body_lin_vel_w` refers.
 enum class BodyPoint : unsigned char {
   kLink,  ///< The link's origin, as in mjlab.
   kMass,  ///< The centre of mass of the link with the bodies fixed to it, as in Isaac Lab.
@@ -83,7 +82,7 @@ enum class HandsRule : unsigned char {
   kAuto,     ///< kFollow; kOff with Method::kGmr.
   kFollow,   ///< Follow the human's fingers; relaxed if the source has no moving fingers.
   kRelaxed,  ///< Half open, like an idle hand.
-  kOff,      ///< Keep the joint positions from the body's solver.
+  kOff,      ///< Keep the joint positions of the body solver.
 };
 
 /// One of the six signed coordinate axes of a file.
@@ -165,10 +164,11 @@ struct FitOptions {
   double body_floor_weight = 800.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double scene_contact_weight = 230.0;  ///< Body in contact to a surface of the scene, per metre.
-  double scene_place_weight = 12.0;     ///< The same to the human's place on it, per metre.
-  double scene_hold_weight = 150.0;     ///< The same to its own mean place on it, per metre.
-  /// Side of a hand that faces the object it holds, per radian.
+  double scene_contact_weight = 230.0;  ///< Body in contact to its surface of the scene, per metre.
+  double scene_place_weight = 12.0;     ///< This body to the human's contact position, per metre.
+  /// This body to its own mean position on the surface, per metre.
+  double scene_hold_weight = 150.0;
+  /// Direction of the hand side that faces a held object, per radian.
   double scene_palm_weight = 10.0;
   double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
 
@@ -276,9 +276,10 @@ enum class RobotBase : unsigned char {
 
 /// Part of a robot that follows the human.
 enum class Follow : unsigned char {
-  kAll,   ///< Base, legs, trunk and arms.
-  kArms,  ///< Arms only, relative to the human's chest. The base is fixed; the joints of legs, trunk
-          ///< and head keep the standing pose, for another controller.
+  kAll,  ///< Base, legs, trunk and arms.
+  /// Arms only, relative to the human's chest. The base is fixed; the joints of legs, trunk and
+  /// head keep the standing pose, for another controller.
+  kArms,
 };
 
 /// Selects a robot by name, folder or model file.
@@ -291,7 +292,7 @@ struct RobotChoice {
   Follow follow = Follow::kAll;
 };
 
-/// Purpose of a motion. The preset of a purpose sets several options; options that are given win.
+/// Purpose of a motion. The preset of a purpose sets several options; explicit options override it.
 enum class Purpose : unsigned char {
   kTracking,  ///< Training a policy that tracks the motion (docs/fit.md, "Motions for policies").
 };

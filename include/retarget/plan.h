@@ -55,9 +55,9 @@ struct RobotSetup {
 /// All decisions for retargeting a clip to a robot. A plain value: every member may be read and
 /// replaced before solve().
 struct Plan {
-  /// The clip as read, cleaned, with scaled travel and moved to a changed scene (HumanOptions::clean,
-  /// SolveOptions::travel, ::terrain, ::terrain_scale, ::object_shift, ::object_scale); null after
-  /// solve(Plan&&).
+  /// The clip as read, cleaned, with scaled travel and moved to a changed scene
+  /// (HumanOptions::clean, SolveOptions::travel, ::terrain, ::terrain_scale, ::object_shift,
+  /// ::object_scale); null after solve(Plan&&).
   std::shared_ptr<const Clip> clip;
   LoadedRobot robot;
   Options options;  ///< As given; the members below take precedence.
@@ -73,8 +73,8 @@ struct Plan {
   bool is_config_of_others = false;  ///< `config` was chosen because the clip is not LAFAN1.
   ScaleRule scale = ScaleRule::kLimbs;
   std::optional<TravelReport> travel;  ///< Set if the travel of `clip` is scaled.
-  /// How prepare_clip stretches time. With SolveOptions::time_scale `auto`, decide_time_scale finds
-  /// it, which solve() calls.
+  /// Time scale that prepare_clip applies. With SolveOptions::time_scale `auto`, solve() calls
+  /// decide_time_scale to find it.
   std::optional<TimeScale> time_scale;
   FitOptions fit;
   std::shared_ptr<const Scene> scene;  ///< Around the human; null: only the floor.

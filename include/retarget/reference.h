@@ -40,17 +40,17 @@ struct ReferenceLimit {
   std::string joint;
   double time = 0.0;   ///< Of the largest value, seconds.
   double value = 0.0;  ///< Largest value: rad, rad/s or N m (m, m/s or N for slides).
-  double limit = 0.0;  ///< The limit that it is beyond.
+  double limit = 0.0;  ///< The exceeded limit.
 };
 struct ReferenceCorrection {
   std::string joint;
-  double time = 0.0;     ///< Of the largest change, about, seconds.
+  double time = 0.0;     ///< Approximate time of the largest change, seconds.
   double largest = 0.0;  ///< Bound for the change of the joint's position, rad or m.
 };
 
 /// The motion of a robot for a controller (docs/references.md): positions, velocities and
-/// accelerations that agree exactly, with forces and torques. SI units; world frame with z up.
-/// Arrays are row-major with one row per sample; n output joints, p contact points.
+/// accelerations that are exactly consistent, with forces and torques. SI units; world frame with z
+/// up. Arrays are row-major with one row per sample; n output joints, p contact points.
 struct MotionReference {
   std::string robot;
   FrameRate rate;
@@ -68,14 +68,14 @@ struct MotionReference {
   bool has_dynamics = false;
   double mass = 0.0;           ///< kg.
   std::vector<double> torque;  ///< n: joint torques under the contact forces, N m (N for slides).
-  /// 6: the force (world) and torque (about the root's origin, in its axes) that no contact
-  /// explains, and that a robot with a floating base lacks. For a fixed base, the load on its stand.
+  /// 6: the force (world) and torque (about the root's origin, in its axes) that contacts cannot
+  /// supply, so a floating base lacks them. For a fixed base, the load on its stand.
   std::vector<double> residual;
   std::vector<double> com, com_velocity, com_acceleration;  ///< 3 each: centre of mass.
   std::vector<double> angular_momentum;  ///< 3: about the centre of mass, world, kg m^2/s.
   /// Points that touch something in at least one sample: `link/0`, `link/1`, ...
   std::vector<std::string> contact_names, contact_links;
-  std::vector<std::uint8_t> contacts;    ///< p: 1 while a point may bear a force.
+  std::vector<std::uint8_t> contacts;    ///< p: 1 if a point may carry a force.
   std::vector<double> contact_position;  ///< p x 3: world, of every point at every sample.
   std::vector<double> contact_force;     ///< p x 3: world, on the robot; 0 without contact.
 
@@ -84,8 +84,8 @@ struct MotionReference {
   /// n each: joint ranges, speed limits and torque limits; infinity if there is none.
   std::vector<double> lower, upper, speed_limits, torque_limits;
   std::vector<ReferenceCorrection> corrections;  ///< Joints moved to keep limits between frames.
-  /// Values that remain beyond limits, one entry per joint and kind. Positions and speeds are bounded by
-  /// exact extremes of the spline, torques by the samples.
+  /// Values that remain beyond limits, one entry per joint and kind. Positions and speeds are
+  /// bounded by exact extremes of the spline, torques by the samples.
   std::vector<ReferenceLimit> beyond;
 };
 

@@ -213,14 +213,14 @@ struct QualityReport {
   int source_frames = 0;  ///< Frames of the motion that the source covers.
   /// Set if the motion is compared with a source whose travel was scaled (SolveOptions::travel).
   std::optional<TravelReport> travel;
-  std::optional<TimeScale> time_scale;  ///< Set if time was stretched.
+  std::optional<TimeScale> time_scale;  ///< Set if the motion was slowed.
   std::optional<double>
       leg;  ///< Robot leg, hip to knee to ankle, metres; needs a source and a configuration.
   int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.
   int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
                                      ///< with assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s.
-  /// How the soles were estimated: feet may float or sink, although their gates are kept. Empty: the
+  /// How the soles were estimated: feet may float or sink, although their gates pass. Empty: the
   /// soles are measured, or the robot has a fixed base.
   std::string estimated_soles;
   std::vector<MetricValue> values;  ///< Ordered as quality_metrics().

@@ -31,9 +31,9 @@ struct ResampleOptions {
 /// Rates that agree within 1e-4 (same_rate) count as equal: all frames are kept bit for bit, and
 /// the clip takes the output rate. Otherwise, quaternions are made sign-continuous (also in the
 /// result), a clip that goes to a lower rate is low-pass filtered first (zero-phase; rotations by
-/// their components), and samples between frames are interpolated. Samples that fall
-/// on a frame take it bit for bit, so without the filter, a whole fraction of the rate selects
-/// frames.
+/// their components), and samples between frames are interpolated. Samples at the
+/// time of a frame equal it bit for bit, so without the filter, an output rate that divides the
+/// source rate selects frames.
 ///
 /// Input errors: more than 1000 samples between two frames, more than 10 million in total, or more
 /// than four between two frames and 64 MB in total. Such a rate is a mistake and would exhaust the

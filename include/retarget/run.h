@@ -31,7 +31,7 @@ struct OutputItem {
   std::string path;  ///< `-`: standard output.
 };
 
-/// A file that was written, or would have been with `in_memory`.
+/// A written file. If a run only computes hashes, the file does not exist.
 struct WrittenFile {
   OutputItem item;
   std::string hash;  ///< Hash of its content, `sha256:...`.
@@ -39,14 +39,14 @@ struct WrittenFile {
 
 /// Returns the files for an output name and its formats. With one format the output is the file's
 /// name. With several, each name is the output without .csv, .npz, .pkl or .glb, plus the format's
-/// long ending: walk.csv, walk.mjlab.npz.
+/// long extension: walk.csv, walk.mjlab.npz.
 ///
 /// Usage errors: a repeated format, an ending that contradicts the format, .npz and .pkl without a
 /// format, several formats to standard output.
 [[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
                                                            const SaveOptions& options);
 
-/// Returns the frame rate of a format's file; trackers' formats have their own.
+/// Returns the frame rate of a format's file; tracking formats have their own rate.
 /// @param motion  rate of the other formats.
 [[nodiscard]] FrameRate rate_of_format(MotionFormat format, const SaveOptions& options,
                                        const FrameRate& motion);
@@ -57,8 +57,8 @@ struct WrittenFile {
 [[nodiscard]] std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
                                                   const FrameRate& motion);
 
-/// Specifies how a motion is written.
-/// @param output  whose name the motion takes where it needs one.
+/// Returns the options for writing a motion.
+/// @param output  its file name is also the name of the motion in formats that store one.
 [[nodiscard]] WriteMotionOptions write_options(const std::string& output,
                                                const SaveOptions& options);
 
@@ -161,15 +161,15 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 
 /// The travel (SolveOptions::travel, also that of a preset) recorded likewise; empty for none.
 [[nodiscard]] std::string recorded_travel(const std::string& path);
-/// The stretched time recorded likewise; empty for none.
+/// The time scaling recorded likewise; empty for none.
 [[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);
-/// The option recorded likewise that moves a robot's scene away from its given, scaled place; empty
-/// for none.
+/// The option recorded likewise that moves a robot's scene from its scaled position; empty for
+/// none.
 [[nodiscard]] std::string recorded_scene_move(const std::string& path);
 
 /// Lines of the summary of a run.
 
-/// Summary of the clip as read.
+/// Summary of the input clip.
 [[nodiscard]] SummaryLine clip_line(const Clip& clip);
 /// Results of a fit and its residuals. has_floor: the robot stands on a floor; verbose: include the
 /// cost of each term.
@@ -179,7 +179,7 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 
 /// A missed gate: `jumps 3 (at most 0)`.
-/// @pre its figure was measured
+/// @pre its metric was measured
 [[nodiscard]] std::string missed_text(const GateResult& gate);
 /// All missed gates of a report, separated by commas. Empty if no gate is missed.
 [[nodiscard]] std::string missed_gates_text(const QualityReport& report);
@@ -187,8 +187,8 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 /// Warnings about solver failures.
 [[nodiscard]] std::vector<Warning> solver_warnings(std::span<const SolverFailure> failures);
 
-/// Missed gates with their values, and a verdict line with the number of kept gates and the joint
-/// that is most often at its limit: `16 of 16 gates kept; waist_pitch at its limit in 46 % of
+/// Missed gates with their values, and a verdict line with the number of passed gates and the joint
+/// that is most often at its limit: `16 of 16 gates passed; waist_pitch at its limit in 46 % of
 /// frames`.
 /// @param file  name of the motion, if there may be several.
 [[nodiscard]] std::vector<SummaryLine> verdict_lines(const QualityReport& report,
@@ -214,7 +214,7 @@ struct RunDrawing {
 /// Additional outputs and settings of a run.
 struct RunRequest {
   std::string report;                ///< JSON report of the motion's quality; empty: none.
-  std::vector<RunDrawing> drawings;  ///< Pages and pictures of the motion.
+  std::vector<RunDrawing> drawings;  ///< Pages and renderings of the motion.
   std::string write_map;             ///< File for the map from joints to bones; empty: none.
   bool sidecar = false;              ///< Write `<output>.json` for each file.
   bool measure = false;              ///< Measure the motion's quality even if no report is written.
@@ -239,17 +239,17 @@ struct RunOutcome {
   std::optional<QualityReport> quality;  ///< Set if requested.
 };
 
-/// Loads a robot and reports what was found for it.
+/// Loads a robot and reports the files and properties found for it.
 [[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
                                              const DataFolder& data_folder, Observer& observer,
                                              Soles soles = Soles::kFound);
 
-/// Reads the clip of a run, plans the run, and reports what was found in the clip.
+/// Reads the clip of a run, plans the run, and reports the properties of the clip.
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
                                          const RobotSetup& robot, Observer& observer);
 
-/// Writes a motion as `output` and the options say, like run_to_files: all of its files appear
-/// together, or none. Reports what the formats cannot represent, and the written files.
+/// Writes a motion according to `output` and the options, like run_to_files: all of its files
+/// appear together, or none. Reports losses of the formats and the written files.
 /// @param contacts  contacts of the feet per frame, for formats that store them; empty: unknown.
 /// Errors: those of plan_outputs, and of the formats.
 [[nodiscard]] Result<std::vector<WrittenFile>> write_motion(
@@ -259,8 +259,8 @@ struct RunOutcome {
 /// Checks that the run recorded in a sidecar still gives the bytes that were recorded, by repeating
 /// it without writing. Reports inputs that have changed since, and the agreement. Inputs that moved
 /// together with the sidecar are found next to it.
-/// Errors: not a sidecar, or a motion that cannot be read again (kInput); the errors of the run; the
-/// output differs, or its file has changed (kRun).
+/// Errors: not a sidecar, or a motion that cannot be read again (kInput); the errors of the run;
+/// the output differs, or its file has changed (kRun).
 [[nodiscard]] Result<void> verify_run(const std::string& sidecar, const DataFolder& data_folder,
                                       Observer& observer);
 

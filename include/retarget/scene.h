@@ -17,8 +17,8 @@
 
 namespace RETARGET_API retarget {
 
-/// A shape of a scene, in its body's frame. All shapes are solid: a plane fills the half space below
-/// its z = 0, and the space below a height field is part of it.
+/// A shape of a scene, in its body's frame. All shapes are solid: a plane fills the half space
+/// below its z = 0, and the space below a height field is part of it.
 struct SceneShape {
   enum class Type : unsigned char { kPlane, kBox, kSphere, kCapsule, kCylinder, kMesh };
   Type type = Type::kBox;
@@ -34,26 +34,26 @@ struct SceneShape {
 struct SceneBody {
   std::string name;
   std::vector<SceneShape> shapes;
-  Pose world_from_body;  ///< Where the file places it; metres, Z up.
+  Pose world_from_body;  ///< Pose in the file; metres, Z up.
   bool moves = false;    ///< It has a free joint in the file, or a track.
   double mass = 0.0;     ///< kg; 0: unknown.
 };
 
-/// The surroundings of a human or a robot, without the floor z = 0.
+/// The environment of a human or a robot, without the floor z = 0.
 struct Scene {
   std::string name;  ///< File name, for messages.
   std::vector<SceneBody> bodies;
 
-  /// Index of a body; -1 if there is none of this name.
+  /// Index of the body with this name; -1 if it does not exist.
   [[nodiscard]] int find(const std::string& body) const;
 };
 
-/// Names of the parts of a human that may touch a body of a scene, besides the feet, in files.
+/// Names in files of the human's parts, other than the feet, that may touch a body of a scene.
 inline constexpr std::array<std::string_view, 8> kSupportNames = {
     "left_knee", "right_knee", "left_elbow", "right_elbow",
     "left_hand", "right_hand", "seat",       "back"};
 
-/// When a part of the human touches a body of a scene, as a file states it.
+/// Contacts of a part of the human with a body of a scene, from a file.
 struct StatedContact {
   std::string part;           ///< One of kSupportNames.
   std::size_t body = 0;       ///< Of the scene; in a track: 0.
@@ -83,7 +83,7 @@ struct SceneClip {
 };
 
 /// Reads a scene: MJCF, URDF, OBJ, STL or COLLADA, or a JSON list of primitives (docs/world.md).
-/// A floor at z = 0 is left out, because every clip has one.
+/// A floor at z = 0 is omitted, because every clip has one.
 ///
 /// Errors (kInput): a file that cannot be read, without shapes, or with shapes that are not
 /// supported; numbers that are not finite.
@@ -96,9 +96,9 @@ struct SceneClip {
 /// Samples tracks at the times of a clip: frames [begin, begin + frame_count) at `rate`, where the
 /// tracks have one pose per frame of the clip before it was cut and resampled.
 struct ClipTimes {
-  FrameRate source_rate;  ///< Of the clip as read.
-  int source_frames = 0;  ///< Of the clip as read.
-  int source_begin = 0;   ///< First used frame of the clip as read.
+  FrameRate source_rate;  ///< Rate of the source clip.
+  int source_frames = 0;  ///< Number of frames of the source clip.
+  int source_begin = 0;   ///< First used frame of the source clip.
   FrameRate rate;         ///< Of the result.
   int frame_count = 0;    ///< Of the result.
 };
@@ -107,9 +107,9 @@ struct ClipTimes {
 /// splines and rotations by slerp.
 ///
 /// A track may move any body, except an infinite plane: the scene of the result marks it as moving.
-/// A track without a body's name moves the only moving body, or the only body. Moving bodies without
-/// a track stay where the file places them. A track with its own rate starts when the clip as read
-/// starts.
+/// A track without a body's name moves the only moving body, or the only body. Moving bodies
+/// without a track stay where the file places them. A track with its own rate starts when the clip
+/// as read starts.
 ///
 /// Errors (kInput): a track of a body that the scene does not have, or of a plane; a track that is
 /// shorter than the clip; two tracks of a body.
@@ -117,8 +117,8 @@ struct ClipTimes {
                                             std::span<const ObjectTrack> tracks,
                                             const ClipTimes& times);
 
-/// The nearest surface of a body. Inside solids that consist of several shapes, the distance is that
-/// to the nearest surface of any shape that contains the point.
+/// The nearest surface of a body. Inside solids that consist of several shapes, the distance is
+/// that to the nearest surface of any shape that contains the point.
 struct SurfaceDistance {
   double distance = 0.0;                              ///< Signed, metres; negative inside.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Gradient of the distance, unit length.

@@ -22,7 +22,7 @@ struct FoundSurface {
   double first = 0.0, last = 0.0;  ///< Begin of the first and end of the last one, seconds.
 };
 
-/// The scene around a human, as far as its motion shows it.
+/// The scene around a human, derived from its motion.
 struct SceneFromMotion {
   Scene scene;
   std::vector<FoundSurface> surfaces;  ///< By body of the scene.
@@ -31,15 +31,16 @@ struct SceneFromMotion {
 /// Finds boxes on which a human steps, sits or leans, from the motion alone.
 ///
 /// * Steps: stances on a sole that is raised, in which the foot carries the body: the other foot
-///   stands on nothing lower for at least 0.1 s.
+///   does not stand lower for at least 0.1 s.
 /// * Seats: the hips rest for 0.5 s in the height of a sitting body, with level thighs, and farther
 ///   behind the feet than a squatting body could be.
-/// * Rests of hands: a hand stays within 2 cm for 0.5 s while its shoulder moves by more than 10 cm.
+/// * Rests of hands: a hand stays within 2 cm for 0.5 s while its shoulder moves by more than 10
+///   cm.
 ///
 /// Rests at the same height that are near each other share a box, unless the human stands lower in
 /// between. A box is the smallest rectangle around them, with a margin, from the floor up; under a
 /// hand it is 5 cm thick. Nothing is known about objects that the human does not touch.
-/// @return a scene without bodies if the human rests on nothing but the floor.
+/// @return a scene without bodies if the human only rests on the floor.
 /// Errors (kInput): the human has no feet.
 [[nodiscard]] Result<SceneFromMotion> scene_from_motion(const Clip& clip,
                                                         const Calibration& calibration,

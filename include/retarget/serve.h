@@ -16,7 +16,7 @@
 #include "retarget/options.h"
 #include "retarget/plan.h"
 
-// Streams over sockets, pipes and files: live.h without a network of one's own. Link retarget::live.
+// Streams over sockets, pipes and files, on top of live.h. Link retarget::live.
 namespace RETARGET_API retarget {
 
 /// Receives a human-readable message: a label and a text with marked options.
@@ -24,9 +24,9 @@ using LiveTell = std::function<void(std::string_view label, std::string_view tex
 
 class WriterThread;
 
-/// Writes text on a thread, so that a reader that pauses does not delay the caller. The reader
-/// misses what it does not read in time. For the messages of a live run: LiveTell is called while
-/// robot frames wait.
+/// Writes text on a thread, so that a reader that pauses does not delay the caller. Text that the
+/// reader does not read in time is dropped. For the messages of a live run: LiveTell is called
+/// while robot frames wait.
 class MessageWriter {
  public:
   /// @param descriptor  a file, a pipe or a terminal; duplicated.
@@ -43,7 +43,7 @@ class MessageWriter {
   std::unique_ptr<WriterThread> thread_;
 };
 
-/// How the body of a stream is calibrated.
+/// Calibration of the body of a stream.
 enum class LiveCalibration : unsigned char {
   kAuto,   ///< From the skeleton's file or header.
   kTpose,  ///< From a T-pose some seconds after the first frame.
@@ -74,7 +74,8 @@ struct PipelineStatistics {
   std::int64_t malformed = 0;  ///< Dropped packets: invalid, or with frames of another skeleton.
   std::int64_t crowded = 0;    ///< Dropped frames: too many in one packet.
   int skeletons = 0;           ///< Skeletons received.
-  int refused_skeletons = 0;   ///< Skeletons refused: not human or unusable; the body was kept.
+  /// Rejected skeletons: not human or unusable; the previous body was kept.
+  int refused_skeletons = 0;
 };
 
 /// Statistics of an output's robot frames.
@@ -131,7 +132,7 @@ struct ServeSummary {
 /// Runs until it is stopped, its duration is over or its input ends.
 ///
 /// Errors: unavailable addresses; an unrecognised body. A failing output is not an error of the
-/// run: the others continue. The run ends when no output accepts frames any more.
+/// run: the others continue. The run ends when no output accepts frames.
 [[nodiscard]] Result<ServeSummary> serve(const RobotSetup& robot, const ServeOptions& options,
                                          const ServeControl& control);
 

@@ -11,10 +11,10 @@
 #include "retarget/plan.h"
 #include "retarget/serve.h"
 
-// Live runs as clients state them, by options. Link retarget::live.
+// Live runs described by options. Link retarget::live.
 namespace RETARGET_API retarget {
 
-/// A live run with the robot by name. A recording keeps most of it.
+/// A live run with the robot's name. A recording stores most of its members.
 struct ServeRequest {
   RobotChoice robot;
   ServeOptions serve;    ///< Except the skeleton.

@@ -11,17 +11,18 @@ namespace RETARGET_API retarget {
 
 /// Deviation from the reference at which a simulated robot has fallen or is lost, for a robot as
 /// large as a G1; lengths scale with the legs (docs/simulation.md).
-inline constexpr double kFallHeight = 0.25;   ///< Root below the reference, metres.
-inline constexpr double kFallTilt = 45.0;     ///< Between the root's vertical axes, degrees.
-inline constexpr double kLostDistance = 0.5;  ///< Root beside the reference, metres.
+inline constexpr double kFallHeight = 0.25;  ///< Root below the reference, metres.
+inline constexpr double kFallTilt = 45.0;    ///< Between the root's vertical axes, degrees.
+/// Horizontal distance of the root from the reference, metres.
+inline constexpr double kLostDistance = 0.5;
 
 /// A mean and a 95th percentile.
 struct MeanAndP95 {
   double mean = 0.0, p95 = 0.0;
 };
 
-/// How a robot followed a motion in a physics simulation. Figures other than the fall cover the
-/// time before it.
+/// Result of a physics simulation in which a robot tracks a motion. Metrics other than the fall
+/// cover the time before the fall.
 struct SimulationReport {
   std::string robot;
   int frames = 0;          ///< Of the reference.
@@ -56,14 +57,14 @@ struct SimulateOptions {
 /// Replays a motion in MuJoCo: the robot's model on a plane, with torque limits, under a whole-body
 /// controller that tracks the motion by a quadratic program over torques and contact forces
 /// (docs/simulation.md). The robot starts in the motion's first frame with its velocity. After a
-/// fall, the joints only brake. The same input gives the same bytes on a machine.
+/// fall, the controller only damps the joints. The same input gives the same bytes on one machine.
 ///
 /// Errors: a motion with fewer than three frames (kInput); a robot with a fixed base, without soles
 /// or without masses (kConfig).
 [[nodiscard]] Result<Simulation> simulate(const RobotClip& reference,
                                           const SimulateOptions& options = {});
 
-/// The report as text, one figure per line.
+/// The report as text, one metric per line.
 [[nodiscard]] std::string simulation_text(const SimulationReport& report);
 /// The report as JSON.
 [[nodiscard]] std::string simulation_json(const SimulationReport& report);

@@ -17,7 +17,7 @@ struct SlowedStretch {
   std::string cause;              ///< `left_knee_joint speed`, ...; empty: the factor was given.
 };
 
-/// How the time of a source is stretched (docs/references.md). The pace, seconds of the motion per
+/// How the time of a source is scaled (docs/references.md). The pace, seconds of the motion per
 /// second of the source, is a cubic spline with continuous second derivative and at least 1, so the
 /// time of the motion increases with that of the source and has a continuous third derivative.
 struct TimeScale {

@@ -11,7 +11,7 @@
 
 namespace RETARGET_API retarget {
 
-/// A figure that a TrackingPredictor uses: clipped to [least, most], then `roots` times its square
+/// A metric that a TrackingPredictor uses: clipped to [least, most], then `roots` times its square
 /// root, then (x - middle) / spread, times `coefficient`.
 struct PredictorFigure {
   std::string metric;  ///< Key of a metric.
@@ -29,8 +29,8 @@ struct CalibrationBin {
   int windows = 0;
 };
 
-/// A logistic model of the probability that the controller of simulate() tracks a window of a motion
-/// without a fall, from the figures of its quality report alone (docs/certificate.md).
+/// A logistic model of the probability that the controller of simulate() tracks a window of a
+/// motion without a fall, from the metrics of its quality report alone (docs/certificate.md).
 struct TrackingPredictor {
   double window_s = 10.0;  ///< Length of a window, seconds.
   double intercept = 0.0;
@@ -38,7 +38,7 @@ struct TrackingPredictor {
   std::vector<CalibrationBin> calibration;
   double auc = 0.0;  ///< Area under the ROC curve, on clips that it was not fitted on.
 
-  /// The probability; nothing if the report lacks a figure.
+  /// Computes the probability; empty if the report lacks a metric.
   [[nodiscard]] std::optional<double> probability(const QualityReport& report) const;
 };
 

@@ -20,14 +20,14 @@
 
 namespace RETARGET_API retarget {
 
-// Pages and pictures that show motions. A page is one HTML file that loads nothing else.
+// Pages and renderings of motions. A page is one HTML file that loads no other resource.
 
 /// Number of bodies of a page with meshes and names of missing ones, as summary lines; empty if the
 /// robot has none.
 [[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
 
-/// Why a scene is too large for a page, which then leaves it out, as a summary line: more than 300,000
-/// triangles, 20,000 shapes, or a million poses of moving bodies. Empty if it is drawn, or null.
+/// Summary line that states why a page omits a scene: more than 300,000 triangles, 20,000 shapes,
+/// or a million poses of moving bodies. Empty if the page shows the scene, or if it is null.
 [[nodiscard]] std::vector<SummaryLine> scene_lines(const SceneClip* scene);
 
 /// A motion on a page, with optional data. The pointees must outlive the call that makes the page.
@@ -37,12 +37,13 @@ struct PageMotion {
   const HumanClip* human = nullptr;  ///< Source, one frame per frame of the clip; null: none.
   /// Metrics, gates, faults and contacts, from measure or evaluate; null: none are shown.
   const QualityReport* report = nullptr;
-  const LimitSet* limits = nullptr;         ///< Shaded in the curves; null: the model's ranges.
+  const LimitSet* limits = nullptr;         ///< Shaded in the plots; null: the model's ranges.
   std::optional<FrameRate> file_rate = {};  ///< Original rate of a resampled clip.
   /// Drawn instead of the collision primitives; null: none. For several motions of one robot, the
   /// first motion's meshes are used.
   const RobotMeshes* meshes = nullptr;
-  /// Drawn around the robot, and its human world around the human; null: none. Motions may share one.
+  /// Drawn around the robot, and its human world around the human; null: none. Motions may share
+  /// one.
   const MotionScene* scene = nullptr;
 };
 
@@ -107,8 +108,8 @@ struct GalleryClip {
   std::vector<std::string> missed;                      ///< Metrics that missed their gates.
 };
 
-/// The group in which the index of a gallery opens with a clip: 0 all gates kept, 1 not measured,
-/// 2 a gate missed, 3 failed, which is folded. Clips of a group keep their order.
+/// The group in which the index of a gallery opens with a clip: 0 all gates passed, 1 not measured,
+/// 2 a gate missed, 3 failed, which is collapsed. Clips of a group keep their order.
 [[nodiscard]] int opening_rank(const GalleryClip& clip);
 
 /// Size of thumbnails, pixels.
@@ -124,7 +125,7 @@ inline constexpr double kThumbnailWidth = 320.0, kThumbnailHeight = 96.0;
 [[nodiscard]] std::string gallery_note_page(const std::string& title, const std::string& message,
                                             const PageLinks& links);
 
-/// How a strip is drawn as SVG.
+/// Options for drawing a strip as SVG.
 struct StripOptions {
   int poses = 6;      ///< At least one; limited to the number of frames.
   std::string title;  ///< Any text; empty: none.
@@ -136,14 +137,14 @@ struct StripOptions {
 /// relative to its mean facing direction.
 /// @pre The motion has at least one frame.
 /// @param human  the source of the motion, frame by frame, drawn in a separate row above the robot;
-///   poses after its end are left out. Null: none.
+///   poses after its end are omitted. Null: none.
 [[nodiscard]] std::string draw_strip(const RobotClip& motion, const HumanClip* human,
                                      const StripOptions& options = {});
 
-/// How a strip is drawn as PNG.
+/// Options for drawing a strip as PNG.
 struct StripPictureOptions {
   int poses = 6;                  ///< As StripOptions::poses.
-  double width = 1200.0;          ///< Maximum width of the picture, pixels.
+  double width = 1200.0;          ///< Maximum width of the image, pixels.
   double max_row_height = 420.0;  ///< Maximum height of the tallest figure, pixels.
   bool times = true;              ///< Draw times below the poses.
 };
@@ -161,7 +162,7 @@ struct StripPictureOptions {
 /// @param path  the file to write.
 [[nodiscard]] RunDrawing page_of_run(std::string path);
 
-/// A picture of a run: draw_strip_picture of its motion.
+/// A rendering of a run: draw_strip_picture of its motion.
 /// @param poses  number of poses; 0: the default.
 [[nodiscard]] RunDrawing picture_of_run(std::string path, int poses = 0);
 

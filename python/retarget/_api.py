@@ -52,9 +52,9 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
              fit: Mapping[str, Any] | None = None, threads: int = 0,
              progress: Progress | None = None, data_dir: StrPath | None = None,
              **options: Unpack[_options.ToRobotOptions]) -> _retarget.Motion:
-    """Retargets a human motion to a robot, byte for byte like the command.
+    """Retargets a human motion to a robot; the result has the same bytes as the command's output.
 
-    Other Python threads can run concurrently, also on other clips; Ctrl-C stops the work.
+    Other Python threads can run and retarget clips at the same time. Ctrl-C stops the call.
 
     Args:
         clip: a clip, or the path of a file (options of load() are then allowed).

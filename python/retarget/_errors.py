@@ -90,7 +90,7 @@ class MissingConfigError(ConfigError, _MissingFile):
 
 
 class RunError(Error, RuntimeError):
-    """An operation failed: an output could not be written, or clips do not fit at a seam."""
+    """An operation failed: an output could not be written, or clips do not match at a seam."""
 
     kind = "run"
 
@@ -108,20 +108,20 @@ _MISSING: dict[type[Error], type[Error]] = {InputError: MissingInputError,
 
 def make_error(kind: str, text: str, message: str, file: str, line: int, column: int,
                details: list[str], hint: str) -> BaseException:
-    """Called by the module for an error of the library."""
+    """Raises an error of the library; called by the module."""
     if kind == "interrupted":
         return KeyboardInterrupt(text)
     if kind == "type":
         return ArgumentTypeError(text)
     chosen = _KINDS[kind]
-    # The library's text is the system's, and it names the file as the user did.
+    # The library's message has the system's text and the file name that the user gave.
     if os.strerror(errno.ENOENT) in message and file and not os.path.exists(file):
         chosen = _MISSING.get(chosen, chosen)
     return chosen(text, message, file, line, column, tuple(details), hint)
 
 
 def warn(text: str) -> None:
-    """Called by the module for a warning of the library; names the user's line."""
+    """Issues a warning of the library at the user's line; called by the module."""
     level = 1
     frame = sys._getframe()
     while frame.f_back is not None and _is_ours(frame.f_globals.get("__name__", "")):

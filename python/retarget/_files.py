@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def convert(input: StrPath, output: StrPath, robot: StrPath | None = None, *,
             data_dir: StrPath | None = None,
             **options: Unpack[_options.ConvertOptions]) -> list[Path]:
-    """Converts a robot motion to another format or rate, byte for byte like `retarget convert`.
+    """Converts a robot motion to another format or rate, with the same bytes as `retarget convert`.
 
     Without a robot, a human motion is written as GLB.
 
@@ -125,7 +125,7 @@ class RobotFacts:
     """Whether there is a retargeting configuration from humans."""
     licence: str
     licence_stated: bool
-    """Whether the maker states a licence of the model."""
+    """Whether the maker states a licence for the model."""
     revision: str | None = None
     """Revision of the source; None: not recorded, or not installed."""
     revision_date: str | None = None

@@ -1,4 +1,4 @@
-"""Whole commands besides batch(): verify, galleries, new robots."""
+"""Functions of whole commands other than batch(): verify, gallery, add_robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def verify(sidecar: StrPath, *, data_dir: StrPath | None = None) -> list[str]:
-    """Checks that a recorded run still gives the recorded bytes, by repeating it without writing.
+    """Repeats a recorded run without writing, and checks that its bytes are the recorded ones.
 
     Args:
         sidecar: FILE.json, which `retarget` and batch() write with `sidecar`; or a certificate of

@@ -27,19 +27,19 @@ class RobotFrame:
     """A configuration of the robot at a time."""
 
     index: int
-    """0, 1, 2, ..."""
+    """Index of the robot frame, from 0."""
     time: float
-    """Seconds on the sender's clock, of the human pose that it shows."""
+    """Time of its human pose on the sender's clock, seconds."""
     state: str
-    """`following`, `holding` (frames are missing) or `standing` (for long)."""
+    """`following`, `holding` (frames are missing) or `standing` (they are missing for long)."""
     qpos: np.ndarray
     """(7 + n,) float64: like a row of Motion.qpos; metres, radians, quaternion w x y z."""
     due: float
-    """Seconds on the caller's clock (`now`) at which the frame is due."""
+    """Time at which the frame is due, seconds on the caller's clock (`now`)."""
 
 
 class LiveSession:
-    """One stream; made by live(). Use it in a `with` block and from one thread at a time."""
+    """A live session, created by live(). Use it in a `with` block, from one thread at a time."""
 
     def __init__(self, engine: _retarget.LiveSession, source: Iterable[Any] | None,
                  callback: Callable[[RobotFrame], object] | None) -> None:
@@ -57,7 +57,7 @@ class LiveSession:
             rotations_wxyz: (J, 4) unit quaternions parent_from_joint, like a frame of
                 Clip.local_rotations_wxyz of the calibrating clip.
             positions: (J, 3) positions in the parents' frames, like a frame of
-                Clip.local_positions; joints with a fixed offset ignore theirs.
+                Clip.local_positions; ignored for joints with a fixed offset.
             time: seconds on the sender's clock; None: the time of arrival.
             now: seconds on a clock of the caller, which must not decrease; None: the time since the
                 session began. Give it to replay a recording faster than it was made.
@@ -91,7 +91,7 @@ class LiveSession:
 
     @property
     def due(self) -> float | None:
-        """When the next robot frame is due, seconds on the caller's clock; None: no human yet."""
+        """Due time of the next robot frame, seconds on the caller's clock; None: no human yet."""
         return self._engine.due()
 
     @property
@@ -110,7 +110,7 @@ class LiveSession:
         return self._engine.robot()
 
     def __iter__(self) -> Iterator[RobotFrame]:
-        """Takes human frames from `source` and yields robot frames; at its end, the session ends.
+        """Reads human frames from `source` and yields robot frames. The session ends with `source`.
 
         A human frame is (rotations_wxyz, positions) or (rotations_wxyz, positions, time). With a
         time, it also is the caller's clock: a recording plays as fast as it is read.
@@ -153,7 +153,7 @@ def live(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | None
          callback: Callable[[RobotFrame], object] | None = None, fps: float = 50.0,
          data_dir: StrPath | None = None,
          **options: Unpack[_options.LiveRobotOptions]) -> LiveSession:
-    """Opens a live session: each human frame as it arrives, robot frames at a constant rate.
+    """Opens a live session, which returns robot frames at a constant rate.
 
         with retarget.live("walk.bvh", "unitree_g1", callback=send) as session:
             for rotations, positions in tracker:

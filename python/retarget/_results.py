@@ -1,4 +1,4 @@
-"""Text and number results of the functions."""
+"""Results of functions that consist of text and numbers."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether all gates are kept."""
+        """Whether the motion passes all gates."""
         return self.data["passed"]
 
     @property
@@ -80,9 +80,9 @@ class Report:
                       if gate.get(key) is not None]
             cells = (gate["metric"], "" if value is None else f"{value:.4g}",
                      _units().get(gate["metric"], ""), " ".join(bounds),
-                     "kept" if gate["passed"] else "<b>missed</b>")
+                     "passed" if gate["passed"] else "<b>missed</b>")
             rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-        head = "".join(f"<th>{name}</th>" for name in ("figure", "value", "unit", "gate", ""))
+        head = "".join(f"<th>{name}</th>" for name in ("metric", "value", "unit", "gate", ""))
         return (f"<table><caption>{html.escape(self.data['file'])}: {self._verdict()}</caption>"
                 f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>")
 

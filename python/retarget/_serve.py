@@ -23,7 +23,7 @@ _LISTENING = "input: listening at "
 
 
 class Server:
-    """A live run in a thread of its own; made by serve(). The `with` block stops it at its end."""
+    """A live run in its own thread, created by serve(). The end of the `with` block stops it."""
 
     def __init__(self, engine: _retarget.Server, query: str) -> None:
         self._engine = engine
@@ -32,7 +32,7 @@ class Server:
         self._summary: dict[str, Any] | None = None
         self._thread = threading.Thread(target=self._run, name="retarget.serve", daemon=True)
         self._thread.start()
-        # A daemon thread would otherwise run while the interpreter is taken down.
+        # A daemon thread would otherwise run while the interpreter shuts down.
         atexit.register(self._end)
 
     def wait(self, timeout: float | None = None) -> dict[str, Any] | None:
@@ -73,18 +73,18 @@ class Server:
 
     @property
     def running(self) -> bool:
-        """Whether the run is not over."""
+        """Whether the run is active."""
         return self._thread.is_alive()
 
     @property
     def address(self) -> str | None:
-        """The address at which it listens, for play(); None: not yet, or not on a network."""
+        """Listening address, for play(); None: not listening yet, or not on a network."""
         return next((line.removeprefix(_LISTENING) + self._query for line in self.messages
                      if line.startswith(_LISTENING)), None)
 
     @property
     def messages(self) -> list[str]:
-        """The lines that the command prints: addresses, what was found in the stream, faults."""
+        """Lines that the command prints: addresses, the content of the stream, faults."""
         return self._engine.messages()
 
     @property
@@ -107,7 +107,7 @@ class Server:
     def _run(self) -> None:
         try:
             self._summary = self._engine.run()
-        except BaseException as error:  # raised again in the thread of the caller
+        except BaseException as error:  # Raised again in the caller's thread.
             self._error = error
 
     def _end(self) -> None:
@@ -127,19 +127,19 @@ def serve(robot: StrPath | None = None, *, input: str | None = None,
             server.wait(60)
         server.summary["robot_frames"]
 
-    It returns when it listens, and runs in a thread of its own. For human frames that the program
-    itself has, use live().
+    The call returns when the run is listening; the run has its own thread. If your program has the
+    human frames, use live().
 
     Args:
         robot: name or folder of the robot; not needed with `replay`.
-        input: not needed with `replay`, either.
-        output: one or several.
+        input: address of the stream; not needed with `replay`.
+        output: one or several addresses or files.
         fps: robot frames per second; None: 50, or those of `replay`.
         data_dir: folder with robots/ and configs/.
 
     Raises:
         UsageError: no input or no output; options that contradict each other.
-        RunError: an address that is not available.
+        RunError: an unavailable address.
         ConfigError: an unknown robot.
     """
     if input is None and not options.get("replay"):
@@ -161,7 +161,7 @@ def serve(robot: StrPath | None = None, *, input: str | None = None,
 @with_options("PlayerOptions", "SourceOptions")
 def play(clip: _retarget.Clip | StrPath, to: str, *, speed: float = 1.0, header: bool = True,
          data_dir: StrPath | None = None, **options: Unpack[_options.PlayOptions]) -> int:
-    """Sends a human motion as its motion capture system would, such as to serve().
+    """Sends a human motion like a motion capture system, for example to serve().
 
         retarget.play("walk.bvh", "udp:1118?format=bvh")
 
@@ -175,11 +175,11 @@ def play(clip: _retarget.Clip | StrPath, to: str, *, speed: float = 1.0, header:
         data_dir: folder with robots/ and configs/.
 
     Returns:
-        The number of frames that were sent.
+        The number of sent frames.
 
     Raises:
-        UsageError: an address of another form.
-        RunError: an address that is not available.
+        UsageError: a malformed address.
+        RunError: an unavailable address.
         InputError: no human in the clip, in formats with fixed bones.
     """
     given: dict[str, Any] = dict(options)

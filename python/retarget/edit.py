@@ -29,7 +29,7 @@ StrPath = str | os.PathLike[str]
 
 def trim(clip: Clip, *, start: float | None = None, end: float | None = None,
          frames: str | slice | None = None) -> Clip:
-    """Cuts out a part by times (seconds, inclusive) or by frames (`"a:b"` or a slice)."""
+    """Returns an excerpt by times (seconds, inclusive) or by frames (`"a:b"` or a slice)."""
     if isinstance(frames, slice):
         if frames.step not in (None, 1):
             raise UsageError("frames: a slice with a step; resample() gives fewer frames")
@@ -64,7 +64,7 @@ def rest(clip: Clip, like: Clip) -> Clip:
 @with_options("EditOptions")
 def transfer(clip: Clip, like: Clip, *, data_dir: StrPath | None = None,
              **options: Unpack[_options.EditOptions]) -> Clip:
-    """Transfers the motion to another skeleton, that of `like`, through the T-pose."""
+    """Transfers the motion to the skeleton of `like`, through the T-pose."""
     return _retarget.edit_transfer(clip, like, dict(options), data_dir)
 
 
@@ -128,7 +128,7 @@ def concatenate(clips: Sequence[Clip], *, data_dir: StrPath | None = None,
 @with_options("PathOptions", "EditOptions")
 def follow_path(clip: Clip, to: StrPath | None = None, *, data_dir: StrPath | None = None,
                 **options: Unpack[_options.PathEditOptions]) -> Clip:
-    """A motion along another path over the ground: `line`, `circle`, `figure8`, a JSON file.
+    """Returns the motion along another path: `line`, `circle`, `figure8`, a JSON file.
 
     Raises:
         RunError: the path is too fast for the motion.

@@ -1,4 +1,4 @@
-"""Data sets of any size on a cluster of Ray.
+"""Data sets of any size on a Ray cluster.
 
     import retarget.ray
 
@@ -49,7 +49,7 @@ class DataSet:
     done: int
     """Clips that this call solved."""
     failed: int
-    """Clips that failed in this call, also those whose process ended in every try."""
+    """Clips that failed in this call, including those whose process died in every attempt."""
     kept: int
     """Clips that an earlier call finished."""
     passed: int
@@ -63,7 +63,7 @@ def retarget_dataset(inputs: StrPath | Iterable[StrPath], out: StrPath, robot: S
                      tasks_in_flight: int | None = None,
                      storage_options: Mapping[str, Any] | None = None,
                      **options: Any) -> DataSet:
-    """Retargets clips on Ray, with the bytes of `retarget batch`.
+    """Retargets clips on Ray, with the same bytes as `retarget batch`.
 
     Errors of single clips do not stop it; the manifest records them (read_manifest()). A clip whose
     process ends is tried again, alone, and fails after `most_tries`. So does a clip whose worker or

@@ -216,10 +216,10 @@ std::string shown_clip(const ClipHandle& clip) {
 }  // namespace
 
 void bind_clip(nb::module_& module) {
-  nb::class_<ClipHandle>(module, "Clip",
-                         "A human motion: a skeleton and its poses, in the units and axes of the "
-                         "file it came from.\n\n"
-                         "Arrays are read-only; F frames, J joints in the order of joint_names.")
+  nb::class_<ClipHandle>(
+      module, "Clip",
+      "A human motion: a skeleton and its poses, in the units and axes of its file.\n\n"
+      "Arrays are read-only; F frames, J joints in the order of joint_names.")
       .def_prop_ro(
           "name", [](const ClipHandle& clip) { return text_of(clip->name()); },
           "Name of the clip in messages: its file.")

@@ -119,8 +119,8 @@ void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     if (to_text(table[i].get()) == before[i]) continue;
     const std::string name = keyword_of(table[i]);
-    raise(usage_failure(name + ": the motion is measured with the options that it was made with, " +
-                        name + " \"" + before[i] + "\"; set another value in to_robot()")
+    raise(usage_failure(name + ": the motion is measured with the options of its run, " + name +
+                        " \"" + before[i] + "\"; set another value in to_robot()")
               .value());
   }
 }

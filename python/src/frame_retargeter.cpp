@@ -343,7 +343,7 @@ void bind_frame_retargeter(nb::module_& module) {
                    "The configuration, a copy.")
       .def_prop_ro("target_bodies", &SharedRetargeter::target_bodies,
                    nb::sig("def target_bodies(self) -> list[str]"),
-                   "Human bodies that the targets are computed from, the root first.")
+                   "Human bodies from which the targets are computed, the root first.")
       .def_prop_ro("joint_names", &SharedRetargeter::joint_names,
                    nb::sig("def joint_names(self) -> list[str]"), "In the order of qpos.")
       .def_prop_ro("body_names", &SharedRetargeter::body_names,

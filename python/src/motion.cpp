@@ -240,7 +240,7 @@ void bind_motion(nb::module_& module) {
           "contact_names", [](const MotionHandle&) { return contact_names(); },
           nb::sig("def contact_names(self) -> list[str]"), "Columns of contacts.")
       .def_prop_ro("source", &source, nb::sig("def source(self) -> Clip | None"),
-                   "The human clip, frame by frame alongside the motion; None if the motion was "
+                   "The human clip, with the same frames as the motion; None if the motion was "
                    "read from a file.")
       .def_prop_ro(
           "robot", [](const MotionHandle& motion) { return motion.robot; },

@@ -50,7 +50,7 @@ void check_held_values(const Robot& robot, const RobotClip& clip) {
     for (const auto& [address, name] : held) {
       const double found = clip.qpos(frame)[address];
       if (std::abs(found - zero[address]) <= kHeldTolerance) continue;
-      refuse_qpos(fmt::format("qpos[{}, {}]: {} is held at {} in this robot, found {}", frame,
+      refuse_qpos(fmt::format("qpos[{}, {}]: {} is locked at {} in this robot, found {}", frame,
                               address, nb::cast<std::string>(text_of(name)), zero[address], found));
     }
   }
@@ -107,15 +107,13 @@ MotionHandle from_qpos(const nb::object& qpos, const RobotHandle& robot, double 
 MotionHandle part_of(const MotionHandle& motion, const nb::object& index) {
   if (!PySlice_Check(index.ptr())) {
     raise_type_error(
-        "a motion is indexed by a slice, such as motion[10:200]; motion.qpos[i] is one "
-        "frame");
+        "index a motion with a slice, such as motion[10:200]; motion.qpos[i] is one frame");
   }
   Py_ssize_t begin = 0, end = 0, step = 0;
   if (PySlice_Unpack(index.ptr(), &begin, &end, &step) < 0) throw nb::python_error();
   if (step != 1) {
-    raise(usage_failure(
-              "a slice of a motion takes every frame, found the step " + std::to_string(step),
-              "motion.resample(fps) changes the frame rate")
+    raise(usage_failure("a slice of a motion must have the step 1, found " + std::to_string(step),
+                        "motion.resample(fps) changes the frame rate")
               .value());
   }
   const Py_ssize_t count = PySlice_AdjustIndices(motion.clip->frame_count(), &begin, &end, step);
@@ -195,12 +193,11 @@ void bind_motion_arrays(nb::module_& module) {
           "bit.\n\n"
           "Raises UsageError: another shape, numbers that are not finite, quaternions that are not "
           "of unit length, joints that the robot's variant holds elsewhere.")
-      .def(
-          "__getitem__", &part_of, "frames"_a,
-          nb::sig("def __getitem__(self, frames: slice) -> Motion"),
-          "The frames of a slice as a motion of its own, with its contacts; negative indices count "
-          "from the end. The part has no source: evaluate() accepts one.\n\n"
-          "Raises UsageError: a step other than 1, no frames; TypeError: not a slice.")
+      .def("__getitem__", &part_of, "frames"_a,
+           nb::sig("def __getitem__(self, frames: slice) -> Motion"),
+           "The frames of a slice as a separate motion, with its contacts; negative indices count "
+           "from the end. The result has no source; pass one to evaluate().\n\n"
+           "Raises UsageError: a step other than 1, no frames; TypeError: not a slice.")
       .def("resample", &at_other_rate, "fps"_a, nb::sig("def resample(self, fps: float) -> Motion"),
            "The motion at another frame rate, with its contacts: cubic interpolation, after a "
            "low-pass "

@@ -210,7 +210,7 @@ void bind_robot(nb::module_& module) {
                    "Index of each body's parent; -1: the world itself.")
       .def_prop_ro("qpos_names", &qpos_names, nb::sig("def qpos_names(self) -> list[str]"),
                    "Names of all n joints of the model, in the order of columns 7 to 7 + n of "
-                   "Motion.qpos; joint_names may leave some out and have another order.")
+                   "Motion.qpos; joint_names may omit some of them and may have another order.")
       .def_prop_ro("qpos_bodies", &qpos_bodies, nb::sig("def qpos_bodies(self) -> list[int]"),
                    "Index of the body that each joint of qpos_names moves.")
       .def("joint_limits", &joint_limits, "limits"_a = nb::none(),

@@ -1,4 +1,5 @@
-// retarget.Scene: the surroundings of a human or a robot, and the contacts of a motion with them.
+// Binds retarget.Scene: the environment of a human or a robot, and the contacts of a motion with
+// them.
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
@@ -218,12 +219,11 @@ nb::object labels_of_motion(const MotionHandle& motion) {
 }  // namespace
 
 void bind_scene(nb::module_& module) {
-  nb::class_<SceneHandle>(
-      module, "Scene",
-      "The surroundings of a human or a robot: rigid bodies of solid shapes, without "
-      "the floor z = 0.\n\n"
-      "World frame, metres, Z up; F frames, B bodies. A scene from a file has "
-      "one frame, that of a motion has the frames of the motion.")
+  nb::class_<SceneHandle>(module, "Scene",
+                          "The environment of a human or a robot: rigid bodies of solid shapes, "
+                          "without the floor z = 0.\n\n"
+                          "World frame, metres, Z up; F frames, B bodies. A scene from a file has "
+                          "one frame, the scene of a motion has the frames of the motion.")
       .def_prop_ro(
           "name", [](const SceneHandle& scene) { return text_of(scene.clip.scene->name); },
           "File name.")
@@ -279,12 +279,12 @@ void bind_scene(nb::module_& module) {
       });
   nb::borrow<nb::class_<MotionHandle>>(module.attr("Motion"))
       .def_prop_ro("scene", &scene_of_motion, nb::sig("def scene(self) -> Scene | None"),
-                   "The scene around the robot, of the robot's size, in the frames of the motion; "
+                   "The scene around the robot, at the robot's scale, in the frames of the motion; "
                    "None: only the floor, or the motion was not fitted.")
       .def_prop_ro("contact_labels", &labels_of_motion,
                    nb::sig("def contact_labels(self) -> retarget._scenes.ContactLabels | None"),
-                   "Contacts of the robot's bodies with surfaces, which the fit holds because the "
-                   "human has them; None: the motion was not fitted.");
+                   "Contacts of the robot's bodies with surfaces: the human's contacts, which the "
+                   "fit enforces; None: the motion was not fitted.");
   nb::borrow<nb::class_<PlanHandle>>(module.attr("Plan"))
       .def_prop_ro("scene", &scene_of_plan, nb::sig("def scene(self) -> Scene | None"),
                    "The scene around the human, as in its file; None: only the floor.");

@@ -62,7 +62,7 @@ std::string message_of(std::string_view label, std::string_view text) {
   return std::string(label) + (label.empty() ? "" : ": ") + spell_options(text);
 }
 
-// Collects what loading a robot has to say.
+// Collects the messages about loading a robot.
 class LoadingObserver : public Observer {
  public:
   void line(std::string_view label, std::string_view text) override {
@@ -155,7 +155,7 @@ int play_clip(const ClipHandle& clip, const nb::object& to, double speed, bool h
 }  // namespace
 
 void bind_serve(nb::module_& module) {
-  nb::class_<PythonServer>(module, "Server", "The engine of retarget.serve(); use that.")
+  nb::class_<PythonServer>(module, "Server", "The engine of retarget.serve(); use that function.")
       .def("__init__", &open_server, "robot"_a.none(), "fps"_a.none(), "options"_a,
            "data_dir"_a.none())
       .def("run", &PythonServer::run)

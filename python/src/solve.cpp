@@ -163,7 +163,7 @@ void bind_solve(nb::module_& module) {
                    "Options that differ from their defaults, as text, by keyword.")
       .def_prop_ro(
           "clip", [](const PlanHandle& plan) { return ClipHandle(plan.clip); },
-          nb::sig("def clip(self) -> Clip"), "The clip as given.")
+          nb::sig("def clip(self) -> Clip"), "The input clip.")
       .def_prop_ro(
           "robot", [](const PlanHandle& plan) { return plan.robot; },
           nb::sig("def robot(self) -> Robot"), "The robot.")

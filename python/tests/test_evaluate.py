@@ -101,7 +101,7 @@ def test_what_was_solved_keeps_its_source(walk: retarget.Clip, g1: retarget.Robo
     assert whole.data["frames"] == len(motion) and whole.data["fps"] == 50.0
     for options in ({"fps": 30}, {"start": 0.5}, {"unit": "m"}, {"height": 1.5},
                     {"ik_config": "derived"}):
-        with pytest.raises(retarget.UsageError, match="measured with the options that it was made with"):
+        with pytest.raises(retarget.UsageError, match="measured with the options of its run"):
             retarget.evaluate(motion, **options)
 
 

@@ -13,8 +13,9 @@ namespace retarget {
 inline constexpr int kMaxXmlAttributes = 100;
 
 /// Parses XML in linear time. tinyxml2 compares each attribute of an element with all others, so
-/// elements with more than kMaxXmlAttributes attributes are refused. Errors (kInput, with the line;
-/// callers add the file): such an element, or malformed XML; `document` then holds the details.
+/// elements with more than kMaxXmlAttributes attributes are rejected. Errors (kInput, with the
+/// line; callers add the file): such an element, or malformed XML; `document` then holds the
+/// details.
 [[nodiscard]] Result<void> parse_xml(std::string_view text, tinyxml2::XMLDocument& document);
 
 /// The value of an attribute; empty without the element or the attribute.

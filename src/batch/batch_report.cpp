@@ -90,7 +90,7 @@ std::string BatchProgress::work_text() const {
 
 namespace {
 
-// Ratio by which a value exceeds its gate; 0 if the gate is kept.
+// Ratio by which a value exceeds its gate; 0 if the value passes.
 double ratio_beyond(const GateResult& gate) {
   if (gate.passed || !gate.value) return 0.0;
   const bool too_much = gate.max && !(*gate.value <= *gate.max);
@@ -208,7 +208,7 @@ std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> ent
   for (const ManifestEntry& entry : entries) order.push_back(&entry);
   const auto key = [](const ManifestEntry* entry) {
     const bool measured = entry->quality.has_value();
-    // Duplicates that were left out come last.
+    // Skipped duplicates come last.
     const int place = entry->has_failed() ? 0 : entry->is_left_out() ? 2 : 1;
     return std::tuple(place, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
                       measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);

@@ -62,7 +62,7 @@ class BatchProgress {
 /// message and hint. The result does not depend on the order of the entries.
 [[nodiscard]] std::string summary_csv(std::span<const ManifestEntry> entries);
 
-/// Checks that at least one format can be listed for trainers. Errors: kUsage.
+/// Checks that at least one format can be listed for training frameworks. Errors: kUsage.
 [[nodiscard]] Result<void> check_motion_list(const SaveOptions& options);
 
 /// Writes `motions.yaml` for the finished clips of the manifest in a folder. This is the list

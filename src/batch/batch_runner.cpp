@@ -169,8 +169,8 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   return {};
 }
 
-// Adds the certificate to the files of a clip. A motion that cannot be certified, such as that of two
-// frames, is done all the same; gates on figures of certificates do not select it.
+// Adds the certificate to the files of a clip. A motion that cannot be certified, such as that of
+// two frames, still counts as done; gates on metrics of certificates do not select it.
 Result<void> BatchWorker::certify(const BatchTask& task, const Run& run, const RunOutcome& outcome,
                                   ManifestEntry& entry, std::vector<std::string>& files) const {
   std::vector<OutputItem> items;

@@ -46,15 +46,15 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
       batch_row("exclude", request.exclude, kInputGroup, "PATTERN",
                 "Exclude files whose name, or path below the given folder, matches; repeatable"),
       batch_row("clips", request.clips, kInputGroup, "FILE",
-                "Process only the parts listed in a table: file,start,end,name; 12.3 means "
+                "Process only the intervals listed in a table: file,start,end,name; 12.3 means "
                 "seconds, f120 a frame"),
       batch_row("mirror", request.mirror, kInputGroup, "",
                 "Also retarget the mirror image of each clip, NAME_mirrored"),
       batch_row("variants", request.variants, kInputGroup, "N",
-                "Also retarget each clip in N changed scenes, NAME_v1, ...: other sizes of terrain "
-                "or of objects, other positions of objects (docs/batch.md)",
+                "Also retarget each clip in N changed scenes, NAME_v1, ...: with changed sizes of "
+                "terrain and objects and changed object positions (docs/batch.md)",
                 {.min = 0, .max = 1000}),
-      batch_row("seed", request.seed, kInputGroup, "S", "Seed of the changes of the scenes",
+      batch_row("seed", request.seed, kInputGroup, "S", "Random seed of the scene changes",
                 {.min = 0, .max = 1e9}),
       batch_row("dedupe", request.dedupe, kInputGroup, "",
                 "Skip clips with the same motion as another clip, or its mirror image"),
@@ -69,7 +69,7 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
                std::string(kGateHelp) + ". Determines passed.txt; a missed gate is not a failure"),
       batch_row("split", request.split, kOutputGroup, "SHARES:SEED",
                 "Split the passed motions into train.txt, validation.txt and, with three shares, "
-                "test.txt, with all motions of a person on one side: 0.9:1 or 0.8,0.1,0.1:1"),
+                "test.txt, with all motions of a person in one subset: 0.9:1 or 0.8,0.1,0.1:1"),
       batch_row("jobs", request.jobs, kBatchGroup, "N",
                 "Number of clips to process in parallel (default: one per processor)",
                 {.min = 1.0, .max = 4096.0, .basic = true, .letter = "j"}),
@@ -88,7 +88,7 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
       batch_row(
           "certify", request.certify, kOutputGroup, "",
           "Also measure, simulate and predict every motion: MOTION.certificate.json; gates on "
-          "tracked_pct and predicted_tracking_success select by it (docs/batch.md)"),
+          "tracked_pct and predicted_tracking_success can use these results (docs/batch.md)"),
       batch_row("contacts", request.contacts, kOutputGroup, "",
                 "Also write heel and toe contacts next to every motion: CLIP.contacts.csv"),
       batch_row("motion-list", request.motion_list, kOutputGroup, "",
@@ -98,7 +98,7 @@ OptionTable batch_table(BatchRequest& request, Run& run) {
                 "Also write one NPZ with all passed motions in sequence, with clip names, starts "
                 "and lengths (docs/formats.md)"),
       batch_row("shard", request.shard, kBatchGroup, "I/N",
-                "Process one of N parts of similar length, I from 1 to N, with its own manifest")};
+                "Process one of N shards of similar length, I from 1 to N, with its own manifest")};
 }
 
 }  // namespace retarget

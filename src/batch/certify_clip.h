@@ -17,20 +17,20 @@ namespace retarget {
 /// motion; null: none.
 [[nodiscard]] const OutputItem* certified_item(const std::vector<OutputItem>& items);
 
-/// Whether only certificates have this figure.
+/// Whether only certificates have this metric.
 [[nodiscard]] bool is_certified_figure(std::string_view metric);
 
 /// Checks that a batch can write certificates: it measures its motions, and one of its formats can
 /// be read. Errors: kUsage.
 [[nodiscard]] Result<void> check_certify(const SaveOptions& options, bool quality);
 
-/// Checks that gates on figures of certificates have certificates. Errors: kUsage.
+/// Checks that the batch makes certificates if gates use their metrics. Errors: kUsage.
 [[nodiscard]] Result<void> check_certified_gates(const Gates& gates, bool certify);
 
 /// A fingerprint that differs from that of a batch without certificates.
 [[nodiscard]] Result<RunFingerprint> certified(const RunFingerprint& fingerprint);
 
-/// Certifies the motion of a clip, writes the certificate next to it, and adds its figures
+/// Certifies the motion of a clip, writes the certificate next to it, and adds its metrics
 /// (`tracked_pct`, `predicted_tracking_success`) to those of the clip.
 /// @param run     the run that made the motion.
 /// @param mirror  whether it mirrored the source.

@@ -27,8 +27,8 @@ struct DataSetRules {
 ///                 results.
 [[nodiscard]] Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging);
 
-/// Applies gates to recorded figures. A gate on a figure of certificates is missed where the clip has
-/// no certificate.
+/// Applies gates to recorded metrics. A gate on a metric of certificates is missed where the clip
+/// has no certificate.
 void judge_quality(const Gates& gates, ClipQuality& quality);
 
 /// Applies the rules to entries again, using recorded data only; nothing is solved or measured.

@@ -252,7 +252,7 @@ std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double
     if (!plan) return {};
     return signature_of(*plan);
   } catch (const std::exception&) {
-    // Such as out of memory; the run itself reports it.
+    // For example, out of memory; the run itself reports it.
     return {};
   }
 }
@@ -292,7 +292,8 @@ Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& 
   };
   const auto ended = [&](std::size_t task, const TaskEnd& end) {
     if (end.answered) unknown[task]->signature = end.answer;
-    observer.status(fmt::format("looking for repeated motions: {} of {}", ++done, unknown.size()));
+    observer.status(
+        fmt::format("searching for duplicate motions: {} of {}", ++done, unknown.size()));
   };
   if (!unknown.empty()) RETARGET_TRY(run_in_processes(pool.memory, pool.options, work, ended));
   observer.end_progress();

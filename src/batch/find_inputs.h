@@ -27,8 +27,8 @@ namespace retarget {
 /// Memory of a process beyond the estimates of its clips: the tool itself and estimation errors.
 inline constexpr std::uint64_t kMemoryOfProcess = std::uint64_t{1} << 30U;
 
-/// The content of a clip relative to its file: the whole file, a part, the mirror image of either, or
-/// one of these in a changed scene.
+/// The content of a clip relative to its file: the whole file, a part, the mirror image of either,
+/// or one of these in a changed scene.
 struct ClipVariant {
   /// BatchInput::relative of the whole file; empty: the clip is the whole file.
   std::string source = {};
@@ -59,7 +59,8 @@ struct ClipVariant {
 /// @pre the text is part_text() of valid ends
 [[nodiscard]] PartOptions part_options(const std::string& part);
 
-/// The path of a clip that is made from another one: `a/walk.bvh` with `_v1` becomes `a/walk_v1.bvh`.
+/// The path of a clip that is made from another one: `a/walk.bvh` with `_v1` becomes
+/// `a/walk_v1.bvh`.
 [[nodiscard]] std::string suffixed_name(const std::string& relative, const std::string& suffix);
 
 /// The path of a clip's mirror image: `a/walk.bvh` becomes `a/walk_mirrored.bvh`.
@@ -78,7 +79,7 @@ struct BatchInput {
   std::string signature = {};  ///< signature_bytes(), if duplicates are searched.
 };
 
-/// Where a batch searches for motion files.
+/// Locations in which a batch searches for motion files.
 struct InputSearch {
   /// Files; folders, searched recursively; patterns with `*`, `?` and `[...]`; `@FILE` for a list.
   std::vector<std::string> names;

@@ -174,7 +174,7 @@ class GalleryMaker {
     return {};
   }
 
-  // Makes page and picture of a clip; returns what is missing on the page, if anything.
+  // Makes the page and thumbnail of a clip; returns a description of missing contents, if any.
   Result<std::string> make_page(std::size_t i) const {
     const GalleryTask& task = tasks_[i];
     Observer silent;

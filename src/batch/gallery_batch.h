@@ -45,7 +45,7 @@ struct RecordedFile {
 /// Finds the motion of an entry.
 [[nodiscard]] RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// How to measure and show an entry's motion.
+/// Options for measuring and showing an entry's motion.
 struct ShownEntry {
   MeasureRequest request;
   std::string label;  ///< Label of the motion on its page.
@@ -55,9 +55,9 @@ struct ShownEntry {
 /// Removes the source from a run, and the options that concern it.
 void forget_source(Run& run);
 
-/// How to show an entry: its robot, its source, and the batch options that describe how the source
-/// was processed, how the motion is measured and how its file was written. Sources and option files
-/// are used only if they match the batch's record.
+/// Data for showing an entry: its robot, its source, and the batch options that describe how the
+/// source was processed, how the motion is measured and how its file was written. Sources and
+/// option files are used only if they match the batch's record.
 /// @param given        the gallery; its data folder and gates take precedence.
 /// @param given_robot  name of the gallery's robot, which takes precedence for entries of that
 ///   name; empty: none.

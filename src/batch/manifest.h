@@ -28,7 +28,7 @@ struct FileRecord {
 struct ClipQuality {
   std::vector<std::pair<std::string, double>> figures;  ///< Metric key and value.
   std::vector<std::string> missed;                      ///< Metrics whose gates were missed.
-  std::string worst;         ///< Metric furthest beyond its gate; empty if all gates are kept.
+  std::string worst;         ///< Metric furthest beyond its gate; empty if all gates pass.
   double worst_ratio = 0.0;  ///< Ratio of that metric to its gate; infinity if the gate is 0.
   std::vector<GateResult> missed_gates = {};  ///< The gates of `missed`, with values and bounds.
   std::optional<double> leg =
@@ -45,7 +45,7 @@ struct MissingFile {
 struct ManifestEntry {
   std::string relative;  ///< Path of the clip below the given folder.
   std::string robot;
-  bool done = false;         ///< False: the clip failed (see `error`) or was left out.
+  bool done = false;         ///< False: the clip failed (see `error`) or was skipped.
   std::string options_hash;  ///< Hash of everything besides the input that determines the output.
   FileRecord input;          ///< `file` is the path that was opened.
   std::vector<FileRecord> outputs;            ///< `file` is relative to the output folder.
@@ -62,7 +62,7 @@ struct ManifestEntry {
   std::string finished;                ///< UTC, such as 2026-01-31T12:00:00Z.
   ClipVariant variant = {};            ///< The part of the file that was used.
   std::string signature = {};          ///< signature_bytes(); empty if unknown.
-  /// A duplicate that is not `done` was left out and has no error.
+  /// A duplicate that is not `done` was skipped and has no error.
   std::optional<RepeatedClip> repeated = std::nullopt;
 
   [[nodiscard]] bool is_left_out() const { return !done && repeated.has_value(); }

@@ -187,7 +187,7 @@ void read_error(const Json& json, ManifestEntry& entry) {
   reader.read("exit_code", entry.exit_code);
 }
 
-// Reads the bounds of missed gates; their values are in the figures.
+// Reads the bounds of missed gates; `figures` has their values.
 void read_bounds(const Json& json, ClipQuality& quality) {
   const EntryReader reader(json);
   for (const std::string& key : quality.missed) {

@@ -12,7 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Takes the first element of a pattern, `[...]` or a character, and says whether it is `letter`.
+// Removes the first element of a pattern, `[...]` or a character; returns whether it matches
+// `letter`.
 bool take_one(std::string_view& pattern, char letter) {
   const std::size_t close = pattern.find(']', 2);
   if (pattern.front() != '[' || close == std::string_view::npos) {

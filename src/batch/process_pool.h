@@ -51,14 +51,14 @@ struct TaskEnd {
 /// @param work    runs a task, in a process of the pool; must not throw.
 /// @param ended   called in this process, sequentially, for every task that began.
 /// Windows cannot fork: there the tasks run on threads of this process. A crash ends all of them,
-/// memory has no limit, and a task learns from task_deadline() when it must end.
+/// memory has no limit, and task_deadline() tells a task when it must end.
 /// Errors (kRun): no process could be created.
 [[nodiscard]] Result<void> run_in_processes(
     std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
     const std::function<std::string(std::size_t task)>& work,
     const std::function<void(std::size_t task, const TaskEnd& end)>& ended);
 
-/// When the task of the calling thread must end. Nothing if it need not, or is ended from outside.
+/// Deadline of the calling thread's task; empty if there is none or another process ends it.
 [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> task_deadline();
 
 // clang does not define GCC's __SANITIZE_* macros.

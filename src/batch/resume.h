@@ -68,7 +68,7 @@ class FinishedClips {
   [[nodiscard]] std::vector<std::string> outputs_of(const std::string& relative,
                                                     const std::string& robot, bool verified) const;
 
-  /// When the latest entry of the clip was finished, including failed ones; empty if there is none.
+  /// Completion time of the clip's latest entry, including failed ones; empty if there is none.
   [[nodiscard]] std::string last_finished(const std::string& relative,
                                           const std::string& robot) const;
 

@@ -115,7 +115,7 @@ Result<BatchRequest> without_former_options(BatchRequest request, Observer& obse
   return request;
 }
 
-// As it is joined with names in the manifest.
+// Normalised so that it can be joined with names in the manifest.
 std::string folder_text(const std::string& folder) {
   return os::without_last_separators(os::with_slashes(folder));
 }
@@ -183,7 +183,7 @@ struct BatchPlan {
   std::set<std::string> known;  // Relative names, including those of other shards.
   std::list<BatchRobot> robots;
   std::vector<BatchTask> tasks;         // Tasks that remain.
-  std::vector<ManifestEntry> left_out;  // Duplicates that are left out.
+  std::vector<ManifestEntry> left_out;  // Skipped duplicates.
   std::size_t unchanged = 0;
   std::uint64_t bytes = 0;
 };
@@ -246,7 +246,7 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
   return {};
 }
 
-// The entry of a clip that is left out as a duplicate.
+// The entry of a clip that is skipped as a duplicate.
 ManifestEntry entry_of_repeated(const BatchInput& input, const BatchRobot& robot,
                                 const RepeatedClip& repeated, const FinishedClips& finished) {
   ManifestEntry entry;

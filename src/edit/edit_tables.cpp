@@ -87,18 +87,18 @@ OptionTable loop_table(EditSettings& settings) {
           number_row("times", settings.loop.times, "N", std::numeric_limits<int>::min(),
                      std::numeric_limits<int>::max(), "Number of repetitions of the cycle"),
           choice_row("in-place", settings.loop.in_place,
-                     "Keep the body in place: remove its travel and turn"),
+                     "Keep the body in place: remove its translation and rotation"),
           threshold_row(settings), force_row(settings)};
 }
 
 OptionTable concatenate_table(EditSettings& settings) {
   return {option("search", settings.search, kTimeGroup, "S|all",
                  "Search range for the seam: seconds at the end of the first and the beginning of "
-                 "the second clip, or `all` (default: 2, extended while no seam is good)"),
+                 "the second clip, or `all` (default: 2, extended until a seam passes the check)"),
           number_row("window", settings.concat.seam.window, "S", 0.0, 10.0,
-                     "Length of the compared and blended part, seconds (default: one third)"),
+                     "Length of the compared and blended interval, seconds (default: one third)"),
           choice_row("blend", settings.concat.blend,
-                     "Mix the common frames, or fade out the difference in the second clip"),
+                     "Blend the common frames, or fade out the difference in the second clip"),
           threshold_row(settings), force_row(settings)};
 }
 

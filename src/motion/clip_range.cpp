@@ -229,7 +229,7 @@ bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
   return false;
 }
 
-// Number of frames from `begin` that are held and then left by a jump; 0 if there are none.
+// Number of static frames from `begin` that end with a jump; 0 if there are none.
 int count_held(const Clip& clip, Positions& positions, int begin) {
   const auto longest =
       static_cast<int>(std::min(kMaxHold * clip.rate().fps(), 1.0 * clip.frame_count()));

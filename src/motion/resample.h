@@ -53,7 +53,7 @@ class TrackSampler {
   std::vector<Eigen::Vector3d> velocities_;  // Change per frame; empty for linear interpolation.
 };
 
-/// The times of a motion whose source is stretched as a TimeScale says.
+/// The times of a motion whose source is slowed down by a TimeScale.
 class TimeWarp {
  public:
   /// @param duration  of the source, seconds.
@@ -74,21 +74,21 @@ class TimeWarp {
 
   double knot_time_, duration_;
   std::vector<double> pace_;   // Coefficients.
-  std::vector<double> times_;  // Of the motion, at the knots.
+  std::vector<double> times_;  // Times of the motion at the knots.
 };
 
 /// A time between a frame of the source and the next one.
 struct WarpedFrame {
   int frame = 0;
-  double share = 0.0;  ///< Of the time to the next frame, in [0, 1).
+  double share = 0.0;  ///< Fraction of the time to the next frame, in [0, 1).
 };
 
-/// The source times of all frames of the stretched motion; both have the same rate. Times within
-/// 1e-9 of a frame are that frame, so a stretch does not change the frames before it.
+/// The source times of all frames of the slowed motion; both have the same rate. Times within
+/// 1e-9 of a frame are that frame, so a slower interval does not change the frames before it.
 [[nodiscard]] std::vector<WarpedFrame> warped_frames(const TimeScale& scale, const FrameRate& rate,
                                                      int frame_count);
 
-/// Number of frames of the stretched motion.
+/// Number of frames of the slowed motion.
 [[nodiscard]] std::int64_t warped_frame_count(const TimeScale& scale, const FrameRate& rate,
                                               std::int64_t frame_count);
 

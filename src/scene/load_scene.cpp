@@ -47,7 +47,7 @@ Result<Bodies> read_xml_scene(const std::string& file) {
   if (kind == "robot") return read_urdf_scene(file);
   if (kind == "mujoco") return read_mjcf_scene(file);
   if (kind == "mujocoinclude") {
-    return input_failure(file, "the file is a part of an MJCF model, not a whole one",
+    return input_failure(file, "the file is only a fragment of an MJCF model",
                          "load the model that includes it, or write <mujoco><worldbody> around its "
                          "bodies");
   }
@@ -60,9 +60,8 @@ Result<Bodies> read_bodies(const std::string& file) {
   if (ending == ".json") return read_json_scene(file);
   if (ending == ".obj" || ending == ".stl" || ending == ".dae") return read_mesh_scene(file);
   if (ending == ".xml" || ending == ".mjcf" || ending == ".urdf") return read_xml_scene(file);
-  return input_failure(
-      file, "a scene must be JSON, MJCF, URDF, OBJ, STL or COLLADA",
-      "the ending of its name decides: .json, .xml, .mjcf, .urdf, .obj, .stl, .dae");
+  return input_failure(file, "a scene must be JSON, MJCF, URDF, OBJ, STL or COLLADA",
+                       "the file name must end in .json, .xml, .mjcf, .urdf, .obj, .stl or .dae");
 }
 
 // Whether a shape is the floor that every clip has: a plane that faces up at z = 0.
@@ -103,10 +102,9 @@ Result<void> check_bodies(const Bodies& bodies, const std::string& file) {
           file, name + " is not within " + number_text(kMaxSceneReach, 0) + " m of the origin");
     }
     if (!std::ranges::all_of(body.shapes, is_sound)) {
-      return input_failure(file, name +
-                                     " has a shape whose size or place is not a positive number "
-                                     "of at most " +
-                                     number_text(kMaxSceneReach, 0) + " m");
+      return input_failure(
+          file, name + " has a shape whose size or position is not a positive number of at most " +
+                    number_text(kMaxSceneReach, 0) + " m");
     }
   }
   return {};
@@ -183,8 +181,9 @@ Result<Scene> load_scene(const std::string& file) {
   }
   std::erase_if(*bodies, [](const SceneBody& body) { return body.shapes.empty(); });
   if (bodies->empty()) {
-    return input_failure(file, has_floor ? "the scene has nothing but a floor, which every clip has"
-                                         : "the scene has no shapes");
+    return input_failure(file, has_floor
+                                   ? "the scene only contains a floor, which every clip already has"
+                                   : "the scene has no shapes");
   }
   name_bodies(*bodies);
   return Scene{fs::path(file).filename().string(), std::move(*bodies)};

@@ -40,7 +40,8 @@ Result<std::size_t> body_of(const ObjectTrack& track, const Scene& scene) {
   const auto moving = std::ranges::count_if(scene.bodies, &SceneBody::moves);
   if (moving > 1 || (moving == 0 && scene.bodies.size() > 1)) {
     return input_failure(
-        scene.name, "a track does not say which body it moves: " + list_bodies(scene, moving > 1),
+        scene.name,
+        "a track does not name the body that it moves: " + list_bodies(scene, moving > 1),
         "name the body: BODY=FILE");
   }
   const auto found = std::ranges::find_if(scene.bodies, &SceneBody::moves);

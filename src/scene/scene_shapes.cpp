@@ -42,7 +42,7 @@ Result<TriangleMesh> find_scene_mesh(const std::string& named, const std::string
   const auto file = find_mesh_file(named, scene_file, {});
   if (!file) {
     return input_failure(scene_file, "the mesh file \"" + named + "\" does not exist",
-                         "meshes are searched next to the scene's file and one folder up");
+                         "retarget searches meshes next to the scene file and one folder up");
   }
   return load_scene_mesh(file->string(), scale, file_from_mesh);
 }

@@ -81,7 +81,7 @@ struct HumanChain {
   std::vector<std::string> bones;
 };
 
-/// Returns the chains used to draw humans in pictures and pages.
+/// Returns the chains that represent humans in renderings and pages.
 [[nodiscard]] const std::vector<HumanChain>& human_chains();
 
 /// A bone of a human, or its head, which has zero length.

@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// A picture of 8-bit sRGB pixels, row by row from the top.
+/// An image of 8-bit sRGB pixels, row by row from the top.
 class Image {
  public:
   Image(int width, int height, int colour);

@@ -308,7 +308,8 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   constexpr double kPathSpread = 0.25;  // Metres, root mean square: a smaller spread is not a path.
   constexpr double kMinSpread = 0.05;   // Likewise, minimum spread that defines a direction.
   constexpr double kAlike = 0.9;        // Minimum correlation of paths that belong together.
-  constexpr double kMinTurn = 0.3;  // Radians: hips and pelvis need not face exactly the same way.
+  constexpr double kMinTurn =
+      0.3;  // Radians: the facing directions of hips and pelvis may differ slightly.
   const int frames = std::min(motion.frame_count(), human.frame_count);
   HumanPlacement placement;
   if (frames == 0) return placement;

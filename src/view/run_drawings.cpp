@@ -1,4 +1,4 @@
-// Pages and pictures that a run writes next to its motion.
+// Pages and renderings that a run writes next to its motion.
 
 #include <algorithm>
 #include <filesystem>

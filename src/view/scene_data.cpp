@@ -169,7 +169,7 @@ std::vector<SummaryLine> scene_lines(const SceneClip* scene) {
   if (scene == nullptr) return {};
   const std::string excess = scene_excess(*scene);
   if (excess.empty()) return {};
-  return {{"scene", "left out of the page: " + excess}};
+  return {{"scene", "omitted from the page: " + excess}};
 }
 
 Result<void> pack_mesh(const TriangleMesh& mesh, TrackPacker& packer, Json& json) {

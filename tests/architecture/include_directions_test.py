@@ -7,10 +7,10 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
-# The wings from the bottom up: a file includes only files of its own wing and of wings before it.
-WINGS = ["base", "motion", "robot", "scene", "formats", "human", "solve", "judge", "app"]
+# The core modules from the bottom up: a file includes only files of its own module and of modules before it.
+CORE = ["base", "motion", "robot", "scene", "formats", "human", "solve", "judge", "app"]
 
-# The folders of a wing in their order: a folder includes only folders before it. A wing without an
+# The folders of a module in their order: a folder includes only folders before it. A module without an
 # entry has no folders.
 FOLDERS = {
     "base": ["", "math"],
@@ -23,10 +23,10 @@ FOLDERS = {
     "live": ["session", "stream"],
 }
 
-# The rooms of the rim include public headers and their own files, like programs outside src.
-RIM = ["batch", "edit", "live", "rig", "view"]
+# Outer modules include public headers and their own files, like programs outside src.
+OUTER = ["batch", "edit", "live", "rig", "view"]
 
-# Public headers of the rim that the core does not include either. It works without them: callers
+# Public headers of outer modules that the core does not include either. It works without them: callers
 # pass in what draws. (edit.h is not among them: a run mirrors its clip with it.)
 RIM_HEADERS = ["batch", "edit_tables", "gallery", "ground_path", "live", "live_table",
                "repeated_clips", "rig", "serve",
@@ -55,31 +55,31 @@ FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 
 
 def position(folder):
-    """(wing, folder in the wing) as numbers; None for a folder of the rim or outside src."""
-    wing, _, inner = folder.partition("/")
-    if wing not in WINGS:
+    """(module, folder in the module) as numbers; None for a folder of an outer module or outside src."""
+    module, _, inner = folder.partition("/")
+    if module not in CORE:
         return None
-    return WINGS.index(wing), FOLDERS.get(wing, [""]).index(inner)
+    return CORE.index(module), FOLDERS.get(module, [""]).index(inner)
 
 
 def is_private(folder):
-    return folder.partition("/")[0] in WINGS + RIM
+    return folder.partition("/")[0] in CORE + OUTER
 
 
 def fault_of(folder, included):
     """Describes an include in a wrong direction; None if it is allowed."""
     if folder == included:
         return None
-    room, other = folder.partition("/")[0], included.partition("/")[0]
-    if room in RIM:
-        if other != room:
-            return f"the room {room} of the rim includes public headers and its own files only"
-        if FOLDERS[room].index(included.partition("/")[2]) > FOLDERS[room].index(
+    module, other = folder.partition("/")[0], included.partition("/")[0]
+    if module in OUTER:
+        if other != module:
+            return f"the outer module {module} includes public headers and its own files only"
+        if FOLDERS[module].index(included.partition("/")[2]) > FOLDERS[module].index(
                 folder.partition("/")[2]):
             return f"{folder} comes before {included}"
         return None
-    if other in RIM:
-        return f"the core must not include the rim ({other})"
+    if other in OUTER:
+        return f"the core must not include the outer module {other}"
     return f"{folder} comes before {included}" if position(included) > position(folder) else None
 
 
@@ -127,10 +127,10 @@ class IncludeDirections(unittest.TestCase):
         for folder, file in library_files():
             if folder is None:
                 continue
-            room, _, inner = folder.partition("/")
-            self.assertIn(room, WINGS + RIM, f"{file}: add the room to a table")
-            self.assertIn(inner, FOLDERS.get(room, [""]), f"{file}: add the folder to FOLDERS")
-        self.assertLessEqual(len(WINGS) + len(RIM), 16)
+            module, _, inner = folder.partition("/")
+            self.assertIn(module, CORE + OUTER, f"{file}: add the module to a table")
+            self.assertIn(inner, FOLDERS.get(module, [""]), f"{file}: add the folder to FOLDERS")
+        self.assertLessEqual(len(CORE) + len(OUTER), 16)
 
     def test_includes_go_one_way(self):
         faults = []
@@ -166,7 +166,7 @@ class IncludeDirections(unittest.TestCase):
     def test_core_needs_no_public_header_of_the_rim(self):
         faults = []
         for folder, file in library_files():
-            if folder is None or folder.partition("/")[0] not in WINGS:
+            if folder is None or folder.partition("/")[0] not in CORE:
                 continue
             for line in file.read_text().splitlines():
                 match = re.match(r'\s*#\s*include\s*"retarget/([a-z_]+)\.h"', line)

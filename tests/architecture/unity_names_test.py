@@ -1,4 +1,4 @@
-"""Files of a wing, or of wings that stand together in cmake/GroupByRooms.cmake, can be compiled as one
+"""Files of a module, or of modules that are listed together in cmake/GroupByRooms.cmake, can be compiled as one
 (RETARGET_UNITY_BUILD, the preset demo): the names that two of them define in their anonymous namespaces differ
 in name or in parameters, and aliases of the same name mean the same. In tests also those of functions with
 other parameters: a call with an initialiser list could silently reach the function of another file."""
@@ -21,7 +21,7 @@ ALIAS = re.compile(r"^using (\w+) =\s+(.*?);", re.M | re.S)
 
 
 def wings_together():
-    """The wings that the build compiles together, by unit."""
+    """The modules that the build compiles together, by unit."""
     text = (ROOT / "cmake/GroupByRooms.cmake").read_text()
     names = re.search(r"set\(retarget_unity_wings (.*?)\)", text, re.S).group(1)
     return [(quoted or plain).split() for quoted, plain in re.findall(r'"(.*?)"|(\w+)', names)]

@@ -146,7 +146,7 @@ TEST_F(OsTest, MovesFilesAndFolders) {
   EXPECT_TRUE(errno == ENOTEMPTY || errno == EEXIST);
 }
 
-TEST_F(OsTest, LocksExclude) {
+TEST_F(OsTest, LocksExcludeOtherLocks) {
   const int a = os::open_file(at("lock"), os::OpenFor::kLocking);
   const int b = os::open_file(at("lock"), os::OpenFor::kLocking);
   ASSERT_TRUE(a >= 0 && b >= 0);
@@ -161,7 +161,7 @@ TEST_F(OsTest, LocksExclude) {
   os::close_file(a);
 }
 
-TEST(Os, KnowsProcessAndMachine) {
+TEST(Os, IdentifiesProcessAndMachine) {
   EXPECT_GT(os::process_id(), 0);
   EXPECT_FALSE(os::host_name().empty());
   EXPECT_TRUE(is_file(os::program_file()));

@@ -44,7 +44,7 @@ TEST(ProcessPool, RunsEveryTaskOnce) {
   EXPECT_TRUE(run_all(0, {}, {}).empty());
 }
 
-TEST(ProcessPool, KeepsWithinItsMemory) {
+TEST(ProcessPool, StaysWithinItsMemoryLimit) {
   ProcessPoolOptions options;
   options.workers = 8;
   options.memory = 25;
@@ -60,7 +60,7 @@ TEST(ProcessPool, KeepsWithinItsMemory) {
   EXPECT_EQ(most, 2);
 }
 
-TEST(ProcessPool, TellsATaskWhenItMustEnd) {
+TEST(ProcessPool, PassesTheDeadlineToTheTask) {
   ProcessPoolOptions options;
   options.workers = 2;
   options.timeout_s = 0.1;
@@ -78,7 +78,7 @@ TEST(ProcessPool, TellsATaskWhenItMustEnd) {
   EXPECT_FALSE(task_deadline().has_value());
 }
 
-TEST(ProcessPool, BeginsNothingAfterAStop) {
+TEST(ProcessPool, StartsNoTaskAfterAStop) {
   ProcessPoolOptions options;
   options.workers = 2;
   std::atomic<int> begun = 0;

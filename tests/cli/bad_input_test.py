@@ -184,7 +184,7 @@ class Outputs(ToolTest):
         (self.folder / "folder").mkdir()
         self.assert_fails(self.retarget(output="folder"), 2, "folder")
 
-    def test_interrupt_leaves_nothing(self):
+    def test_an_interrupt_leaves_no_files(self):
         # long enough to be still at work when the signal comes
         head, rows = sample("wave").read_text().split("Frame Time:", 1)
         time_line, rows = rows.split("\n", 1)

@@ -93,7 +93,7 @@ class Resume(BatchTest):
         self.assertEqual(self.redone(*options, **line), ["a.csv"])
         self.assertEqual(self.redone(*options, **line), [])
 
-    def test_defaults_that_are_given_change_nothing(self):
+    def test_explicit_defaults_have_no_effect(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         for given in (["--format", "csv"], ["--fps", "30.0"], ["--precision", "06"],

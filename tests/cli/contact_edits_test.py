@@ -69,7 +69,7 @@ class ContactEdits(ToolTest):
         path.write_text(json.dumps({"contacts": []}))
         self.assertNotEqual(self.run_tool("verify", sidecar).returncode, 0)
 
-    def test_no_edits_change_nothing(self):
+    def test_an_empty_edit_list_has_no_effect(self):
         plain, _, _ = self.solve("plain")
         edited, _, _ = self.solve("edited", "--contact-edits", self.edits())
         self.assertEqual(plain.read_bytes(), edited.read_bytes())

@@ -91,7 +91,7 @@ class Conversions(FormatsTest):
     def test_variants(self):
         said = self.converted(GOLDEN / "walk.csv", "few.csv", "--dof", "23-pbhc",
                               "--precision", "9")
-        self.assertIn("with movement would be held", said)
+        self.assertIn("with movement would be locked", said)
         self.assertEqual(len(self.rows("few.csv")[0]), 30)
         self.converted("few.csv", "all.csv", "--source-dof", "23-pbhc", "--precision", "9")
         wanted = np.loadtxt(GOLDEN / "walk.csv", delimiter=",")

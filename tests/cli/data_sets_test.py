@@ -64,7 +64,7 @@ class Gates(DataSetTest):
         options = json.loads((self.folder / "out/options.json").read_text())
         self.assertEqual(options[0]["gates"]["peak_speed"], {"max": 0.0})
 
-    def test_lists_hold_what_this_call_asks_for(self):
+    def test_lists_contain_the_clips_of_the_current_call(self):
         self.clips("a.bvh", "get_up.bvh")
         self.assert_done(self.batch("--mirror"))
         self.assertEqual(len(self.lines("passed.txt")), 4)

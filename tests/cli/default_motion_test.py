@@ -21,7 +21,7 @@ class DefaultMotion(ToolTest):
 
 
 class StandingStraight(DefaultMotion):
-    def test_a_human_who_stands_straight_gives_a_robot_that_does(self):
+    def test_a_human_who_stands_straight_results_in_a_robot_that_stands_straight(self):
         # The person turns in place, upright within two degrees of the skeleton's T-pose.
         for robot in ROBOTS:
             with self.subTest(robot):

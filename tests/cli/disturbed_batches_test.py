@@ -364,7 +364,7 @@ class NamedFiles(Disturbed):
     def unfinished(self):
         return [str(path) for path in (self.folder / "out").rglob(".retarget-*.tmp")]
 
-    def test_a_clip_that_is_ended_leaves_nothing(self):
+    def test_a_terminated_clip_leaves_no_files(self):
         lines = sample("walk").read_text().splitlines(keepends=True)
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
         rows = lines[motion + 2:] * 100

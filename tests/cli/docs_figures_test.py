@@ -89,7 +89,7 @@ class Measured(unittest.TestCase):
         gates = [{"metric": "a", "passed": True}, {"metric": "b", "passed": None},
                  {"metric": "c", "passed": False}]
         known = {("walk", "fit"): {"gates": gates}, ("squat", "fit"): {"gates": gates[:2]}}
-        self.assertEqual(self.figure("verdict of=walk", known), "1 of 3 gates kept")
+        self.assertEqual(self.figure("verdict of=walk", known), "1 of 3 gates passed")
         self.assertEqual(self.figure("passed of=walk,squat", known), "1")
         self.assertEqual(self.figure("motions of=walk,squat", known), "2")
 
@@ -100,7 +100,7 @@ class Measured(unittest.TestCase):
         old = ("<!-- table: means robot=unitree_h2 -->\n\n| mean of | LAFAN1 | samples |\n"
                "| --- | --- | --- |\n| `limb_angle_deg` | 7.5 -> 3.1 | 9 -> 9 |\n\n<!-- /table -->")
         text = self.fresh(old, known, robot="unitree_h2")
-        self.assertIn("| mean of | LAFAN1 | cuts | other skeletons | samples |", text)
+        self.assertIn("| mean of | LAFAN1 | excerpts | other skeletons | samples |", text)
         self.assertIn("| `limb_angle_deg` | 7.5 -> 3.1 |  |  | 3 -> 2 |", text)
         self.assertEqual(self.fresh(old, {}, robot="unitree_h2"), old)
 
@@ -117,14 +117,14 @@ class Figures(ToolTest):
         stale = docs_figures.stale_lines(now)
         self.assertFalse(stale, "\n".join([AGAIN, *stale]))
 
-    def test_drawings_are_what_the_tool_draws(self):
+    def test_committed_drawings_are_up_to_date(self):
         for name, content in docs_figures.draw_with_tool(TOOL, self.folder).items():
             # The compression of PNG depends on zlib: view_test compares the pixels.
             if name.endswith(".svg"):
                 self.assertTrue(content == (SOURCE / "docs/pictures" / name).read_bytes(),
                                 f"{name}: {AGAIN}")
 
-    def test_pictures_of_pages_show_the_figures_of_today(self):
+    def test_page_screenshots_match_the_current_metrics(self):
         if importlib.util.find_spec("numpy") is None:
             self.skipTest("there is no numpy")
         with tempfile.TemporaryDirectory() as folder:

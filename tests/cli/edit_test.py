@@ -234,7 +234,7 @@ class Edit(ToolTest):
             with self.subTest(height=height):
                 self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
 
-    def test_rejected_seam_writes_its_picture(self):
+    def test_rejected_seam_writes_its_image(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
                               "--matrix", "d.pgm", "-o", "x.bvh")
         self.assert_fails(fails, 1, "cm apart")

@@ -174,7 +174,7 @@ class EvaluateCommand(ToolTest):
         result = self.evaluate(self.good)
         lines = result.stdout.splitlines()
         self.assertLessEqual(len(lines), 25)
-        self.assertRegex(lines[0], r"^wave\.csv: \d+ of \d+ gates kept")
+        self.assertRegex(lines[0], r"^wave\.csv: \d+ of \d+ gates passed")
         self.assertRegex(result.stdout, r"\nlimits +[+x] limit_pct \S+ <=0")
         self.assertRegex(result.stdout, r"\nsmoothness +peak_speed [\d.]+ ")
         self.assertNotIn("root_jerk_p99", result.stdout)
@@ -212,7 +212,7 @@ class EvaluateCommand(ToolTest):
         self.assertEqual(result.returncode, 1)
         self.assertNotIn("error", result.stderr)
         self.assertRegex(result.stderr, r"missed +wave.csv: peak_speed [\d.]+ \(at most 0\)\n"
-                                        r"verdict +wave.csv: 0 of 1 gate kept")
+                                        r"verdict +wave.csv: 0 of 1 gate passed")
         self.assertIn("wave.csv: peak_speed is", result.stdout)
         gates = self.write("gates.json", '{"gates": {"peak_speed": {"max": 0}}}')
         result = self.evaluate(self.good, "--gate", "none", "--gate", gates, "--quiet")

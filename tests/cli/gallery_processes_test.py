@@ -64,7 +64,7 @@ class GalleryProcesses(GalleryTest):
         except FileNotFoundError:
             return []
 
-    def test_one_that_is_stopped_leaves_nothing_half_written(self):
+    def test_a_stopped_writer_leaves_no_partial_files(self):
         self.batch(clips=("walk",))
         entry = self.entries()[0]
         self.write_entries([{**entry, "relative": f"walk{i:03}.bvh"} for i in range(120)])

@@ -49,7 +49,7 @@ class Gallery(GalleryTest):
         after = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
         self.assertEqual(before, after)
 
-    def test_the_options_of_the_batch_say_what_was_made_of_the_source(self):
+    def test_the_recorded_options_reproduce_the_interpretation_of_the_source(self):
         self.batch("--start", 0.5, "--csv-degrees", clips=("walk",))
         self.assert_done(self.gallery())
         header = data_of(self.folder / "gallery" / self.index()["clips"][0]["page"], "page-header")
@@ -68,7 +68,7 @@ class Gallery(GalleryTest):
         self.assertNotIn("stance_slip_mean", recorded)
         self.assertEqual(shown & {"stance_slip_mean", "body_pen_cm_p99"}, set())
 
-    def test_missing_motions_are_reported_and_the_rest_is_shown(self):
+    def test_missing_motions_are_reported_and_the_others_are_shown(self):
         self.batch()
         (self.folder / "out/walk.csv").unlink()
         (self.folder / "clips/squat.bvh").unlink()
@@ -185,7 +185,7 @@ class Gallery(GalleryTest):
                           "no motions for the robot", "booster_t1_29dof, unitree_g1")
         self.assertFalse((self.folder / "other").exists())
 
-    def test_the_options_say_how_a_motion_was_written(self):
+    def test_the_recorded_options_determine_how_motions_are_read(self):
         self.batch(clips=("walk",))
         motion = self.folder / "out/walk.csv"
         rows = read_rows(motion.read_text())

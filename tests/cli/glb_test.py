@@ -55,7 +55,7 @@ class GlbFiles(ToolTest):
         np.testing.assert_allclose(world[glb.node("pelvis")][0],
                                    up @ gltf.matrix(np.stack([x, y, z, w], -1)), atol=1e-5)
 
-    def test_slides_anchors_and_bodies_that_hang_from_nothing(self):
+    def test_slides_anchors_and_bodies_without_a_parent(self):
         model = """<mujoco><worldbody><body name="base" pos="0 0 1"><freejoint/>
           <geom type="box" size=".1 .2 .3" mass="1"/>
           <body name="arm" pos="0 .2 .1" quat=".9 .1 .2 .3">
@@ -73,7 +73,7 @@ class GlbFiles(ToolTest):
         self.assert_same_places(self.glb(), np.load(self.folder / "out.mjlab.npz"))
         self.assert_valid(self.folder / "out.glb")
 
-    def test_rotations_take_the_short_way(self):
+    def test_rotations_interpolate_along_the_shorter_arc(self):
         glb, _ = self.make()
         animation = glb.json["animations"][0]
         for channel in animation["channels"]:
@@ -83,7 +83,7 @@ class GlbFiles(ToolTest):
             self.assertTrue((np.sum(keys[1:] * keys[:-1], axis=1) >= 0).all())
             np.testing.assert_allclose(np.linalg.norm(keys, axis=1), 1, atol=1e-6)
 
-    def test_the_human_is_a_skin_at_its_own_place(self):
+    def test_the_human_is_a_skin_at_its_own_position(self):
         glb, _ = self.make()
         self.assert_done(self.run_tool("inspect", "walk.bvh", "--positions", "places.csv"))
         names = (self.folder / "places.csv").read_text().splitlines()[0].split(",")
@@ -160,7 +160,7 @@ class GlbFiles(ToolTest):
                                           - world[glb.node("Hips")][1], axis=1))
         np.testing.assert_allclose(between[0], between[1], atol=1e-5)
 
-    def test_names_are_kept_whatever_they_are(self):
+    def test_unusual_names_round_trip(self):
         model = """<mujoco><worldbody><body name='a"b&lt;c&gt;é'><freejoint/><geom size=".1"/>
           <body name="arm"><joint name="a"/><geom size=".1"/></body></body></worldbody></mujoco>"""
         self.write("odd.xml", model)

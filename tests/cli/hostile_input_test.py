@@ -152,7 +152,7 @@ class HostileInput(ToolTest):
                 self.assertNotEqual(result.returncode, 0, part)
                 self.assertIn("error:", result.stderr)
 
-    def test_roots_far_away_are_refused(self):
+    def test_roots_far_away_are_rejected(self):
         lines = sample("wave").read_text().splitlines()
         motion = next(i for i, line in enumerate(lines) if line.startswith("Frame Time"))
         far = [" ".join(["1e18", *line.split()[1:]]) for line in lines[motion + 1:]]

@@ -184,7 +184,7 @@ class BlockedOutputs(LiveTest):
     def test_sleeping_reader_of_standard_output(self):
         self.start_beside("-", fps=200, stdout=subprocess.PIPE)
         self.addCleanup(self.process.stdout.close)
-        self.wait_for(lambda: "standard output does not accept robot frames: it does not keep up" in self.messages())
+        self.wait_for(lambda: "standard output does not accept robot frames: it is too slow" in self.messages())
         self.assert_goes_on()
         self.interrupt()
         # The reader finds whole lines later.
@@ -212,7 +212,7 @@ class BlockedOutputs(LiveTest):
         reader = os.open(self.folder / "pipe", os.O_RDONLY | os.O_NONBLOCK)
         self.addCleanup(os.close, reader)
         self.start_beside("pipe", fps=200)
-        self.wait_for(lambda: "pipe does not accept robot frames: it does not keep up" in self.messages())
+        self.wait_for(lambda: "pipe does not accept robot frames: it is too slow" in self.messages())
         self.assert_goes_on()
         self.interrupt()
 

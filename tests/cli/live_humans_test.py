@@ -74,7 +74,7 @@ class Vmc(LiveTest):
         if OscPacket is None or vmc_events is None:
             absent("python-osc or vmcp is missing: tools/setup.sh --python")
 
-    def test_other_receivers_read_what_is_played(self):
+    def test_other_receivers_read_played_streams(self):
         self.need_clients()
         times = []
         for packet in self.received(40):

@@ -42,7 +42,7 @@ class Connections(SendersTest):
         self.addCleanup(connection.close)
         return connection
 
-    def test_strangers_do_not_displace_the_sender(self):
+    def test_other_senders_do_not_displace_the_sender(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
         sender = self.connect(port)
         for i, line in enumerate(self.lines[:120]):
@@ -133,7 +133,7 @@ class Datagrams(SendersTest):
         self.assertEqual((taken, malformed), (70, 0), told)
         self.assertEqual(told.count("ignoring 127.0.0."), 1, told)
 
-    def test_another_machine_takes_the_place(self):
+    def test_another_machine_replaces_a_failed_one(self):
         process, port = self.listen("-o", "live.csv")
         with self.sender() as first, self.sender("127.0.0.2") as other:
             self.send(first, port, self.lines[:30])

@@ -87,7 +87,7 @@ class Pipes(LiveTest):
         self.assertAlmostEqual(frames[10]["time"] - frames[9]["time"], 0.02, places=9)
         self.assertEqual(len(frames[0]["joints"]), 29)
 
-    def test_a_folded_zero_pose_raises_no_doubts(self):
+    def test_a_folded_zero_pose_causes_no_warnings(self):
         for form in ("lines", "bvh"):
             result = self.live(self.played(form, "walk"), "--input", f"stdin?format={form}", "-o", "live.csv")
             self.assert_done(result)

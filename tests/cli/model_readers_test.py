@@ -161,7 +161,7 @@ class ModelReaders(ToolTest):
                 turned = 1 - abs(motion["body_quat_w"][frame][b] @ rotation)
                 self.assertLess(turned, 1e-5, f"{name} in frame {frame}")
 
-    def test_every_model_states_what_the_readers_need(self):
+    def test_every_model_states_the_attributes_that_readers_need(self):
         self.assertGreater(len(models()), 20)
         for file in models():
             with self.subTest(model=str(file.relative_to(SOURCE))):

@@ -160,7 +160,7 @@ class Rates(ToolTest):
         result = self.run_tool("evaluate", "soma.csv", "--gate", "none", *G1, "--fps", "50")
         self.assertIn("at 50 fps\n", result.stderr)
 
-    def test_rates_are_compared_where_files_say_them(self):
+    def test_rates_are_compared_if_files_state_them(self):
         for fps in ("30", "25"):
             self.assert_done(self.run_tool("convert", GOLDEN, f"{fps}.pkl", *G1, "--format",
                                            "pkl-gmr", "--source-fps", fps))
@@ -253,7 +253,7 @@ class Losses(ToolTest):
             result = self.run_tool(*command, *G1, "--format", "pkl-pbhc")
             self.assert_done(result)
             self.assertIn("warning: pkl-pbhc has the joints of the variant 23-pbhc: 6 joints "
-                          "with movement would be held, losing up to 0.", result.stderr)
+                          "with movement would be locked, losing up to 0.", result.stderr)
             self.assertIn("--dof 23-pbhc omits them", result.stderr)
         largest = max(max(abs(value) for value in row[26:29] + row[33:36])
                       for row in read_rows(GOLDEN.read_text()))
@@ -299,7 +299,7 @@ class Names(ToolTest):
 
 
 class EditedSidecars(ToolTest):
-    def test_options_are_held_to_the_command_lines_rules(self):
+    def test_options_follow_the_rules_of_the_command_line(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:3", "--sidecar"))
         text = (self.folder / "out.csv.json").read_text()
         for name, value, words in (("precision", 2_000_000_000, '"precision"'),
@@ -365,7 +365,7 @@ class Messages(ToolTest):
         self.assert_fails(self.run_tool("convert", self.write("35.csv", short), "x.csv", *G1), 3,
                           "35 columns, the robot unitree_g1 needs 36", "30 (23)")
 
-    def test_hints_do_not_name_what_was_given(self):
+    def test_hints_do_not_repeat_given_arguments(self):
         self.assert_done(self.retarget("--format", "npz-mjlab", output="g1.npz"))
         other = ("convert", "g1.npz", "x.csv", "--robot", "fourier_n1")
         self.assert_fails(self.run_tool(*other, "--from", "npz-mjlab"), 3, "29 joints")

@@ -1,4 +1,4 @@
-"""--clean: noise of video estimates and IMU suits is removed, clean clips keep every byte."""
+"""--clean: noise of video estimates and IMU suits is removed, clean clips do not change."""
 
 import json
 import math

@@ -120,7 +120,7 @@ class MissingFeet(OddBody):
 
 
 class FramesInFront(OddBody):
-    def test_a_frame_of_zeros_changes_nothing(self):
+    def test_a_frame_of_zeros_has_no_effect(self):
         for rename in (lambda clip: clip, with_other_names):
             expected, _, _ = self.run_clip(rename(Bvh(sample("walk"))), name="expected")
             clip = rename(Bvh(sample("walk")))
@@ -140,7 +140,7 @@ class FramesInFront(OddBody):
         expected, _, _ = self.run_clip(Bvh(sample("walk")), name="expected")
         self.assertLess(numpy.degrees(abs(rows[16:, 7:] - expected[15:, 7:]).mean()), 1.0)
 
-    def test_a_frame_that_faces_the_other_way(self):
+    def test_a_frame_that_faces_backwards_is_handled(self):
         clip = Bvh(sample("walk"))
         first = [v[0].copy() for v in clip.values]
         # Half a turn about the vertical, in the order Z, Y, X of the root's channels.

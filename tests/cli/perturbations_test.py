@@ -1,4 +1,4 @@
-"""Motions that are good keep all gates, and spoiled in any of the usual ways they miss one: on bodies that stand, that
+"""Motions that are good pass all gates, and spoiled in any of the usual ways they miss one: on bodies that stand, that
 get up, and that crawl all the time."""
 
 import json
@@ -134,7 +134,7 @@ ON_THE_FLOOR = {
 
 class Perturbations(ToolTest):
     def check(self, clip, perturbations):
-        """The motion of a clip keeps all gates; each perturbation misses one, by evaluate's exit code too."""
+        """The motion of a clip passes all gates; each perturbation misses one, by evaluate's exit code too."""
         result = self.run_tool("--bvh", clip, "--robot", "unitree_g1", "-o", "good.csv")
         self.assert_done(result)
         rows = read_rows((self.folder / "good.csv").read_text())

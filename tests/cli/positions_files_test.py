@@ -84,7 +84,7 @@ class PositionsFiles(PositionsTest):
         shown = self.run_tool("inspect", "clip.npz")
         self.assert_done(shown)
         self.assertIn("left_wrist", shown.stdout)
-        self.assertIn("is unknown and not followed", shown.stderr)
+        self.assertIn("is unknown and ignored", shown.stderr)
         self.assert_done(self.run_tool("inspect", "clip.npz", "--html", "page.html"))
         self.assert_done(self.run_tool("edit", "mirror", "clip.npz", "-o", "mirrored.bvh"))
         self.assert_done(self.run_tool("inspect", "mirrored.bvh"))

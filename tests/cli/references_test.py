@@ -18,7 +18,7 @@ class References(ToolTest):
         if np is None:
             absent("numpy is not installed")
 
-    def test_a_run_writes_it_beside_the_motion(self):
+    def test_a_run_writes_a_reference_next_to_the_motion(self):
         self.assert_done(self.retarget("-q", "--end", "1.5", bvh=sample("walk"), output="plain.csv"))
         result = self.retarget("--end", "1.5", "--reference-rate", "200", "--sidecar",
                                bvh=sample("walk"), output="walk.csv")
@@ -75,7 +75,7 @@ class References(ToolTest):
         self.assertEqual((self.folder / "a.reference.npz").read_bytes(),
                          (self.folder / "b.reference.npz").read_bytes())
 
-    def test_what_is_refused(self):
+    def test_invalid_requests_are_rejected(self):
         for rate in ("5", "2000", "fast"):
             self.assert_fails(self.retarget("--reference-rate", rate), 2, "--reference-rate")
         self.assert_fails(self.retarget("--reference", "walk.json"), 2,

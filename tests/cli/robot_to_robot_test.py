@@ -127,7 +127,7 @@ class RobotToRobot(ToolTest):
             os.remove(self.folder / "made.csv.json")
             result = self.convert("made.csv", "g1", "g1", "slow.csv", "--fps", "source",
                                   "--frames", "0:30")
-            self.assertIn("gives no rate", result.stderr)
+            self.assertIn("states no rate", result.stderr)
 
     def test_mirror_and_parts(self):
         self.make()
@@ -150,7 +150,7 @@ class RobotToRobot(ToolTest):
         self.assertIn("unitree_g1", sidecar["found"]["skeleton"])
         self.assert_done(self.run_tool("verify", "other.csv.json"))
 
-    def test_evaluate_and_view_beside_the_source(self):
+    def test_evaluate_and_view_use_the_source(self):
         self.make("walk")
         self.convert("made.csv", "g1", "t1", "other.csv", "--report", "other.json")
         result = self.run_tool("evaluate", "other.csv", "--robot", "t1", "--bvh", "made.csv",
@@ -243,7 +243,7 @@ class PublishedMotions(ToolTest):
         self.assertLess(joints_rms(back, read_rows("\n".join(lines[60:60 + len(back)]))), 0.1)
 
     def test_faults_of_a_motion_are_repaired_nearby(self):
-        """Published motions overlap themselves and their feet slip: after the repair they keep all gates."""
+        """Published motions overlap themselves and their feet slip: after the repair they pass all gates."""
         result = self.run_tool(self.motion, "g1", "--from-robot", "g1", "-o", "made.csv", "--gate",
                                "default", *self.PART)
         self.assert_done(result)

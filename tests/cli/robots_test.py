@@ -169,7 +169,7 @@ class Robots(ToolTest):
             self.assert_done(run)
             self.assertIn(words, unwrapped(run.stderr))
             self.assertIn("feet may float or sink", unwrapped(run.stderr))
-            self.assertRegex(unwrapped(run.stderr), r"verdict +[0-9]+ of [0-9]+ gates kept.*; soles estimated")
+            self.assertRegex(unwrapped(run.stderr), r"verdict +[0-9]+ of [0-9]+ gates passed.*; soles estimated")
         for options in ((), ("--all",)):
             told = self.run_tool("evaluate", "x.csv", "x.csv", "--robot", "feet", *options)
             self.assertEqual(told.stdout.count(", soles estimated"), 2)

@@ -127,7 +127,7 @@ class Output(ToolTest):
                           "29, 27, 23, 23-pbhc")
         self.assert_fails(self.retarget("--dof", 20, robot="fourier_n1"), 4, "23 joints")
 
-    def test_fingers_stay_at_zero_and_leave_the_rest_as_it_is(self):
+    def test_fingers_stay_at_zero_and_do_not_affect_other_joints(self):
         off = self.text("--csv-header", "--hands", "off", robot="unitree_g1_with_hands")
         header, body = off.split("\n", 1)
         rows = read_rows(body)
@@ -151,7 +151,7 @@ class Output(ToolTest):
         rows = exact("--dof", 29, robot="unitree_g1_with_hands")
         self.assertIsNone(difference(rows, plain, 2e-6))
 
-    def test_summary_names_joints_at_a_limit_and_what_pushes_them(self):
+    def test_summary_names_joints_at_a_limit_and_the_tasks_that_push_them(self):
         self.write("knees.json", '{"left_knee_joint": [0, 0.3]}')
         # By default the fit keeps joints off their limits.
         self.write("fit.json", '{"limit_margin_weight": 0}')
@@ -174,7 +174,7 @@ class Output(ToolTest):
         result = self.run_tool(*words)
         self.assert_done(result)
         self.assertIn("soles    from the model's contact geoms", result.stderr)
-        self.assertIn("verdict  30 of 30 gates kept", result.stderr)
+        self.assertIn("verdict  30 of 30 gates passed", result.stderr)
         self.write("bare.csv", result.stdout)
         told = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
                              sample("turn_in_place"))
@@ -191,11 +191,11 @@ class Output(ToolTest):
         words = ("--bvh", sample("wave"), "--ik-config", config, "-o", "out.csv")
         result = self.run_tool(*words, "--robot-xml", bare)
         self.assert_done(result)
-        self.assertIn("warning: the soles cannot be found in the model", result.stderr)
+        self.assertIn("warning: the model does not define the soles", result.stderr)
         # A profile without soles is no better than none.
         profile = self.write("robot.json", '{"name": "mine"}')
         result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
-        self.assertIn("warning: the soles cannot be found in the model", result.stderr)
+        self.assertIn("warning: the model does not define the soles", result.stderr)
 
     def test_summary_lists_all_decisions(self):
         summary = self.retarget().stderr
@@ -212,11 +212,11 @@ class Output(ToolTest):
     def test_summary_ends_with_a_verdict(self):
         # A lying body has the same gates.
         said = "\n".join(self.retarget(bvh=sample("get_up")).stderr.splitlines()[-1:])
-        self.assertRegex(said, r"^verdict  30 of 30 gates kept; right_ankle_pitch at its limit in "
+        self.assertRegex(said, r"^verdict  30 of 30 gates passed; right_ankle_pitch at its limit in "
                                r"\d+ % of frames$")
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*stance_height_p50_cm [\d.]+ \(at most 0.3\)")
-        self.assertRegex(verdict, r"^verdict  \d+ of 30 gates kept")
+        self.assertRegex(verdict, r"^verdict  \d+ of 30 gates passed")
         # Small robots have small bounds: 0.002 m/s for legs of 0.632 m become 0.00073 for 0.231.
         small = self.run_tool("--bvh", sample("squat"), "--robot", "stanford_toddy", "--method",
                               "gmr", "-o", "small.csv")
@@ -226,7 +226,7 @@ class Output(ToolTest):
         kept, gates = map(int, re.findall(r"\d+", verdict)[:2])
         told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"),
                              "--ik-config", "published")
-        self.assertIn(f"verdict  out.csv: {kept - 1} of {gates - 1} gates kept", told.stderr)
+        self.assertIn(f"verdict  out.csv: {kept - 1} of {gates - 1} gates passed", told.stderr)
         # Precision too low for a quaternion spoils the verdict but not the run.
         self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)
 

@@ -71,7 +71,7 @@ def with_second_actor(glb, name):
 
 
 class SceneFiles(ToolTest):
-    def test_a_second_actor_who_moves_is_named_and_can_be_chosen(self):
+    def test_a_second_moving_actor_is_named_and_can_be_selected(self):
         self.write("two.glb", with_second_actor((DATA / "walk.glb").read_bytes(), "Bob_"))
         result = self.run_tool("two.glb", "g1", "-o", "first.csv")
         self.assert_done(result)

@@ -123,7 +123,7 @@ class SceneOutputs(ToolTest):
             for frame in range(contact["first"], contact["last"] + 1):
                 self.assertEqual(rows[frame][column], "1")
 
-    def test_without_a_scene_nothing_changes(self):
+    def test_without_a_scene_the_motion_is_unchanged(self):
         self.assert_done(self.run_tool("--bvh", sample("squat"), "--robot", "unitree_g1", "--frames",
                                        f"0:{FRAMES}", "-o", "squat.npz", "--format", "npz-mjlab"))
         names = set(numpy.load(self.path("squat.npz")).files)

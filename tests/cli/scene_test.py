@@ -27,7 +27,7 @@ def share_near(frames, others, reach=2):
 
 class SceneTest(ToolTest):
     def report(self, *arguments):
-        """The report of a run that keeps all gates, and its motion."""
+        """The report of a run that passes all gates, and its motion."""
         result = self.run_tool(*arguments, "--robot", "unitree_g1", "-o", "out.csv", "--report",
                                "out.json")
         self.assert_done(result)

@@ -114,7 +114,7 @@ class TerrainTest(ToolTest):
             _, same, _ = self.solve(*source, one, other)
             self.assertEqual(same, before)
 
-    def test_changes_need_what_they_change(self):
+    def test_scene_changes_require_a_matching_scene(self):
         self.write("raised.bvh", raised_clip())
         self.write("room.json", json.dumps(ROOM))
         for arguments in (("--object-shift", "0,0,0.1"), ("--terrain-scale", "1.1"),
@@ -128,7 +128,7 @@ class TerrainTest(ToolTest):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertFalse((self.folder / "out.csv").exists())
 
-    def test_says_that_a_scene_has_another_unit(self):
+    def test_a_scene_in_another_unit_causes_a_warning(self):
         self.write("raised.bvh", raised_clip())
         # In the clip's axes: centimetres, Y up.
         def in_clip(body):

@@ -39,7 +39,7 @@ class Factor(TimeScaleTest):
         self.assertEqual(report["time_scale"]["least"], 0.8)
         self.assertTrue(report["passed"])
 
-    def test_a_factor_of_one_changes_nothing(self):
+    def test_a_factor_of_one_has_no_effect(self):
         plain = self.run_sample("squat", "plain.csv", "--end", "2")
         self.assertEqual(self.run_sample("squat", "one.csv", "--end", "2", "--time-scale", "1"),
                          plain)
@@ -51,7 +51,7 @@ class Factor(TimeScaleTest):
 
 
 class Auto(TimeScaleTest):
-    def test_a_motion_within_limits_keeps_its_bytes(self):
+    def test_a_motion_within_limits_is_unchanged(self):
         # In the walk, torques exceed their limits for moments.
         for name, options in (("squat", ()), ("walk", ("--without", "dynamics"))):
             plain = self.run_sample(name, "plain.csv", *options)

@@ -85,7 +85,7 @@ class TorchFiles(ToolTest):
         self.assertNotIn("30 fps", result.stderr)
         self.assertIn("up", json.dumps(json.loads(result.stdout)))
 
-    def test_dictionaries_hold_what_an_npz_holds(self):
+    def test_dictionaries_equal_the_npz(self):
         motion = walking()
         expected = self.npz_rows(motion)
         store = numpy.concatenate([numpy.full((FRAMES, 7), 9.0), motion["trans"]], axis=1)

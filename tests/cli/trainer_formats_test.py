@@ -384,7 +384,7 @@ class Batches(FormatsTest):
 
 
 class BadFiles(FormatsTest):
-    def test_folders_appear_whole_or_not_at_all(self):
+    def test_folders_appear_complete_or_not_at_all(self):
         small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
         result = self.run_tool("convert", GOLDEN / "walk.csv", "walk", "--robot", "unitree_g1",
                                "--format", "csv-sonic", preexec_fn=small)

@@ -23,7 +23,7 @@ class TravelTest(ToolTest):
 
 
 class Travel(TravelTest):
-    def test_a_factor_scales_the_way_and_keeps_the_gates(self):
+    def test_a_factor_scales_the_path_and_the_gates_pass(self):
         self.run_walk("whole.csv")
         self.run_walk("less.csv", "--travel", "0.9", "--report", "less.json", "--gate", "default")
         self.assertAlmostEqual(self.way("less.csv") / self.way("whole.csv"), 0.9, delta=0.005)

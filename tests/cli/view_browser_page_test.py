@@ -35,7 +35,7 @@ def box_stl(low, high):
 class PageInABrowser(PagesInABrowser):
     """Accessibility, security, meshes and pictures of pages."""
 
-    def test_choices_hold_nothing_but_choices(self):
+    def test_choices_contain_only_valid_values(self):
         self.open("two.html")
         self.assertEqual(
             self.run_script(
@@ -120,7 +120,7 @@ class PageInABrowser(PagesInABrowser):
             ),
         )
 
-    def test_nothing_but_the_page_itself_is_allowed(self):
+    def test_the_policy_allows_only_the_page_itself(self):
         self.open("one.html")
         # The browser reports violations of the policy; a request that fails without a network has
         # no such report.
@@ -204,7 +204,7 @@ class PageInABrowser(PagesInABrowser):
         self.assertIn(worse, self.run_script("Object.keys(retarget.joints(0, 0))"))
         self.assert_quiet("odd.html")
 
-    def test_meshes_in_place_of_shapes(self):
+    def test_meshes_replace_shapes(self):
         folder = self.pages / "meshes"
         folder.mkdir()
         (folder / "TORSO_LINK_rev_2.STL").write_bytes(box_stl((-0.1, -0.2, 0.0), (0.1, 0.2, 0.4)))

@@ -124,7 +124,7 @@ class SceneOnAPage(ToolTest):
         self.write("large.obj", vertices + faces)
         run_in_scene(self, "-o", "squat.csv")
         result = self.view("large.html", "squat.csv", "--scene", "large.obj")
-        self.assertIn("left out of the page: ", result.stderr)
+        self.assertIn("omitted from the page: ", result.stderr)
         self.assertIn("at most 300000 fit on a page", result.stderr)
         self.assertNotIn("scenes", data_of(self.page("large.html"))[0])
 

@@ -102,10 +102,10 @@ class InABrowser(PagesInABrowser):
             self.run_script(
                 "document.querySelector('[aria-label=Camera] [aria-checked=true]').textContent"
             ),
-            "Stand",
+            "Fixed",
         )
 
-    def test_the_picture_turns_with_keys_while_it_has_the_focus(self):
+    def test_the_view_rotates_with_keys_while_it_has_the_focus(self):
         self.open("one.html", "#t=2", size=(480, 360))
         view = "retarget.onScreen(0, 1)"
         before = self.run_script(view)
@@ -187,7 +187,7 @@ class InABrowser(PagesInABrowser):
         keys = {each["key"] for each in report["figures"]}
         self.assertEqual({title.split(":")[0] for _, title in figures}, keys)
 
-    def test_contact_rows_tell_motions_apart(self):
+    def test_contact_rows_distinguish_motions(self):
         self.assert_done(
             self.run_in_pages("view", "fit.csv", "fit.npz", "--robot", "unitree_g1",
                               "--bvh", "walk.bvh", "-o", "same.html")
@@ -198,7 +198,7 @@ class InABrowser(PagesInABrowser):
             ".filter((each) => each.textContent === 'Left foot').map((each) => each.title)"
         )
         self.assertEqual(
-            titles, ["When it stands, from top to bottom: walk.bvh, fit.csv, fit.npz"]
+            titles, ["In contact, from top to bottom: walk.bvh, fit.csv, fit.npz"]
         )
         # The first colour in the middle of each band.
         colours = self.run_script("""(() => {
@@ -300,12 +300,12 @@ class InABrowser(PagesInABrowser):
         )
         self.assertEqual(self.run_script(f"{plots}.length"), 0)
 
-    def test_the_source_beside_each_motion(self):
+    def test_the_source_is_shown_beside_each_motion(self):
         self.open("two.html", "#t=3", size=(640, 420))
         self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
         button = (
             "[...document.querySelectorAll('button')]"
-            ".find((each) => each.textContent === 'For each')"
+            ".find((each) => each.textContent === 'Per robot')"
         )
         apart = "retarget.placeOf(1).map((value, i) => value - retarget.placeOf(0)[i])"
         before = np.linalg.norm(self.run_script(apart))

@@ -106,7 +106,7 @@ class PageFiles(ToolTest):
                 curves += 1
         self.assertGreater(curves, 15)
 
-    def test_humans_are_drawn_as_the_header_says(self):
+    def test_humans_are_drawn_as_the_header_describes(self):
         """Colours and chains have one source: the script has neither names of limbs nor colours of sides."""
         page = self.run_page("--method", "gmr", clip=self.write("walk.bvh", short_clip("walk", 20)))
         figure = data_of(page)[0]["figure"]
@@ -127,7 +127,7 @@ class PageFiles(ToolTest):
         for arguments, message in (
             (
                 (*view, "b.csv", "-o", "two.svg"),
-                "a picture shows one motion, found 2 motions",
+                "a strip of poses shows one motion, found 2 motions",
             ),
             (
                 (*view, "--label", "x", "--label", "y", "-o", "p.html"),
@@ -156,7 +156,7 @@ class PageFiles(ToolTest):
         self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
         view = ("view", "a.csv", "--robot", "unitree_g1")
         for arguments, message in (
-            (("-o", "p.html", "--strip", 6), "--strip needs a picture"),
+            (("-o", "p.html", "--strip", 6), "--strip needs a PNG"),
             (("-o", "p.png", "--label", "x"), "--label needs a page"),
             (("-o", "p.svg", "--meshes", "."), "--meshes needs a page"),
         ):

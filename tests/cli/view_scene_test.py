@@ -107,7 +107,7 @@ class Scene(unittest.TestCase):
         np.testing.assert_allclose(last, [50, 2, 0.8], atol=1e-9)
         self.assertEqual(ended, [False, True, True])
 
-    def test_a_human_goes_on_after_its_motion(self):
+    def test_a_human_continues_after_its_motion(self):
         self.assertEqual(
             self.run_script(
                 MOTION
@@ -153,7 +153,7 @@ class Scene(unittest.TestCase):
             ],
         )
         self.assertEqual(dict(totals), {"limit": 37, "jump": 2})
-        self.assertEqual(texts, ["10 worst of 37", "3"])
+        self.assertEqual(texts, ["worst 10 of 37", "3"])
 
     def test_limits_of_several_motions_are_those_that_all_keep(self):
         self.assertEqual(

@@ -87,7 +87,7 @@ class View(ToolTest):
         self.assertEqual(self.poses(svg)[-1], "1 s")
         self.assertGreater(self.shapes(svg), 6 * 20)
 
-    def test_a_picture_by_its_ending(self):
+    def test_the_extension_selects_the_image_format(self):
         motion = self.motion()
         width, height, _ = pixels(self.strip(motion, output="strip.png"))
         self.assertAlmostEqual(width, 1200, delta=1)
@@ -104,7 +104,7 @@ class View(ToolTest):
         self.assert_fails(self.run_tool(*view, "no/x.png"), 2, "no")
         self.assert_fails(self.run_tool(*view, "s.svg"), 2, "s.svg")
 
-    def test_a_run_draws_the_picture_of_its_motion(self):
+    def test_a_run_renders_its_motion(self):
         shutil.copy(sample("walk"), self.folder / "walk.bvh")
         run = ("walk.bvh", "unitree_g1", "-o", "walk.csv", "--method", "gmr", "--png", "run.png")
         self.assert_done(self.run_tool(*run))
@@ -121,7 +121,7 @@ class View(ToolTest):
         for file in ("run.png", "walk.csv"):
             (self.folder / file).unlink()
         for arguments, words in (
-            (("--strip", 3), "--strip needs a picture"),
+            (("--strip", 3), "--strip needs a PNG"),
             (("--png", "-"), "--png needs a file"),
             (("--png", "no/x.png"), "no"),
             (("--png", "walk.bvh"), "overwrite the input"),
@@ -142,7 +142,7 @@ class View(ToolTest):
         self.assert_fails(self.run_tool("view", motion, "-o", "s.svg"), 2, "--robot")
         self.assert_fails(self.run_tool("view", "no.csv", "--robot", "g1", "-o", "s.svg"), 3, "no.csv")
 
-    def test_the_picture_of_the_readme_is_what_the_tool_draws(self):
+    def test_the_readme_image_is_up_to_date(self):
         shutil.copy(sample("walk"), self.folder / "walk.bvh")
         self.assert_done(self.retarget(bvh="walk.bvh", output="walk.csv"))
         self.assertEqual(

@@ -148,7 +148,7 @@ TEST(CentroidalStep, DoesNotMoveTheEnds) {
   EXPECT_EQ(step.solve(few, kScale, 4).size(), 4U);
 }
 
-TEST(CentroidalStep, TakesNoStepWithNumbersThatAreNotFinite) {
+TEST(CentroidalStep, DoesNotStepFromNonFiniteValues) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   for (const double bad : {std::nan(""), kInf, -kInf, 1e300}) {
     auto frames = surge(30.0, 0.0);

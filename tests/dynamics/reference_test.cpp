@@ -261,7 +261,7 @@ TEST(Reference, TorquesMatchMujoco) {
   }
 }
 
-TEST(Reference, AFallingBodyNeedsNothing) {
+TEST(Reference, AFallingBodyNeedsNoForces) {
   RobotClip clip = reference_stand(load_shipped("unitree_g1"), 20);
   for (int t = 0; t < 20; ++t) {
     const double time = t / 30.0;

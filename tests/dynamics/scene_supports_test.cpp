@@ -95,7 +95,7 @@ TEST(SceneSupports, AnAscendingBodyWeighsMore) {
   EXPECT_NEAR(loads[1].position.x(), -0.16, 1e-9);
 }
 
-TEST(SceneSupports, ABodyOnTheFloorIsNoLoad) {
+TEST(SceneSupports, ABodyOnTheFloorIsNotALoad) {
   constexpr int kFrames = 5;
   SceneBody crate = box({0.3, 0.3, 0.3}, Vector3d::Zero());
   crate.moves = true;

@@ -219,7 +219,7 @@ TEST_F(LimbSolverTest, StaysInItsRange) {
   EXPECT_EQ(joint_value(model_, limb.links[0], qpos), range.lower[0]);
 }
 
-TEST_F(LimbSolverTest, TakesNoStepTowardsTargetsThatAreNotFinite) {
+TEST_F(LimbSolverTest, DoesNotStepTowardsNonFiniteTargets) {
   const std::vector<double> zero = robot_.robot->zero_configuration();
   for (const double bad : {std::nan(""), HUGE_VAL, 1e200}) {
     for (const FitLimb& limb : limbs_) {

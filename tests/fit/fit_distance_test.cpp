@@ -56,7 +56,7 @@ TEST(FitDistance, SphereSphere) {
   EXPECT_TRUE(found.normal.isApprox(Vector3d(-1, 0, 0)));
 }
 
-TEST(FitDistance, CrossedCapsules) {
+TEST(FitDistance, HandlesCrossedCapsules) {
   const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0.3, 0, 0}),
                                   shape({{0, 1, 0}}, 0.2), moved({0, 0.4, -0.25}));
   EXPECT_NEAR(found.distance, -0.05, 1e-15);

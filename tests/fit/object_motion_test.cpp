@@ -126,7 +126,7 @@ TEST_F(ObjectMotionTest, ACrateComesBetweenTheHands) {
 }
 
 // It lies on the floor, is lifted and held aside of the hands.
-TEST_F(ObjectMotionTest, ACrateAtRestShiftsButNeitherRisesNorJumps) {
+TEST_F(ObjectMotionTest, ACrateAtRestMovesOnlySmoothlyOnItsSupport) {
   constexpr int kFrames = 120;
   std::vector<Vector3d> path;
   for (int t = 0; t < kFrames; ++t) {
@@ -150,7 +150,7 @@ TEST_F(ObjectMotionTest, ACrateAtRestShiftsButNeitherRisesNorJumps) {
   }
 }
 
-TEST_F(ObjectMotionTest, AnObjectThatNobodyHoldsStays) {
+TEST_F(ObjectMotionTest, AnObjectThatNobodyHoldsDoesNotMove) {
   FitScene scene = scene_of(std::vector<Vector3d>(20, between_), {0, 0});
   EXPECT_TRUE(follow(scene).empty());
   EXPECT_EQ(scene.world.clip.pose(7, 0).translation, between_);

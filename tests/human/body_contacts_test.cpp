@@ -108,7 +108,7 @@ TEST(BodyContacts, HandThatCarriesTheWholeBodyStandsOnItsFingers) {
   EXPECT_THAT(contacts(source, kLeftHand), IsEmpty());
 }
 
-TEST(SlideTracker, RollingInPlaceIsNoSlide) {
+TEST(SlideTracker, RollingInPlaceIsNotASlide) {
   SlideTracker tracker({1.0, 2.0, 0.1}, 0.04);
   for (int step = 0; step < 100; ++step) {
     const double angle = 0.3 * step;
@@ -117,7 +117,7 @@ TEST(SlideTracker, RollingInPlaceIsNoSlide) {
   }
 }
 
-TEST(SlideTracker, FollowsALongSlideAndStaysBehindWhenItReturns) {
+TEST(SlideTracker, FollowsALongSlideAndLagsWhenItReturns) {
   SlideTracker tracker({0.0, 0.0, 0.1}, 0.04);
   Eigen::Vector2d slide = Eigen::Vector2d::Zero();
   for (int step = 0; step <= 100; ++step) slide = tracker.follow({0.0, -0.01 * step, 0.05});

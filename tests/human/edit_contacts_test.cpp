@@ -54,7 +54,7 @@ ContactPlan edited(const std::vector<ContactEdit>& edits, std::size_t idle = 0) 
   return plan;
 }
 
-TEST(ContactEdits, NothingChangesWithoutEdits) {
+TEST(ContactEdits, NoEditsChangeNothing) {
   const ContactPlan plan = edited({});
   EXPECT_THAT(plan.phases[0], ElementsAre(phase(10, 30), phase(50, 70, 0.3)));
 }
@@ -88,14 +88,14 @@ TEST(ContactEdits, ShiftMovesWholeStances) {
   EXPECT_THAT(beyond.phases[0], ElementsAre(phase(10, 30), phase(90, 100, 0.3)));
 }
 
-TEST(ContactEdits, OneEndLeavesTheOther) {
+TEST(ContactEdits, EditingOneEndDoesNotChangeTheOther) {
   const ContactPlan plan = edited({edit(ContactAction::kRemove, "left_heel", 0.4, 0.6)});
   EXPECT_THAT(plan.ends[0][kHeelEnd].phases, ElementsAre(phase(10, 20), phase(50, 70, 0.3)));
   EXPECT_THAT(plan.ends[0][kToeEnd].phases, ElementsAre(phase(10, 30), phase(50, 70, 0.3)));
   EXPECT_THAT(plan.phases[0], ElementsAre(phase(10, 20), phase(50, 70, 0.3)));
 }
 
-TEST(ContactEdits, OtherPartsHaveTheirOwnContacts) {
+TEST(ContactEdits, AddContactsOfHands) {
   const ContactPlan plan = edited({edit(ContactAction::kAdd, "right_hand", 0.0, 0.2)});
   EXPECT_THAT(plan.bodies[5], ElementsAre(phase(0, 10)));
   EXPECT_THAT(plan.phases[1], IsEmpty());
@@ -106,7 +106,7 @@ TEST(ContactEdits, IdleEditsAreReported) {
   edited({edit(ContactAction::kShift, "right_foot", 0.0, 1.0, 0.1)}, 1);
 }
 
-TEST(ContactEditsFile, RoundTrip) {
+TEST(ContactEditsFile, RoundTrips) {
   std::vector<ContactEdit> edits = {edit(ContactAction::kAdd, "left_foot", 0.5, 1.25),
                                     edit(ContactAction::kShift, "right_toe", 0.0, 1.0, -0.1)};
   edits[0].height = 0.2;
@@ -119,7 +119,7 @@ TEST(ContactEditsFile, RoundTrip) {
   EXPECT_EQ((*read)[1].by, -0.1);
 }
 
-TEST(ContactEditsFile, AllFaultsTogether) {
+TEST(ContactEditsFile, ReportsAllErrorsTogether) {
   const auto read = parse_contact_edits(
       R"({"contacts": [{"part": "left_fot", "action": "add", "start": 0, "end": 1},
                        {"part": "back", "action": "move", "start": 2, "end": 1},
@@ -133,13 +133,13 @@ TEST(ContactEditsFile, AllFaultsTogether) {
   }
 }
 
-TEST(ContactEditsFile, OtherJsonIsRefused) {
+TEST(ContactEditsFile, RejectsOtherJson) {
   for (const char* text : {"[]", "{}", R"({"contacts": 3})", "{", ""}) {
     EXPECT_FALSE(parse_contact_edits(text, "edits.json").has_value()) << text;
   }
 }
 
-TEST(ContactEditsFile, EditsOutsideTheMotionAreRefused) {
+TEST(ContactEditsFile, RejectsEditsOutsideTheMotion) {
   const std::vector<ContactEdit> edits = {edit(ContactAction::kAdd, "left_foot", 1.0, 2.0),
                                           edit(ContactAction::kAdd, "left_foot", 1.0, 2.1)};
   EXPECT_TRUE(check_contact_edits(std::span(edits).first(1), 2.0, "e").has_value());

@@ -346,7 +346,7 @@ TEST(Recognise, Lafan1MatchesThePublishedMethod) {
   }
 }
 
-TEST(Recognise, Lafan1NamesOnOtherAxesAreAnotherProfile) {
+TEST(Recognise, Lafan1NamesWithOtherAxesHaveAnotherProfile) {
   EXPECT_NE(recognise(tiny_skeleton(kBody))->profile, "lafan1");
   EXPECT_NE(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")))->profile, "lafan1");
 }

@@ -129,7 +129,7 @@ TEST(RootDrift, MeasuresASlowRiseOfTheFloor) {
 }
 
 TEST(RootDrift, MeasuresShakingOfTheHeight) {
-  // 2 cm to and fro would be too slow horizontally.
+  // A horizontal oscillation of 2 cm would be too slow to count.
   const auto shake = [](double seconds) {
     return Vector3d(0.0, 0.0, 0.02 * std::sin(2.0 * kPi * 0.6 * seconds));
   };

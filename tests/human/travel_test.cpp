@@ -133,7 +133,7 @@ TEST(Travel, StepsAreShorterInProportion) {
   }
 }
 
-TEST(Travel, FactorsOfOneChangeNoByte) {
+TEST(Travel, FactorsOfOneChangeNothing) {
   const Clip walk = recorded_clip("walk");
   Clip scaled = walk;
   const TravelReport report = scale(scaled, constant(1.0));
@@ -189,7 +189,7 @@ TEST(Travel, FactorIsOneWhereHandsAndKneesRestOnTheFloor) {
   EXPECT_GT(phases, 0);
 }
 
-TEST(Travel, PartOfAMotionIsThatPartOfTheWhole) {
+TEST(Travel, ExcerptEqualsThatPartOfTheWholeMotion) {
   const Clip walk = recorded_clip("walk");
   const Calibration calibration = lafan1_calibration(walk.skeleton());
   Clip whole = walk, part = walk;
@@ -207,7 +207,7 @@ TEST(Travel, PartOfAMotionIsThatPartOfTheWhole) {
   }
 }
 
-TEST(Travel, FramesBeforeTheMotionStay) {
+TEST(Travel, DoesNotChangeFramesBeforeTheMotion) {
   Clip walk = recorded_clip("walk");
   const Calibration calibration = lafan1_calibration(walk.skeleton());
   Clip scaled = walk;

@@ -126,7 +126,7 @@ TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   EXPECT_EQ(motion->body_names.size(), GetParam() == 23 ? 24U : 30U);
 }
 
-TEST_P(VariantBodies, RoundTrip) {
+TEST_P(VariantBodies, AllRoundTrip) {
   const RobotClip clip = random_clip(variant_);
   WriteMotionOptions writing;
   writing.tracking.rate = {50, 1};

@@ -140,7 +140,7 @@ TEST(LiveFrames, KeepFeetAndFloor) {
   EXPECT_EQ(figure(with, "speed_limit_pct"), 0.0);
 }
 
-TEST(LiveLag, LongerThanAClipKeepsTheGatesOfItsFit) {
+TEST(LiveLag, LongerThanAClipPassesTheGatesOfItsFit) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kFit);
     LiveSession session = session_of(plan, with_lag(plan.rate.fps(), kLongLag));

@@ -117,7 +117,7 @@ TEST(UniformSpline, KeepsSpeedsBetweenSamples) {
   }
 }
 
-TEST(UniformSpline, LeavesWhatIsInside) {
+TEST(UniformSpline, DoesNotChangeValuesInsideTheBounds) {
   const std::vector<double> samples = random_samples(30, 6);
   UniformSpline spline(samples);
   const UniformSpline unchanged = spline;
@@ -130,7 +130,7 @@ TEST(UniformSpline, LeavesWhatIsInside) {
 }
 
 // Samples beyond a bound stay there, and pieces farther away keep it.
-TEST(UniformSpline, SamplesBeyondABoundStay) {
+TEST(UniformSpline, SamplesBeyondABoundDoNotChange) {
   std::vector<double> samples(20, 0.0);
   samples[10] = 3.0;
   UniformSpline spline(samples);

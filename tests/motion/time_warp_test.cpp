@@ -93,7 +93,7 @@ TEST(TimeWarp, AClipMovesSlower) {
   EXPECT_EQ(slow.rate(), clip.rate());
 }
 
-TEST(TimeWarp, ShortClips) {
+TEST(TimeWarp, HandlesShortClips) {
   TimeScale scale;
   scale.pace = {2.0, 2.0, 2.0, 2.0};
   EXPECT_EQ(warped_frame_count(scale, {30, 1}, 0), 0);

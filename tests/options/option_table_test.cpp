@@ -50,7 +50,7 @@ TEST(OptionTable, SingleRowSuggestsAndValidates) {
   EXPECT_EQ(options.depth, 1.5);
 }
 
-TEST(OptionTable, WorkTakesTheRowsThatStateIt) {
+TEST(OptionTable, SelectsRowsByUse) {
   RobotChoice robot;
   EXPECT_THAT(option_names(rows_for(OptionUse::kConvert, robot_table(robot))),
               ElementsAre("robot", "robot-xml", "robot-profile", "dof", "base"));
@@ -60,7 +60,7 @@ TEST(OptionTable, WorkTakesTheRowsThatStateIt) {
               testing::SizeIs(6));
 }
 
-TEST(OptionTable, RowsOfAnotherTableAreLeftOut) {
+TEST(OptionTable, OmitsRowsOfAnotherTable) {
   RobotChoice robot;
   const OptionTable taken = rows_for(OptionUse::kConvert, robot_table(robot));
   EXPECT_THAT(option_names(without_rows_of(taken, robot_table(robot))), ElementsAre("follow"));

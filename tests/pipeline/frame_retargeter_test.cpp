@@ -193,7 +193,7 @@ TEST(FrameRetargeter, MovesTargetsDownAndToTheGround) {
   EXPECT_NE(to_ground.error().message.find("foot"), std::string::npos);
 }
 
-TEST(FrameRetargeter, BadFramesAreErrorsThatChangeNothing) {
+TEST(FrameRetargeter, InvalidFramesAreErrorsAndDoNotChangeTheState) {
   const HumanClip human = sample("walk", 2);
   FrameRetargeter retargeter = make_g1();
   const auto good = poses_by_name(retargeter, human.frame(0));

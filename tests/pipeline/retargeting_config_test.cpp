@@ -138,7 +138,7 @@ TEST(RetargetingConfig, IgnoresDisabledTables) {
   json["use_ik_match_table2"] = false;
   EXPECT_EQ(fault_of(json), "no fault");
   json["use_ik_match_table1"] = false;
-  EXPECT_THAT(fault_of(json), HasSubstr("nothing would move"));
+  EXPECT_THAT(fault_of(json), HasSubstr("no body would move"));
 }
 
 TEST(ResolvedConfig, ResolvesNamesToIndices) {
@@ -171,7 +171,7 @@ TEST(ResolvedConfig, CanRemoveBonesUnlessNothingIsLeft) {
   EXPECT_EQ(config.find_task(Bone::kLeftArm), nullptr);
   const auto nothing = leave_out_bones(config, std::array{Bone::kHips});
   ASSERT_FALSE(nothing);
-  EXPECT_THAT(nothing.error().message, HasSubstr("nothing would move"));
+  EXPECT_THAT(nothing.error().message, HasSubstr("no body would move"));
 }
 
 TEST(RetargetingConfig, ReadsAllPublishedMappings) {

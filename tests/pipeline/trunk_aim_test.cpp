@@ -260,7 +260,7 @@ TEST(TrunkAim, RequiresATrunk) {
 }
 
 // A non-finite step is rejected and visible in the targets, which the solvers reject.
-TEST(TrunkAim, GivesNoPoseForAHumanThatIsNotFinite) {
+TEST(TrunkAim, ReturnsNonFiniteRotationsForANonFiniteHuman) {
   const AimedRobot of = aimed_robot("unitree_g1");
   HumanPose bones = human(kStill, kStill);
   bones[Bone::kHips].rotation.coeffs().fill(std::nan(""));

@@ -180,7 +180,7 @@ TEST(TravelOfMotions, WrongFactorsAreUsageErrors) {
   }
 }
 
-TEST(Preset, IsRefusedForThePublishedMethod) {
+TEST(Preset, IsRejectedForThePublishedMethod) {
   for (Options options : {with_travel("0.9"), for_tracking()}) {
     options.solve.method = Method::kGmr;
     const auto plan = make_plan(clip_at_rate("wave"), loaded_g1(), options);

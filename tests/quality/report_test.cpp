@@ -68,8 +68,9 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
   gates.set({"jumps", std::nullopt, 0.0});
   for (QualityReport& report : reports) gates.judge(report);
   const std::string text = report_text(reports);
-  EXPECT_THAT(text, StartsWith("still.csv: 1 of 1 gate kept\njump.csv: 0 of 1 gate kept, 1 missed\n"
-                               "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
+  EXPECT_THAT(text,
+              StartsWith("still.csv: 1 of 1 gate passed\njump.csv: 0 of 1 gate passed, 1 missed\n"
+                         "jump.csv: jumps is 2, expected at most 0\n  right: 0.6 rad"));
   EXPECT_THAT(text, ContainsRegex("\n +metric +gate +still.csv +jump.csv\n"));
   EXPECT_THAT(text, ContainsRegex("\n +jumps +<=0 +0 [+] +2 x\n"));
   // Every metric has its row only on request.
@@ -82,7 +83,7 @@ TEST(ReportText, OrdersVerdictMissedGatesAndGroups) {
   report.gates[1].passed = false;
   report.gates[1].max = 100.0;
   const std::string text = report_text({&report, 1});
-  EXPECT_THAT(text, StartsWith("walk.csv: 2 of 3 gates kept, 1 missed (unitree_g1, 300 frames)\n"
+  EXPECT_THAT(text, StartsWith("walk.csv: 2 of 3 gates passed, 1 missed (unitree_g1, 300 frames)\n"
                                "walk.csv: limit_pct is 123.5, expected at most 100\n"
                                "  left_knee: 0.5 rad, frames 3-6, worst 5\n"));
   EXPECT_THAT(text, HasSubstr("\nlimits      + solver_failures 123.5 <=200"));

@@ -41,7 +41,7 @@ TEST(RootBounce, IgnoresSlowAndHorizontalMovement) {
   EXPECT_NEAR(*bounce_kept(found, track(4.5, 0.02), 30.0), 1.0, 0.02);
 }
 
-TEST(RootBounce, HasNothingToKeepWithoutFastMovement) {
+TEST(RootBounce, IsOneWithoutFastMovement) {
   EXPECT_EQ(bounce_kept(track(1.0, 0.01), track(1.0, 0.02), 30.0), 1.0);
   EXPECT_EQ(bounce_kept(track(4.5, 0.0), track(4.5, 0.001), 30.0), 1.0);
 }

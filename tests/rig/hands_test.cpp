@@ -50,7 +50,7 @@ TEST(RigHandsTest, DecisionsNameTheBranchOfEveryFinger) {
   EXPECT_THAT(made->decisions,
               HasSubstr("| left thumb | left_thumb_base - left_thumb_fingertip | 4 | its name |"));
   EXPECT_THAT(made->decisions, HasSubstr("| right ring | right_mcp_3 - right_fingertip_3 | 4 | "
-                                         "its place and direction |"));
+                                         "its position and direction |"));
   EXPECT_THAT(made->decisions, HasSubstr("rename its first body in model.xml"));
 }
 

@@ -59,7 +59,7 @@ std::string put(std::string text, const std::string& before, const std::string& 
   return text.insert(at, what);
 }
 
-// A small biped with arms as a URDF, below links and joints that stand for the world.
+// A small biped with arms as a URDF, below links and joints that represent the world.
 std::string urdf(const std::string& world = {}, const std::string& pelvis = {}) {
   std::string links, joints;
   const auto link = [&](const std::string& name, const std::string& more = {}) {
@@ -112,7 +112,7 @@ TEST_F(ModelRepairs, LeftoversOfXacroAreIgnored) {
               "robot.urdf");
 }
 
-TEST_F(ModelRepairs, TemplatesOfXacroAreStillRefused) {
+TEST_F(ModelRepairs, StillRejectsTemplatesOfXacro) {
   const std::string links = "<link name=\"more\"/>";
   for (const std::string& definition : std::vector<std::string>{
            "<xacro:include filename=\"arms.xacro\"/>", "<xacro:macro name=\"imu\"/>",
@@ -151,7 +151,7 @@ TEST_F(ModelRepairs, UnknownSensorsOfIncludedFilesAreIgnored) {
               "cannot read one of them: unrecognized element");
 }
 
-TEST_F(ModelRepairs, UnknownKinematicsIsStillRefused) {
+TEST_F(ModelRepairs, StillRejectsUnknownKinematics) {
   const std::string plain = plain_humanoid().mjcf();
   const std::string sensors = "<sensor><radar/></sensor>";
   EXPECT_THAT(refusal(put(plain, "<freejoint/>", "<joint name=\"a\" helix=\"1\"/>")),
@@ -170,15 +170,15 @@ TEST_F(ModelRepairs, BodiesThatStandForTheWorldAreLeftOut) {
     return put(put(plain, "<body name=\"pelvis\"", bodies), "</worldbody>", ends);
   };
   expect_same(below("<body name=\"world\">", "</body>"), plain,
-              "the body \"world\" stands for the world");
+              "the body \"world\" represents the world");
   expect_same(below("<body name=\"dummy\">", "</body>"), plain,
-              "the body \"dummy\" stands for the world");
+              "the body \"dummy\" represents the world");
   expect_same(below("<body name=\"world\"><body name=\"dummy\"><site/>", "</body></body>"), plain,
-              "the bodies \"world\", \"dummy\" stand for the world");
+              "the bodies \"world\", \"dummy\" represent the world");
 }
 
 TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
-  const std::string note = "stands for the world: it has no mass, and is left out";
+  const std::string note = "represents the world: it has no mass, and is omitted";
   for (const std::string name : {"dummy", "odom"}) {
     const std::string link = "<link name=\"" + name + "\"/>";
     expect_same(urdf(link + world_joint("floating", name, "pelvis")), urdf(),
@@ -199,7 +199,7 @@ TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
   EXPECT_TRUE(fixed) << describe(fixed.error());
 }
 
-TEST_F(ModelRepairs, AFloatingLinkBelowABodyWithMassIsRefused) {
+TEST_F(ModelRepairs, RejectsAFloatingLinkBelowABodyWithMass) {
   const std::string cart =
       "<link name=\"cart\"><inertial><mass value=\"9\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" "
       "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>";

@@ -173,7 +173,7 @@ TEST(RobotLayouts, DoesNotMistakeToesOfThreeJointsForFeet) {
 }
 
 // The toes follow nothing, and both sides are alike, whatever the order of the hinges.
-TEST(RobotLayouts, ToesOfAnyOrderOfHingesAreNoFeet) {
+TEST(RobotLayouts, DoesNotMistakeToesWithAnyHingeOrderForFeet) {
   for (const std::string order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"}) {
     for (const bool toe_ends : {false, true}) {
       SCOPED_TRACE(order + (toe_ends ? ", with ends" : ""));
@@ -195,7 +195,7 @@ TEST(RobotLayouts, ToesOfAnyOrderOfHingesAreNoFeet) {
   }
 }
 
-TEST(RobotLayouts, JointThatTurnsTheUpperArmIsNoElbow) {
+TEST(RobotLayouts, DoesNotMistakeUpperArmRollForAnElbow) {
   EXPECT_LT(angles_of(offset_shoulder_layout()).mean, 10.0);
 }
 

@@ -30,7 +30,7 @@ SceneShape corner_mesh(bool closed, bool inward) {
   return shape;
 }
 
-TEST(BodyMass, OfPrimitives) {
+TEST(BodyMass, ComputesMassesOfPrimitives) {
   SceneBody body;
   SceneShape box;
   box.half_size = {0.1, 0.2, 0.3};
@@ -47,14 +47,14 @@ TEST(BodyMass, OfPrimitives) {
   EXPECT_LT((found.com - Vector3d(of_box / (of_box + of_capsule), 0.0, 0.0)).norm(), 1e-12);
 }
 
-TEST(BodyMass, AsStated) {
+TEST(BodyMass, UsesStatedMasses) {
   SceneBody body;
   body.shapes.emplace_back().half_size = Vector3d::Constant(0.1);
   body.mass = 3.5;
   EXPECT_EQ(body_mass(body).mass, 3.5);
 }
 
-TEST(BodyMass, OfMeshes) {
+TEST(BodyMass, ComputesMassesOfMeshes) {
   for (const bool inward : {false, true}) {
     SceneBody body;
     body.shapes = {corner_mesh(true, inward)};

@@ -121,7 +121,7 @@ TEST(DistanceField, IsDefinedAtCentres) {
   }
 }
 
-TEST(DistanceField, TakesTheNearestOfSeveralShapes) {
+TEST(DistanceField, UsesTheNearestShape) {
   SceneBody body;
   for (int i = 0; i < 5; ++i) {
     SceneShape shape = shape_of(kPrimitives[static_cast<std::size_t>(1 + i % 4)]);
@@ -139,7 +139,7 @@ TEST(DistanceField, TakesTheNearestOfSeveralShapes) {
   }
 }
 
-TEST(DistanceField, KnowsItsReachAndItsLowestPoint) {
+TEST(DistanceField, ReportsItsReachAndLowestPoint) {
   for (const Type type : {Type::kBox, Type::kSphere, Type::kCapsule, Type::kCylinder}) {
     const SceneShape shape = shape_of(type);
     const auto field = make_distance_field(body_of(shape));
@@ -289,7 +289,7 @@ TEST(SampleDistance, IsExactUpToAFractionOfACell) {
   }
 }
 
-TEST(GridLayout, RefusesMeshesThatAreTooLarge) {
+TEST(GridLayout, RejectsMeshesThatAreTooLarge) {
   EXPECT_TRUE(grid_layout(box_mesh({5, 5, 0.5})));
   const auto layout = grid_layout(box_mesh({100, 100, 100}));
   ASSERT_FALSE(layout);

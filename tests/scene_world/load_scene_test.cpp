@@ -75,7 +75,7 @@ TEST_F(LoadScene, ReadsPrimitivesFromJson) {
   EXPECT_NEAR(field->at({0.5, 0.25, 0.55}).distance, 0.05 / std::sqrt(5.0), 0.002);
 }
 
-TEST_F(LoadScene, ListsAllFaultsOfJson) {
+TEST_F(LoadScene, ReportsAllErrorsOfJson) {
   const std::string error = error_of("bad.json", R"({"boddies": [], "bodies": [
     {"name": "t", "positon": [1, 0, 0], "mass": -1, "quaternion": [0, 0, 0, 0],
      "shapes": [{"type": "bxo"}, {"type": "sphere", "radius": "x"}, {"type": "box", "size": [1, 1e9, 1]},
@@ -92,7 +92,7 @@ TEST_F(LoadScene, ListsAllFaultsOfJson) {
   EXPECT_THAT(error_of("none.json", "{}"), HasSubstr("\"bodies\" is missing"));
   EXPECT_THAT(error_of("empty.json", "{\"bodies\": []}"), HasSubstr("no shapes"));
   EXPECT_THAT(error_of("floor.json", R"({"bodies": [{"shapes": [{"type": "plane"}]}]})"),
-              HasSubstr("nothing but a floor"));
+              HasSubstr("only contains a floor"));
 }
 
 TEST_F(LoadScene, ReadsMeshesOfJsonNextToIt) {
@@ -133,7 +133,7 @@ TEST_F(LoadScene, RecognisesBoxesInMeshes) {
   EXPECT_EQ(mesh->bodies[0].shapes[0].type, Type::kMesh);
 }
 
-TEST_F(LoadScene, RefusesBadMeshes) {
+TEST_F(LoadScene, RejectsInvalidMeshes) {
   EXPECT_THAT(error_of("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
               HasSubstr("not a finite number"));
   EXPECT_THAT(error_of("huge.obj", "v 0 0 1e30\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("1000 m"));
@@ -186,7 +186,7 @@ TEST_F(LoadScene, ReadsMjcf) {
   EXPECT_EQ(door.shapes[1].type, Type::kMesh);
 }
 
-TEST_F(LoadScene, RefusesMjcfThatItCannotKeepWhole) {
+TEST_F(LoadScene, RejectsMjcfThatItCannotLoadCompletely) {
   EXPECT_THAT(error_of("m.xml", kModel), HasSubstr("\"cube.obj\" does not exist"));
   EXPECT_THAT(error_of("part.xml", "<mujocoinclude><body/></mujocoinclude>"),
               HasSubstr("load the model that includes it"));
@@ -230,7 +230,7 @@ TEST_F(LoadScene, ReadsUrdf) {
   EXPECT_EQ(moving.shapes[1].body_from_shape.translation, Vector3d(0, 0, 1));
 }
 
-TEST_F(LoadScene, RefusesBadUrdf) {
+TEST_F(LoadScene, RejectsInvalidUrdf) {
   EXPECT_THAT(error_of("r.urdf", kUrdf), HasSubstr("cube.obj\" does not exist"));
   const auto with = [](const std::string& text) {
     return "<robot name=\"r\"><link name=\"a\"><collision><geometry>" + text +

@@ -83,7 +83,7 @@ TEST(PlaceScene, MovesTheOnlyBody) {
   expect_frame(clip->pose(4, 0), 4.0);
 }
 
-TEST(PlaceScene, RefusesTracksThatDoNotFit) {
+TEST(PlaceScene, RejectsTracksThatDoNotMatch) {
   const ClipTimes times{{30, 1}, 20, 4, {30, 1}, 16};
   const auto error_of = [&](std::vector<ObjectTrack> tracks, std::shared_ptr<Scene> scene) {
     const auto clip = place_scene(std::move(scene), tracks, times);
@@ -205,7 +205,7 @@ TEST_F(LoadObjectTrack, ReadsCsv) {
   EXPECT_THAT(error_of("e.csv", ""), HasSubstr("error"));
 }
 
-TEST_F(LoadObjectTrack, SaysWhatATrackIs) {
+TEST_F(LoadObjectTrack, ErrorsDescribeTracks) {
   const auto missing = load_object_track("=");
   ASSERT_FALSE(missing);
   EXPECT_THAT(describe(missing.error()), HasSubstr("BODY=FILE"));

@@ -103,7 +103,7 @@ TEST(ChangedScene, UniformScalingKeepsTheShapes) {
   }
 }
 
-TEST(ChangedScene, ObjectsOfAnotherSizeRestWhereTheyDid) {
+TEST(ChangedScene, ResizedObjectsStayOnTheirSupportSurface) {
   Scene scene = room();
   scene.bodies[0].moves = true;
   scene.bodies[0].mass = 2.0;
@@ -117,7 +117,7 @@ TEST(ChangedScene, ObjectsOfAnotherSizeRestWhereTheyDid) {
   EXPECT_NEAR(scene.bodies[1].world_from_body.translation.z(), 0.5, 1e-12);
 }
 
-TEST(ChangedScene, FilesInOtherAxesComeToTheWorld) {
+TEST(ChangedScene, ConvertsFilesWithOtherAxes) {
   Scene scene;
   SceneBody& body = scene.bodies.emplace_back();
   body.name = "box";

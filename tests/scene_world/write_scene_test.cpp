@@ -274,7 +274,7 @@ TEST(WriteScene, TracksOfObjectsReadBackFromTrackingFiles) {
   }
 }
 
-TEST(WriteScene, RefusesOtherEndings) {
+TEST(WriteScene, RejectsOtherExtensions) {
   const auto refused = format_scene("scene.usd", made_motion(1), made_scene(1));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);

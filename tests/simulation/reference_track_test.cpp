@@ -23,7 +23,7 @@ TEST(BalancePreview, NearestPointOfSupport) {
   EXPECT_EQ(nearest_in_support({3.0, 3.0}, {}, 1.0), Vector2d(3.0, 3.0));
 }
 
-TEST(BalancePreview, BalancedMotionStays) {
+TEST(BalancePreview, DoesNotChangeABalancedMotion) {
   const std::vector<BalanceSample> samples(100, {{0.2, 0.1}, kSquare, 10.0});
   for (const Vector2d& shift : balancing_shift(samples, 0.01, 0.8)) EXPECT_EQ(shift.norm(), 0.0);
 }
@@ -61,7 +61,7 @@ TEST(BalancePreview, FlightIsStraight) {
   EXPECT_LT(shift[150].x(), -0.05);
 }
 
-TEST(BalancePreview, ShortMotions) {
+TEST(BalancePreview, HandlesShortMotions) {
   EXPECT_TRUE(balancing_shift({}, 0.01, 0.8).empty());
   EXPECT_EQ(balancing_shift(std::vector<BalanceSample>(2), 0.01, 0.8).size(), 2U);
 }

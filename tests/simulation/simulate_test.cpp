@@ -76,7 +76,7 @@ TEST(Simulate, BodyInTheAirFallsFreely) {
   }
 }
 
-TEST(Simulate, SameBytes) {
+TEST(Simulate, IsDeterministic) {
   const RobotClip clip = standing_clip(load_shipped("booster_t1"), 45, 0.05);
   const auto one = simulate(clip), other = simulate(clip);
   ASSERT_TRUE(one && other);
@@ -97,7 +97,7 @@ TEST(Simulate, HopelessMotionsStillEnd) {
   EXPECT_TRUE(std::isfinite(report.root_cm.mean));
 }
 
-TEST(Simulate, Refusals) {
+TEST(Simulate, RejectsShortAndStoppedRuns) {
   const auto robot = load_shipped("unitree_g1");
   EXPECT_FALSE(simulate(standing_clip(robot, 2)));
   SimulateOptions stop;

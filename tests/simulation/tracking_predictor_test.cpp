@@ -54,7 +54,7 @@ TEST(TrackingPredictor, IsLogistic) {
   EXPECT_FALSE(predictor->probability(QualityReport{}));
 }
 
-TEST(TrackingPredictor, WrongFiles) {
+TEST(TrackingPredictor, RejectsInvalidFiles) {
   EXPECT_FALSE(parse_tracking_predictor("[]", "p.json"));
   EXPECT_FALSE(parse_tracking_predictor("{", "p.json"));
   std::string text = kText;

@@ -72,7 +72,7 @@ TEST(PhysicsModel, HasTheRobotsDynamics) {
   }
 }
 
-TEST(PhysicsModel, RefusesRobotsThatCannotStand) {
+TEST(PhysicsModel, RejectsRobotsThatCannotStand) {
   const auto whole = load_shipped("unitree_g1");
   RobotProfile profile = whole->profile();
   profile.soles.clear();

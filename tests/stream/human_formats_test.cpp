@@ -194,7 +194,7 @@ const std::vector<SentBone> kXrobotSent = {
     {"Right_Foot", Bone::kRightToe},
 };
 
-TEST(HumanFormats, RoundTrip) {
+TEST(HumanFormats, AllRoundTrip) {
   // A clip with LAFAN1's skeleton, and one with other names, axes and units.
   for (const Clip& clip :
        {sample_clip("walk"), load_clip(RETARGET_SOURCE_DIR "/tests/scene/data/walk.fbx").value()}) {

@@ -115,7 +115,7 @@ TEST(SceneData, BoundsTheSize) {
   clip.scene = std::make_shared<const Scene>(scene);
   ASSERT_EQ(scene_lines(&clip).size(), 1U);
   EXPECT_EQ(scene_lines(&clip)[0].text,
-            "left out of the page: 300005 triangles, at most 300000 fit on a page");
+            "omitted from the page: 300005 triangles, at most 300000 fit on a page");
   scene.bodies[0].shapes.assign(20000, shape_of(Type::kBox));
   clip.scene = std::make_shared<const Scene>(scene);
   EXPECT_THAT(scene_excess(clip), HasSubstr("20001 shapes"));

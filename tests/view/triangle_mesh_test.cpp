@@ -58,7 +58,7 @@ std::string binary_stl(const TriangleMesh& mesh) {
   return bytes;
 }
 
-TEST(ReadMesh, TakesBothKindsOfStlAndObj) {
+TEST(ReadMesh, ReadsBothKindsOfStlAndObj) {
   const TriangleMesh made = tube(8, 2);
   const TriangleMesh binary = read_mesh(binary_stl(made), "a.STL").value();
   EXPECT_EQ(binary.triangles.size(), made.triangles.size());

@@ -1,4 +1,4 @@
-"""The reference of the Python package: pdoc's pages, with the types and options that it cannot see."""
+"""Makes the Python reference: pdoc's pages, with types and options of the compiled module."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _OPTIONS = re.compile(r"^Options \((?P<default>.*)\):\n(?P<items>(?:    .*\n?)+)
 
 
 class _Annotation:
-    """An annotation that is shown as it is written."""
+    """An annotation that pdoc shows verbatim."""
 
     def __init__(self, text: str) -> None:
         self._text = text

@@ -41,7 +41,7 @@ OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
   return {
       write_map_row(request.write_map),
-      row("mirror", request.mirror, kInputGroup, "", "Mirror the motion, left for right",
+      row("mirror", request.mirror, kInputGroup, "", "Mirror the motion: swap left and right",
           {.uses = kMeasureOrShow}),
       row("sidecar", request.sidecar, kOutputGroup, "",
           "Write FILE.json next to every output: hashes, options, detected properties, "
@@ -51,11 +51,10 @@ OptionTable request_table(RunArguments& arguments) {
       dynamics_row(request.dynamics),
       row("html", arguments.html, kOutputGroup, "FILE",
           "Page that plays the motion (docs/viewing.md)", {.uses = OptionUse::kOneClip}),
-      row("png", arguments.png, kOutputGroup, "FILE",
-          "Also write a picture, a strip of poses, as PNG",
+      row("png", arguments.png, kOutputGroup, "FILE", "Also render a strip of poses as PNG",
           {.uses = OptionUse::kShow | OptionUse::kOneClip}),
       row("strip", arguments.strip, kOutputGroup, "N",
-          "Picture: number of poses, first and last frame included (default: 6)",
+          "Strip: number of poses, including the first and last frame (default: 6)",
           {.min = 1.0, .max = 100.0, .uses = OptionUse::kShow | OptionUse::kOneClip}),
       row("verbose", request.verbose, kGeneralGroup, "",
           "Also print the cost of every fit term, before and after, and its worst frames",
@@ -74,16 +73,16 @@ OptionTable run_command_table(RunArguments& arguments) {
   append(table, request_table(arguments));
   table.push_back(gate_row(
       arguments.gates,
-      "Exit code 1 if the motion misses a gate: default, 'FIGURE<=N', a file (docs/quality.md)"));
+      "Exit code 1 if the motion misses a gate: default, 'METRIC<=N', a file (docs/quality.md)"));
   append(table, common_table(arguments.common));
   return table;
 }
 
 OptionTable batch_table(BatchArguments& arguments) {
   OptionTable table = retarget::batch_table(arguments.request, arguments.run.run);
-  table.push_back(row("merge", arguments.merge, kBatchGroup, "",
-                      "Join the manifests of all parts in the output folder, and write the "
-                      "summary"));
+  table.push_back(
+      row("merge", arguments.merge, kBatchGroup, "",
+          "Join the manifests of all shards in the output folder and write the summary"));
   table.push_back(row("no-quality", arguments.no_quality, kBatchGroup, "",
                       "Do not measure the motions: faster, but the summary lists only failures"));
   return table;
@@ -91,8 +90,8 @@ OptionTable batch_table(BatchArguments& arguments) {
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Frame rate of motions whose files have none, in frames per second, or `source`; the "
-              "source is resampled to it (default: 30; SOMA 120)"),
+              "Frame rate of motions whose files state none, in frames per second, or `source`; "
+              "the source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output instead of the table",
               {.basic = true}),
@@ -114,7 +113,7 @@ OptionTable convert_table(ConvertArguments& arguments) {
 
 OptionTable certify_table(CertifyArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Frame rate of a motion whose file has none, in frames per second, or `source`"),
+              "Frame rate of a motion whose file states none, in frames per second, or `source`"),
           row("output", arguments.output, kOutputGroup, "FILE",
               "Certificate to write, JSON (default: MOTION.certificate.json); - writes standard "
               "output",
@@ -207,7 +206,7 @@ OptionTable view_table(ViewArguments& arguments) {
           "like the meshes or bodies of the robot's model, or the meshes of another model, MJCF or "
           "URDF (default: available meshes of the robot's model)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
-          "Page: frame rate of motions whose files have none, in frames per second, or `source`; "
+          "Page: frame rate of motions whose files state none, in frames per second, or `source`; "
           "the source is resampled to it (default: 30; SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
   append(table, rows_for(OptionUse::kShow, run_command_table(arguments.run)));

@@ -18,7 +18,7 @@ namespace retarget::cli {
 Result<ExitCode> certify(const CertifyArguments& arguments, Console& console) {
   RETARGET_TRY(check_robot_choice(arguments.run.run.robot));
   RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
-  if (arguments.motions.size() != 1) return usage_failure("a certificate is for one motion");
+  if (arguments.motions.size() != 1) return usage_failure("a certificate describes one motion");
   const std::string output =
       arguments.output.empty() ? certificate_file(arguments.motions.front()) : arguments.output;
   RETARGET_TRY(check_written({output, arguments.run.request.write_map}, read));
@@ -30,7 +30,7 @@ Result<ExitCode> certify(const CertifyArguments& arguments, Console& console) {
   console.line("simulation", certificate.fell ? "the robot falls" : "no fall");
   if (certificate.predicted_success >= 0.0) {
     console.line("predicted", number_text(certificate.predicted_success, 2) +
-                                  ": probability of being tracked without a fall");
+                                  ": predicted probability of tracking without a fall");
   }
   console.line("wrote", output == "-" ? "standard output" : output);
   return certificate.passed() ? kDone : kRunFailed;

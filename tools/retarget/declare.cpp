@@ -30,13 +30,13 @@ constexpr std::array<EditKind, 12> kEdits = {{
     {Edit::kTransfer, "transfer", "Transfer the motion to another skeleton through the T-pose"},
     {Edit::kLafan1, "lafan", "Convert the clip to the LAFAN1 skeleton"},
     {Edit::kResample, "resample", "Change the frame rate or the speed"},
-    {Edit::kTrim, "trim", "Cut out a part of the clip"},
+    {Edit::kTrim, "trim", "Extract an interval of the clip"},
     {Edit::kMirror, "mirror", "Mirror the motion: swap left and right"},
     {Edit::kGround, "ground", "Raise or lower the motion so that the floor is at height 0"},
     {Edit::kTurn, "turn", "Turn the motion about the vertical axis at its start"},
     {Edit::kMove, "move", "Move the motion over the ground (axes: docs/editing.md)"},
     {Edit::kLoop, "loop", "Make a cycle from the first frame to the most similar one"},
-    {Edit::kConcat, "concat", "Join clips where they fit best, on the first clip's skeleton"},
+    {Edit::kConcat, "concat", "Join clips at the best seam, on the first clip's skeleton"},
     {Edit::kPath, "path", "Fit or draw the path over the ground, or follow another path"},
 }};
 
@@ -130,7 +130,7 @@ void declare_measuring(CLI::App& app, const OptionTable& own, MeasureArguments& 
     command->get_option(name)->description(help);
   };
   describe_as("--bvh", "Source of the motions");
-  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
+  describe_as("--smpl", "SMPL or SMPL-X source of the motions, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--end", "End time of the motions in the source, seconds, inclusive");
   describe_as("--source-fps",
@@ -199,7 +199,7 @@ CLI::App* add_certify_command(CLI::App& app, CertifyArguments& arguments) {
 
 CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments) {
   CLI::App* command =
-      app.add_subcommand("simulate", "Replay a motion in physics (docs/simulation.md)");
+      app.add_subcommand("simulate", "Replay a motion in simulation (docs/simulation.md)");
   declare(*command, {word("motion", arguments.input, "MOTION",
                           "Robot motion, CSV, NPZ or pickle; - reads standard input")});
   declare(*command, simulate_table(arguments));
@@ -207,7 +207,7 @@ CLI::App* add_simulate_command(CLI::App& app, SimulateArguments& arguments) {
 }
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
-  CLI::App* command = app.add_subcommand("verify", "Check a recorded run, or a certificate");
+  CLI::App* command = app.add_subcommand("verify", "Verify a recorded run or a certificate");
   declare(*command, {word("file", arguments.file, "FILE",
                           "The sidecar, such as walk.csv.json, or a certificate")});
   declare(*command, common_table(arguments.common));
@@ -223,7 +223,7 @@ CLI::App* add_live_command(CLI::App& app, LiveArguments& arguments) {
 // Declares the commands that do not concern runs.
 
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
-  CLI::App* command = app.add_subcommand("inspect", "Show what a motion file contains");
+  CLI::App* command = app.add_subcommand("inspect", "Show the contents of a motion file");
   declare(*command, {word("file", arguments.run.run.motion, "FILE",
                           "BVH, FBX, glTF, VRM, MVNX; SMPL or joint positions as NPZ, .npy, .pt, "
                           ".pkl; - reads standard input")});
@@ -232,8 +232,7 @@ CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
 }
 
 CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("contacts", "List the contacts that a run holds (docs/world.md)");
+  CLI::App* command = app.add_subcommand("contacts", "List the contacts of a run (docs/world.md)");
   declare(*command, {word("motion", arguments.run.run.motion, "MOTION", "Motion to retarget")});
   declare(*command, contacts_table(arguments));
   for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
@@ -242,7 +241,7 @@ CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments) {
 
 CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments& arguments) {
   CLI::App* command =
-      app.add_subcommand("scene-from-motion", "Find steps, seats and rails (docs/world.md)");
+      app.add_subcommand("scene-from-motion", "Detect steps, seats and rails (docs/world.md)");
   declare(*command, {word("motion", arguments.run.run.motion, "MOTION", "Motion of a human")});
   declare(*command, scene_from_motion_table(arguments));
   return command;
@@ -264,28 +263,27 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
   CLI::App* command =
       app.add_subcommand("compare", "Compare two motions; exit code 1 if they differ");
   declare(*command, {word("a", arguments.a, "A", "CSV, NPZ or pickle"),
-                     word("b", arguments.b, "B", "The other")});
+                     word("b", arguments.b, "B", "CSV, NPZ or pickle to compare with A")});
   declare(*command, compare_table(arguments));
   return command;
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("view", "Show motions: an HTML page, or a picture of poses");
-  declare(*command,
-          {word("motions", arguments.motions, "MOTION...",
-                "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "
-                "standard input; or the output folder of a batch")});
+  CLI::App* command = app.add_subcommand("view", "Show motions: an HTML page, or a strip of poses");
+  declare(*command, {word("motions", arguments.motions, "MOTION...",
+                          "Robot motions, CSV, NPZ or pickle (several play side by side); - reads "
+                          "standard input; or the output folder of a batch")});
   declare(*command, view_table(arguments));
   const auto describe_as = [command](const char* name, const char* help) {
     command->get_option(name)->description(help);
   };
   describe_as("--output",
-              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output; for a "
+              "Page (.html) or strip of poses (.png, otherwise SVG); - writes an SVG to standard "
+              "output; for a "
               "batch: the gallery folder");
   command->get_option("--output")->required();
   describe_as("--bvh", "Source of the motions, drawn next to them");
-  describe_as("--smpl", "The same, as an SMPL or SMPL-X motion, NPZ");
+  describe_as("--smpl", "SMPL or SMPL-X source of the motions, NPZ");
   describe_as("--start", "Start time of the motions in the source, seconds");
   describe_as("--end", "End time of the motions in the source, seconds, inclusive");
   describe_as("--scene",

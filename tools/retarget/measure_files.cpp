@@ -131,7 +131,7 @@ Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) 
   if (arguments.json != "-") {
     const ReportStyle style{.all = arguments.all, .colour = output_takes_colours()};
     RETARGET_TRY(write_file("-", report_text(reports, style)));
-    if (!arguments.all) console.line("figures", "--all prints all measured metrics");
+    if (!arguments.all) console.line("metrics", "--all prints all measured metrics");
   }
   for (const QualityReport& report : reports) console.lines(verdict_lines(report, report.file));
   // A missed gate is a result, not an error; the exit code reports it.

@@ -105,7 +105,7 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   }
   if (arguments.png == "-") return usage_failure("--png needs a file");
   if (arguments.strip > 0 && arguments.png.empty()) {
-    return usage_failure("--strip needs a picture", "add --png FILE");
+    return usage_failure("--strip needs a PNG output", "add --png FILE");
   }
   for (const std::string& file : {request.report, arguments.html, arguments.png}) {
     if (!file.empty()) RETARGET_TRY(check_output_folder(file));

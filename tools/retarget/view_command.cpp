@@ -45,7 +45,7 @@ bool is_page(const std::string& output) {
 Result<void> check_use(const ViewArguments& arguments) {
   const bool page = is_page(arguments.run.run.output);
   if (page && arguments.run.png.empty() && arguments.run.strip > 0) {
-    return usage_failure("--strip needs a picture, but only a page is written",
+    return usage_failure("--strip needs a PNG or SVG output, but only a page is written",
                          "add --png FILE, or give an output that ends in .png or .svg");
   }
   if (!page &&
@@ -53,7 +53,7 @@ Result<void> check_use(const ViewArguments& arguments) {
     return usage_failure(std::string(!arguments.labels.empty()   ? "--label"
                                      : !arguments.meshes.empty() ? "--meshes"
                                                                  : "--gate") +
-                             " needs a page, but only a picture is written",
+                             " needs a page, but only a strip of poses is written",
                          "give an output that ends in .html");
   }
   return {};
@@ -65,9 +65,9 @@ Result<void> check_usage(const ViewArguments& arguments) {
   RETARGET_TRY(check_use(arguments));
   RETARGET_TRY_ASSIGN(const auto read, check_inputs(arguments));
   if ((!is_page(run.output) || !arguments.run.png.empty()) && arguments.motions.size() > 1) {
-    return usage_failure(
-        "a picture shows one motion, found " + count_text(arguments.motions.size(), "motion"),
-        "give an output that ends in .html to play them side by side");
+    return usage_failure("a strip of poses shows one motion, found " +
+                             count_text(arguments.motions.size(), "motion"),
+                         "give an output that ends in .html to play them side by side");
   }
   if (!arguments.labels.empty() && arguments.labels.size() != arguments.motions.size()) {
     return usage_failure(count_text(arguments.labels.size(), "label") + " and " +

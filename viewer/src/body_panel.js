@@ -26,7 +26,7 @@ export class BodyPanel {
   fillSelect() {
     const { bodies } = this.motion.robot;
     this.select.replaceChildren(
-      el('option', { value: '', text: 'Choose a body, or click one in the picture' }),
+      el('option', { value: '', text: 'Choose a body, or click one in the 3D view' }),
       ...bodies
         .map((body, i) => [i, body])
         .slice(1)
@@ -47,7 +47,7 @@ export class BodyPanel {
     this.live = [];
     if (body === null) {
       this.content.replaceChildren(
-        el('p', { class: 'quiet', text: 'Name, joints and tracking error of the body are shown here.' }),
+        el('p', { class: 'quiet', text: 'Shows the name, joints and tracking error of the body.' }),
       );
       return;
     }
@@ -94,8 +94,8 @@ export class BodyPanel {
     const parent = bodies[bodies[this.body].parent].name;
     return [
       el('h2', { text: bodies[this.body].name }),
-      el('p', { class: 'quiet', text: parent ? `on ${parent}` : '' }),
-      el('table', {}, this.heads('Place'), el('tbody', {}, ...rows)),
+      el('p', { class: 'quiet', text: parent ? `attached to ${parent}` : '' }),
+      el('table', {}, this.heads('Position'), el('tbody', {}, ...rows)),
     ];
   }
 
@@ -103,7 +103,7 @@ export class BodyPanel {
     const { joints } = this.motion.robot;
     const own = joints.map((joint, i) => [joint, i]).filter(([joint]) => joint.body === this.body);
     if (own.length === 0)
-      return [el('p', { class: 'quiet', text: 'No joint moves it against the body that it is on.' })];
+      return [el('p', { class: 'quiet', text: 'This body is fixed to its parent.' })];
     const rows = own.flatMap(([joint, i]) => {
       const [lower, upper] = this.motion.data.limits[i];
       const unit = joint.slides ? 'm' : 'rad';
@@ -154,9 +154,9 @@ export class BodyPanel {
           errorText(motion, motion.errors.get(name)?.[key], this.player.time, unit, digits),
         ),
     );
-    const curves = el('button', { type: 'button', text: 'Curves', on: { click: () => this.onPlot(null) } });
+    const curves = el('button', { type: 'button', text: 'Plot', on: { click: () => this.onPlot(null) } });
     return [
-      el('h2', { text: `Tracking error against ${rows[0].bone}` }),
+      el('h2', { text: `Tracking error relative to ${rows[0].bone}` }),
       now.length > 0 ? el('table', {}, this.heads('Now'), el('tbody', {}, ...now)) : null,
       now.length > 0 ? el('p', {}, curves) : null,
       el(

@@ -26,7 +26,7 @@ export class FaultsPanel {
     });
     this.element =
       this.items.length === 0
-        ? el('p', { class: 'quiet', text: 'No faults were found.' })
+        ? el('p', { class: 'quiet', text: 'No faults.' })
         : el(
             'div',
             {},

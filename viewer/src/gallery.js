@@ -10,7 +10,7 @@ function verdict(clip) {
   if (clip.failed) return ['bad', 'failed'];
   if (!clip.missed) return ['', 'not measured'];
   return clip.missed.length === 0
-    ? ['good', 'all gates kept']
+    ? ['good', 'all gates passed']
     : ['bad', `${count(clip.missed.length, 'gate')} missed`];
 }
 
@@ -64,13 +64,13 @@ missedGates.sort((a, b) => metricKeys.indexOf(a) - metricKeys.indexOf(b));
 function addOptions() {
   const option = (value, text, title) => el('option', { value, text, title });
   byId('sort').append(
-    option('passed', 'Passed first'),
+    option('passed', 'Best first'),
     option('worst', 'Worst first'),
     option('name', 'Name'),
     option('seconds', 'Length'),
     el(
       'optgroup',
-      { label: 'Figure' },
+      { label: 'Metric' },
       ...gallery.metrics.map((metric, i) =>
         option(
           `figure ${i}`,
@@ -82,9 +82,9 @@ function addOptions() {
   );
   byId('filter').append(
     option('', 'all'),
-    option('kept', 'all gates kept'),
-    option('missed', 'a gate missed'),
-    option('failed', 'failed, or something missing'),
+    option('kept', 'all gates passed'),
+    option('missed', 'at least one gate missed'),
+    option('failed', 'failed or incomplete'),
     el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, labelOf(key), key))),
   );
   byId('robots').append(option('', 'all'), ...robots.map((robot) => option(`robot ${robot}`, robot)));

@@ -40,7 +40,7 @@ export class JointsPanel {
     ];
     this.select = el(
       'select',
-      { 'aria-label': 'Joint to show' },
+      { 'aria-label': 'Joint to plot' },
       el('option', { value: '', text: 'Add a joint\u2026' }),
       ...this.names.map((name) => el('option', { value: name, text: name })),
     );

@@ -2,19 +2,19 @@ import { byId, el } from './dom.js';
 
 /** Keys as in media players, and their actions. */
 const KEYS = [
-  [['Space'], 'Play, pause'],
-  [['\u2190', '\u2192'], 'A second back, on (with Shift: a tenth)'],
-  [[',', '.'], 'A frame back, on'],
-  [['P', 'N'], 'Previous, next fault'],
-  [['[', ']'], 'Previous, next fault; in a gallery the previous, next clip'],
-  [['Home', 'End'], 'Start, end'],
-  [['\u2212', '+'], 'Slower, faster'],
-  [['I', 'O'], 'The loop begins, ends here'],
-  [['X', 'L'], 'Play all of it; loop or not'],
-  [['F'], 'Follow the robot, or stand'],
-  [['R'], 'Camera back to where it was'],
-  [['H'], 'Human: beside, over, off'],
-  [['?'], 'These keys'],
+  [['Space'], 'Play or pause'],
+  [['\u2190', '\u2192'], 'Back or forward one second (with Shift: 0.1 s)'],
+  [[',', '.'], 'Back or forward one frame'],
+  [['P', 'N'], 'Previous or next fault'],
+  [['[', ']'], 'Previous or next fault; in a gallery, previous or next clip'],
+  [['Home', 'End'], 'Go to the start or end'],
+  [['\u2212', '+'], 'Play slower or faster'],
+  [['I', 'O'], 'Set the start or end of the loop'],
+  [['X', 'L'], 'Play the whole motion; toggle looping'],
+  [['F'], 'Camera follows the robot, or is fixed'],
+  [['R'], 'Reset the camera'],
+  [['H'], 'Human beside the robot, over it, or hidden'],
+  [['?'], 'Show these keys'],
 ];
 
 /** @param {Record<string, (event: KeyboardEvent) => void>} actions  by key name */

@@ -109,7 +109,7 @@ class Viewer extends PlayedPage {
       [
         ['quality', 'Quality', qualityPanel(motions)],
         ['faults', `Faults ${this.faults.total}`, this.faults.element],
-        ['joints', 'Curves', this.joints.element],
+        ['joints', 'Plots', this.joints.element],
         ['body', 'Body', this.body.element],
       ],
       () => {
@@ -119,11 +119,11 @@ class Viewer extends PlayedPage {
     );
     const { joint, root_m: root, bone_m: bone, error_cm: cm, error_deg: degrees } = page.precision;
     this.help = addHelp([
-      'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. ' +
-        'While the picture has the focus (Tab), arrows turn it, \u2212 and + zoom. ' +
-        'A link ending in #t=12.3 opens at that second.',
-      `Numbers on this page are at most so far from the motion\u2019s: joints ${joint} rad, the root ${root * 1000} mm, ` +
-        `bones ${bone * 1000} mm, errors over time ${cm} cm and ${degrees}\u00b0. Made by ${page.tool}.`,
+      'Drag to rotate, scroll to zoom, drag with the right button to pan; click a body to select it. ' +
+        'While the 3D view has the focus (Tab), arrow keys rotate it, and \u2212 and + zoom. ' +
+        'A link that ends in #t=12.3 opens the page at 12.3 seconds.',
+      `Maximum rounding errors on this page: joints ${joint} rad, root ${root * 1000} mm, ` +
+        `bones ${bone * 1000} mm, tracking errors ${cm} cm and ${degrees}\u00b0. Written by ${page.tool}.`,
     ]);
     this.addKeys();
   }
@@ -228,7 +228,7 @@ async function main() {
     addTestHook(new Viewer(page, tracks));
   } catch (error) {
     // There is no WebGL, or the browser lacks DecompressionStream.
-    message.textContent = `This motion cannot be shown here: ${error.message}`;
+    message.textContent = `This browser cannot show the motion: ${error.message}`;
     console.error(error);
   }
 }

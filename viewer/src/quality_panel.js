@@ -27,7 +27,7 @@ export function verdict(motion) {
   if (measured === 0) return { state: 'unjudged', text: 'no gates' };
   const unmeasured = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
   const rest = unmeasured + (estimated ? ', soles estimated' : '');
-  if (missed === 0) return { state: 'good', text: `all ${measured} gates kept${rest}` };
+  if (missed === 0) return { state: 'good', text: `all ${measured} gates passed${rest}` };
   return { state: 'bad', text: `${missed} of ${measured} gates missed${rest}` };
 }
 
@@ -95,13 +95,13 @@ function figureTable(motions) {
       ),
     ),
   );
-  return el('table', {}, head(['Figure', 'Unit'], motions), el('tbody', {}, ...rows));
+  return el('table', {}, head(['Metric', 'Unit'], motions), el('tbody', {}, ...rows));
 }
 
 /** Gates and metrics of all motions side by side. All values come from the tool. */
 export function qualityPanel(motions) {
   const measured = motions.filter((motion) => motion.report);
-  if (measured.length === 0) return el('p', { class: 'quiet', text: 'These motions were not measured.' });
+  if (measured.length === 0) return el('p', { class: 'quiet', text: 'The quality of these motions was not measured.' });
   // Show the values of all motions if they differ.
   const fact = (name, key) => {
     const values = measured.map((motion) => motion.report[key]);
@@ -118,13 +118,13 @@ export function qualityPanel(motions) {
     {},
     el('h2', { text: 'Gates' }),
     gateTable(measured),
-    el('h2', { text: 'Figures' }),
+    el('h2', { text: 'Metrics' }),
     figureTable(measured),
     el('p', {
       class: 'quiet',
       text:
-        `${facts.join(' ')} In brackets: the 95th percentile. ` +
-        'Rows explain themselves when the pointer rests on them.',
+        `${facts.join(' ')} Parentheses contain the 95th percentile. ` +
+        'Hover over a row for its definition.',
     }),
   );
 }

@@ -179,8 +179,8 @@ export class SkeletonViewer extends PlayedPage {
         text: !skeleton.understood
           ? 'no human found'
           : doubts === 0
-            ? 'understood, no doubts'
-            : `${doubts} ${doubts === 1 ? 'doubt' : 'doubts'}`,
+            ? 'recognised, no warnings'
+            : `${doubts} ${doubts === 1 ? 'warning' : 'warnings'}`,
       }),
     );
     this.camera = cameraChoice(this, this.stage.mode);
@@ -195,18 +195,18 @@ export class SkeletonViewer extends PlayedPage {
       el(
         'div',
         { class: 'group' },
-        toggle('Rest pose', true, show(this.still.group), 'The skeleton with all rotations zero, beside'),
-        toggle('Axes', true, show(this.axes), 'The axes of the file'),
+        toggle('Rest pose', true, show(this.still.group), 'Show the skeleton with all rotations at zero'),
+        toggle('Axes', true, show(this.axes), 'Show the axes of the file'),
       ),
     );
     this.transport = new Transport(player);
     this.timeline = new Timeline(player, [], () => {});
     this.tabs = new Tabs(byId('panel'), [
-      ['found', 'Found', this.foundPanel()],
+      ['found', 'File', this.foundPanel()],
       ['joints', 'Joints', this.jointsPanel()],
     ]);
     this.help = addHelp([
-      `Places on this page are rounded to ${page.precision.bone_m * 1000} mm. Made by ${page.tool}.`,
+      `Positions on this page are rounded to ${page.precision.bone_m * 1000} mm. Written by ${page.tool}.`,
     ]);
     addKeyboard({
       ...this.playerKeys(this.transport),
@@ -221,13 +221,13 @@ export class SkeletonViewer extends PlayedPage {
     const panel = el('div');
     if (skeleton.doubts.length > 0) {
       panel.append(
-        el('h2', { text: 'Doubts' }),
+        el('h2', { text: 'Warnings' }),
         el('ul', {}, ...skeleton.doubts.map((text) => el('li', { text }))),
       );
     }
     const pre = el('pre', { text: skeleton.facts });
     Object.assign(pre.style, { overflowX: 'auto', fontSize: '12px', lineHeight: '1.4' });
-    panel.append(el('h2', { text: 'Found in the file' }), pre);
+    panel.append(el('h2', { text: 'Detected properties' }), pre);
     return panel;
   }
 
@@ -256,7 +256,7 @@ export class SkeletonViewer extends PlayedPage {
       el(
         'thead',
         {},
-        el('tr', {}, ...['Joint', 'Stands for', 'Side'].map((text) => el('th', { scope: 'col', text }))),
+        el('tr', {}, ...['Joint', 'Bone', 'Side'].map((text) => el('th', { scope: 'col', text }))),
       ),
       el('tbody', {}, ...rows),
     );

@@ -5,7 +5,7 @@ export class Tabs {
   /** @param {HTMLElement} parent  @param {[id: string, name: string, content: HTMLElement][]} tabs */
   constructor(parent, tabs, onShow) {
     this.onShow = onShow;
-    this.list = el('div', { role: 'tablist', 'aria-label': 'About the motions' });
+    this.list = el('div', { role: 'tablist', 'aria-label': 'Information about the motions' });
     this.tabs = tabs.map(([id, name, content]) => {
       const panel = el(
         'div',

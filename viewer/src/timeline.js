@@ -5,7 +5,7 @@ import { touchRows } from './touches.js';
 /** Kinds of faults in the order of their lanes, with labels. */
 export const KINDS = new Map([
   ['jump', 'Jumps'],
-  ['penetration', 'In the floor'],
+  ['penetration', 'Floor penetration'],
   ['floating', 'Floating'],
   ['slip', 'Slips'],
   ['self-collision', 'Self-collision'],
@@ -33,9 +33,9 @@ export function totalsByKind(motions) {
   return totals;
 }
 
-/** Text such as `3`, or `10 worst of 37` if not all faults are listed. */
+/** Text such as `3`, or `worst 10 of 37` if not all faults are listed. */
 export function countText(listed, total) {
-  return total > listed ? `${listed} worst of ${total}` : String(listed);
+  return total > listed ? `worst ${listed} of ${total}` : String(listed);
 }
 
 export function faultText(fault, motion) {
@@ -162,8 +162,8 @@ export class Timeline {
       if (bands.length === 0) continue;
       const title =
         this.motions.length > 1
-          ? `When it stands, from top to bottom: ${bands.map(({ label }) => label).join(', ')}`
-          : 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below';
+          ? `In contact, from top to bottom: ${bands.map(({ label }) => label).join(', ')}`
+          : 'In contact: the human\u2019s foot above (heel and toe), the robot\u2019s below';
       this.bandRow(name, bands, title);
     }
   }
@@ -180,7 +180,7 @@ export class Timeline {
     for (const { name, keys, bands } of rows) {
       const drawn = bands.map((band) => ({ ...band, colour: SOURCE_CONTACT, alpha: 0.9 }));
       const whose = bands.length > 1 ? `, for ${bands.map(({ motion }) => motion.label).join(', ')}` : '';
-      this.bandRow(name, drawn, `${name}. When the human touches it${whose} (${keys.join(', ')})`);
+      this.bandRow(name, drawn, `${name}: contacts of the human${whose} (${keys.join(', ')})`);
     }
     if (others.length > 0) this.row(`${others.length} more`, el('div', { class: 'lane thin' }), others.join(', '));
   }

@@ -26,7 +26,7 @@ export class TrackingPlots {
     this.player = player;
     this.motions = motions;
     this.plots = [];
-    this.element = el('section', { 'aria-label': 'Tracking error of the picked body', hidden: true });
+    this.element = el('section', { 'aria-label': 'Tracking error of the selected body', hidden: true });
   }
 
   /** @param {string|null} body  name */
@@ -41,7 +41,7 @@ export class TrackingPlots {
       .filter(({ errors }) => errors);
     this.element.hidden = shown.length === 0;
     if (shown.length === 0) return;
-    this.element.append(el('h2', { text: `${body} against ${shown[0].errors.bone}` }));
+    this.element.append(el('h2', { text: `${body} relative to ${shown[0].errors.bone}` }));
     for (const [key, name, unit, digits] of ERRORS) this.addPlot(shown, key, name, unit, digits);
     this.showTime();
   }

@@ -5,9 +5,9 @@ export function cameraChoice(owner, mode) {
   return new Choice(
     'Camera',
     [
-      ['follow', 'Follow', 'The camera goes along (F)'],
-      ['orbit', 'Orbit', 'It goes along and turns'],
-      ['stand', 'Stand', 'It stays where it is (F)'],
+      ['follow', 'Follow', 'The camera follows the robot (F)'],
+      ['orbit', 'Orbit', 'The camera follows and orbits the robot'],
+      ['stand', 'Fixed', 'The camera does not move (F)'],
     ],
     mode,
     (chosen) => owner.setCamera(chosen),
@@ -19,7 +19,7 @@ export function resetButton(owner) {
   const reset = el('button', {
     type: 'button',
     text: 'Reset',
-    title: 'Camera back to where it was (R)',
+    title: 'Reset the camera (R)',
     on: { click: () => owner.reset() },
   });
   return el('div', { class: 'group' }, reset);
@@ -44,7 +44,7 @@ export class ViewTools {
               'Meshes',
               true,
               (on) => this.apply(() => world.setMeshesVisible(on)),
-              'Meshes, or the shapes that collide',
+              'Show meshes or collision shapes',
             )
           : null,
         world.hasScenes
@@ -52,20 +52,20 @@ export class ViewTools {
               'Scene',
               true,
               (on) => this.apply(() => world.setScenesVisible(on)),
-              'Bodies around the robot and the human',
+              'Show the bodies of the scene',
             )
           : null,
         toggle(
           'Paths',
           true,
           (on) => this.apply(() => world.setPathsVisible(on)),
-          'The ways of root and feet',
+          'Show the paths of root and feet',
         ),
         toggle(
           'Contacts',
           true,
           (on) => this.apply(() => world.setContactsVisible(on)),
-          'Feet are marked while they stand: the human\u2019s green, the robot\u2019s orange',
+          'Mark feet in contact: the human\u2019s green, the robot\u2019s orange',
         ),
       ),
     );
@@ -76,8 +76,8 @@ export class ViewTools {
     this.human = new Choice(
       'Human',
       [
-        ['beside', 'Beside', 'At the robot\u2019s size, beside it (H)'],
-        ['over', 'Over', 'At the robot\u2019s size, where the robot is (H)'],
+        ['beside', 'Beside', 'Scaled to the robot, beside it (H)'],
+        ['over', 'Over', 'Scaled to the robot, at the same position (H)'],
         ['off', 'Off'],
       ],
       world.humanMode,
@@ -89,8 +89,8 @@ export class ViewTools {
       max: 3,
       step: 0.05,
       value: world.humanDistance,
-      'aria-label': 'Distance of the human',
-      title: 'Distance of the human',
+      'aria-label': 'Distance between human and robot',
+      title: 'Distance between human and robot',
     });
     this.distance.addEventListener('input', () =>
       this.apply(() => world.setHumanDistance(Number(this.distance.value))),
@@ -100,10 +100,10 @@ export class ViewTools {
           'div',
           { class: 'group' },
           toggle(
-            'For each',
+            'Per robot',
             false,
             (on) => this.apply(() => world.setBesideEach(on)),
-            'The source of several motions with each of them, or once',
+            'Show the common source of several motions beside each robot, or once',
           ),
         )
       : null;

@@ -26,7 +26,7 @@ class Result:
 
     name: str
     status: str
-    """done, failed or duplicate; lost: tried again by the next run."""
+    """done, failed, duplicate, or lost, which the next run retries."""
     duration: float
     """Seconds of motion."""
     seconds: float
@@ -37,10 +37,10 @@ class Result:
     """Missed gates."""
     worst: str
     worst_ratio: float
-    """Value over bound of the gate that is missed most; infinite if the bound is 0."""
+    """Value divided by bound for the worst missed gate; infinite if the bound is 0."""
     message: str
     twin: tuple[str, float] | None
-    """The clip that it repeats, and their distance in degrees."""
+    """The clip that this one duplicates, and their distance in degrees."""
     signature: bytes
     """Coarse description of the movement (docs/batch.md); empty: unknown."""
 

@@ -1,4 +1,4 @@
-"""The state of a data set: which clips are done, which are left, and the lists at the end."""
+"""The state of a data set: finished clips, remaining clips, and the lists at the end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from retarget.data_set.solve import Request, interrupted, new_row
 from retarget.packs._parts import new_file
 
 Task = list[tuple[ClipSource, int]]
-"""Clips, and how many times each was begun before."""
+"""Clips, and the number of earlier attempts for each."""
 
 _BYTES_PER_TASK = 64 * 2**20
 
@@ -63,7 +63,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 class Progress:
-    """The clips of a data set that are left to do.
+    """The remaining clips of a data set.
 
     A clip is finished if the manifest has it with the same options and input, and as failed, or as
     done with outputs of the recorded size. All other clips are tasks.
@@ -84,7 +84,7 @@ class Progress:
         self._count_interrupted()
 
     def tasks(self, clips_per_task: int) -> deque[Task]:
-        """Returns the clips that are left, in groups; clips that were begun before are alone."""
+        """Returns the remaining clips in groups; clips with earlier attempts are alone."""
         tasks: deque[Task] = deque()
         alone: list[Task] = []
         group: Task = []

@@ -1,4 +1,4 @@
-"""One task of a data set: a few clips, solved in a process of their own."""
+"""One task of a data set: solves a few clips in its own process."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def new_row(request: Request, clip: ClipSource, tries: int) -> dict[str, Any]:
 
 
 def interrupted(folder: Path) -> Iterable[tuple[Path, list[str]]]:
-    """Yields the work folders of tasks that did not end by themselves, and their clips."""
+    """Yields the work folders of killed tasks, and their clips."""
     for work in sorted((folder / WORK).glob("*/")):
         try:
             yield work, json.loads((work / CLIPS).read_text(encoding="utf-8"))["clips"]
@@ -116,7 +116,7 @@ def _place_all(request: Request, clips: list[tuple[ClipSource, int]],
 
 
 def _run(request: Request, folder: Path) -> bool:
-    """Runs a batch; returns whether it came to its end.
+    """Runs a batch; returns whether it finished.
 
     Raises:
         Error: the request is wrong.

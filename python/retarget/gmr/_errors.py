@@ -15,7 +15,7 @@ class MissingBodyError(InputError, KeyError):
 
 
 class UnknownNameError(UsageError, KeyError):
-    """There is no such robot, or no such human for it."""
+    """The robot is unknown, or has no tables for the human."""
 
     __str__ = Exception.__str__
 

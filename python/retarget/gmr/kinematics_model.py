@@ -44,7 +44,7 @@ class KinematicsModel:
 
     @property
     def body_names(self) -> list[str]:
-        """B names, in depth-first order, the root first; the world is left out."""
+        """B names, in depth-first order, the root first, without the world."""
         return self._robot.body_names[1:]
 
     @property
@@ -80,7 +80,7 @@ class KinematicsModel:
         return self.parent_indices[idx]
 
     def get_body_idx(self, body_name: str) -> int:
-        """Index of a body. Raises ValueError: there is none of this name."""
+        """Index of a body. Raises ValueError: no body has this name."""
         return self.body_names.index(body_name)
 
     def get_dof_limits(self) -> tuple[Any, Any]:

@@ -170,7 +170,7 @@ class GeneralMotionRetargeting:
 
     def offset_human_data(self, human_data: Mapping[str, Any], pos_offsets: Mapping[str, Any],
                           rot_offsets: Mapping[str, Any]) -> dict[str, list[np.ndarray]]:
-        """A frame with offsets: rotations first, then positions in the turned axes.
+        """A frame with offsets: rotations first, then positions in the rotated axes.
 
         Rotation offsets are quaternions w x y z or SciPy's Rotation.
         """

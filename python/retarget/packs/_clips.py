@@ -1,4 +1,4 @@
-"""Named motions: where they come from, and how they are read."""
+"""Named motions: their sources and readers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Clips = Mapping[str, Source] | Iterable[tuple[str, Source]]
 
 @dataclass(frozen=True)
 class NamedMotion:
-    """A motion that is about to be written."""
+    """A motion to write."""
 
     name: str
     motion: _retarget.Motion

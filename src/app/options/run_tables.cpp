@@ -152,7 +152,7 @@ OptionTable source_table(SourceOptions& options) {
              "of the same height)",
              {.file = OptionFile::kContent, .uses = kJudged}),
       option("lenient", options.lenient, kInputGroup, "",
-             "Keep the complete frames of a damaged file and report what was dropped",
+             "Keep the complete frames of a damaged file and report the dropped ones",
              {.uses = kReading}),
       option("root", options.root, kInputGroup, "NAME",
              "Skeleton to read if the file contains several ROOTs or skeletons",
@@ -188,10 +188,10 @@ OptionTable human_table(HumanOptions& options) {
              "best frame, or none (learned from the movement)",
              {.uses = kHuman}),
       option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
-             "Frame of the source that is the T-pose",
+             "Source frame that shows the T-pose",
              {.min = 0.0, .uses = kJudged | OptionUse::kInspect | OptionUse::kEdit}),
       option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
-             "BVH of the same skeleton whose first frame is the T-pose",
+             "BVH of the same skeleton whose first frame shows the T-pose",
              {.file = OptionFile::kContent, .uses = kHuman}),
       text_option("unit", options.unit, kHumanGroup, "UNIT",
                   "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
@@ -262,15 +262,16 @@ namespace {
 OptionTable purpose_table(SolveOptions& options) {
   return {
       option("for", options.purpose, kRobotGroup, "",
-             "Preset: tracking is for training a policy that tracks the motion: " OPTION(
-                 "travel") " auto, smoother joints and root (docs/fit.md); options that are given "
-                           "win",
+             "Preset: tracking, for training a policy that tracks the motion: " OPTION(
+                 "travel") " auto, smoother joints and root (docs/fit.md); explicit options take "
+                           "precedence",
              {.uses = OptionUse::kShowBatch, .recorded_if_given = true}),
-      text_option("travel", options.travel, kRobotGroup, "S|auto",
-                  "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
-                  "heights, turns and times stay. auto: 1 for a slow walk, 0.85 for a run, by the "
-                  "Froude number of the robot's legs (default: 1)",
-                  plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true}),
+      text_option(
+          "travel", options.travel, kRobotGroup, "S|auto",
+          "Factor for the path of hips and planted feet over the ground, 0.5 to 1.2; "
+          "heights, turns and times do not change. auto: 1 for a slow walk, 0.85 for a run, by the "
+          "Froude number of the robot's legs (default: 1)",
+          plain_text, checked_travel, {.uses = kJudged, .recorded_if_given = true}),
       text_option("time-scale", options.time_scale, kTimeGroup, "S|auto",
                   "Speed of the motion relative to the source, 0.25 to 1. auto: slow down only "
                   "where joints exceed their speed limits or, unless the fit is " OPTION(
@@ -303,7 +304,7 @@ OptionTable solve_table(SolveOptions& options) {
              "look-ahead (default: 20)",
              {.min = 0.1, .max = 1e6}),
       option("with", options.with, kRobotGroup, "TERM,...",
-             "Terms of the fit that would be off: dynamics in a scene, or for a robot's motion "
+             "Terms of the fit that are off by default: dynamics in a scene or for a robot motion "
              "(docs/dynamics.md)"),
       option("without", options.without, kRobotGroup, "TERM,...",
              "Terms to omit from the fit: dynamics, floor, self-collision, contact, ...",
@@ -318,15 +319,15 @@ OptionTable solve_table(SolveOptions& options) {
              {.uses = OptionUse::kLive}),
       option("hands", options.hands, kRobotGroup, "",
              "Fingers of robots with hands: follow imitates the human's fingers, or relaxes them "
-             "if the source has none; relaxed keeps them half open; off leaves them to the body's "
+             "if the source has none; relaxed keeps them half open; off includes them in the body "
              "solver; auto is follow, or off with " OPTION("method") " gmr",
              {.uses = OptionUse::kLive}),
       option("scale", options.scale, kRobotGroup, "",
              "Scaling of the motion: limbs scales legs, trunk and arms to the robot's lengths; "
              "table uses the published factors (default for LAFAN1 with " OPTION(
                  "method") " gmr, " OPTION("ik-config") " published or FILE); height first scales "
-                                                        "every body to one size "
-                                                        "(default with " OPTION("height") ")",
+                                                        "every human to one size (default "
+                                                        "with " OPTION("height") ")",
              {.none = "auto", .uses = kJudged | OptionUse::kLive})};
   append(table, scene_table(options));
   append(table, purpose_table(options));
@@ -369,16 +370,16 @@ OptionTable save_table(SaveOptions& options) {
              "Move and turn the motion so that it starts at x = y = 0, facing +x",
              {.uses = OptionUse::kShowBatch}),
       option("npz-fps", options.npz_fps, kOutputGroup, "N",
-             "NPZ and csv-sonic: frames per second, also of the fit",
+             "NPZ and csv-sonic: frames per second; the fit uses this rate",
              {.min = 1.0, .max = 1000.0, .uses = OptionUse::kTrack}),
       option("npz-velocity", options.npz_velocity, kOutputGroup, "",
              "NPZ: linear velocities at link origins or centres of mass (default: link for "
-             "npz-mjlab, mass for the others, as in their simulators)",
+             "npz-mjlab, mass for the other formats, as in their simulators)",
              {.uses = OptionUse::kTrack}),
       option("motion-name", options.motion_name, kOutputGroup, "NAME",
              "pkl-pbhc and pkl-motion-lib: name of the motion (default: the file's)"),
       option("contacts", options.contacts, kOutputGroup, "FILE",
-             "Also write heel and toe contacts, and with " OPTION(
+             "Also write contacts of heels and toes, and with " OPTION(
                  "scene") " those of other parts: CSV with a header and one row per frame"),
       option("scene-out", options.scene_out, kOutputGroup, "FILE",
              "Also write the scene scaled to the robot: .xml is the robot with its scene as MJCF, "
@@ -403,7 +404,7 @@ OptionTable run_table(Run& run) {
   OptionTable table = {
       option("motion", run.motion, kInputGroup, "FILE", "Motion to retarget"),
       // The reader is chosen by file content; this row only records the use of the SMPL option.
-      option("smpl", options.source.smpl, kInputGroup, "", "The motion is an SMPL motion")};
+      option("smpl", options.source.smpl, kInputGroup, "", "Read the motion as SMPL")};
   append(table, source_table(options.source));
   append(table, human_table(options.human));
   append(table, part_table(options.part));

@@ -129,21 +129,21 @@ OptionTable scene_table(SolveOptions& options) {
   const OptionInfo judged{.uses = kOfScene}, change{.uses = kOfScene, .recorded_if_given = true};
   return {
       option("scene", options.scene, kRobotGroup, "FILE",
-             "Scene around the human, besides the floor: boxes, terrain, furniture, objects, as "
-             "MJCF, URDF, OBJ, STL or a JSON list of primitives, in metres with z up "
+             "Scene around the human, in addition to the floor: boxes, terrain, furniture, "
+             "objects, as MJCF, URDF, OBJ, STL or a JSON list of primitives, in metres with z up "
              "(docs/world.md)",
              {.file = OptionFile::kContent, .uses = kOfScene}),
       option("object-track", options.object_tracks, kRobotGroup, "[BODY=]FILE,...",
-             "Paths of moving bodies of " OPTION("scene") ": NPZ, NPY, CSV, or the tensor of "
-                                                          "InterMimic with human and object",
+             "Paths of moving bodies of " OPTION(
+                 "scene") ": NPZ, NPY, CSV, or InterMimic's tensor with human and object",
              judged),
       option("scene-axes", options.scene_axes, kRobotGroup, "",
              "Unit and axes of the scene and its tracks: human: metres, z up; clip: those of the "
              "clip's file",
              judged),
       text_option("terrain", options.terrain, kRobotGroup, "stairs:RISExTREAD|slope:DEGREES",
-                  "Put stairs or a slope under a walk on a flat floor, along the way of the "
-                  "human; metres of the robot's world, xCOUNT limits the number of steps",
+                  "Add stairs or a slope below a walk on a flat floor, along the human's path; in "
+                  "metres of the robot's world; xCOUNT limits the number of steps",
                   scene_text, checked_terrain, change),
       text_option("terrain-scale", options.terrain_scale, kRobotGroup, "S|z=S",
                   "Scale the static bodies of the scene about the origin, or only their heights; "
@@ -156,8 +156,8 @@ OptionTable scene_table(SolveOptions& options) {
              "Scale the moving bodies of the scene; hands that touch them follow",
              {.min = kMinSceneScale, .max = kMaxSceneScale, .uses = kOfScene}),
       option("object-motion", options.object_motion, kRobotGroup, "",
-             "Paths of the moving bodies of the scene: given: those of their tracks; fitted: moved "
-             "with the hands that hold them, where these would lose contact",
+             "Paths of the moving bodies of the scene: given: those of their tracks; fitted: "
+             "adapted to the hands that hold them, if these would lose contact",
              change)};
 }
 

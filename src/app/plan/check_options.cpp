@@ -89,11 +89,11 @@ Result<void> check_scene_options(const SolveOptions& solve, const SaveOptions& s
   }
   if (solve.method != Method::kFit) {
     return usage_failure(given + " requires " OPTION("method") " fit",
-                         "the published method knows no surroundings");
+                         "the published method does not support scenes");
   }
   if (has_scene && !solve.travel.empty() && solve.travel != "1") {
     return usage_failure(OPTION("scene") " cannot be combined with " OPTION("travel"),
-                         "the scene stays where it is");
+                         "the scene does not move with a scaled path");
   }
   return {};
 }

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The parts of `FIGURE<=NUMBER`.
+// The parts of `METRIC<=NUMBER`.
 struct GateText {
   std::string figure, relation, bound;
 };
@@ -36,7 +36,7 @@ std::string_view short_key(std::string_view key) {
   return key.substr(0, key.rfind('_'));
 }
 
-// Finds a figure by its key or short key. Of several matches, the one with a gate wins.
+// Finds a metric by its key or short key; of several matches, prefers the one with a gate.
 Result<std::string> figure_of(const std::string& name, const Gates& gates) {
   if (find_metric(name) != nullptr) return name;
   std::vector<std::string> meant, with_gate;
@@ -81,7 +81,7 @@ class GateChanges {
 
  private:
   Result<void> take_file(const std::string& text) {
-    // A figure without a bound is not a missing file.
+    // A metric without a bound is not a missing file.
     if (!is_file(text) && (find_metric(text) != nullptr)) {
       return usage_failure(OPTION("gate") " " + text + " needs a bound",
                            "as in " + text + "<=0, in quotes");
@@ -121,7 +121,7 @@ class GateChanges {
 
   Gates gates_;
   const Gates defaults_;
-  std::set<std::string> given_;  // Figures whose gates were set individually.
+  std::set<std::string> given_;  // Metrics whose gates were set individually.
 };
 
 }  // namespace
@@ -140,7 +140,7 @@ Result<Gates> changed_gates(const std::vector<std::string>& texts, const std::st
 }
 
 Option gate_row(std::vector<std::string>& texts, const std::string& help) {
-  return option("gate", texts, kOutputGroup, "FILE|FIGURE<=N", help,
+  return option("gate", texts, kOutputGroup, "FILE|METRIC<=N", help,
                 {.decides = false, .basic = true});
 }
 

@@ -35,8 +35,8 @@ Result<void> check_model_file(const std::string& path) {
 
 void warn_of_guessed_soles(LoadedRobot& loaded) {
   loaded.warnings.push_back({0, 0,
-                             "the soles cannot be found in the model; they are estimated from the "
-                             "leg lengths, and feet may float or sink by centimetres"});
+                             "the model does not define the soles; they are estimated from the leg "
+                             "lengths, and feet may float or sink by centimetres"});
 }
 
 // Infers soles from the model, because feet with unknown soles float or sink.

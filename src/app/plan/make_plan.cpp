@@ -46,7 +46,7 @@ int frames_to_leave_out(const Clip& clip, const Options& options) {
   return ends_there ? 0 : count;
 }
 
-// Chooses how the body size scales the motion: by the options, else by what suits the clip best.
+// Chooses how the body size scales the motion: by the options, otherwise by the clip.
 ScaleRule choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
                        const Options& options) {
   const SolveOptions& solve = options.solve;

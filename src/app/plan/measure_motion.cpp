@@ -65,7 +65,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.contact_edits = plan.contact_edits;
   source.map = plan.human.map;
   TRY_ASSIGN(source.human, human_of(plan, source.fingers, source.scene));
-  // Stretched time starts with the used part.
+  // Scaled time starts at the used part, so such a motion has no lead-in.
   if (plan.lead_in_frames == 0 || plan.time_scale) return source;
   plan.part.begin = 0;
   TRY_ASSIGN(source.human_with_lead_in,
@@ -125,7 +125,7 @@ std::optional<SceneWorld> solved_world(const Motion& motion) {
   return world;
 }
 
-// Moves a motion and its world as its file.
+// Moves a motion and its world like the motion in the file.
 void normalize_start(RobotClip& clip, std::optional<SceneWorld>& world) {
   WriteMotionOptions moved;
   if (world) moved.scene = std::move(world->clip);

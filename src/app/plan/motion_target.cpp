@@ -139,8 +139,9 @@ Result<std::string> reference_path(const std::string& output, const SaveOptions&
   }
   if (options.reference_rate <= 0.0) return std::string();
   if (output == "-") {
-    return usage_failure(OPTION("reference-rate") " needs a file beside standard output",
-                         "name it with " OPTION("reference"));
+    return usage_failure(
+        OPTION("reference-rate") " needs a file name if the motion goes to standard output",
+        "name it with " OPTION("reference"));
   }
   std::string base = os::without_last_separators(output);
   const std::string given = ending_of(base);

@@ -36,7 +36,7 @@ class MotionTarget {
 };
 
 /// Returns when the ends of the robot's feet are planted. Empty: the motion was not fitted, so
-/// nothing holds the feet.
+/// no term holds the feet.
 [[nodiscard]] std::optional<FootContacts> contacts_of(const Motion& motion);
 
 /// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
@@ -47,8 +47,8 @@ class MotionTarget {
                                                 const FrameRate& rate,
                                                 const std::optional<ContactLabels>& labels);
 
-/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene; the
-/// motion has no scene (kUsage).
+/// Writes the scene of a robot to a file that is not committed yet. Errors: those of format_scene;
+/// the motion has no scene (kUsage).
 [[nodiscard]] Result<OutputFile> write_scene(const std::string& path, const RobotClip& motion,
                                              const std::optional<SceneClip>& scene);
 
@@ -56,8 +56,9 @@ class MotionTarget {
 /// along.
 void normalize_start(RobotClip& clip, WriteMotionOptions& write);
 
-/// File of the reference that the options ask for beside an output; empty: none.
-/// Errors (kUsage): an ending other than .npz and .csv; no name beside standard output.
+/// Name of the requested reference file next to an output; empty: none.
+/// Errors (kUsage): an extension other than .npz and .csv; no name if the motion goes to standard
+/// output.
 [[nodiscard]] Result<std::string> reference_path(const std::string& output,
                                                  const SaveOptions& options);
 

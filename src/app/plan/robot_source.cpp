@@ -132,7 +132,7 @@ Result<Clip> load_robot_clip(const std::string& file, const SourceOptions& optio
   origin.bytes = motion->bytes;
   origin.choices = fmt::format(
       "{} of the robot {}{}", format_name(motion->format), robot.loaded.robot->name(),
-      motion->rate_known ? "" : ", which gives no rate: " OPTION("source-fps") " sets another");
+      motion->rate_known ? "" : ", which states no rate: " OPTION("source-fps") " sets it");
   for (const std::string& warning : motion->warnings) origin.warnings.push_back({0, 0, warning});
   clip.set_origin(std::move(origin));
   return clip;

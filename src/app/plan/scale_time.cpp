@@ -22,18 +22,18 @@ namespace retarget {
 namespace {
 
 constexpr double kKnotTime = 0.1;  // Seconds.
-constexpr double kAim = 0.95;      // Share of a limit that a slowed stretch may use.
-constexpr int kMaxRounds = 5;      // Solves with stretched time.
+constexpr double kAim = 0.95;      // Share of a limit that a slowed interval uses.
+constexpr int kMaxRounds = 5;      // Maximum number of slowed solves.
 constexpr double kMostSlower = 1.0 / kLeastTimeScale;
 // A limb that is this much farther from the human than without speed limits is distorted, degrees.
-// Where time is stretched already, it is stretched until little of that is left.
+// In intervals that are already slower, the pace rises until little of the excess remains.
 constexpr double kDistorted = 3.0, kLittle = 1.0;
 // Limits act at this distance in time, seconds.
 constexpr double kActsWithin = 0.1;
 
-// How far a step between two frames is beyond a speed limit.
+// Excess of a step between two frames over a speed limit.
 struct FastStep {
-  double ratio = 0.0;  // Of the speed to the limit.
+  double ratio = 0.0;  // Ratio of the speed to the limit.
   std::string cause;
 };
 
@@ -119,8 +119,8 @@ bool takes_torques(const Plan& plan, const Motion& motion) {
   return plan.fit.dynamics && plan.options.solve.method == Method::kFit && !motion.scene;
 }
 
-// A torque has a part that rests and one that grows with the square of the speed. Half the speed
-// separates the two.
+// A torque has a static part and a part that grows with the square of the speed. Inverse dynamics
+// at half the speed separates the two.
 void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>& needs) {
   if (!takes_torques(plan, motion)) return;
   const auto now = torque_ratios(motion.clip, nullptr);
@@ -133,7 +133,7 @@ void find_torques(const Plan& plan, const Motion& motion, std::vector<StepNeed>&
     if (!over(now[i])) continue;
     const double moving = (ratio - slow[i].first) / 0.75, resting = ratio - moving;
     const int joint = robot.tree().links()[static_cast<std::size_t>(link)].joint;
-    // A torque that rests above its limit needs another pose.
+    // Slowing cannot reduce a static torque above the limit.
     if (moving <= 0.0 || resting >= kAim) continue;
     needs.push_back({static_cast<int>(i), StepNeed::kTorque, ratio - 1.0,
                      std::clamp(std::sqrt(moving / (kAim - resting)), 1.05, kMostSlower),
@@ -193,7 +193,8 @@ class TimeScaleSearch {
     return {};
   }
 
-  // By step: the speeds of a motion near it, relative to those from which the fit slows joints down.
+  // By step: the speeds of a motion near it, relative to those from which the fit slows joints
+  // down.
   [[nodiscard]] std::vector<FastStep> fast_near(const Motion& motion) const {
     return fastest_near(fast_steps(motion.clip, [&](int joint) { return soft_speed(joint); }),
                         plan_.rate.fps());
@@ -249,7 +250,8 @@ class TimeScaleSearch {
     return std::min(static_cast<std::size_t>(std::lround(source * plan_.rate.fps())), count - 1);
   }
 
-  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not matter.
+  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not
+  // matter.
   [[nodiscard]] std::vector<double> torque_excess(const Motion& motion) const {
     std::vector<double> excess;
     if (!takes_torques(plan_, motion)) return excess;
@@ -259,8 +261,8 @@ class TimeScaleSearch {
     return excess;
   }
 
-  // A stretch is worth its time only if the limbs come nearer to the human than without it, or if
-  // they stay as near and torques fall.
+  // Keeps a slowed interval only if the limbs are nearer to the human than without it, or if they
+  // are as near and the torques are lower.
   void give_back_what_does_not_help(const Motion& motion) {
     constexpr double kGain = 0.3, kLoss = 0.2;  // Degrees.
     constexpr double kLighter = 0.5;            // Share of the torque beyond limits.
@@ -345,7 +347,7 @@ std::vector<SummaryLine> time_scale_lines(const TimeScale& scale) {
   }
   if (!scale.left.empty()) {
     lines.push_back({scale.stretches.empty() ? "slowed" : "",
-                     "not where slower movement does not help: " + listed(scale.left)});
+                     "without effect, so unchanged: " + listed(scale.left)});
   }
   return lines;
 }

@@ -17,7 +17,7 @@ namespace retarget {
 /// Sets Plan::time_scale if the options give a factor, and notes it.
 [[nodiscard]] Result<void> set_time_scale(Plan& plan);
 
-/// Where and by how much time is stretched, as summary lines.
+/// Summary lines with the slowed intervals and their factors.
 [[nodiscard]] std::vector<SummaryLine> time_scale_lines(const TimeScale& scale);
 
 /// Solves a plan whose time scale is decided.

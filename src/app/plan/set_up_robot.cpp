@@ -98,7 +98,8 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   if (solve.method == Method::kFit) {
     TRY_ASSIGN(setup.fit, choose_fit(options, solve.fit));
     FitOptions of_robots = fit_of_robot_motions(solve.fit);
-    // The motion of a robot is what a program computed, and is kept as it is.
+    // A program computed the motion of a robot, so by default, the dynamics stage does not change
+    // it.
     if (!is_given(solve, "dynamics")) of_robots.dynamics = false;
     TRY_ASSIGN(setup.fit_of_robots, choose_fit(options, of_robots));
   }

@@ -52,7 +52,7 @@ Result<void> load_surroundings(Plan& plan) {
 
 namespace {
 
-// Stretches the paths of bodies as warp_time does those of joints.
+// Warps the paths of bodies in time, as warp_time does for joints.
 SceneClip warp_scene(const SceneClip& clip, const TimeScale& scale) {
   const std::vector<WarpedFrame> frames = warped_frames(scale, clip.rate, clip.frame_count);
   SceneClip warped{clip.scene, clip.rate, static_cast<int>(frames.size()), {}, clip.contacts};
@@ -110,7 +110,7 @@ constexpr double kDeep = 0.1;   // Depth of a joint inside a body that it cannot
 constexpr double kOftenInside = 0.05;  // Share of the frames.
 constexpr double kInterval = 0.1;      // Seconds between the frames that are looked at.
 
-// How well a scene suits the human in it.
+// Consistency of a scene with the human in it.
 struct SceneFit {
   double nearest = std::numeric_limits<double>::infinity();  ///< Metres, over bodies and frames.
   double inside = 0.0;                                       ///< Share of the frames.
@@ -276,7 +276,7 @@ Result<void> check_change(const SceneChange& change, const Scene& scene) {
   }
   if (change.of_static() && moves) {
     return usage_failure(OPTION("terrain-scale") " requires a scene without moving bodies",
-                         "a carried object has no place in a room of another size");
+                         "the track of a carried object does not match a scaled scene");
   }
   return {};
 }

@@ -16,7 +16,7 @@ namespace retarget {
 
 /// The scene around the human in the frames of a motion; null if the plan has none.
 /// @param plan  with its clip.
-/// @param prepared  what prepare_clip returns for it.
+/// @param prepared  result of prepare_clip for it.
 /// Errors: those of place_scene and make_distance_field.
 [[nodiscard]] Result<std::shared_ptr<const SceneWorld>> human_surroundings(const Plan& plan,
                                                                            const Clip& prepared);

@@ -9,7 +9,8 @@ namespace {
 constexpr double kEase = 0.2;       // Change of the pace from knot to knot at most.
 constexpr double kPaceStep = 1e-4;  // Coefficients are multiples of this.
 constexpr double kMaxPace = 1.0 / kLeastTimeScale;
-// A place that is slowed by more than kTried must have become better than this share.
+// If an interval was slowed by more than kTried, its severity must be below this share of the
+// first.
 constexpr double kTried = 1.3, kNoHelp = 0.75;
 
 }  // namespace

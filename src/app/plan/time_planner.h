@@ -12,7 +12,7 @@
 
 namespace retarget {
 
-/// The need of a step between two frames to be slower.
+/// A step between two frames that must be slower, and the reason.
 struct StepNeed {
   enum Kind : unsigned char { kSpeed, kTorque };
   static constexpr std::size_t kKinds = 2;
@@ -24,7 +24,7 @@ struct StepNeed {
   std::string cause;
 };
 
-/// Decides where and by how much a motion is slowed down, from what its solutions exceed.
+/// Decides where and by how much to slow a motion down, from the limits that its solutions exceed.
 class TimePlanner {
  public:
   /// @param duration  of the source, seconds.
@@ -37,17 +37,17 @@ class TimePlanner {
   [[nodiscard]] double source_time(int step) const;
   [[nodiscard]] double pace_at(double source) const { return warp_.pace(source); }
 
-  /// Raises the pace for the needs of a motion that was solved with the current one. A place that
-  /// does not get better gets its own time back. Returns whether the pace changed.
+  /// Raises the pace for the needs of a motion that was solved with the current pace. Restores the
+  /// original time where slowing did not help. Returns whether the pace changed.
   bool take(const std::vector<StepNeed>& needs);
-  /// Gives the time from `begin` to `end` back, because slowing does not help there.
+  /// Restores the original time from `begin` to `end`, because slowing does not help there.
   void give_back(double begin, double end);
 
   /// The decision; nothing if there is nothing to report.
   [[nodiscard]] std::optional<TimeScale> decision();
 
  private:
-  // The pace that a place needs, for the time between two knots.
+  // The required pace between two knots.
   struct PlaceNeed {
     double pace = 1.0;
     double first = 0.0;  // Severity before it was slowed.
@@ -63,7 +63,7 @@ class TimePlanner {
 
   double duration_;
   FrameRate rate_;
-  std::array<std::vector<PlaceNeed>, StepNeed::kKinds> needs_;  // By kind and place.
+  std::array<std::vector<PlaceNeed>, StepNeed::kKinds> needs_;  // By kind and knot interval.
   TimeScale scale_;
   TimeWarp warp_;
 };

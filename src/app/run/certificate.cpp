@@ -148,7 +148,7 @@ RobotClip part_of(const RobotClip& clip, int begin, int end) {
   return part;
 }
 
-// Windows of about equal length, at most that of the predictor and a half.
+// Windows of about equal length, at most 1.5 times the predictor's.
 Json prediction_json(const RobotClip& clip, const LimitSet& limits,
                      const TrackingPredictor& predictor, double& success) {
   const double frames = std::max(3.0, predictor.window_s * clip.rate().fps());
@@ -184,7 +184,7 @@ double tracked_pct(const SimulationReport& report) {
   return report.fell ? std::clamp(100.0 * report.fall_time_s / length, 0.0, 100.0) : 100.0;
 }
 
-// Adds the figures of the certificate to the report, and judges it again.
+// Adds the metrics of the certificate to the report, and judges it again.
 void add_figures(const Certificate& certificate, const Gates& gates, QualityReport& report) {
   report.values.push_back({find_metric(kTrackedFigure), certificate.tracked_pct, {}});
   if (certificate.predicted_success >= 0.0) {
@@ -290,7 +290,7 @@ Result<void> verify_certificate(std::string_view text, const std::string& file,
   }
   const std::string difference = first_difference(recorded, now);
   if (difference.empty()) {
-    observer.line("verified", name + ": all figures are identical");
+    observer.line("verified", name + ": all values are identical");
     return {};
   }
   const bool same_version = recorded.value("retarget", Json()) == Json(version_number());

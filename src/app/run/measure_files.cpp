@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Stretches the time of the source as the sidecar of the motions records it, unless an option gives
+// Scales the time of the source as recorded in the sidecar of the motions, unless an option gives
 // a factor. Without a record, `auto` is decided again.
 Result<void> choose_time_scale(const std::vector<std::string>& motions, Plan& plan,
                                Observer& observer) {
@@ -105,8 +105,8 @@ void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
       motions, [&](const std::string& motion) { return recorded_travel(motion) == travel; });
   if (!agree) {
     observer.warn({{0, 0,
-                    "the sidecars of the motions record different travel; the source is used as it "
-                    "is, unless " OPTION("travel") " is given"}},
+                    "the sidecars of the motions record different travel; the source is used "
+                    "unchanged, unless " OPTION("travel") " is given"}},
                   motions.front());
     return;
   }
@@ -123,8 +123,8 @@ void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
     if (move.empty()) continue;
     observer.warn({{0, 0,
                     "the sidecar records " + move +
-                        ", but the scene is measured in its given place; the report of the run has "
-                        "the figures"}},
+                        ", but the scene is measured at its original position; the report of the "
+                        "run has the correct metrics"}},
                   motion);
   }
 }

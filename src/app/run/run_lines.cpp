@@ -199,7 +199,7 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
   const auto all = static_cast<long>(report.gates.size());
   std::string text =
       name +
-      (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept");
+      (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " passed");
   if (unmeasured > 0) text += ", " + std::to_string(unmeasured) + " not measured";
   // A joint without a task that pushes it only rests at its limit, as fingers do.
   const auto limited = std::ranges::find_if(

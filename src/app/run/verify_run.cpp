@@ -44,7 +44,7 @@ Result<FileContent> read_record(const std::string& file) {
 std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadFile>& now) {
   std::vector<std::string> changed;
   if (sidecar.version != version_number()) {
-    changed.push_back("the tool is version " + version_number() + ", the sidecar's was " +
+    changed.push_back("the tool has version " + version_number() + ", the sidecar's tool had " +
                       sidecar.version);
   }
   for (const ReadFile& then : sidecar.files) {

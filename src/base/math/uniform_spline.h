@@ -29,7 +29,7 @@ struct UniformCubic {
   }
 };
 
-/// Where a function is largest or smallest.
+/// Location of the maximum or minimum of a function.
 struct SplineExtreme {
   double value = 0.0;
   double at = 0.0;  ///< Samples since the first one.
@@ -42,7 +42,7 @@ struct SplineBounds {
 };
 struct SplineCorrection {
   double largest = 0.0;  ///< Bound for the change of the spline; 0: unchanged.
-  double at = 0.0;       ///< Where it is, samples.
+  double at = 0.0;       ///< Position, samples.
   double excess =
       0.0;  ///< The part that remains beyond the bounds, relative to their width or the speed.
 };

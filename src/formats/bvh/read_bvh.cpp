@@ -36,14 +36,14 @@ Result<std::size_t> find_root(const SourceText& source, const std::vector<std::s
   const auto found = std::ranges::find(roots, wanted);
   if (found == roots.end()) {
     Error error = source.error_at(
-        0, "expected a ROOT " + in_quotes(wanted) + " as " OPTION("root") " asks for" +
+        0, "expected a ROOT " + in_quotes(wanted) + " as " OPTION("root") " requires" +
                did_you_mean(wanted, roots) + ", found " + list_names(roots, 10));
     error.location.line = error.location.column = 0;
     return failure(std::move(error));
   }
   if (std::find(std::next(found), roots.end(), wanted) != roots.end()) {
     Error error = source.error_at(0, "expected one ROOT " + in_quotes(wanted) +
-                                         " as " OPTION("root") " asks for, found several");
+                                         " as " OPTION("root") " requires, found several");
     error.location.line = error.location.column = 0;
     return failure(std::move(error));
   }

@@ -25,7 +25,7 @@ class ArraySource {
 
   [[nodiscard]] virtual std::vector<std::string> names() const = 0;
   [[nodiscard]] virtual bool has(std::string_view name) const = 0;
-  /// NumPy's type string of an array; contains `O` for types that `read` refuses.
+  /// NumPy's type string of an array; contains `O` for types that `read` rejects.
   [[nodiscard]] virtual Result<std::string> type_of(std::string_view name) const = 0;
   [[nodiscard]] virtual Result<NpyArray> read(std::string_view name) const = 0;
 

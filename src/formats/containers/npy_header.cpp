@@ -90,7 +90,7 @@ class DictionaryParser {
 
   bool parse_type(NpyHeader& header, bool& found) {
     if (at('[')) {
-      // The fields of a structured type; npy_layout refuses this name.
+      // The fields of a structured type; npy_layout rejects this name.
       header.type = "[...]";
       return found = skip_list();
     }

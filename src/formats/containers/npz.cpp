@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kSuffix = ".npy";
 
-// How to make an NPZ of another type of file.
+// Hint for converting another type of file to NPZ.
 std::string_view remedy_for(const FileType& type) {
   switch (type.kind) {
     case FileKind::kNpy:

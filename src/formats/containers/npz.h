@@ -19,7 +19,7 @@ namespace retarget {
 
 struct NpzReadOptions {
   ErrorKind error_kind = ErrorKind::kInput;  ///< Kind of all errors.
-  /// Larger arrays are refused, even well compressed ones.
+  /// Larger arrays are rejected, even well compressed ones.
   std::size_t max_array_bytes = std::size_t{1} << 30;
   /// Limit on the ratio of unpacked to packed bytes, for each compressed array and for the whole
   /// file. Recorded motions stay below 4; arrays of zeros reach 1000.
@@ -39,7 +39,7 @@ struct NpzReadOptions {
 /// Entries are found only through the central directory of the archive. They may be stored or
 /// deflated; ZIP64 extra fields and data descriptors are supported. The checksum of every array is
 /// verified. Memory for an array grows with the bytes actually unpacked, and files that unpack to
-/// far more than their size (ZIP bombs) are refused in advance. Errors name the file, the array,
+/// far more than their size (ZIP bombs) are rejected in advance. Errors name the file, the array,
 /// the expected and the found value.
 class NpzFile {
  public:
@@ -55,7 +55,7 @@ class NpzFile {
   [[nodiscard]] bool has(std::string_view name) const;
 
   /// NumPy's type string of an array, such as `<f4`, `|S6`, or `|O` for an object array, which
-  /// `read` refuses.
+  /// `read` rejects.
   [[nodiscard]] Result<std::string> type_of(std::string_view name) const;
 
   /// Reads an array. Errors: unknown name (the message lists the existing ones), Python objects

@@ -125,7 +125,7 @@ class PickleWriter {
   void none();
   void integer(std::int64_t value);
   void number(double value);
-  /// Replaces invalid UTF-8, which Python would refuse.
+  /// Replaces invalid UTF-8, which Python would reject.
   void text(std::string_view value);
   void texts(std::span<const std::string> values);  ///< A list.
   void array(const NpyArray& array);

@@ -70,7 +70,7 @@ inline void append_opcode(std::string& bytes, PickleOp op) {
 /// Interprets the opcodes of a pickle and builds its document; see read_pickle.
 class PickleReader {
  public:
-  /// Which objects a pickle may hold besides plain values and NumPy arrays.
+  /// Objects that a pickle may contain in addition to plain values and NumPy arrays.
   enum class Dialect : std::uint8_t { kPlain, kTorch };
 
   PickleReader(std::string_view bytes, std::string file, PickleDocument& document,

@@ -30,7 +30,7 @@ Quaterniond rotation_at(const RawMotion& raw, std::size_t frame, QuaternionOrder
                                          : Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
-// How far the lowest of some points moves in a step, across an axis.
+// Movement of the lowest of several points in a step, perpendicular to an axis.
 class LowestSlip {
  public:
   explicit LowestSlip(int up) : up_(up) {}

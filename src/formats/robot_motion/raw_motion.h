@@ -145,7 +145,7 @@ struct TouchPoint {
 /// Checks whether a motion with an assumed unit of length can be in metres. It runs last because it
 /// needs the quaternion order: a lying robot may be low, a standing one may not.
 ///
-/// @param warnings  receives doubts about the unit.
+/// @param warnings  receives warnings about the unit.
 /// Errors (kInput): an upright root almost on the ground with feet far below it, as in a motion
 /// that is ten or a hundred times too small.
 [[nodiscard]] Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,

@@ -1,5 +1,5 @@
-// Reads motions from trainers' dictionaries: the pickles of GMR, PBHC, ASAP, SONIC and MimicKit, and
-// the PyTorch files of ProtoMotions.
+// Reads motions from dictionaries of training frameworks: the pickles of GMR, PBHC, ASAP, SONIC and
+// MimicKit, and the PyTorch files of ProtoMotions.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -310,7 +310,7 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
     worst = name;
   }
   if (lost.empty()) return std::nullopt;
-  return count_text(lost.size(), "joint") + " with movement would be held, losing up to " +
+  return count_text(lost.size(), "joint") + " with movement would be locked, losing up to " +
          number_text(largest, 3) + " rad (" + worst + "): " + list_names(lost, kShown);
 }
 

@@ -10,7 +10,7 @@ __extension__ using WideFrames = __int128;
 /// A time between a frame of a clip and the next one.
 struct SampleTime {
   int frame = 0;
-  double share = 0.0;  ///< Of the time to the next frame, 0 to 1.
+  double share = 0.0;  ///< Fraction of the time to the next frame, 0 to 1.
 };
 
 /// Exact times of samples 0, 1, ... at one rate in the frames of a clip at another.

@@ -15,7 +15,7 @@
 
 namespace retarget {
 
-/// Names and order of the arrays of a trainer's files: one row per layout.
+/// Names and order of the arrays in files of training frameworks: one row per layout.
 struct TrainerLayout {
   MotionFormat format;
   std::string_view joints;              ///< (frames, joints).

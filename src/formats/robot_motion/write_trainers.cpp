@@ -1,4 +1,4 @@
-// Writes trainers' files: pickles, tracking NPZ and ProtoMotions' PyTorch files.
+// Writes files for training frameworks: pickles, tracking NPZ and ProtoMotions' PyTorch files.
 
 #include <algorithm>
 #include <array>

@@ -42,7 +42,7 @@ struct SceneReadOptions {
 /// ufbx evaluates pre- and post-rotations, axis orders, pivots, layers and scale inheritance. The
 /// result is a plain transform relative to the parent.
 ///
-/// @param max_bytes  memory limit for files of any size; a file that needs more is refused.
+/// @param max_bytes  memory limit for files of any size; a file that needs more is rejected.
 /// @return kInput errors.
 [[nodiscard]] Result<SceneGraph> read_fbx(std::string_view bytes, const std::string& file_name,
                                           std::size_t max_bytes);

@@ -43,7 +43,7 @@ Result<Poses> poses_of(const std::vector<double>& values, std::size_t width, con
     // Negated comparisons also reject NaN.
     if (!(position.cwiseAbs().maxCoeff() <= kMaxPlace)) {
       return input_failure(
-          "", fmt::format("frame {}: the position is not a place in metres", poses.size()));
+          "", fmt::format("frame {}: the position is not plausible in metres", poses.size()));
     }
     const Eigen::Quaterniond rotation(value(3), value(4), value(5), value(6));
     constexpr double kMinNorm = 1e-6, kMaxNorm = 1e6;

@@ -10,7 +10,7 @@ namespace retarget {
 
 /// Result of cleaning a clip.
 struct CleanReport {
-  std::vector<std::string> notes;  ///< Sentences with figures; empty if nothing changed.
+  std::vector<std::string> notes;  ///< Sentences with numbers; empty if nothing changed.
   /// Apparent speed of standing feet after smoothing, in m/s for a body with legs of
   /// kUsualSourceLeg; 0 if there was no joint noise. Slower feet may be in contact.
   double foot_speed = 0.0;
@@ -33,7 +33,7 @@ CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibrati
 /// Smooths the joints of a clip made from joint positions alone (ClipOrigin::unknown_rotations) if
 /// half of them have noise above 0.3 % of the body's size per frame. Then recomputes the rotations,
 /// because noisy positions make them spin about nearly straight limbs. Other clips stay identical.
-/// @return a sentence with figures; empty if nothing changed
+/// @return a sentence with numbers; empty if nothing changed
 std::string clean_positions(Clip& clip);
 
 }  // namespace retarget

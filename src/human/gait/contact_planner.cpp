@@ -60,11 +60,11 @@ class FootContactFinder {
     }
   }
 
-  // Finds raised stances that find_raised_stances passes over, because feet in the air look the same,
-  // where nothing else supports the body: a foot that is slow but moves farther than support_drift,
-  // as when someone on a step lifts the heel slowly, and a toe that is still while the heel is not,
-  // as on stairs. Call this after find_stands of all feet.
-  // @param carries(frame)  whether the body is held up and no part of it is in contact.
+  // Finds raised stances that find_raised_stances omits, because feet in the air look the same. They
+  // count if nothing else supports the body: a slow foot that moves farther than support_drift, as
+  // when a person on a step lifts the heel slowly, and a still toe below a moving heel, as on
+  // stairs. Call this after find_stands of all feet.
+  // @param carries(frame)  whether the body is supported although no part of it is in contact.
   template <typename Carries>
   void find_carrying_stances(const Carries& carries) {
     if (!has(kHeelEnd) || !has(kToeEnd)) return;

@@ -113,7 +113,7 @@ class ContactMover {
     lower_to_legs();
   }
 
-  // How far a hip is too high for the ankle of its standing leg, metres.
+  // Excess height of a hip above the reach of its standing leg, metres.
   [[nodiscard]] double excess(const HumanPose& pose, Side side, const Vector3d& ankle_offset,
                               const Vector3d& body) const {
     const auto place = [&](LimbBone part) -> const Vector3d& {
@@ -130,8 +130,8 @@ class ContactMover {
     return std::max(0.0, -leg.z() - std::sqrt(reach * reach - aside * aside));
   }
 
-  // Lowers the body smoothly where standing legs could not reach the ground: the mean of the greatest
-  // excess around each frame is nowhere less than the excess itself.
+  // Lowers the body smoothly where standing legs could not reach the ground: the mean of the
+  // greatest excess around each frame is nowhere less than the excess itself.
   void lower_to_legs() {
     HumanPoser poser(clip_, calibration_);
     HumanPose pose;

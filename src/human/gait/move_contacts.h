@@ -15,7 +15,7 @@
 
 namespace retarget {
 
-/// Where the end of a limb moves to while it is in contact.
+/// Target of the end of a limb while it is in contact.
 struct ContactMove {
   int begin = 0, end = 0;  ///< Frames.
   /// World rotation of a foot, about its ankle; hands keep their orientation.
@@ -34,30 +34,30 @@ struct ContactMoves {
 
 /// Moves contacts of a human, and the human with them.
 ///
-/// Each foot moves as given while it stands, and smoothly from one stance to the next in between; in
-/// a swing to a higher stance it rises early, to a lower one it sinks late. The body moves by the
-/// mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s; it is
-/// lower, as smoothly, where standing legs would not reach the ground. Hands move as given in contact, else with the body.
-/// Two-bone inverse kinematics of legs and arms supplies the differences. A clip without moves stays
-/// identical.
+/// Each foot moves as given while it stands, and smoothly from one stance to the next in between;
+/// in a swing to a higher stance it rises early, to a lower one it sinks late. The body moves by
+/// the mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s; it
+/// is lower, as smoothly, where standing legs would not reach the ground. Hands move as given in
+/// contact, else with the body. Two-bone inverse kinematics of legs and arms supplies the
+/// differences. A clip without moves stays identical.
 /// @param first  frames before it stay.
 void move_contacts(Clip& clip, int first, const Calibration& calibration,
                    const ContactMoves& moves);
 
 /// Puts terrain under a human who walks on a flat floor: its edge is in front of the feet in the
-/// first frame, and it rises in the direction of the farthest point of the way.
+/// first frame, and it rises in the direction of the farthest point of the path.
 /// @param hips      path of the hips over the ground, by frame, metres
 /// @param contacts  of find_contacts, on the floor
-/// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs. Its
-///     position, direction and number of steps are set.
+/// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs.
+///     Its position, direction and number of steps are set.
 /// @return where the feet move to. They land on the ground, whole feet on one step if its tread is
 ///     long enough, otherwise with the toes at the next riser. Empty: the human does not walk.
 [[nodiscard]] ContactMoves put_on_terrain(const std::vector<Eigen::Vector2d>& hips,
                                           const SourceFeet& feet, const ContactPlan& contacts,
                                           Terrain& terrain);
 
-/// Where contacts move to if the scene around a human changes: a foot, hand, knee, seat or back
-/// stays at its place on its body. Places on the floor move if the floor is scaled.
+/// Displacements of contacts if the scene around a human changes: a foot, hand, knee, seat or back
+/// stays at its position on its body. Positions on the floor move if the floor is scaled.
 /// @param before, after  the scene in the frames of the human; bodies in equal order
 /// @param static_scale   factors of static bodies about the origin
 /// @param object_scale   factor of the sizes of moving bodies

@@ -61,8 +61,8 @@ constexpr double kBehindFeet = 0.2;  // Of sitting hips.
 constexpr double kSeatDepth = 0.13;  // From the joint of the hips to the skin.
 constexpr double kHalfSeat = 0.15;   // Half the width of a seat.
 constexpr double kLowestSeat = 0.2, kLowestHand = 0.2;  // Lower hips rest on the floor.
-constexpr double kHandStays = 0.02;                     // How far a resting hand moves.
-constexpr double kShoulderMoves = 0.1;                  // How far its shoulder moves at least.
+constexpr double kHandStays = 0.02;                     // Maximum movement of a resting hand.
+constexpr double kShoulderMoves = 0.1;                  // Minimum movement of its shoulder.
 constexpr double kHandDepth = 0.03;                     // From the wrist to the skin.
 constexpr double kHalfHand = 0.08;
 

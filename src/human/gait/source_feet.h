@@ -75,7 +75,7 @@ struct SourceFeet {
   /// The same.
   /// @param scratch  overwritten; once it has room for a value a frame nothing is allocated.
   [[nodiscard]] double leg_length(std::vector<double>& scratch) const;
-  /// How high ankles stand above heels: of feet that stand, metres; 0 where soles are not known.
+  /// Height of ankles above heels in standing feet, metres; 0 if the soles are unknown.
   [[nodiscard]] double ankle_over_heel() const;
   /// Speed of one end of a foot over a short time about the frame, m/s.
   [[nodiscard]] double speed(int frame, int foot, int end) const;

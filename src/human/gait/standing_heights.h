@@ -56,8 +56,9 @@ class StandingHeightFinder {
   std::vector<double> values_;
 };
 
-/// How far the joint of a resting body part may move before the part slides, for a body with legs
-/// of kUsualSourceLeg, metres: joints lie above the floor, so they move while a part rolls in place.
+/// Maximum movement of the joint of a resting body part before the part slides, for a body with
+/// legs of kUsualSourceLeg, metres: joints lie above the floor, so they move while a part rolls in
+/// place.
 inline constexpr double kRestingRadius = 0.04;
 
 /// Separates the slide of a body part over the floor from movements in place. The part stays where

@@ -13,23 +13,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Distances and speeds for a body with legs of kUsualSourceLeg. The radius of a part is the distance
-// of its points from the skin, which no skeleton knows; the thresholds cover its error.
+// Distances and speeds for a body with legs of kUsualSourceLeg. The radius of a part is the
+// distance of its points from the skin, which no skeleton knows; the thresholds cover its error.
 constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
 constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
-// A contact slides if its place on the surface moves farther than this, metres, or as fast as this
-// throughout, m/s: a hand that passes over a surface touches it too briefly to move far.
+// A contact slides if it moves along the surface by more than this, metres, or always faster than
+// this, m/s: a hand that passes over a surface touches it too briefly to move far.
 constexpr double kSlideReach = 0.08, kSlideSpeed = 0.15;
-// How far the nearest point of a surface may move before the contact moves, metres.
+// Maximum movement of the nearest surface point before the contact position moves, metres.
 constexpr double kStickReach = 0.03;
-// Where a foot's ground is looked for: this far above its ends, metres.
+// The search for the ground below a foot starts this far above its heel and toe, metres.
 constexpr double kAboveFoot = 0.12;
-// How far the ends of a standing foot may be below the ground, metres.
+// Maximum depth of the heel and toe of a standing foot below the ground, metres.
 constexpr double kSunkFoot = 0.05;
 // A surface of this height is not the floor, metres.
 constexpr double kRaised = 0.015;
 
-// Follows a place that stays where it is while the nearest point moves by less than a radius.
+// Tracks a contact position that does not change while the nearest point stays within a radius.
 class StickingPlace {
  public:
   StickingPlace(const Vector3d& first, double radius) : place_(first), radius_(radius) {}

@@ -58,7 +58,7 @@ Span span_of(const Terrain& terrain, const Stance& stance) {
   return {std::min(heel, toe), std::max(heel, toe)};
 }
 
-// How far a foot moves along the terrain so that it stands on one step.
+// Displacement of a foot along the terrain that puts it on one step.
 double shift_to_step(const Terrain& terrain, const Span& foot, int step) {
   const double begin = (step - 1) * terrain.tread + kClear, end = step * terrain.tread - kClear;
   const bool has_riser = step<terrain.count, has_edge = step> 0;
@@ -126,7 +126,7 @@ bool place_terrain(const std::vector<Vector2d>& hips, const std::vector<Stance>&
   return last > edge;
 }
 
-// Displacement of a place on a body of a scene, or on the floor.
+// Displacement of a point on a body of a scene, or on the floor.
 class PlaceMover {
  public:
   PlaceMover(const SceneWorld& before, const SceneClip& after, const Vector3d& static_scale,

@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// How far a body travels in proportion to its source, by its speed over the ground. Between the
+/// Travel of a body relative to its source, as a function of its speed over the ground. Between the
 /// two speeds the factor changes smoothly.
 struct TravelRule {
   double slow = 1.0, fast = 1.0;              ///< Factors at low and at high speed.

@@ -180,7 +180,7 @@ bool may_be_radians(const Clip& clip) {
 }
 
 // Returns the clip with its angles, in degrees, reinterpreted as radians. Returns nothing if an
-// angle exceeds its bound, or if all angles are too small to tell.
+// angle exceeds its bound, or if all angles are too small to decide.
 std::optional<Clip> with_radians(const Clip& clip) {
   constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
   constexpr double kPlainTurn = 0.5, kNoResidual = 1e-3;

@@ -223,7 +223,7 @@ std::size_t runner_up(const std::vector<ScoredRest>& scored, std::size_t chosen)
   return best;
 }
 
-// Explains why the user should check the choice; empty if nothing is doubtful.
+// Explains why the user should check the choice; empty if the choice is certain.
 std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_meant) {
   constexpr double kBad = 15.0, kTie = 1.0, kDiffers = 15.0;  // degrees
   const std::string hint = "; if limbs look turned, give " OPTION("rest");
@@ -239,8 +239,8 @@ std::string doubt_of(const ScoredRest& chosen, const ScoredRest& other, bool is_
                       angle_between_axes(chosen.rest.axes, other.rest.axes) > kDiffers;
   if (!is_tie) return {};
   return fmt::format(
-      "two T-poses fit the movement nearly alike: that of {} was taken (expected error {:.1f} "
-      "degrees), not that of {} ({:.1f}){}",
+      "two T-poses fit the movement nearly equally well: using that of {} (expected error {:.1f} "
+      "degrees) instead of that of {} ({:.1f}){}",
       name_of(chosen), chosen.error, name_of(other), other.error, hint);
 }
 

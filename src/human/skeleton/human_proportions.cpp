@@ -94,7 +94,7 @@ std::vector<double> free_chains(const BodySource& source, const BoneMap& map, in
   return reaches;
 }
 
-// Whether exactly one long chain hangs from a joint, apart from pairs such as ears. Several are
+// Whether a joint has exactly one long child chain, apart from pairs such as ears. Several are
 // clothes.
 bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double min_length) {
   std::vector<double> reaches = free_chains(source, map, joint);
@@ -136,7 +136,7 @@ void add_signs_of_animal(const BodySource& source, const BoneMap& map, double le
   if (is_built_on_four_legs(source, map)) doubts.signs.emplace_back(kFourLegs);
   const bool has_toes = map.has(Bone::kLeftToe) && map.has(Bone::kRightToe);
   if (has_toes && limb_length(source, map, {kFoot, kToe}) > kMaxFootPerLeg * leg) {
-    doubts.signs.emplace_back("the feet are parts of the legs");
+    doubts.signs.emplace_back("the feet are a large part of the legs");
   }
   const int head = map.joint(Bone::kHead);
   if (head >= 0 && has_one_tail(source, map, head, kMinTailPerTrunk * trunk) &&

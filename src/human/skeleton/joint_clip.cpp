@@ -360,9 +360,8 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
   }
   texts.push_back(
       fmt::format("joint positions without rotations: rotations were computed from limb directions "
-                  "and bending planes; how {} turn{} about {} is unknown and not followed",
-                  list_names(unknown), unknown.size() == 1 ? "s" : "",
-                  unknown.size() == 1 ? "itself" : "themselves"));
+                  "and bending planes; the rotation of {} about {} is unknown and ignored",
+                  list_names(unknown), unknown.size() == 1 ? "itself" : "themselves"));
   constexpr double kSteadyLength = 0.02;
   if (const double change = limb_length_change(found.tree); change > kSteadyLength) {
     texts.push_back(fmt::format(

@@ -62,7 +62,7 @@ struct BodySize {
 
 /// Body height in file units, estimated from bone lengths. Thigh and shin (the mean of both legs)
 /// and the path from between the thigh joints along the spine to the head joint are 89.4 % of it.
-/// The rest is the ankle's height above the sole (3.9 %) and the head above its joint (6.7 %).
+/// The remainder is the ankle's height above the sole (3.9 %) and the head above its joint (6.7 %).
 /// Without a head, the legs alone are 49.1 %. The ankle and leg shares are from Drillis and Contini
 /// 1966, as in D. A. Winter, Biomechanics and Motor Control of Human Movement, table 4.1. The sum
 /// keeps LAFAN1's skeleton at its 1.75 m. 0 without a leg.
@@ -81,7 +81,7 @@ struct BodySize {
 ///
 /// Uncertain cases stay unchanged: a scale that is not a ratio of two units, and a root that does
 /// not move while the feet do.
-/// @return one warning per change or doubt
+/// @return one warning per change or uncertain assumption
 [[nodiscard]] std::vector<Warning> mend_clip_units(Clip& clip, const BoneMap& map);
 
 }  // namespace retarget

@@ -248,7 +248,7 @@ class UpChooser {
     }
     if (floats_on_side(declared.axis)) {
       return {declared.axis,
-              fmt::format("{} has {} up, but then the body lies on its side and on no floor: {}",
+              fmt::format("{} has {} up, but then the body lies on its side without a floor: {}",
                           declared.source, to_text(declared.axis), taken_text(declared.axis))};
     }
     return {declared.axis, {}};

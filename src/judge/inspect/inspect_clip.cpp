@@ -114,7 +114,7 @@ std::string human_text(const Inspection& found) {
       line("human", calibration.description + "; confidence " + number_text(map.confidence, 2));
   for (const std::string& note : map.notes) text += line("", note);
   for (const Warning& doubt : calibration.doubts) {
-    text += line("", "doubtful: " + spell_options(doubt.message, found.spelling));
+    text += line("", "uncertain: " + spell_options(doubt.message, found.spelling));
   }
   text += "\n";
   for (const Bone bone : kMappedBones) {

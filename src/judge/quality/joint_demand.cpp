@@ -11,7 +11,7 @@ namespace retarget {
 JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
                          int frames)
     : clip_(clip), human_(source.human), frames_(frames), spans_(clip.robot().joints().size()) {
-  // The lines of the trunk, not its bones, tell how far a waist should bend; they need limbs.
+  // The lines of the trunk, not its bones, determine how far a waist should bend; they need limbs.
   const auto targets_of = [&](ScaleRule scale) {
     return make_targets(*human_, poses_of(*human_), clip.robot(), *source.config, scale,
                         TrunkRule::kLines, &limits);

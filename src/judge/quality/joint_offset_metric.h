@@ -32,7 +32,7 @@ struct JointOffset {
 
 /// Measures the largest penalty. If the corresponding joint of the other arm has an offset as well,
 /// the penalty is the difference of both amounts, but at least half of the larger one, because a
-/// broad body offsets both arms alike.
+/// broad body offsets both arms equally.
 /// @param limbs  without legs, which must reach the floor with other lengths than the human's.
 /// @param hands  axes of hands, for joints that limbs do not determine.
 void measure_joint_offsets(const ReportBuilder& draft, const LimitSet& limits,

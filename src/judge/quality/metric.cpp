@@ -34,12 +34,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "the zero configuration.",
      kOwn},
     {"joint_at_limit_pct", "%",
-     "The same for the joint and limit with the most frames, without frames in which the human's "
+     "The same for the joint and limit with the most frames, excluding frames in which the human's "
      "pose demands this position or one beyond it; `at_limit` names them.",
      kOwn},
     {"joint_beyond_range_pct", "%",
      "Frames in which a joint is at a limit because the human's pose demands this position or one "
-     "beyond it, for the joint and limit with the most; `beyond_range` names them.",
+     "beyond it, for the joint and limit with the most such frames; `beyond_range` names them.",
      kOwn},
     {"joint_frames_at_limit_pct", "%",
      "Share of joints at a limit over all counted joints and frames, by the rules of at_limit_pct.",
@@ -61,47 +61,49 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "99th percentile over frames of the largest joint acceleration in a frame.", kNotes},
     {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
      "PHUMA, under 50"},
-    {"root_jerk_p99", "m/s^3", "Its 99th percentile.", "PHUMA"},
+    {"root_jerk_p99", "m/s^3", "99th percentile of the same length.", "PHUMA"},
     {"root_acc_p99", "m/s^2",
-     "99th percentile over frames of the root's acceleration, of the cubic spline through its "
-     "positions.",
-     kOwn},
-    {"com_acc_rms", "m/s^2",
-     "Root mean square acceleration of the centre of mass over frames, of the cubic spline through "
+     "99th percentile over frames of the root's acceleration, computed with a cubic spline through "
      "its positions.",
      kOwn},
-    {"com_acc_p99", "m/s^2", "Its 99th percentile.", kOwn},
+    {"com_acc_rms", "m/s^2",
+     "Root mean square over frames of the acceleration of the centre of mass, computed with a "
+     "cubic spline through its positions.",
+     kOwn},
+    {"com_acc_p99", "m/s^2", "99th percentile of the same acceleration.", kOwn},
     {"root_jumps", "count",
      "Steps in which the root moves faster than 10 m/s or rotates faster than 20 rad/s; gymnasts "
      "and dancers in LAFAN1 stay below 5 and 13.",
      kOwn},
     {"foot_pen_1cm_pct", "%", "Frames with a sole point more than 1 cm below the floor.",
      kHolosoma},
-    {"foot_pen_max_cm", "cm", "Depth of the deepest sole point; negative: its smallest height.",
+    {"foot_pen_max_cm", "cm", "Depth of the deepest sole point; if negative, its smallest height.",
      kHolosoma},
     {"body_pen_1cm_pct", "%",
      "Frames with a sole point or collision primitive more than 1 cm below the floor.", kHolosoma},
-    {"body_pen_max_cm", "cm", "Depth of the deepest of these; negative: their smallest height.",
-     kHolosoma},
+    {"body_pen_max_cm", "cm",
+     "Depth of the deepest of these points; if negative, their smallest height.", kHolosoma},
     {"float_2cm_pct", "%",
-     "Frames with every sole point and primitive more than 2 cm above the floor, flight included.",
+     "Frames with every sole point and primitive more than 2 cm above the floor, including "
+     "flights.",
      kNotes},
     {"sole_height_p50_cm", "cm", "Median over frames of the lowest sole point's height.", kNotes},
     {"flat_slip_p50", "m/s",
-     "Median horizontal speed of the middle of a sole whose points are all under 2 cm at both ends "
+     "Median horizontal speed of the centre of a sole whose points are all below 2 cm at both ends "
      "of the step.",
      kNotes},
-    {"flat_slip_p95", "m/s", "Its 95th percentile.", kNotes},
+    {"flat_slip_p95", "m/s", "95th percentile of the same speed.", kNotes},
     {"self_1cm_pct", "%",
      "Share of every fifth frame in which primitives of two bodies penetrate by more than 1 cm "
      "(MuJoCo's contact depth), excluding allowed pairs.",
      kOwn},
-    {"self_max_cm", "cm", "Depth of the deepest of these contacts; 0 without contacts.", kOwn},
-    {"self_all_1cm_pct", "%",
-     "The same for every frame and the exact depth: the shortest translation that separates the "
-     "two.",
+    {"self_max_cm", "cm", "Depth of the deepest of these penetrations; 0 without penetration.",
      kOwn},
-    {"self_all_max_cm", "cm", "Depth of the deepest of these.", kOwn},
+    {"self_all_1cm_pct", "%",
+     "The same for every frame and with the exact depth: the shortest translation that separates "
+     "the two primitives.",
+     kOwn},
+    {"self_all_max_cm", "cm", "Depth of the deepest of these penetrations.", kOwn},
     {"float_planted_pct", "%",
      "Frames in which a source foot is in contact and every sole point and primitive is more than "
      "2 cm above the floor.",
@@ -116,36 +118,37 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "hips are lower than three quarters of its leg length.",
      kOwn},
     {"source_slide_mean", "m/s",
-     "Mean speed of the slowest of the source's ankles and toes in excess of its hips: supporting "
-     "feet rest, and feet in the air move with the body.",
+     "Mean excess of the speed of the source's slowest ankle or toe over the speed of its hips: "
+     "supporting feet are at rest, and feet in the air move with the body.",
      kOwn},
     {"contact_pct", "%", "Feet and frames in which the source foot is in contact.", kContacts},
     {"contact_slip_mean", "m/s",
-     "Mean horizontal speed of the middle of the sole while the source foot is in contact.",
+     "Mean horizontal speed of the centre of the sole while the source foot is in contact.",
      "GMD foot skating, with contacts from the source as in OmniRetarget"},
-    {"contact_slip_p95", "m/s", "Its 95th percentile.", kOwn},
+    {"contact_slip_p95", "m/s", "95th percentile of the same speed.", kOwn},
     {"contact_drift_p95_cm", "cm",
-     "Largest horizontal distance of the middle of the sole from its median position within a "
+     "Largest horizontal distance of the centre of the sole from its median position within a "
      "contact; 95th percentile over contacts.",
      kOwn},
     {"contact_height_p50_cm", "cm",
      "Median height of the lowest sole point while the source foot is in contact.", kOwn},
     {"contact_agreement_pct", "%",
      "Feet and frames in which source and robot agree on whether the foot stands: the robot's foot "
-     "stands while its lowest sole point is under 2 cm and the middle of its sole is slower than "
+     "stands while its lowest sole point is below 2 cm and the centre of its sole is slower than "
      "0.25 m/s.",
      "PHUMA and OmniRetarget, contact preservation"},
     {"contact_kept_pct", "%",
-     "Share of those with the source foot in contact in which the robot's foot stands.",
+     "Share of the feet and frames with the source foot in contact in which the robot's foot "
+     "stands.",
      "OmniRetarget, contact preservation"},
     {"stance_pct", "%",
-     "Feet and frames in which the source foot is in contact on its sole: its standing up "
-     "direction is at most 41 degrees from the vertical; excludes the surroundings of frames in "
-     "which the human lies.",
+     "Feet and frames in which the source foot is in contact on its sole: the foot's up direction "
+     "when standing is at most 41 degrees from the vertical; excludes half a second before and "
+     "after frames in which the human lies.",
      kContacts},
-    {"stance_slip_mean", "m/s", "contact_slip_mean for these.", kOwn},
-    {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm for these.", kOwn},
-    {"stance_height_p50_cm", "cm", "contact_height_p50_cm for these.", kOwn},
+    {"stance_slip_mean", "m/s", "contact_slip_mean over these stances.", kOwn},
+    {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm over these stances.", kOwn},
+    {"stance_height_p50_cm", "cm", "contact_height_p50_cm over these stances.", kOwn},
     {"support_pct", "%",
      "Number of knees, elbows, hands, seat and back of the source on the floor, summed over "
      "frames.",
@@ -158,14 +161,14 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Largest horizontal distance of this body, without the slide, from its median position within "
      "such a contact; 95th percentile over contacts.",
      kOwn},
-    {"support_height_p50_cm", "cm", "Median height of its lowest primitive during these contacts.",
-     kOwn},
-    {"support_height_p95_cm", "cm", "Its 95th percentile.", kOwn},
+    {"support_height_p50_cm", "cm",
+     "Median height of the body's lowest primitive during these contacts.", kOwn},
+    {"support_height_p95_cm", "cm", "95th percentile of the same height.", kOwn},
     {"scene_pen_1cm_pct", "%",
      "Frames in which a collision primitive or sole point is more than 1 cm inside a body of the "
      "scene.",
      kHolosoma, true},
-    {"scene_pen_max_cm", "cm", "Depth of the deepest of these.", kHolosoma, true},
+    {"scene_pen_max_cm", "cm", "Depth of the deepest of these penetrations.", kHolosoma, true},
     {"scene_contact_pct", "%",
      "Number of knees, elbows, hands, seat, back and feet of the source on bodies of the scene, "
      "summed over frames.",
@@ -178,12 +181,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "percentile.",
      kOwn, true},
     {"scene_contact_precision_pct", "%",
-     "Share of the frames in which a part of the robot is within 2 cm of a body in which the "
-     "source's part touches it, two frames earlier or later; feet are left out.",
+     "Share of the frames with a part of the robot within 2 cm of a body in which the source's "
+     "part touches this body, at most two frames earlier or later; feet are excluded.",
      kOwn, true},
     {"scene_contact_recall_pct", "%",
-     "Share of the contacts of the source's parts in which the robot's part is within 2 cm, two "
-     "frames earlier or later; feet are left out.",
+     "Share of the contacts of the source's parts in which the robot's part is within 2 cm, at "
+     "most two frames earlier or later; feet are excluded.",
      kOwn, true},
     {"scene_slip_mean", "m/s",
      "Mean speed of the robot's part relative to the body while the source's part touches it "
@@ -212,17 +215,18 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "95th percentile.",
      kOwn},
     {"worst_limb_angle_deg", "deg",
-     "The same for the limb with the largest mean, without frames in which the human lies.", kOwn},
+     "The same for the limb with the largest mean, excluding frames in which the human lies.",
+     kOwn},
     {"arm_jolts", "count",
-     "Times at which an arm that cannot reach its direction pulls the trunk along: the trunk or "
-     "the shoulder line turns by more than 12 degrees relative to the human's within 0.1 s while "
-     "an upper arm is more than 25 degrees off; at least half a second apart, without frames in "
-     "which the human lies.",
+     "Number of times that an arm that cannot reach its target direction drags the trunk along: "
+     "the trunk or the shoulder line turns by more than 12 degrees relative to the human's within "
+     "0.1 s while an upper arm is more than 25 degrees off. Events are at least half a second "
+     "apart; frames in which the human lies are excluded.",
      kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
      "from hips to shoulders, each relative to its own standing pose. Mean and 95th percentile, "
-     "without frames in which the human lies.",
+     "excluding frames in which the human lies.",
      kOwn},
     {"root_slide_mean", "m/s",
      "Mean horizontal speed, over two seconds, at which the root deviates from the source's scaled "
@@ -239,19 +243,19 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "movement.",
      kOwn},
     {"joint_offset_rad", "rad",
-     "Constant offset of a joint: subtracting it in all frames, from this joint alone, brings the "
+     "Constant offset of a joint that, subtracted from this joint alone in all frames, brings the "
      "limbs that it carries closest to the human's; largest over joints. If the same joint of both "
-     "arms is off: the difference, or half of the larger offset if that is more.",
+     "arms has an offset: the difference, or half of the larger offset if that is more.",
      kOwn},
     {"finger_angle_deg", "deg",
      "Angle between the segments of the robot's and the human's fingers at equal fractions of "
      "their lengths, both relative to the palm, without thumbs. Mean and 95th percentile.",
      kOwn},
     {"driven_finger_angle_deg", "deg",
-     "The same for motions whose fingers move: those of relaxed hands do not.", kOwn, true},
+     "The same for motions with driven fingers; omitted for relaxed hands.", kOwn, true},
     {"touch_gap_cm", "cm",
-     "Distance between the skins of the robot's thumb and finger while the human's touch; amount, "
-     "mean and 95th percentile.",
+     "Distance between the surfaces of the robot's thumb and finger while the human's touch. Mean "
+     "and 95th percentile of its absolute value.",
      kOwn},
     {"dynamics_bad_pct", "%",
      "Share of the time in which contacts cannot supply the required forces: an unexplained force "
@@ -259,11 +263,11 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "are for a G1 and scale with the legs for other robots.",
      kDynamics},
     {"unexplained_force_pct", "%",
-     "Force that no contact supplies, relative to the weight. Mean and 95th percentile.",
+     "Required force that no contact can supply, relative to the weight. Mean and 95th percentile.",
      kDynamics},
     {"unexplained_torque_cm", "cm",
-     "Horizontal torque about the centre of mass that no contact supplies, divided by the weight. "
-     "Mean and 95th percentile.",
+     "Required horizontal torque about the centre of mass that no contact can supply, divided by "
+     "the weight. Mean and 95th percentile.",
      kDynamics},
     {"torque_over_pct", "%",
      "Share of the time in which a joint needs more torque than its limit, with the contact forces "

@@ -161,7 +161,7 @@ ReportLine verdict_of(const QualityReport& report) {
   const auto all = static_cast<long>(report.gates.size());
   ReportLine line = {{report.file + ": "}};
   line.push_back(
-      {all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept",
+      {all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " passed",
        all == 0 || missed > 0 ? ReportTone::kPlain : ReportTone::kGood});
   if (missed > 0) {
     line.push_back({", "});

@@ -71,20 +71,20 @@ using ReportLine = std::vector<ReportPiece>;
 /// The gate on a metric; nullptr if it has none.
 [[nodiscard]] const GateResult* gate_on(const QualityReport& report, std::string_view key);
 
-/// `+` for a kept gate, `x` for a missed one, `-` for one without a value, a blank for metrics
+/// `+` for a passed gate, `x` for a missed one, `-` for one without a value, a blank for metrics
 /// without a gate.
 [[nodiscard]] ReportPiece gate_mark(const GateResult* gate);
 
 /// Text such as `<=40`, `>=1`, `-0.3..0.3`.
 [[nodiscard]] std::string gate_bound_text(const GateResult& gate);
 
-/// Text such as `walk.csv: 22 of 23 gates kept, 1 missed`.
+/// Text such as `walk.csv: 22 of 23 gates passed, 1 missed`.
 [[nodiscard]] ReportLine verdict_of(const QualityReport& report);
 
 /// Text such as `walk.csv: jumps is 2, expected at most 0`.
 [[nodiscard]] std::string missed_text_of(const QualityReport& report, const GateResult& gate);
 
-/// Where and when a gate was missed, worst first, at most three.
+/// Locations and frames of a missed gate, worst first, at most three.
 [[nodiscard]] std::vector<std::string> places_of_gate(const QualityReport& report,
                                                       const GateResult& gate);
 

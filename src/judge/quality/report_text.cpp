@@ -15,9 +15,9 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kLegend = "+ kept, x missed, - not measured";
+constexpr const char* kLegend = "+ passed, x missed, - not measured";
 
-// Width of the group labels, and of the first of two columns of figures.
+// Width of the group labels, and of the first of two columns of values.
 constexpr std::size_t kLabelWidth = 12, kCellWidth = 34;
 
 using Lines = std::vector<ReportLine>;
@@ -125,7 +125,7 @@ Lines missed_lines(std::span<const QualityReport> reports, int room) {
   return lines;
 }
 
-// Facts that gates do not measure: estimated soles may be in another place, and a robot whose range
+// Properties that gates do not measure: estimated soles may be misplaced, and a robot whose range
 // is smaller than the pose is not at fault.
 Lines notes_on(const QualityReport& report) {
   constexpr double kOften = 10.0;  // Percent of the frames.

@@ -25,15 +25,15 @@ namespace retarget {
 
 /// Mean horizontal speed at which a root drifts from its target path, m/s, measured over two
 /// seconds or over the whole of shorter clips. Sway of the body averages out over that time.
-/// Nothing for a single frame.
+/// Empty for a single frame.
 /// @param found, wanted  positions by frame, world, metres.
 [[nodiscard]] std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,
                                                const std::vector<Eigen::Vector3d>& wanted,
                                                double fps);
 
-/// Share of its target's vertical movement between 2.5 and 8 Hz that a root has: steps, landings and
-/// accents. 1 if the target moves less than 1 mm there. Nothing for clips of less than a second and for
-/// less than 20 frames per second.
+/// Share of its target's vertical movement between 2.5 and 8 Hz that a root has: steps, landings
+/// and accents. 1 if the target moves less than 1 mm there. Nothing for clips of less than a second
+/// and for less than 20 frames per second.
 /// @param found, wanted  positions by frame, world, metres.
 [[nodiscard]] std::optional<double> bounce_kept(std::span<const Eigen::Vector3d> found,
                                                 std::span<const Eigen::Vector3d> wanted,

@@ -31,7 +31,7 @@ OptionTable live_table(LiveOptions& options) {
                  "Hold the last pose this long when the stream stalls, then return to standing",
                  {.min = 0.0, .max = 1e6}),
           option("clock", options.clock, kLiveGroup, "",
-                 "Time of a frame: the sender's timestamp if present, or the time of arrival"),
+                 "Time of a frame: the sender's timestamp if present, or its arrival time"),
           bound("max-root-speed", options.limits.root_speed, "M/S", "Maximum root speed"),
           bound("max-turn-speed", options.limits.turn_speed, "RAD/S", "Maximum root turn rate"),
           bound("max-joint-acceleration", options.limits.joint_acceleration, "RAD/S2",
@@ -43,9 +43,9 @@ OptionTable live_table(LiveOptions& options) {
           bound("resume-joint-speed", options.limits.resume_joint_speed, "RAD/S",
                 "Maximum joint speed right after a gap, a teleport or a new calibration"),
           bound("resume-root-speed", options.limits.resume_root_speed, "M/S",
-                "Maximum root speed then"),
+                "Maximum root speed after such an interruption"),
           bound("resume-turn-speed", options.limits.resume_turn_speed, "RAD/S",
-                "Maximum root turn rate then"),
+                "Maximum root turn rate after such an interruption"),
           bound("resume-time", options.limits.resume_s, "SECONDS",
                 "Time until the full speeds are allowed again")};
 }

@@ -110,7 +110,7 @@ class SenderClock {
   double base_ = 0.0;  // Session time of stamp 0.
   SkewLine line_;
   Point last_;                 // Last accepted frame.
-  std::optional<Point> lone_;  // Last refused frame.
+  std::optional<Point> lone_;  // Last rejected frame.
   double quicker_ = 0.0;       // Lead of the last frame over all earlier ones, seconds; 0: none.
   double refused_since_ = 0.0;
   int refused_ = 0;

@@ -207,7 +207,7 @@ void ByteSource::report_stranger(const Endpoint& stranger) {
   const auto sender =
       address_.transport == Transport::kTcp ? connections_.sender_peer() : lock_.sender();
   tell_("input",
-        fmt::format("ignoring {}: {} (choose with ?from=ADDRESS; further ones are only counted)",
+        fmt::format("ignoring {}: {} (choose with ?from=ADDRESS; further senders are only counted)",
                     stranger.text(),
                     sender ? sender->text() + " is the sender" : "another sender is active"));
 }

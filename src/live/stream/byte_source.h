@@ -21,7 +21,7 @@ namespace retarget {
 /// Permitted senders, from the parameter `from=`: `any`, an address, or an address with a port.
 struct SenderFilter {
   bool any = false;                   ///< Accept all senders at the same time.
-  std::optional<std::uint32_t> host;  ///< Nothing: the first sender.
+  std::optional<std::uint32_t> host;  ///< Empty: the first sender.
   std::optional<std::uint16_t> port;
 
   /// Errors (kUsage): not an address.
@@ -55,7 +55,7 @@ class SenderLock {
   struct Port {
     std::uint16_t number = 0;
     double latest = 0.0;
-    int datagrams = 0;  // Zero: the place is free.
+    int datagrams = 0;  // Zero: the slot is free.
   };
   [[nodiscard]] bool has_sent_lately(std::uint16_t port, double now);
 

@@ -121,7 +121,8 @@ class RobotFrameWriter {
 
 /// Writes JSON lines: `{"frame", "time", "state", "root_position", "root_rotation" w x y z,
 /// "joints"}`; the first line names robot, rate and joints.
-/// @param held  joints that do not follow; if any, the first line names them and the root.
+/// @param held  joints that do not follow the human; if any, the first line names them and the
+///     root.
 [[nodiscard]] std::unique_ptr<RobotFrameWriter> make_json_frame_writer(
     std::shared_ptr<const Robot> robot, double fps, std::vector<std::string> held = {});
 /// Writes rows of Unitree's CSV, as offline runs do.

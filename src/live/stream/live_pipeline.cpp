@@ -169,7 +169,7 @@ void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   if (calibrates_) return;
   BodyTask task{clip, has_rest ? RestPose::kFirst : RestPose::kAuto, false};
   // A running stream does not wait: its frames belong to the new skeleton, or count as malformed
-  // until that skeleton is refused.
+  // until that skeleton is rejected.
   if (clip.frame_count() == 0 && !session_) {
     poseless_ = std::move(task);
     pose_tried_ = -std::numeric_limits<double>::infinity();

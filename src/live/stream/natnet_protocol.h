@@ -79,7 +79,7 @@ struct NatNetFrame {
   std::uint32_t number = 0;
   double time = 0.0;  ///< Server time, s; NaN: missing.
   bool models_changed = false;
-  std::optional<int> skeleton;        ///< Nothing: the frame does not contain it.
+  std::optional<int> skeleton;        ///< Empty: the frame does not contain it.
   std::vector<NatNetBonePose> bones;  ///< In the order of the frame.
 };
 

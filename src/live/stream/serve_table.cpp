@@ -47,10 +47,10 @@ OptionTable recorded_serve_table(ServeRequest& request) {
              "Source of frames: udp:PORT, tcp:PORT, HOST:PORT instead of the port to accept other "
              "computers, stdin; append ?format=NAME (docs/live.md)",
              {.basic = true}),
-      option("skeleton", request.skeleton, kInputGroup, "FILE",
-             "A motion or skeleton of the performer, for streams without a skeleton or for "
-             "calibration",
-             {.basic = true}),
+      option(
+          "skeleton", request.skeleton, kInputGroup, "FILE",
+          "Motion or skeleton of the performer, for streams without a skeleton or for calibration",
+          {.basic = true}),
       option("calibrate", pipeline.calibrate, kInputGroup, "",
              "Calibrate from the file's or stream's skeleton, or from the performer's pose "
              "after " RETARGET_OPTION("after") " seconds; SIGUSR1 calibrates again",
@@ -61,11 +61,11 @@ OptionTable recorded_serve_table(ServeRequest& request) {
   table.push_back(
       option("pace", pipeline.pace, kLiveGroup, "",
              "clock: send a robot frame every 1/fps seconds; input: as fast as input arrives, by "
-             "its timestamps; auto: input from stdin to files and stdout, otherwise clock"));
-  table.push_back(option(
-      "plain", request.plain, kLiveGroup, "",
-      "With " RETARGET_OPTION("mode") " frame: inverse kinematics only, without "
-                                      "speed limits and without handling of floor and feet"));
+             "its timestamps; auto: input if stdin goes to files and stdout, otherwise clock"));
+  table.push_back(
+      option("plain", request.plain, kLiveGroup, "",
+             "With " RETARGET_OPTION("mode") " frame: inverse kinematics only, without "
+                                             "speed limits and floor and foot corrections"));
   append(table, rows_for(OptionUse::kLive, robot_table(request.robot)));
   append(table, rows_for(OptionUse::kLive, solve_table(pipeline.run.solve)));
   append(table, rows_for(OptionUse::kLive, human_table(pipeline.run.human)));

@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// How bytes are transported.
+/// Transport of bytes.
 enum class Transport : unsigned char { kUdp, kTcp, kStdin, kStdout, kFile, kZmq, kRedis };
 
 /// Source or destination of a stream: `udp:1118?format=bvh`, `tcp:0.0.0.0:9763`, `stdin`, `-`,

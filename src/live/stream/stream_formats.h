@@ -94,7 +94,7 @@ struct StreamFormat {
   bool is_metric = false;  ///< The encoder needs a clip's unit and up axis (clip_with_units).
   int request_port = 0;    ///< Port of its senders for requests; 0: none.
   std::span<const StreamExtra> extras = {};  ///< Parameters after `?` that its decoder reads.
-  /// Maximum number of text lines read from a datagram; the rest is dropped.
+  /// Maximum number of text lines read from a datagram; further lines are dropped.
   std::size_t datagram_lines = 64;
 };
 
@@ -169,7 +169,7 @@ class PacketBatch final : public StreamSink {
 };
 
 /// Keeps the packets that contained the skeleton in use. They restore a decoder that has accepted
-/// another skeleton which was then refused.
+/// another skeleton which was then rejected.
 class SkeletonPackets {
  public:
   /// Inspects a packet and its decoded contents.
@@ -183,7 +183,7 @@ class SkeletonPackets {
 
  private:
   std::vector<std::string> told_, kept_;
-  std::vector<std::string> waiting_;  // Packets without a result so far.
+  std::vector<std::string> waiting_;  // Packets without a result yet.
   std::size_t waiting_bytes_ = 0;
 };
 

@@ -49,7 +49,7 @@ void StreamRecorder::end() {
   has_ended_ = true;
   const int error = thread_->progress().error;
   tell_("record", fmt::format("{} stops here: {}; the run continues", name_,
-                              error == 0 ? "the disk does not keep up" : error_text(error)));
+                              error == 0 ? "the disk is too slow" : error_text(error)));
 }
 
 Result<void> StreamRecorder::finish() {

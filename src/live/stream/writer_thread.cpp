@@ -212,7 +212,7 @@ bool WriterOutput::put(std::string_view piece) {
   if (waits_) return thread_.put_in_time(piece, is_stopped_);
   if (thread_.put(piece)) return true;
   if (thread_.progress().error != 0) return false;
-  account_.report_trouble("it does not keep up");
+  account_.report_trouble("it is too slow");
   if (is_file_) account_.mark_incomplete();
   return false;
 }

@@ -20,7 +20,7 @@
 namespace retarget {
 namespace {
 
-// Queue length per subscriber: one second of messages. A stalled subscriber loses the rest.
+// Queue length per subscriber: one second of messages. A stalled subscriber loses further messages.
 constexpr int kMaxMessages = 50;
 // Time at the end of the run for the last messages to leave.
 constexpr int kLinger = 200;  // milliseconds

@@ -24,7 +24,7 @@ struct CompletedRobot {
 /// Adds soles to a robot without any (no profile, or one without soles) and, if its profile allows
 /// no contacts, allowed self-contacts. Both come from its limbs and its model's geoms and meshes
 /// (find_shapes). Bodies without a primitive get a shape fitted to their mesh. Rougher shapes,
-/// which stand for cylinders or are estimated, are left out because metrics depend on them. Names,
+/// which represent cylinders or are estimated, are excluded because metrics depend on them. Names,
 /// tree, joint order, ranges and speed limits do not change.
 ///
 /// @param model_path  model that the robot was loaded from; its meshes may be missing.

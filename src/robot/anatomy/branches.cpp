@@ -136,7 +136,7 @@ std::optional<std::size_t> length_to_fork(const Robot& robot, const std::vector<
   return std::nullopt;
 }
 
-// How two chains mirror each other.
+// Mirror relation of two chains.
 struct Mirroring {
   Eigen::Vector3d across = Eigen::Vector3d::Zero();
   bool swapped = false;  // Whether `across` points to the second chain.

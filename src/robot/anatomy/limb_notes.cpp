@@ -103,8 +103,8 @@ void note_limbs(const Robot& robot, const ZeroPose& zero, RobotAnatomy& found) {
   }
   if (const auto toe = zero.toe) {
     found.notes.push_back("\"" + robot.joints()[*toe].name +
-                          "\" is assumed to be a toe and follows nothing; the foot is " + "\"" +
-                          robot.bodies()[found.legs[0].end->body].name + "\"");
+                          "\" is assumed to be a toe and does not follow the human; the foot is " +
+                          "\"" + robot.bodies()[found.legs[0].end->body].name + "\"");
   }
   if (found.has_legs && !found.legs[0].end) {
     found.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");

@@ -101,9 +101,9 @@ struct MiddleJoint {
   bool is_leg = false;
 };
 
-/// Returns the plausibility of a knee or elbow from the rest of the limb: a factor of at most 1 on
-/// its geometric score. The factor is lower for a hip or shoulder of one joint, which cannot aim
-/// the limb; for a small joint range; and for a segment with almost no mass.
+/// Returns the plausibility of a knee or elbow from the other parts of the limb: a factor of at
+/// most 1 on its geometric score. The factor is lower for a hip or shoulder of one joint, which
+/// cannot aim the limb; for a small joint range; and for a segment with almost no mass.
 [[nodiscard]] double plausibility(const Robot& robot, const MiddleJoint& middle);
 
 /// Classifies a joint by its name and its body's name: +1 a knee or elbow, -1 another part of the

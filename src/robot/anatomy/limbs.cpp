@@ -274,7 +274,7 @@ Result<void> LimbFinder::check_lean() const {
       file_,
       fmt::format("the trunk leans by {} degrees in the zero configuration, and {}",
                   number_text(lean_, 0),
-                  found_.doubts.empty() ? "the robot's facing direction is doubtful"
+                  found_.doubts.empty() ? "the robot's facing direction is uncertain"
                                         : found_.doubts.front()),
       "turn the root body so that the robot stands upright along z");
 }

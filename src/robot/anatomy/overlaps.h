@@ -19,7 +19,7 @@ struct ModelOverlap {
 
 /// Finds body pairs whose contact is a property of the model rather than of a motion, sorted: pairs
 /// that overlap in nearly all configurations, and pairs that overlap in one of the given poses. A
-/// pair with a forearm or a hand, which can move anywhere and may hang against a thigh, must also
+/// pair with a forearm or a hand, which can move freely and may rest against a thigh, must also
 /// overlap in a significant fraction of all configurations. The mirror image of such a pair is
 /// included even if it overlaps less (mirrored_bodies).
 ///

@@ -11,11 +11,11 @@
 namespace retarget {
 
 /// Reads a limit set from `{"joint": [lower, upper], ...}`; other joints keep the model's ranges.
-/// @param what  describes the ranges in fault messages.
+/// @param what  describes the ranges in error messages.
 [[nodiscard]] LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot,
                                         const std::string& what, Faults& faults);
 
-/// How close a motion comes to its joint limits.
+/// Minimum distance of a motion from its joint limits.
 struct LimitDistance {
   std::string joint;             ///< The joint that comes closest to a limit or exceeds it most.
   int frame = 0;                 ///< First frame in which it does.

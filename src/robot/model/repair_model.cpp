@@ -215,7 +215,8 @@ bool ModelRepair::drop_sections(const std::string& complaint) {
   return dropped;
 }
 
-// Bodies of an MJCF that stand for the world: above the body with the free joint, or named "world".
+// Finds bodies of an MJCF that represent the world: above the body with the free joint, or named
+// "world".
 bool ModelRepair::free_world_bodies() {
   std::vector<std::string> names;
   for (auto* world = document_.RootElement()->FirstChildElement("worldbody"); world != nullptr;
@@ -237,16 +238,16 @@ bool ModelRepair::free_world_bodies() {
     }
   }
   if (names.empty()) return false;
-  notes_.push_back(names.size() == 1
-                       ? "the body " + names[0] +
-                             " stands for the world: it has no mass and no joint, and is left out"
-                       : "the bodies " + list_names(names, 3) +
-                             " stand for the world: they have no mass and no joint, and are left "
-                             "out");
+  notes_.push_back(
+      names.size() == 1
+          ? "the body " + names[0] +
+                " represents the world: it has no mass and no joint, and is omitted"
+          : "the bodies " + list_names(names, 3) +
+                " represent the world: they have no mass and no joint, and are omitted");
   return true;
 }
 
-// A URDF whose floating joint hangs below links that stand for the world. The parent of the joint
+// A URDF whose floating joint is below links that represent the world. The parent of the joint
 // takes the name that MuJoCo reserves for the world.
 bool ModelRepair::free_world_links() {
   XMLElement& robot = *document_.RootElement();
@@ -275,7 +276,7 @@ bool ModelRepair::free_world_links() {
   }
   for (XMLElement* each : removed) robot.DeleteChild(each);
   notes_.push_back("the link \"" + name +
-                   "\" stands for the world: it has no mass, and is left out");
+                   "\" represents the world: it has no mass, and is omitted");
   return true;
 }
 

@@ -14,8 +14,8 @@ namespace retarget {
 /// MuJoCo accepts a free joint only at the top of the tree; a compiler finds the joint later.
 inline constexpr const char* kNestedFreeJoint = "free joint can only be used on top level";
 
-/// Repairs the XML of a model that MuJoCo refuses for a reason other than its kinematics: sensors
-/// and actuators that MuJoCo does not know, and bodies that stand for the world.
+/// Repairs the XML of a model that MuJoCo rejects for a reason other than its kinematics: sensors
+/// and actuators that MuJoCo does not know, and bodies that represent the world.
 ///
 /// The XML is that of the model with its included files, so lines of errors are not those of the
 /// file.

@@ -229,7 +229,7 @@ std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& mo
   const fs::path folder = *data / "meshes" / robot.name();
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) return std::nullopt;
-  // A model there says more than names of files.
+  // A model in the folder is more specific than file names.
   std::vector<std::string> models;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     if (is_model(entry.path().string())) models.push_back(entry.path().string());

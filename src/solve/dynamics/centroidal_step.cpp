@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFrameSize = 6;
 constexpr std::size_t kBand = 3 * kFrameSize;  // The diagonal and the entries left of it.
-constexpr std::size_t kFixed = 2;              // Number of coefficients held at 0 at either end.
+constexpr std::size_t kFixed = 2;              // Number of coefficients fixed at 0 at either end.
 constexpr double kRho = 1.0 / (0.02 * 0.02);   // Weight per squared share of body weight.
 // Share of body weight below which a missing wrench has no effect. It is three fifths of what the
 // metrics call bad: a smaller one moves the body where no controller would notice.

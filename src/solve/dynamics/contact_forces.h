@@ -30,7 +30,7 @@ class ContactForces {
                 double lever = kLever);
 
   /// @param points  support points, at most kMaxPoints.
-  /// @param places  where they touch.
+  /// @param places  contact points.
   void solve(const InverseDynamics& dynamics, const TreeState& state,
              std::span<const SupportPoint* const> points, std::span<const ContactPlace> places);
 

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSamplesPerSecond = 120.0;
-// Share of the weight that must be held for ZMP and friction to be defined.
+// Minimum required force, as a share of the weight, for ZMP and friction to be defined.
 constexpr double kMinHeld = 0.2;
 constexpr double kBadForce = 0.1;    // Share of the weight.
 constexpr double kBadTorque = 0.03;  // Metres x weight, for a robot as large as a G1.

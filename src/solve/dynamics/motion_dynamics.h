@@ -22,7 +22,8 @@ struct DynamicsSample {
   bool supported = false;  ///< Whether at least one point may be a contact.
   /// Distance of the zero-moment point inside the support polygon, metres; negative outside. A
   /// force on the floor at the zero-moment point would have the needed moment. NaN without support,
-  /// if less than a fifth of the weight has to be held, or if something else than the floor supports.
+  /// if the required force is less than a fifth of the weight, or if something other than the floor
+  /// supports the body.
   double zmp_margin = 0.0;
   /// Needed friction coefficient: horizontal over vertical part of the needed force; NaN as above.
   double friction = 0.0;

@@ -12,9 +12,9 @@
 
 namespace retarget {
 
-/// The effect of the bodies of a scene on a robot: they support it, or it carries them. A moving body
-/// that rests on the floor or on a static body supports the robot; one that is lifted is a load for
-/// the links that touch it.
+/// The effect of the bodies of a scene on a robot: they support it, or it carries them. A moving
+/// body that rests on the floor or on a static body supports the robot; one that is lifted is a
+/// load for the links that touch it.
 class SceneSupports {
  public:
   /// @param world  around the robot; must outlive this object. It has at least one frame.
@@ -36,7 +36,7 @@ class SceneSupports {
   [[nodiscard]] std::optional<std::size_t> touched(int frame, const Eigen::Vector3d& centre,
                                                    double radius, const Eigen::Vector3d& velocity,
                                                    double height, double speed) const;
-  /// Where a ball touches a body.
+  /// Contact point of a ball with a body.
   [[nodiscard]] ContactPlace place(int frame, const Eigen::Vector3d& centre, double radius,
                                    std::size_t body) const;
 

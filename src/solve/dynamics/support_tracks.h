@@ -57,7 +57,7 @@ class SupportTracks {
   [[nodiscard]] Eigen::Vector3d centre(std::size_t sample, std::size_t point) const;
   /// The body of the scene that pushes a contact; nothing: the floor does.
   [[nodiscard]] std::optional<std::size_t> body_under(std::size_t sample, std::size_t point) const;
-  /// Where a contact touches its surface.
+  /// Position of a contact on its surface.
   /// @param scene  with the body under the contact; not read if the floor is.  @param frame  of it.
   [[nodiscard]] ContactPlace place(std::size_t sample, std::size_t point,
                                    const SceneSupports* scene, int frame) const;

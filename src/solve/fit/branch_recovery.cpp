@@ -21,8 +21,8 @@ namespace {
 constexpr double kLookEvery = 0.1;                    // Seconds between two looks at the limbs.
 constexpr int kLooks = 3;                             // Looks that an error must last.
 constexpr double kAstrayBranch = 0.3490658503988659;  // 20 degrees, for all tracked bones.
-// Shares that may remain for a change to pay off: of the tracking cost of the limb and of its error,
-// summed over the changed frames.
+// Shares that may remain for a change to pay off: of the tracking cost of the limb and of its
+// error, summed over the changed frames.
 constexpr double kLessOnLimb = 0.7;
 constexpr double kLessError = 0.9;
 
@@ -74,7 +74,7 @@ struct AstrayLooks {
 };
 
 std::optional<AstrayLooks> next_astray(const std::vector<double>& costs, double astray, int from) {
-  constexpr int kMost = 50;  // A longer stretch is split; its rest is found by the next call.
+  constexpr int kMost = 50;  // A longer interval is split; the next call finds its remainder.
   const auto count = static_cast<int>(costs.size());
   for (int begin = from; begin < count; ++begin) {
     AstrayLooks found{begin, begin};

@@ -159,7 +159,7 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
 // state and runs these steps without dynamics.
 void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& keep_going) {
   constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
-  // Supports that the fit does not know carry a body whose forces are distrusted most of the time.
+  // If the forces of a body are distrusted most of the time, unknown supports carry it.
   constexpr double kMostlyDistrusted = 0.75;
   const auto take_last_steps = [&] {
     return steps(first_step, options_.iterations, keep_going) && finish(keep_going);

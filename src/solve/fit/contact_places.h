@@ -28,7 +28,8 @@ class ContactPlaces {
   /// slowly, because the frames in which one foot stands alone hold them back.
   void push_apart(const FitWindow& window, int frame, const FootOverlap& overlap);
 
-  /// Pushes for the next place(), metres, by contact. This is the only state kept between calls.
+  /// Displacements for the next place(), metres, by contact. This is the only state kept between
+  /// calls.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& pushes() const { return pushes_; }
   void set_pushes(const std::vector<Eigen::Vector2d>& pushes) { pushes_ = pushes; }
 

@@ -129,8 +129,8 @@ struct SourceSides {
 };
 
 /// @param target_of_bone  index of a bone's target; -1 if none.
-/// @param sides           robot feet on the other sides follow nothing and are left out of the
-///     model.
+/// @param sides           robot feet on the other sides do not follow the human and are excluded
+///     from the model.
 [[nodiscard]] FitModel make_fit_model(const Robot& robot, const ResolvedConfig& config,
                                       const LimitSet& limits, const BoneArray<int>& target_of_bone,
                                       const FitOptions& options, const SourceSides& sides = {});

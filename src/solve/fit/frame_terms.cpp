@@ -30,8 +30,8 @@ ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitSha
   return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
 }
 
-// How much a foot lies on the floor, 0 to 1; not 0 only for a foot in contact of which neither end
-// has a prescribed height.
+// Degree to which a foot lies on the floor, 0 to 1; nonzero only for a foot in contact of which
+// neither end has a prescribed height.
 double lying_share(const FrameGoals& goals, std::size_t foot) {
   const auto ends = goals.ends.subspan(2 * foot, 2);
   const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });

@@ -12,7 +12,7 @@
 
 namespace retarget {
 
-/// The variables of a window that are held at their limits. A step leaves them where they are; one is
+/// The variables of a window that are held at their limits. A step does not move them; one is
 /// released if the solved step pulls it back inside, because the gradient before the step does not
 /// decide. ActiveSet uses the same rule, but its loop would factorise the whole clip again for each
 /// of the many bounds that change. Here each step is one round.

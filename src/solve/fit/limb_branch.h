@@ -51,7 +51,7 @@ class BranchFinder {
     LimbJoints own{}, other{};
     double own_cost = 0.0, other_cost = 0.0;  // Cost of all terms of the frame.
   };
-  // How far to follow the branch in one direction.
+  // Extent of the branch in one direction, and its gain.
   struct Reach {
     int frames = 0;   // Number of frames on the other branch.
     int blended = 0;  // Number of blended frames on either side of its end.

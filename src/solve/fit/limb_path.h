@@ -26,7 +26,7 @@ class LimbPathFinder {
   [[nodiscard]] std::optional<LimbBranch> find(int begin, int end);
 
  private:
-  // A configuration of the limb in a frame, and the best way to it.
+  // A configuration of the limb in a frame, and the best path to it.
   struct Node {
     LimbJoints joints{};
     double tracking = 0.0;  // Tracking cost of the frames that the node stands for.

@@ -24,7 +24,7 @@ inline BoundSide clamp_to_bounds(double& value, double lower, double upper) {
   return BoundSide::kFree;
 }
 
-/// How strongly a bound variable is pulled inside; if not positive, it stays at its bound.
+/// Force that pulls a bound variable inside; if not positive, the variable stays at its bound.
 inline double inward_pull(BoundSide side, double gradient) {
   return side == BoundSide::kLower ? -gradient : gradient;
 }

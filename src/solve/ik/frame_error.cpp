@@ -11,8 +11,8 @@ namespace {
 // Switches of the published method, see published_jacobian_inverse.
 constexpr double kSmallAngleSquared = 1e-10;
 constexpr double kNoRotation = 1e-10;
-// Above 0.02 rad, the differences in the closed forms keep enough digits for any way to compute a
-// sine. Below it, their error depends on the last bit of the sine.
+// Above 0.02 rad, the differences in the closed forms keep enough digits for every method to
+// compute a sine. Below it, their error depends on the last bit of the sine.
 constexpr double kPlainAngleSquared = 4e-4;
 
 }  // namespace

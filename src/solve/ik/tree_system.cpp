@@ -26,7 +26,7 @@ RETARGET_INLINE void subtract_scaled(const double* __restrict row, double scale,
 struct Rows {
   double* values;
   const int* begin;           // Of each row in `values`.
-  const int* carriers_begin;  // Of each row in `carriers`; also tells the length of the row.
+  const int* carriers_begin;  // Of each row in `carriers`; also determines the length of the row.
   const int* carriers;
   const char* masked;
 };

@@ -62,7 +62,7 @@ std::string limbs_section(const RobotFindings& findings) {
              "the body after it, foot or hand. The robot faces {} {} (x y) in its zero "
              "configuration{}.\n",
              number_text(rounded(limbs.forward.x(), 2)), number_text(rounded(limbs.forward.y(), 2)),
-             limbs.facing_is_sure ? "" : ", which is doubtful");
+             limbs.facing_is_sure ? "" : ", which is uncertain");
 }
 
 std::string t_pose_section(const RobotFindings& findings) {
@@ -131,7 +131,7 @@ std::string hands_section(const RobotFindings& findings) {
                           hand->side == Side::kLeft ? "left" : "right", finger_name(finger.finger),
                           robot.bodies()[robot.joints()[first].body].name,
                           robot.bodies()[robot.joints()[last].body].name, finger.joints.size(),
-                          finger.is_named ? "its name" : "its place and direction");
+                          finger.is_named ? "its name" : "its position and direction");
     }
   }
   if (rows.empty()) return {};
@@ -214,7 +214,7 @@ std::vector<std::string> summary_of(const RobotFindings& findings) {
 std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {
   std::string text = fmt::format(
       "# {}\n\nMade from {}: {} joints. This file lists the decisions and their confidence.\n\n## "
-      "Worth checking\n\n",
+      "Please check\n\n",
       findings.robot.name(), findings.source, findings.robot.joints().size());
   if (notes.empty()) text += "Nothing stands out.\n";
   for (const std::string& note : notes) text += "* " + note + "\n";

@@ -45,7 +45,7 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
 /// Finds the joints that are at a limit in at least `min_share` of the frames, sorted by descending
 /// number of frames, and the task that pushes each of them most strongly against the limit. Tasks
 /// come from the last pass of the configuration that moves the joint. Joints that no task moves and
-/// held joints, whose range is a single value, are left out.
+/// locked joints, whose range is a single value, are excluded.
 ///
 /// A push is the derivative of a task's part of the objective,
 ///   1/2 w_p^2 |e_v|^2 or 1/2 w_r^2 |w|^2 with e = log(T_body^-1 T_target) = [e_v; w],

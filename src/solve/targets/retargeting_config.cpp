@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kUnitTolerance = 1e-3;
-constexpr const char* kNoTask = "no row of a used table has a weight: nothing would move";
+constexpr const char* kNoTask = "no row of a used table has a weight, so no body would move";
 
 std::string table_key(std::size_t table) {
   return "ik_match_table" + std::to_string(table + 1);

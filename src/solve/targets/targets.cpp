@@ -196,7 +196,7 @@ void TargetBuilder::add_rules(const ResolvedConfig& config) {
               .scale = 1.0,
               .position_offset = -ground,
               .bone_from_target = Eigen::Quaterniond::Identity()};
-    // Table 1 comes first, even if it is not used.
+    // Table 1 precedes table 2, even if it is not used.
     if (const ConfigTask* task = config.find_task(bone); task != nullptr && task->has_weight()) {
       rule.position_offset += task->position_offset;
       rule.bone_from_target = task->rotation_offset;

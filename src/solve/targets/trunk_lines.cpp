@@ -135,7 +135,7 @@ TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSourc
     sum.chord += lines.chord;
     sum.across += lines.across;
     bends.push_back(chain.bend(bones));
-    // Frames in which the human bends over, sits or lies say little about the standing posture.
+    // Frames in which the human bends over, sits or lies hardly determine the standing posture.
     if (chain.is_upright(bones)) upright.push_back(bends.back());
     ++frames;
   }
