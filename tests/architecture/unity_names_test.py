@@ -13,6 +13,9 @@ ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.M | re.S)
 TYPE = re.compile(r"^(?:template <[^\n]*>\n)?(?:struct|class|enum class|enum) (\w+)", re.M)
 VALUE = re.compile(r"^(?:inline |static |const |constexpr |thread_local )+[\w:<>,\s*&]*?\b(\w+)\s*(?:=|\{|\[|;)",
                    re.M)
+# Constants with constructor arguments, and each of several in one declaration
+CONSTANT = re.compile(r"^(?:inline |static )*const(?:expr)? [^;{}]*;", re.M)
+CONSTANT_NAME = re.compile(r"\b(k[A-Z]\w*)(?: =(?!=)|\()")
 FUNCTION = re.compile(r"^(?=\w)(?!using|struct|class|enum|namespace|//|#|constexpr \w+ k[A-Z])"
                       r"[\w:<>,&*\[\] ]+?[ &*\n]([\w:]+)\(([^;{}]*?)\)\s*(?:const )?(?:noexcept )?\{", re.M)
 ALIAS = re.compile(r"^using (\w+) = (.*?);", re.M | re.S)
@@ -37,6 +40,8 @@ def definitions(text):
     for block in ANONYMOUS.findall(text):
         yield from TYPE.findall(block)
         yield from VALUE.findall(block)
+        for constant in CONSTANT.findall(block):
+            yield from CONSTANT_NAME.findall(constant)
         for name, parameters in FUNCTION.findall(block):
             kinds = [re.sub(r"\s*=.*|\s*\b\w+$", "", p.strip()) for p in parameters.split(",")]
             yield f"{name}({', '.join(kinds)})"

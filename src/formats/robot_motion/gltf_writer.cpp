@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A,
+constexpr std::uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A,
                         kBinaryChunk = 0x004E4942;
 
 void pad(std::string& bytes, char filler) {
@@ -122,7 +122,7 @@ Result<std::string> GltfWriter::finish(std::span<const int> roots) {
   }
   std::string file;
   file.reserve(size);
-  for (const std::uint32_t value : {kMagic, kVersion, static_cast<std::uint32_t>(size),
+  for (const std::uint32_t value : {kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(size),
                                     static_cast<std::uint32_t>(json.size()), kJsonChunk}) {
     append_little_endian(file, value, 4);
   }
