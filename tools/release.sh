@@ -60,6 +60,10 @@ while [ $# -gt 0 ]; do
 done
 [ ${#architectures[@]} -gt 0 ] || architectures=("$(uname -m)")
 [ ${#pythons[@]} -gt 0 ] || pythons=(3.10 3.11 3.12)
+for arch in "${architectures[@]}"; do
+  # The Python of release-python makes the stubs and tests the wheel.
+  [ "$arch" = "$(uname -m)" ] || [[ " ${pythons[*]} " == *" 3.11 "* ]] || fail "$arch needs a module for Python 3.11: add --python 3.11"
+done
 
 export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct)}
 # Modes of files in archives do not depend on the user.
@@ -143,22 +147,17 @@ build_modules() {
 # The stubs describe the module, and so are the same for every processor and Python.
 make_stubs() {
   local arch=$1
-  local package=$root/build/stubs_$arch/retarget python run=()
+  local package=$root/build/stubs_$arch/retarget python
   # The package imports numpy.
   python=$("$root/tools/setup.sh" --python --print-python)
+  [ "$arch" = "$(uname -m)" ] || python=$root/build/deps/linux_$arch/bin/release-python
   rm -rf -- "$root/build/stubs_$arch"
-  cp -r "$root/python/retarget" "$root/build/stubs_$arch.new"
   mkdir -p "$root/build/stubs_$arch"
-  mv "$root/build/stubs_$arch.new" "$package"
+  cp -r "$root/python/retarget" "$package"
   cp -r "$tree/lib" "$tree/share" "$package/"
   cp "$modules"/_retarget.*.so "$package/"
-  if [ "$arch" != "$(uname -m)" ]; then
-    run=("$root/build/deps/linux_$arch/bin/release-run")
-    python=$root/build/deps/linux_$arch/sysroot/usr/bin/python3.11
-  fi
-  # The interpreter starts itself: under qemu this needs the same prefix again, so the stubs are made in one process.
   env PYTHONPATH="$root/build/stubs_$arch:$root/build/deps/python" PYTHONDONTWRITEBYTECODE=1 \
-    "${run[@]}" "$python" "$root/python/stubs/make_stubs.py" "$package"
+    "$python" "$root/python/stubs/make_stubs.py" "$package"
   cp "$package"/*.pyi "$modules/"
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Unpacks the C library of a Debian release, and Python 3.11 if it is bookworm, in a folder, where chroot or qemu-user runs
-# releases of retarget.
+# Unpacks the C library of a Debian release, and if it is bookworm Python 3.11 and the C++ library that its numpy needs, in a
+# folder, where chroot or qemu-user runs releases of retarget.
 #
 #   tools/release_sysroot.sh ARCH FOLDER [SUITE]     (x86_64 or aarch64; default: bookworm; bullseye has glibc 2.31)
 #
@@ -20,7 +20,7 @@ folder=$(realpath -- "$2")
 suite=${3:-bookworm}
 packages=(libc6 libgcc-s1 libcrypt1 zlib1g libexpat1)
 [ "$suite" != bookworm ] ||
-  packages+=(python3.11-minimal libpython3.11-minimal libpython3.11-stdlib libffi8 libbz2-1.0 liblzma5 libuuid1)
+  packages+=(python3.11-minimal libpython3.11-minimal libpython3.11-stdlib libffi8 libbz2-1.0 liblzma5 libuuid1 libstdc++6)
 
 [ "$(cat "$folder/suite" 2>/dev/null)" != "$suite ${packages[*]}" ] || exit 0
 apt=$folder/apt

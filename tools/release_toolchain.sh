@@ -7,7 +7,8 @@
 #
 # The compiler is zig's clang (tools/zig.txt), which compiles for any glibc and links its own libc++ statically; so
 # releases run with glibc 2.28 or later. bin/release-run runs a program of ARCH: natively, or with qemu-user and
-# Debian's C library (tools/release_sysroot.sh).
+# Debian's C library (tools/release_sysroot.sh). There bin/release-python is Debian's Python 3.11 with numpy
+# (tools/release_numpy.txt).
 # All downloads are checked by their SHA-256.
 set -euo pipefail
 
@@ -16,7 +17,7 @@ glibc=$(sed -nE 's/^set\(RETARGET_GLIBC ([0-9.]+)\)/\1/p' "$root/cmake/linux_rel
 arch=$1
 deps=$root/build/deps/linux_$arch
 compiler=$root/build/deps/zig
-made_by=$(cat "$root/cmake/linux_release.cmake" "$root"/tools/{release_toolchain.sh,zig.txt,mujoco.txt} | sha256sum | cut -d' ' -f1)
+made_by=$(cat "$root/cmake/linux_release.cmake" "$root"/tools/{release_toolchain.sh,release_sysroot.sh,zig.txt,mujoco.txt,release_numpy.txt} | sha256sum | cut -d' ' -f1)
 
 say() { echo "release_toolchain: $*" >&2; }
 
@@ -79,6 +80,27 @@ CODE
   chmod +x "$deps"/bin/*
 }
 
+# Prepares a machine for programs of another processor: qemu-user, Debian's C library and Python, and numpy for it.
+prepare_foreign() {
+  if ! command -v "qemu-$arch-static" >/dev/null; then
+    local as_root=()
+    [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+    say "installing with apt-get: qemu-user-static"
+    "${as_root[@]}" apt-get -qq install -y --no-install-recommends qemu-user-static >/dev/null </dev/null
+  fi
+  "$root/tools/release_sysroot.sh" "$arch" "$deps/sysroot"
+  rm -rf -- "$deps/numpy"
+  pip_fetch --target "$deps/numpy" --implementation cp --python-version 3.11 --platform "manylinux_2_28_$arch" \
+    --requirement "$root/tools/release_numpy.txt"
+  {
+    echo '#!/usr/bin/env bash'
+    # shellcheck disable=SC2016  # the wrapper's own words
+    printf 'export PYTHONPATH=%q${PYTHONPATH:+:$PYTHONPATH} PYTHONDONTWRITEBYTECODE=1\n' "$deps/numpy"
+    printf 'exec %q %q "$@"\n' "$deps/bin/release-run" "$deps/sysroot/usr/bin/python3.11"
+  } >"$deps/bin/release-python"
+  chmod +x "$deps/bin/release-python"
+}
+
 fetch_mujoco() {
   say "fetching MuJoCo for $arch"
   rm -rf -- "$deps/wheel" "$deps/mujoco"
@@ -93,7 +115,7 @@ fetch_mujoco() {
 fetch_compiler
 write_wrappers
 fetch_mujoco
-[ "$arch" = "$(uname -m)" ] || "$root/tools/release_sysroot.sh" "$arch" "$deps/sysroot"
+[ "$arch" = "$(uname -m)" ] || prepare_foreign
 libraries
 echo "$made_by" >"$deps/made_by"
 say "ready: build/deps/linux_$arch"

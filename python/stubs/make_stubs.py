@@ -6,10 +6,11 @@ so that editors and type checkers know every keyword.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import textwrap
 from pathlib import Path
+
+from nanobind import stubgen
 
 from retarget import _retarget
 
@@ -50,8 +51,8 @@ def main(folder: Path) -> None:
         tables[name] = list({row["name"]: row for part in parts for row in tables[part]}.values())
     text = HEAD + "\n".join(typed_dict(name, rows) for name, rows in tables.items()) + "\n"
     (folder / "_options.pyi").write_text(text, encoding="utf-8")
-    subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-m", "retarget._retarget",
-                    "-o", folder / "_retarget.pyi"], check=True)
+    # In this process: an emulated Python cannot start itself.
+    stubgen.main(["-q", "-m", "retarget._retarget", "-o", str(folder / "_retarget.pyi")])
     stub = (folder / "_retarget.pyi").read_text(encoding="utf-8")
     # the module that has the options must be imported itself
     stub = stub.replace("\nimport retarget\n", "\nimport retarget._options\n")
