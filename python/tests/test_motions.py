@@ -78,7 +78,7 @@ def test_a_variant_holds_its_joints(walk: retarget.Clip, g1: retarget.Robot) -> 
     assert same.qpos.tobytes() == short.qpos.tobytes()
     wrong = short.qpos.copy()
     wrong[3, 7:] += 0.1
-    with pytest.raises(retarget.UsageError, match=r"qpos\[3, \d+\]: \w+_joint is held at"):
+    with pytest.raises(retarget.UsageError, match=r"qpos\[3, \d+\]: \w+_joint is locked at"):
         retarget.Motion.from_qpos(wrong, short.robot, short.fps)
 
 
