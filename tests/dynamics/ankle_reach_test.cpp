@@ -39,7 +39,8 @@ constexpr const char* kAnkle = R"(
 class AnkleReach : public testing::Test {
  protected:
   // The point in the axes of the world, relative to the foot's origin, after it was moved.
-  Vector3d moved(double pitch_limit, double roll_limit, const Vector3d& point) const {
+  Vector3d moved(double pitch_limit, double roll_limit, const Vector3d& point,
+                 const Vector3d& force = {0.0, 0.0, 400.0}) const {
     const KinematicTree& tree = robot_->tree();
     const TreeState state(tree, robot_->zero_configuration());
     std::vector<double> limits(tree.links().size(), std::numeric_limits<double>::infinity());
@@ -48,7 +49,8 @@ class AnkleReach : public testing::Test {
     const Eigen::Quaterniond world_from_link = state.world_from_link[3].rotation;
     return world_from_link * within_ankle_reach(tree, limits, 3,
                                                 world_from_link.conjugate() * Vector3d::UnitZ(),
-                                                400.0, world_from_link.conjugate() * point);
+                                                world_from_link.conjugate() * force,
+                                                world_from_link.conjugate() * point);
   }
 
   std::shared_ptr<const Robot> robot_ = robot_from_text(kAnkle);
@@ -64,6 +66,20 @@ TEST_F(AnkleReach, APointMovesToTheDistanceThatTheTorqueAllows) {
   EXPECT_LT((moved(40.0, 8.0, toe) - Vector3d(0.1, 0.02, -0.05)).norm(), 1e-12);
   const Vector3d heel(-0.12, -0.04, -0.05);
   EXPECT_LT((moved(20.0, 4.0, heel) - Vector3d(-0.05, -0.01, -0.05)).norm(), 1e-12);
+}
+
+// The pitch axis is 0.07 m above the sole, so friction has a torque of its own.
+TEST_F(AnkleReach, FrictionMovesThePointAlongTheSole) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Vector3d toe(0.15, 0.03, -0.05);
+  for (const double push : {-100.0, 100.0}) {
+    const Vector3d force(push, 0.0, 400.0);
+    const Vector3d at = moved(40.0, kNone, toe, force);
+    EXPECT_NEAR(at.y(), toe.y(), 1e-12);
+    EXPECT_NEAR(at.z(), toe.z(), 1e-12);
+    const Vector3d lever = at - Vector3d(0.0, 0.0, 0.02);
+    EXPECT_NEAR(lever.z() * force.x() - lever.x() * force.z(), -40.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -9,40 +9,48 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Moves a point across an axis until its lever is at most `reach`.
-Vector3d within_reach(const Vector3d& anchor, const Vector3d& axis, const Vector3d& normal,
-                      double reach, const Vector3d& point) {
-  // The torque of a force along the normal is its size times the component along `across`.
-  const Vector3d across = normal.cross(axis);
-  const double square = across.squaredNorm();
-  constexpr double kNoLever = 0.1;  // Joints that turn about the normal need no torque.
-  if (square < kNoLever) return point;
-  const double lever = (point - anchor).dot(across);
-  if (std::abs(lever) <= reach) return point;
-  return point - (lever - std::copysign(reach, lever)) / square * across;
+// The pressure on a sole.
+struct SoleForce {
+  Vector3d normal;  // Of the sole.
+  Vector3d force;
+};
+
+// Moves a point along the sole until the force on it has at most the torque `limit` about an axis.
+Vector3d within_torque(const Vector3d& anchor, const Vector3d& axis, const SoleForce& sole,
+                       double limit, const Vector3d& point) {
+  const Vector3d across = sole.force.cross(axis);
+  const Vector3d along = across - across.dot(sole.normal) * sole.normal;
+  const double per_way = along.squaredNorm();
+  constexpr double kNoLever = 0.1;  // Joints that turn about the force need no torque.
+  if (!(per_way >= kNoLever * sole.force.squaredNorm())) return point;
+  const double torque = (point - anchor).dot(across);
+  if (std::abs(torque) <= limit) return point;
+  return point - (torque - std::copysign(limit, torque)) / per_way * along;
 }
 
 }  // namespace
 
 Vector3d within_ankle_reach(const KinematicTree& tree, std::span<const double> torque_limits,
-                            int foot, const Vector3d& normal, double force, const Vector3d& point) {
+                            int foot, const Vector3d& normal, const Vector3d& force,
+                            const Vector3d& point) {
   constexpr double kNear = 0.1;  // Metres between two axes of one ankle.
   const KinematicTree::Link& link = tree.links()[static_cast<std::size_t>(foot)];
   Vector3d moved = point;
   if (link.slides || foot == 0) return moved;
-  const double own = torque_limits[static_cast<std::size_t>(foot)] / force;
+  const SoleForce sole{normal, force};
+  const double own = torque_limits[static_cast<std::size_t>(foot)];
   if (std::isfinite(own)) {
-    moved = within_reach(Vector3d::Zero(), Vector3d::UnitZ(), normal, own, moved);
+    moved = within_torque(Vector3d::Zero(), Vector3d::UnitZ(), sole, own, moved);
   }
   if (link.parent <= 0 || tree.links()[static_cast<std::size_t>(link.parent)].slides ||
       link.parent_from_link.translation.norm() > kNear) {
     return moved;
   }
-  const double parents = torque_limits[static_cast<std::size_t>(link.parent)] / force;
+  const double parents = torque_limits[static_cast<std::size_t>(link.parent)];
   if (!std::isfinite(parents)) return moved;
   const Eigen::Quaterniond link_from_parent = link.parent_from_link.rotation.conjugate();
   const Vector3d anchor = -(link_from_parent * link.parent_from_link.translation);
-  return within_reach(anchor, link_from_parent * Vector3d::UnitZ(), normal, parents, moved);
+  return within_torque(anchor, link_from_parent * Vector3d::UnitZ(), sole, parents, moved);
 }
 
 }  // namespace retarget

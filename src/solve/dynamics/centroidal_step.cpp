@@ -15,14 +15,11 @@ constexpr std::size_t kFrameSize = 6;
 constexpr std::size_t kBand = 3 * kFrameSize;  // The diagonal and the entries left of it.
 constexpr std::size_t kFixed = 2;              // Number of coefficients fixed at 0 at either end.
 constexpr double kRho = 1.0 / (0.02 * 0.02);   // Weight per squared share of body weight.
-// Share of body weight below which a missing wrench has no effect. It is three fifths of what the
-// metrics call bad: a smaller one moves the body where no controller would notice.
-constexpr double kDeadZone = 0.06;
 
 // Ratio of the gradient of the squared norm beyond the dead zone to that of the full squared norm.
-double pull_share(const Vector6d& rest) {
+double pull_share(const Vector6d& rest, double dead_zone) {
   const double norm = rest.norm();
-  return norm > kDeadZone ? 1.0 - kDeadZone / norm : 0.0;
+  return norm > dead_zone ? 1.0 - dead_zone / norm : 0.0;
 }
 
 // Replaces `needed` by weighted means; the weights fall to 0 at `reach` frames on either side.
@@ -92,12 +89,12 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
     const Vector6d wrench =
         frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
     double missing = 0.0;
-    if (ConeProjector::explains(frame.cone, wrench, kDeadZone)) {
+    if (ConeProjector::explains(frame.cone, wrench, frame.dead_zone)) {
       rest_[t].setZero();  // Without effect, like every wrench inside the dead zone.
     } else {
       rest_[t] = projector_.project(frame.cone, wrench);
       // std::max would hide NaN.
-      missing = rest_[t].norm() - kDeadZone;
+      missing = rest_[t].norm() - frame.dead_zone;
       if (missing < 0.0) missing = 0.0;
       if (missing > 0.0) complement_[t] = projector_.complement();
     }
@@ -114,7 +111,7 @@ void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
   system_.begin(frames.size() * kFrameSize, kBand);
   const Matrix6d per_second = force_per_acceleration_.asDiagonal();
   for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
-    const double rho = kRho * frames[t].trust * pull_share(rest_[t]);
+    const double rho = kRho * frames[t].trust * pull_share(rest_[t], frames[t].dead_zone);
     if (!(rho > 0.0)) {
       add_diagonals(t, Vector6d::Zero(), Vector6d::Zero(), frames[t].moved, b);
       continue;
@@ -201,14 +198,14 @@ void CentroidalStep::find_unexplained(std::vector<CentroidalFrame>& frames,
                                       const CentroidalScale& scale) {
   constexpr double kMeanOver = 1.0 / 30.0;  // Seconds.
   average_needed(frames, kMeanOver / scale.frame_time);
+  project_needed(frames);
+}
+
+void CentroidalStep::project_needed(std::vector<CentroidalFrame>& frames) {
   unexplained_before_.clear();
   for (CentroidalFrame& frame : frames) {
     unexplained_before_.push_back(projector_.project(frame.cone, frame.needed));
   }
-}
-
-bool CentroidalStep::is_missing(std::size_t frame) const {
-  return unexplained_before_[frame].norm() > kDeadZone;
 }
 
 std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames,

@@ -17,6 +17,12 @@ struct CentroidalFrame {
   Vector6d moved = Vector6d::Zero();
   /// Trust in the cone, 0 to 1: factor for the weight of the missing wrench.
   double trust = 1.0;
+  /// Size below which a missing wrench has no effect.
+  double dead_zone = kDeadZone;
+
+  /// Three fifths of what the metrics call bad: a smaller missing wrench would move the body where no
+  /// controller would notice.
+  static constexpr double kDeadZone = 0.06;
 };
 
 struct CentroidalScale {
@@ -32,7 +38,7 @@ struct CentroidalScale {
 ///                  + 1/2 sum |x + moved|^2 + |x''|^2, each weighted
 ///
 /// x is a cubic spline with coefficients b, so x'' at the frames is b's second difference.
-/// Distances below 6 % of the weight do not count. Solved by a damped semismooth Newton method on a
+/// Distances inside the dead zone of a frame do not count. Solved by a damped semismooth Newton method on a
 /// banded system. The first and last frames stay fixed.
 class CentroidalStep {
  public:
@@ -44,6 +50,8 @@ class CentroidalStep {
   /// body, but at 120 frames per second they would dominate it. At 30 frames per second or fewer,
   /// nothing changes.
   void find_unexplained(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale);
+  /// The same after the cones changed, with `needed` as it is.
+  void project_needed(std::vector<CentroidalFrame>& frames);
   /// @return x by frame, metres and kg m^2; zeros if has_failed().
   std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
                               int iterations);
@@ -51,8 +59,6 @@ class CentroidalStep {
   [[nodiscard]] bool has_failed() const { return failed_; }
   /// Second derivative of the result of solve() by frame, per second squared.
   [[nodiscard]] const std::vector<Vector6d>& accelerations() const { return accelerations_; }
-  /// Whether the missing wrench of a frame has an effect. Call it after find_unexplained().
-  [[nodiscard]] bool is_missing(std::size_t frame) const;
   /// By frame: part of the needed wrench that contacts could not supply before the change.
   [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 

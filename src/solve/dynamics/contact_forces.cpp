@@ -17,6 +17,11 @@ constexpr int kEdges = ForceCone::kEdges;
 constexpr int kUnknowns = kEdges * static_cast<int>(ContactForces::kMaxPoints);
 // Weight of a force, per body weight: makes the problem strictly convex.
 constexpr double kForceWeight = 0.003;
+// Share of a limit up to which a torque has no excess; below 1, so that a torque which can stay
+// within its limit does so despite the other weights.
+constexpr double kWithin = 0.98;
+// Weight of the wrench that the forces keep, relative to that of an excess as large as the limit.
+constexpr double kKeep = 100.0;
 
 }  // namespace
 
@@ -31,12 +36,8 @@ ContactForces::ContactForces(const KinematicTree& tree, std::span<const double> 
       scaled_jacobians_(jacobians_),
       scale_(Eigen::VectorXd::Zero(static_cast<int>(tree.links().size()))),
       scaled_torques_(scale_),
-      hessian_(kUnknowns, kUnknowns),
-      gradient_(kUnknowns),
-      lower_(Eigen::VectorXd::Zero(kUnknowns)),
-      upper_(Eigen::VectorXd::Constant(kUnknowns, std::numeric_limits<double>::infinity())),
-      amounts_(Eigen::VectorXd::Zero(kUnknowns)),
       qp_(kUnknowns),
+      unloaded_(scale_),
       joint_torques_(tree.links().size(), 0.0) {
   forces_.reserve(kMaxPoints);
   for (int row = 1; row < scale_.size(); ++row) {
@@ -54,11 +55,19 @@ void ContactForces::solve(const InverseDynamics& dynamics, const TreeState& stat
     edges_[p] = friction_pyramid(kFriction, places[p].normal);
     fill_jacobian(state, *points[p], places[p].position, jacobians_[p]);
   }
-  amounts_.setZero();
+  const int unknowns = kEdges * static_cast<int>(count_);
+  amounts_.setZero(unknowns);
+  lower_.setZero(unknowns);
+  upper_.setConstant(unknowns, std::numeric_limits<double>::infinity());
   if (count_ > 0) {
     build_system(dynamics);
     qp_.solve(hessian_, gradient_, lower_, upper_, amounts_);
   }
+  apply_forces(dynamics);
+  if (count_ > 0) relieve_joints(dynamics);
+}
+
+void ContactForces::apply_forces(const InverseDynamics& dynamics) {
   unexplained_ = dynamics.needed();
   for (std::size_t i = 1; i < joint_torques_.size(); ++i) {
     joint_torques_[i] = dynamics.forces()[KinematicTree::dof_of(static_cast<int>(i))];
@@ -90,9 +99,9 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
   for (int row = 1; row < scale_.size(); ++row) {
     scaled_torques_[row] = scale_[row] * dynamics.forces()[KinematicTree::dof_of(row)];
   }
-  hessian_.setIdentity();
+  hessian_.setIdentity(amounts_.size(), amounts_.size());
   hessian_ *= kForceWeight * kForceWeight;
-  gradient_.setZero();
+  gradient_.setZero(amounts_.size());
   const Vector3d force = dynamics.needed().force / weight_;
   const Vector3d torque = dynamics.needed().torque / (weight_ * lever_);
   for (std::size_t p = 0; p < count_; ++p) {
@@ -110,6 +119,87 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
           edges_[p].transpose() * block * edges_[q];
     }
   }
+}
+
+// Distributes the forces again if a joint exceeds its limit. The problem has the sum of the squared
+// excesses as an additional, one-sided term and is solved by semismooth Newton steps with a line
+// search; each step is a quadratic program over the same pyramids.
+void ContactForces::relieve_joints(const InverseDynamics& dynamics) {
+  constexpr int kSteps = 12, kHalvings = 4;
+  constexpr double kEnough = 1e-9;  // Decrease of the cost, relative.
+  read_ratios(dynamics);
+  const auto largest = [&](const Eigen::VectorXd& amounts) {
+    return (unloaded_ - loading_ * amounts).cwiseAbs().maxCoeff();
+  };
+  const double before = largest(amounts_);
+  if (!(before > 1.0) || !std::isfinite(before)) return;
+  build_relief();
+  relieved_ = amounts_;
+  step_.resize(amounts_.size());
+  double cost = relief_cost(relieved_);
+  for (int i = 0; i < kSteps; ++i) {
+    add_excess();
+    if (!qp_.solve(hessian_, gradient_, lower_, upper_, step_).converged) break;
+    step_ -= relieved_;
+    double length = 1.0, tried = relief_cost(relieved_ + step_);
+    for (int k = 0; k < kHalvings && !(tried < cost); ++k) {
+      length *= 0.5;
+      tried = relief_cost(relieved_ + length * step_);
+    }
+    if (!(tried < cost)) break;
+    relieved_ += length * step_;
+    const bool done = cost - tried <= kEnough * cost;
+    cost = tried;
+    if (done) break;
+  }
+  if (!(largest(relieved_) < before)) return;
+  amounts_ = relieved_;
+  apply_forces(dynamics);
+}
+
+void ContactForces::read_ratios(const InverseDynamics& dynamics) {
+  loading_.resize(scale_.size(), amounts_.size());
+  supply_.resize(6, amounts_.size());
+  for (int row = 1; row < scale_.size(); ++row) {
+    unloaded_[row] = scale_[row] / kJointWeight * dynamics.forces()[KinematicTree::dof_of(row)];
+  }
+  for (std::size_t p = 0; p < count_; ++p) {
+    const int first = kEdges * static_cast<int>(p);
+    loading_.middleCols<kEdges>(first).noalias() = scaled_jacobians_[p] / kJointWeight * edges_[p];
+    supply_.block<3, kEdges>(0, first) = edges_[p];
+    supply_.block<3, kEdges>(3, first) = skew(levers_[p]) / lever_ * edges_[p];
+  }
+}
+
+// Builds the part of the relief that does not depend on the excess: the forces keep their wrench.
+void ContactForces::build_relief() {
+  constexpr double kKept = kKeep * kKeep, kJoint = kJointWeight * kJointWeight;
+  kept_hessian_.setIdentity(amounts_.size(), amounts_.size());
+  kept_hessian_ *= kForceWeight * kForceWeight;
+  kept_hessian_.noalias() += kKept * supply_.transpose() * supply_;
+  kept_hessian_.noalias() += kJoint * loading_.transpose() * loading_;
+  kept_gradient_.noalias() = -kKept * supply_.transpose() * (supply_ * amounts_);
+  kept_gradient_.noalias() -= kJoint * loading_.transpose() * unloaded_;
+}
+
+// Adds the rows of the joints that exceed their limits under relieved_.
+void ContactForces::add_excess() {
+  hessian_ = kept_hessian_;
+  gradient_ = kept_gradient_;
+  const Eigen::VectorXd ratios = unloaded_ - loading_ * relieved_;
+  for (int row = 1; row < ratios.size(); ++row) {
+    if (std::abs(ratios[row]) <= kWithin) continue;
+    const auto loads = loading_.row(row);
+    hessian_.noalias() += loads.transpose() * loads;
+    gradient_.noalias() -=
+        (unloaded_[row] - std::copysign(kWithin, ratios[row])) * loads.transpose();
+  }
+}
+
+// Half the squares, without constants.
+double ContactForces::relief_cost(const Eigen::VectorXd& amounts) const {
+  const Eigen::ArrayXd excess = ((unloaded_ - loading_ * amounts).array().abs() - kWithin).max(0.0);
+  return amounts.dot(0.5 * kept_hessian_ * amounts + kept_gradient_) + 0.5 * excess.square().sum();
 }
 
 }  // namespace retarget

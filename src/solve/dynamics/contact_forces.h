@@ -14,10 +14,12 @@ namespace retarget {
 /// lie within friction pyramids with four edges inside the friction cone. Solves a non-negative
 /// least-squares problem: the residuals are the needed wrench about the centre of mass (torques
 /// divided by a lever) and, with a small weight that selects among equal solutions, the joint
-/// torques relative to their limits. Owns its scratch memory.
+/// torques relative to their limits. If a joint then exceeds its limit, the forces are distributed
+/// again: with the same sum and moment, they leave the least squared excess. Owns its scratch
+/// memory.
 class ContactForces {
  public:
-  static constexpr std::size_t kMaxPoints = 10;
+  static constexpr std::size_t kMaxPoints = 20;
   static constexpr double kFriction = 0.8;
   static constexpr double kLever = 0.3;         ///< Metres, for a G1: a torque of weight times
                                                 ///< lever counts as the weight.
@@ -45,6 +47,12 @@ class ContactForces {
   using RowsOfJoints = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
   void build_system(const InverseDynamics& dynamics);
+  void apply_forces(const InverseDynamics& dynamics);
+  void relieve_joints(const InverseDynamics& dynamics);
+  void read_ratios(const InverseDynamics& dynamics);
+  void build_relief();
+  void add_excess();
+  [[nodiscard]] double relief_cost(const Eigen::VectorXd& amounts) const;
   void fill_jacobian(const TreeState& state, const SupportPoint& point,
                      const Eigen::Vector3d& place, RowsOfJoints& jacobian) const;
 
@@ -59,6 +67,12 @@ class ContactForces {
   Eigen::MatrixXd hessian_;
   Eigen::VectorXd gradient_, lower_, upper_, amounts_;
   BoxQp qp_;
+  // Ratios of the joint torques to the limits: unloaded_ - loading_ * amounts, rows by link.
+  Eigen::VectorXd unloaded_;
+  Eigen::MatrixXd loading_;
+  Eigen::MatrixXd supply_;  // Wrench per amount, in units of the weight; rows: force, torque.
+  Eigen::MatrixXd kept_hessian_;
+  Eigen::VectorXd kept_gradient_, relieved_, step_;
   Wrench unexplained_;
   std::vector<Eigen::Vector3d> forces_;
   std::vector<double> joint_torques_;

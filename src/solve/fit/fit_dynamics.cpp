@@ -16,6 +16,12 @@ constexpr double kLength = 0.3;
 constexpr double kUsualMass = 35.0;  // Kilograms.
 // Links that are nearer to a lifted body carry it, for a G1; metres.
 constexpr double kCarryReach = 0.04;
+// Shares of an ankle's torque limit: above the first, an ankle is overloaded; the fit then plans with
+// the second. The rest is for what the plan does not know: the foot's own movement, and forces that
+// the robot does not follow.
+constexpr double kAnkleLimit = 0.8, kAnkleShare = 0.7;
+// Dead zone of the missing wrench where ankles limit the pressure, share of the weight.
+constexpr double kAnkleDeadZone = 0.004;
 
 // By frame: mean over the frames at most `reach` away.
 template <typename T>
@@ -53,15 +59,14 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       frames_(at(count_)),
       contacts_(at(count_)),
       contact_places_(at(count_)),
+      overload_(at(count_), 0.0),
       com_(at(count_), Vector3d::Zero()),
       first_com_(com_),
       goals_(at(count_), Vector6d::Zero()),
       rest_before_(at(count_), 0.0),
       share_(at(count_), 1.0),
       spin_rows_(3, count_ * model.dof_count()) {
-  // Accelerations add to the weight, and several feet do not share it equally.
-  constexpr double kOnOne = 1.1, kOnSeveral = 0.65;
-  sole_contacts_ = {soles_within_reach(kOnOne), soles_within_reach(kOnSeveral)};
+  shrink_soles();
   if (!clip.scene) return;
   scene_.emplace(clip.scene->world, window.begin, window.end);
   for (const FitFoot& foot : model.feet) {
@@ -77,31 +82,30 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
   }
 }
 
-// Soles shrink towards their middle, and to where the ankles can hold the robot.
-// @param load  on a foot, in weights.
-FitDynamics::SolePoints FitDynamics::soles_within_reach(double load) const {
-  const double force = load * scale_.mass * kGravity;
-  SolePoints soles;
+// Soles shrink towards their middle.
+void FitDynamics::shrink_soles() {
   for (const FitFoot& foot : model_.feet) {
     const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
     const Vector3d length = foot.ends[1].middle - foot.ends[0].middle;
-    const Vector3d normal = length.cross(foot.sideways).normalized();
-    auto& places = soles.emplace_back();
+    sole_normals_.push_back(length.cross(foot.sideways).normalized());
+    auto& places = sole_contacts_.emplace_back();
     for (std::size_t e = 0; e < foot.ends.size(); ++e) {
       for (const Vector3d& corner : foot.ends[e].points) {
-        const Vector3d shrunk = corner + options_.sole_shrink * (middle - corner);
-        places[e].push_back(
-            within_ankle_reach(model_.tree, model_.torque_limit, foot.link, normal, force, shrunk));
+        places[e].push_back(corner + options_.sole_shrink * (middle - corner));
       }
     }
   }
-  return soles;
+  for (const double limit : model_.torque_limit) {
+    ankle_limits_.push_back(kAnkleLimit * limit);
+    ankle_torques_.push_back(kAnkleShare * limit);
+  }
 }
 
 double FitDynamics::begin(const FitClip& clip) {
   read_frames(clip);
   find_trust();
   begun_ = true;
+  find_overloaded_ankles();
   return missing_share();
 }
 
@@ -112,7 +116,8 @@ double FitDynamics::measure(const FitClip& clip) {
 
 bool FitDynamics::is_needed() const {
   for (std::size_t t = 0; t < frames_.size(); ++t) {
-    if (frames_[t].trust > 0.0 && step_.is_missing(t)) return true;
+    const CentroidalFrame& frame = frames_[t];
+    if (frame.trust > 0.0 && step_.unexplained()[t].norm() > frame.dead_zone) return true;
   }
   return false;
 }
@@ -130,7 +135,10 @@ double FitDynamics::missing_share() const {
 
 bool FitDynamics::plan(const FitClip& clip) {
   constexpr int kFirstSteps = 4, kLaterSteps = 2;  // Of the centroidal step.
-  if (planned_) read_frames(clip);
+  if (planned_) {
+    read_frames(clip);
+    find_overloaded_ankles();
+  }
   std::vector<Vector6d> moves = step_.solve(frames_, scale_, planned_ ? kLaterSteps : kFirstSteps);
   if (step_.has_failed()) return false;
   restrain(moves);
@@ -171,8 +179,47 @@ void FitDynamics::read_frames(const FitClip& clip) {
     first_com_ = com_;
     lend_contacts();
   }
-  for (int t = 0; t < count_; ++t) fill_cone(t);
+  // Before begin(), overload_ is 0: trust concerns the contacts, not the strength of the ankles.
+  for (int t = 0; t < count_; ++t) fill_cone(t, &FitContactPlace::to_reach, overload_[at(t)]);
   step_.find_unexplained(frames_, scale_);
+}
+
+// How much more wrench is missing if no ankle exceeds its limit, in units of the weight.
+double FitDynamics::beyond_ankles(int t) {
+  const auto stays = [](const FitContactPlace& place) { return place.to_limit.isZero(0.0); };
+  if (std::ranges::all_of(contact_places_[at(t)], stays)) return 0.0;
+  const auto missing = [&](double share) {
+    fill_cone(t, &FitContactPlace::to_limit, share);
+    return projector_.project(frames_[at(t)].cone, frames_[at(t)].needed).squaredNorm();
+  };
+  const double with_limits = missing(1.0);
+  return std::sqrt(std::max(0.0, with_limits - missing(0.0)));
+}
+
+// Finds the frames in which the wrench needs more torque than the ankles have, and limits the
+// pressure on the soles there and close by. Frames that were found before stay limited.
+void FitDynamics::find_overloaded_ankles() {
+  constexpr double kReach = 0.1;   // Seconds.
+  constexpr double kFully = 0.01;  // Share of the weight.
+  const int reach = frames_within(kReach);
+  std::vector<double> found(overload_.size(), 0.0);
+  for (int t = 0; t < count_; ++t) {
+    const double overload = std::min(1.0, beyond_ankles(t) / kFully);
+    if (!(overload > 0.0)) continue;
+    for (int k = std::max(0, t - reach); k <= std::min(count_ - 1, t + reach); ++k) {
+      found[at(k)] = std::max(found[at(k)], overload);
+    }
+  }
+  found = means_around(found, reach, 0.0);
+  bool changes = false;
+  for (int t = 0; t < count_; ++t) {
+    if (found[at(t)] > overload_[at(t)]) {
+      overload_[at(t)] = found[at(t)];
+      changes = true;
+    }
+    fill_cone(t, &FitContactPlace::to_reach, overload_[at(t)]);
+  }
+  if (changes) step_.project_needed(frames_);
 }
 
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
@@ -193,9 +240,65 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   } else {
     frame.moved.head<3>() = com_[at(t)] - first_com_[at(t)];
   }
-  std::vector<ContactPlace>& places = contact_places_[at(t)];
+  std::vector<FitContactPlace>& places = contact_places_[at(t)];
   places.clear();
-  for (const FitContact& contact : contacts_[at(t)]) places.push_back(place_of(t, contact));
+  for (const FitContact& contact : contacts_[at(t)]) {
+    places.push_back({place_of(t, contact), contact.foot});
+  }
+  find_reach(t);
+}
+
+// Finds where the ankles can hold the current load on the soles.
+void FitDynamics::find_reach(int t) {
+  const Vector3d force = inverse_.needed().force;
+  constexpr double kLeast = 0.05;  // Of the weight.
+  if (!(force.norm() > kLeast * scale_.mass * kGravity)) return;
+  int measured = -1;
+  double load = 1.0;
+  for (FitContactPlace& place : contact_places_[at(t)]) {
+    if (place.foot < 0) continue;
+    if (place.foot != measured) load = load_on(t, place.foot);
+    measured = place.foot;
+    const int link = model_.feet[at(place.foot)].link;
+    const Pose& world = pose_.world_from_link[at(link)];
+    const Vector3d in_link = world.inverse() * place.position;
+    const Vector3d on_foot = world.rotation.conjugate() * (load * force);
+    const auto way_within = [&](const std::vector<double>& torques) -> Vector3d {
+      return world.rotation * (within_ankle_reach(model_.tree, torques, link,
+                                                  sole_normals_[at(place.foot)], on_foot, in_link) -
+                               in_link);
+    };
+    place.to_limit = way_within(ankle_limits_);
+    place.to_reach = way_within(ankle_torques_);
+  }
+}
+
+// Share of the force that a foot bears: all of it if it stands alone. Two feet share it like a beam
+// with the zero-moment point between them.
+double FitDynamics::load_on(int t, int foot) const {
+  constexpr double kMore = 0.1, kLeast = 0.2;  // The centres of pressure are not in the middle.
+  Vector3d own = Vector3d::Zero(), other = own;
+  int own_count = 0, other_count = 0;
+  for (const FitContactPlace& place : contact_places_[at(t)]) {
+    (place.foot == foot ? own : other) += place.position;
+    ++(place.foot == foot ? own_count : other_count);
+  }
+  if (other_count == 0) return 1.0;
+  own /= own_count;
+  other /= other_count;
+  const Wrench& needed = inverse_.needed();
+  const Vector3d& force = needed.force;
+  constexpr double kSteep = 0.1;
+  if (!(force.z() > kSteep * force.norm())) return 1.0;
+  const double height = inverse_.com().z() - own.z();
+  const Eigen::Vector2d zmp =
+      inverse_.com().head<2>() + Eigen::Vector2d(-needed.torque.y() - height * force.x(),
+                                                 needed.torque.x() - height * force.y()) /
+                                     force.z();
+  const Eigen::Vector2d way = (own - other).head<2>();
+  const double square = way.squaredNorm();
+  if (!(square > 0.0)) return 1.0;
+  return std::clamp((zmp - other.head<2>()).dot(way) / square + kMore, kLeast, 1.0);
 }
 
 ContactPlace FitDynamics::place_of(int t, const FitContact& contact) const {
@@ -243,11 +346,6 @@ void FitDynamics::keep_outermost_contacts(int t, std::vector<FitContact>& contac
 void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
                            std::vector<FitContact>& contacts) const {
   const auto goals = clip.feet.ends_of(window_.begin + t);
-  std::size_t standing = 0;
-  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
-    if (goals[2 * f].phase >= 0 || goals[2 * f + 1].phase >= 0) ++standing;
-  }
-  const SolePoints& soles = sole_contacts_[standing > 1 ? 1 : 0];
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (std::size_t e = 0; e < foot.ends.size(); ++e) {
@@ -255,8 +353,8 @@ void FitDynamics::add_feet(int t, const FitClip& clip, double height, double spe
       for (std::size_t i = 0; i < foot.ends[e].points.size(); ++i) {
         const SupportPoint point{foot.link, foot.ends[e].points[i], 0.0, true};
         if (!planned && !touches(point, height, speed)) continue;
-        contacts.push_back({point, {}});
-        contacts.back().point.in_link = soles[f][e][i];
+        contacts.push_back({point, {}, static_cast<int>(f)});
+        contacts.back().point.in_link = sole_contacts_[f][e][i];
       }
     }
   }
@@ -268,7 +366,7 @@ void FitDynamics::add_bodies(double height, double speed, std::vector<FitContact
     if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
     for (const FloorPoint& floor : model_.floor_points[link]) {
       const SupportPoint point{static_cast<int>(link), floor.position, floor.radius, false};
-      if (touches(point, height, speed)) contacts.push_back({point, {}});
+      if (touches(point, height, speed)) contacts.push_back({point, {}, -1});
     }
   }
 }
@@ -283,7 +381,7 @@ void FitDynamics::add_touched_bodies(int t, double height, double speed,
     const auto body =
         scene_->touched(window_.begin + t, centre, point.radius,
                         inverse_.velocity_of(point.link, centre, pose_), height, speed);
-    if (body) contacts.push_back({point, body});
+    if (body) contacts.push_back({point, body, -1});
   }
 }
 
@@ -306,13 +404,17 @@ void FitDynamics::lend_contacts() {
   }
 }
 
-void FitDynamics::fill_cone(int t) {
+// Where ankles limit the pressure, the dead zone is smaller: 6 % of the weight at the length of a
+// hip's width can be more than half of what an ankle holds.
+// @param towards  the points of the soles move by `share` of this way.
+void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double share) {
   CentroidalFrame& frame = frames_[at(t)];
   frame.cone.clear();
-  for (const ContactPlace& place : contact_places_[at(t)]) {
-    frame.cone.add_point((place.position - com_[at(t)]) / scale_.length, options_.support_friction,
-                         place.normal);
+  for (const FitContactPlace& place : contact_places_[at(t)]) {
+    const Vector3d lever = place.position + share * place.*towards - com_[at(t)];
+    frame.cone.add_point(lever / scale_.length, options_.support_friction, place.normal);
   }
+  frame.dead_zone = std::lerp(CentroidalFrame::kDeadZone, kAnkleDeadZone, share);
 }
 
 // A human's movement is physically possible. A brief lack of force is due to the differences

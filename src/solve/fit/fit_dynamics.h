@@ -22,6 +22,15 @@ namespace retarget {
 struct FitContact {
   SupportPoint point;
   std::optional<std::size_t> body;  ///< Of the scene; empty: the floor.
+  int foot = -1;                    ///< Index into FitModel::feet; -1: not a planned sole.
+};
+
+/// Where a surface pushes a contact.
+struct FitContactPlace : ContactPlace {
+  int foot = -1;  ///< Index into FitModel::feet; -1: not a planned sole.
+  /// From the point to the nearest one where the ankle needs no more than its limit, and no more than
+  /// the fit plans with; world axes, metres.
+  Eigen::Vector3d to_limit = Eigen::Vector3d::Zero(), to_reach = to_limit;
 };
 
 /// The dynamics part of a fit's last steps, for one window. Where the contacts cannot supply the
@@ -76,11 +85,14 @@ class FitDynamics {
   [[nodiscard]] bool touches(const SupportPoint& point, double height, double speed) const;
   [[nodiscard]] ContactPlace place_of(int t, const FitContact& contact) const;
   void lend_contacts();
-  void fill_cone(int t);
+  void shrink_soles();
+  [[nodiscard]] double beyond_ankles(int t);
+  void find_overloaded_ankles();
+  void find_reach(int t);
+  [[nodiscard]] double load_on(int t, int foot) const;
+  void fill_cone(int t, Eigen::Vector3d FitContactPlace::*towards, double share);
   void find_trust();
   void restrain(std::vector<Vector6d>& moves);
-
-  [[nodiscard]] SolePoints soles_within_reach(double load) const;
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -93,10 +105,14 @@ class FitDynamics {
   CentroidalStep step_;
   std::vector<CentroidalFrame> frames_;
   std::vector<std::vector<FitContact>> contacts_;
-  std::vector<std::vector<ContactPlace>> contact_places_;
+  std::vector<std::vector<FitContactPlace>> contact_places_;
   std::optional<SceneSupports> scene_;
-  // Points of the soles that may bear the robot, while one foot stands and while several do.
-  std::array<SolePoints, 2> sole_contacts_;
+  SolePoints sole_contacts_;                   // Points of the soles that may bear the robot.
+  std::vector<Eigen::Vector3d> sole_normals_;  // By foot, in the axes of its link.
+  // By link, N m: torque from which an ankle is overloaded, and torque that the fit plans with.
+  std::vector<double> ankle_limits_, ankle_torques_;
+  ConeProjector projector_;
+  std::vector<double> overload_;      // By frame, 0 to 1: how much ankles limit the pressure.
   std::vector<SupportPoint> points_;  // That may touch bodies of the scene.
   std::vector<LinkLoad> loads_;
   std::vector<Eigen::Vector3d> com_, first_com_;

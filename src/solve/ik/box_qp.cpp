@@ -38,7 +38,7 @@ class DenseSystem {
 
 bool DenseSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
                            Eigen::VectorXd& minimum) {
-  const auto size = static_cast<int>(sides.size());
+  const auto size = static_cast<int>(x.size());
   free_.clear();
   for (int i = 0; i < size; ++i) {
     if (sides[i] == BoundSide::kFree) free_.push_back(i);
@@ -93,6 +93,7 @@ BoxQpStats BoxQp::solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
     return {0, 0, false};
   }
   workspace_->system.set(H, g);
+  workspace_->active_set.resize(static_cast<int>(x.size()));
   workspace_->active_set.reset();
   const auto outcome = workspace_->active_set.solve(workspace_->system, lower, upper, x);
   return {outcome.factorizations, workspace_->active_set.active_count(), outcome.converged};

@@ -25,11 +25,11 @@ struct BoxQpStats {
 /// Owns its scratch memory and does not allocate after construction.
 class BoxQp {
  public:
-  /// @param size  number of variables, > 0.
+  /// @param size  largest number of variables, > 0.
   explicit BoxQp(int size);
   ~BoxQp();
 
-  /// @param H      size x size; only the lower triangle is read.
+  /// @param H      size x size, at most that of the constructor; only the lower triangle is read.
   /// @param lower  size; -infinity if unbounded. lower <= upper.
   /// @param x      size; receives the minimiser, which is finite and inside the box exactly. If a
   ///     value of H or g is not finite, x is the point of the box nearest to 0.
