@@ -58,8 +58,8 @@ class GltfDocument {
     std::size_t stride = 0;
   };
 
-  GltfDocument() =
-      default;  // NOLINT(bugprone-exception-escape): an empty JSON value allocates nothing
+  // NOLINTNEXTLINE(bugprone-exception-escape): an empty JSON value allocates nothing
+  GltfDocument() = default;
   Result<void> split(std::string_view bytes);
   Result<std::string_view> buffer(const GltfJson& number);
   Result<std::shared_ptr<const std::string>> read_buffer(const GltfJson& buffer);
