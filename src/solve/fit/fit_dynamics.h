@@ -109,8 +109,8 @@ class FitDynamics {
   std::optional<SceneSupports> scene_;
   SolePoints sole_contacts_;                   // Points of the soles that may bear the robot.
   std::vector<Eigen::Vector3d> sole_normals_;  // By foot, in the axes of its link.
-  // By link, N m: torque from which an ankle is overloaded, and torque that the fit plans with.
-  std::vector<double> ankle_limits_, ankle_torques_;
+  // By link, N m: torque that the fit plans with where ankles are overloaded.
+  std::vector<double> ankle_torques_;
   ConeProjector projector_;
   std::vector<double> overload_;      // By frame, 0 to 1: how much ankles limit the pressure.
   std::vector<SupportPoint> points_;  // That may touch bodies of the scene.
