@@ -23,6 +23,9 @@ constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 constexpr double kMinLevelTime = 1.0 / 6.0;  // Seconds.
 // Seconds for which a part of a drifting run must stay in place to be a raised stance.
 constexpr double kMinDriftingStance = 0.5;
+// Metres: a toe alone stands only on surfaces that are at least as high as a low stair. Bumps of a floor
+// are lower, and toes roll over them.
+constexpr double kMinStair = 0.1;
 constexpr std::array kBothEnds{kHeelEnd, kToeEnd}, kToeOnly{kToeEnd, kToeEnd};
 // Height difference of heel and toe, metres, below which the surface is level.
 constexpr double kFlat = 0.03;
@@ -203,8 +206,10 @@ class FootContactFinder {
 
   template <typename Carries>
   void find_carrying_stances(const Ends& ends, double min_time, const Carries& carries) {
+    const double least = ends == kToeOnly ? kMinStair * size_ : 0.0;
     const auto is_free_and_still = [&](int frame) {
-      return !stands(frame, kToeEnd) && is_still_above_floor(frame, ends);
+      return !stands(frame, kToeEnd) && height(frame, kToeEnd) > least &&
+             is_still_above_floor(frame, ends);
     };
     for_each_run(0, frames_, is_free_and_still, [&](int begin, int end) {
       if (!is_free_and_still(begin)) return;
