@@ -8,7 +8,7 @@ set(retarget_hot_wings "base motion scene" "solve rig" robot)
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   if(RETARGET_QUICK_CODE)
-    # after the -O2 of the build type; GCC 12 compiles a unit in three quarters of the time
+    # after the level of the build type; GCC 12 compiles a unit in three quarters of the time
     target_compile_options(${target} PRIVATE -O1)
   endif()
   foreach(wings IN LISTS retarget_unity_wings)
@@ -33,7 +33,7 @@ function(retarget_group_by_rooms target)
       foreach(unit RANGE ${last})
         set_source_files_properties(
           ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_${unit}_cxx.cxx
-          PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
+          PROPERTIES COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
       endforeach()
     endif()
   endforeach()
