@@ -100,10 +100,10 @@ struct ContactPlan {
 /// can reveal a raised stance: the foot is upright, and both ends are slow for support_time and
 /// stay within support_drift. Feet in the air rarely meet this test; if they do, fixing them in
 /// place is harmless. If nothing else supports a body that is not falling, two more kinds count: the
-/// longest part of at least half a second in which a slow foot does not move farther, and a toe that
-/// meets the test alone, as on stairs. If the heights of heel and toe differ little, both get one
-/// height, so the sole is flat. Frames around the stance in which only one end is in contact belong
-/// to it.
+/// longest part of at least half a second in which a slow foot does not move farther, and a toe
+/// at least 10 cm (scaled) above its standing height that meets the test alone, as on stairs. If the
+/// heights of heel and toe differ little, both get one height, so the sole is flat. Frames around the
+/// stance in which only one end is in contact belong to it.
 [[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
 
 /// Contact phases of a sole of a robot's profile.

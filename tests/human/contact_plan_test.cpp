@@ -240,14 +240,14 @@ TEST(ContactPlan, AFootThatRollsSlowlyInTheAirIsNotInContactWhileTheOtherFootSta
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 120}));
 }
 
-// The left toe is still for 8 frames at half a metre while the heel passes over it; the right foot
-// swings.
-std::array<FootTrack, 2> toe_on_stair() {
+// The left toe is still for 8 frames on a stair while the heel passes over it; the right foot swings.
+// @param stair  its height, metres.
+std::array<FootTrack, 2> toe_on_stair(double stair = 0.5) {
   auto feet = standing_feet(60);
   for (int i = 20; i < 60; ++i) {
     const double swing = 0.06 * (i < 30 ? i - 30 : i > 37 ? i - 37 : 0);
-    feet[0].ankle[i] += Eigen::Vector3d(0.02 * (i - 30), 0.0, 0.5);
-    feet[0].toe[i] += Eigen::Vector3d(swing, 0.0, 0.5);
+    feet[0].ankle[i] += Eigen::Vector3d(0.02 * (i - 30), 0.0, stair);
+    feet[0].toe[i] += Eigen::Vector3d(swing, 0.0, stair);
     feet[1].ankle[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
     feet[1].toe[i] += Eigen::Vector3d(0.05 * (i - 30), 0.0, 0.4);
   }
@@ -262,6 +262,12 @@ TEST(ContactPlan, AStillToeOnAStairCarriesABodyThatIsNotFalling) {
   EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].end, 38, 1);
   EXPECT_NEAR(contacts.ends[0][kToeEnd].phases[1].support, 0.5, 1e-9);
   EXPECT_EQ(contacts.ends[0][kHeelEnd].phases.size(), 1U);
+}
+
+TEST(ContactPlan, AStillToeOnABumpOfTheFloorIsNotInContact) {
+  const std::vector<double> hips(60, 1.0);
+  const ContactPlan contacts = contacts_of(toe_on_stair(0.07), kLeg, kRate, {}, hips);
+  EXPECT_EQ(contacts.ends[0][kToeEnd].phases.size(), 1U);
 }
 
 TEST(ContactPlan, AStillToeOfAFallingBodyIsNotInContact) {

@@ -26,7 +26,8 @@ constexpr double kMinDriftingStance = 0.5;
 // Metres: a toe alone stands only on surfaces that are at least as high as a low stair. Bumps of a floor
 // are lower, and toes roll over them.
 constexpr double kMinStair = 0.1;
-constexpr std::array kBothEnds{kHeelEnd, kToeEnd}, kToeOnly{kToeEnd, kToeEnd};
+constexpr std::array kBothEnds{kHeelEnd, kToeEnd};
+constexpr std::array kToeOnly{kToeEnd};
 // Height difference of heel and toe, metres, below which the surface is level.
 constexpr double kFlat = 0.03;
 // Support of one end of a foot: the index of a raised stance, or one of these.
@@ -71,8 +72,8 @@ class FootContactFinder {
   template <typename Carries>
   void find_carrying_stances(const Carries& carries) {
     if (!has(kHeelEnd) || !has(kToeEnd)) return;
-    find_carrying_stances(kBothEnds, kMinDriftingStance, carries);
-    find_carrying_stances(kToeOnly, options_->support_time, carries);
+    find_carrying_stances(kBothEnds, 0.0, kMinDriftingStance, carries);
+    find_carrying_stances(kToeOnly, kMinStair * size_, options_->support_time, carries);
   }
 
   [[nodiscard]] bool stands(int frame, int end) const {
@@ -153,22 +154,24 @@ class FootContactFinder {
     }
   }
 
-  // Ends of a foot that must both be still.
-  using Ends = std::array<int, 2>;
-
-  [[nodiscard]] bool is_still_above_floor(int frame, const Ends& ends) const {
+  // @param ends  of the foot that must be still.
+  [[nodiscard]] bool is_still_above_floor(int frame, std::span<const int> ends) const {
     return source_->at(frame, foot_).up > kSoleUp && std::ranges::all_of(ends, [&](int end) {
              return height(frame, end) > options_->begin_height * size_ &&
                     source_->speed(frame, foot_, end) < options_->begin_speed * size_;
            });
   }
 
-  [[nodiscard]] bool stays_in_place(int begin, int end) const {
-    return std::ranges::all_of(std::array{kHeelEnd, kToeEnd}, [&](int foot_end) {
-      Eigen::AlignedBox3d box;
-      for (int frame = begin; frame < end; ++frame) box.extend(place(frame, foot_end));
-      return box.sizes().maxCoeff() <= options_->support_drift * size_;
-    });
+  // Returns the first frame up to `end` in which the ends have moved too far since frame `first`.
+  [[nodiscard]] int end_in_place(int first, int end, std::span<const int> ends) const {
+    std::array<Eigen::AlignedBox3d, 2> boxes;
+    for (int frame = first; frame < end; ++frame) {
+      for (const int foot_end : ends) {
+        boxes[foot_end].extend(place(frame, foot_end));
+        if (!(boxes[foot_end].sizes().maxCoeff() <= options_->support_drift * size_)) return frame;
+      }
+    }
+    return end;
   }
 
   void add_raised_stance(int begin, int end) {
@@ -186,29 +189,23 @@ class FootContactFinder {
 
   // Returns the longest part of the run in which the ends stay in place, up to an eighth of its
   // length.
-  [[nodiscard]] ContactPhase longest_in_place(int begin, int end, const Ends& ends) const {
+  [[nodiscard]] ContactPhase longest_in_place(int begin, int end, std::span<const int> ends) const {
     ContactPhase longest{begin, begin, 0.0};
     for (int first = begin; first < end;) {
-      int last = first;
-      std::array<Eigen::AlignedBox3d, 2> boxes;
-      for (bool fits = true; fits && last < end;) {
-        for (const int foot_end : ends) {
-          boxes[foot_end].extend(place(last, foot_end));
-          if (boxes[foot_end].sizes().maxCoeff() > options_->support_drift * size_) fits = false;
-        }
-        if (fits) ++last;
-      }
+      const int last = end_in_place(first, end, ends);
       if (last - first > longest.end - longest.begin) longest = {first, last, 0.0};
       first += std::max(1, (last - first) / 8);
     }
     return longest;
   }
 
+  // @param min_height  of the toe, metres.
+  // @param min_time  seconds.
   template <typename Carries>
-  void find_carrying_stances(const Ends& ends, double min_time, const Carries& carries) {
-    const double least = ends == kToeOnly ? kMinStair * size_ : 0.0;
+  void find_carrying_stances(std::span<const int> ends, double min_height, double min_time,
+                             const Carries& carries) {
     const auto is_free_and_still = [&](int frame) {
-      return !stands(frame, kToeEnd) && height(frame, kToeEnd) > least &&
+      return !stands(frame, kToeEnd) && height(frame, kToeEnd) > min_height &&
              is_still_above_floor(frame, ends);
     };
     for_each_run(0, frames_, is_free_and_still, [&](int begin, int end) {
@@ -219,8 +216,7 @@ class FootContactFinder {
       for (int frame = part.begin; frame < part.end; ++frame) alone += carries(frame) ? 1 : 0;
       if (2 * alone < part.end - part.begin) return;
       add_raised_stance(part.begin, part.end);
-      stand_raised(static_cast<int>(raised_.size()) - 1, kToeEnd);
-      if (ends == kBothEnds) stand_raised(static_cast<int>(raised_.size()) - 1, kHeelEnd);
+      for (const int foot_end : ends) stand_raised(static_cast<int>(raised_.size()) - 1, foot_end);
     });
   }
 
@@ -229,7 +225,8 @@ class FootContactFinder {
         0, frames_, [&](int frame) { return is_still_above_floor(frame, kBothEnds); },
         [&](int begin, int end) {
           if (!is_still_above_floor(begin, kBothEnds) ||
-              !lasts(end - begin, options_->support_time) || !stays_in_place(begin, end)) {
+              !lasts(end - begin, options_->support_time) ||
+              end_in_place(begin, end, kBothEnds) < end) {
             return;
           }
           add_raised_stance(begin, end);

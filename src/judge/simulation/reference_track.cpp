@@ -128,10 +128,7 @@ void ReferenceTrack::preview_balance() {
     const double held = needed.force.z() / (inertias_.mass * kGravity);
     if (into.support.empty() || held < kLeastHeld || height <= 0.0) continue;
     into.pull = needed.force.z() / (inertias_.mass * height);
-    into.zmp =
-        state.com.head<2>() + Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
-                                              needed.torque.x() - height * needed.force.y()) /
-                                  needed.force.z();
+    into.zmp = zero_moment_point(needed, state.com, height);
   }
   shift_ = balancing_shift(samples, time_step_, kSoleShare);
   for (Sample& each : window_) each.step = -1;

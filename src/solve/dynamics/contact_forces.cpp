@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "base/math/least_squares.h"
 #include "base/math/se3.h"
 #include "solve/dynamics/force_cone.h"
 
@@ -121,12 +123,39 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
   }
 }
 
-// Distributes the forces again if a joint exceeds its limit. The problem has the sum of the squared
-// excesses as an additional, one-sided term and is solved by semismooth Newton steps with a line
-// search; each step is a quadratic program over the same pyramids.
+// The problem of relieve_joints() in the amounts of the edges: it has the squared excesses over the
+// limits as a one-sided term. Each semismooth Newton step is a quadratic program over the pyramids.
+struct ContactForces::Relief {
+  ContactForces& of;
+  double length = 1.0;  // Of the last trial.
+
+  double cost() { return of.relief_cost(of.relieved_); }
+  void linearise() { of.add_excess(); }
+  // The system is positive definite, so it needs no damping.
+  std::optional<double> solve(double /*damping*/) {
+    if (!of.qp_.solve(of.hessian_, of.gradient_, of.lower_, of.upper_, of.step_).converged)
+      return {};
+    of.step_ -= of.relieved_;
+    return of.step_.norm();
+  }
+  double try_step(double step_length) {
+    length = step_length;
+    return of.relief_cost(of.relieved_ + length * of.step_);
+  }
+  void accept() { of.relieved_ += length * of.step_; }
+  void reject() {}
+};
+
+// Distributes the forces again if a joint exceeds its limit.
 void ContactForces::relieve_joints(const InverseDynamics& dynamics) {
-  constexpr int kSteps = 12, kHalvings = 4;
-  constexpr double kEnough = 1e-9;  // Decrease of the cost, relative.
+  // Stalls at the first step that lowers the cost at none of its lengths.
+  constexpr LeastSquaresPolicy kPolicy{.max_steps = 12,
+                                       .initial_damping = 0.0,
+                                       .min_increased = 1.0,
+                                       .max_damping = 1.0,
+                                       .trials = 5,
+                                       .relative_change = 1e-9};
+  if (!exceeds_limit()) return;
   read_ratios(dynamics);
   const auto largest = [&](const Eigen::VectorXd& amounts) {
     return (unloaded_ - loading_ * amounts).cwiseAbs().maxCoeff();
@@ -136,25 +165,19 @@ void ContactForces::relieve_joints(const InverseDynamics& dynamics) {
   build_relief();
   relieved_ = amounts_;
   step_.resize(amounts_.size());
-  double cost = relief_cost(relieved_);
-  for (int i = 0; i < kSteps; ++i) {
-    add_excess();
-    if (!qp_.solve(hessian_, gradient_, lower_, upper_, step_).converged) break;
-    step_ -= relieved_;
-    double length = 1.0, tried = relief_cost(relieved_ + step_);
-    for (int k = 0; k < kHalvings && !(tried < cost); ++k) {
-      length *= 0.5;
-      tried = relief_cost(relieved_ + length * step_);
-    }
-    if (!(tried < cost)) break;
-    relieved_ += length * step_;
-    const bool done = cost - tried <= kEnough * cost;
-    cost = tried;
-    if (done) break;
-  }
+  Relief relief{*this};
+  damped_least_squares(relief, kPolicy);
   if (!(largest(relieved_) < before)) return;
   amounts_ = relieved_;
   apply_forces(dynamics);
+}
+
+bool ContactForces::exceeds_limit() const {
+  for (int row = 1; row < scale_.size(); ++row) {
+    const double ratio = scale_[row] / kJointWeight * joint_torques_[static_cast<std::size_t>(row)];
+    if (std::abs(ratio) > 1.0) return true;
+  }
+  return false;
 }
 
 void ContactForces::read_ratios(const InverseDynamics& dynamics) {

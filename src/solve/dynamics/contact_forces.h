@@ -46,9 +46,12 @@ class ContactForces {
  private:
   using RowsOfJoints = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
+  struct Relief;
+
   void build_system(const InverseDynamics& dynamics);
   void apply_forces(const InverseDynamics& dynamics);
   void relieve_joints(const InverseDynamics& dynamics);
+  [[nodiscard]] bool exceeds_limit() const;
   void read_ratios(const InverseDynamics& dynamics);
   void build_relief();
   void add_excess();

@@ -9,6 +9,12 @@ namespace retarget {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+Eigen::Vector2d zero_moment_point(const Wrench& needed, const Eigen::Vector3d& com, double height) {
+  return com.head<2>() + Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
+                                         needed.torque.x() - height * needed.force.y()) /
+                             needed.force.z();
+}
+
 InverseDynamics::InverseDynamics(const KinematicTree& tree, const Inertias& inertias)
     : tree_(&tree),
       inertias_(&inertias),

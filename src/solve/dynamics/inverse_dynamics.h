@@ -16,6 +16,13 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
 
+/// Returns the zero-moment point: the point of a horizontal plane where the force of the wrench has no
+/// horizontal moment. World frame, metres.
+/// @param needed  about the centre of mass; its force points upwards.
+/// @param height  of the centre of mass above the plane, metres.
+[[nodiscard]] Eigen::Vector2d zero_moment_point(const Wrench& needed, const Eigen::Vector3d& com,
+                                                double height);
+
 /// A force that a link exerts on something that it carries.
 struct LinkLoad {
   int link = 0;

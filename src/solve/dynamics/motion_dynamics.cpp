@@ -154,12 +154,8 @@ class Analyser {
     sample.zmp_margin = sample.friction = std::numeric_limits<double>::quiet_NaN();
     if (!sample.supported || !on_floor_ || !(held >= kMinHeld)) return;
     sample.friction = needed.force.head<2>().norm() / needed.force.z();
-    // Zero-moment point: a force on the floor at this point has no horizontal moment.
-    const double height = inverse_.com().z() - result_.floor_height;
     const Eigen::Vector2d zmp =
-        inverse_.com().head<2>() + Eigen::Vector2d(-needed.torque.y() - height * needed.force.x(),
-                                                   needed.torque.x() - height * needed.force.y()) /
-                                       needed.force.z();
+        zero_moment_point(needed, inverse_.com(), inverse_.com().z() - result_.floor_height);
     polygon_.clear();
     for (const ContactPlace& place : places_) polygon_.emplace_back(place.position.head<2>());
     sample.zmp_margin = margin_in_hull(zmp, polygon_);

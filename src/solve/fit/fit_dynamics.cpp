@@ -287,14 +287,10 @@ double FitDynamics::load_on(int t, int foot) const {
   own /= own_count;
   other /= other_count;
   const Wrench& needed = inverse_.needed();
-  const Vector3d& force = needed.force;
   constexpr double kSteep = 0.1;
-  if (!(force.z() > kSteep * force.norm())) return 1.0;
-  const double height = inverse_.com().z() - own.z();
+  if (!(needed.force.z() > kSteep * needed.force.norm())) return 1.0;
   const Eigen::Vector2d zmp =
-      inverse_.com().head<2>() + Eigen::Vector2d(-needed.torque.y() - height * force.x(),
-                                                 needed.torque.x() - height * force.y()) /
-                                     force.z();
+      zero_moment_point(needed, inverse_.com(), inverse_.com().z() - own.z());
   const Eigen::Vector2d way = (own - other).head<2>();
   const double square = way.squaredNorm();
   if (!(square > 0.0)) return 1.0;
