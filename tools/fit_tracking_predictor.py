@@ -8,7 +8,8 @@ motion, from the metrics of its report (docs/certificate.md).
 Every clip in the folders (BVH) is cut into windows, retargeted in several ways, measured and simulated with
 `retarget certify`; the results are appended to --windows, and windows in that file are not repeated. The
 model is then fitted on all of them. For the AUC and the calibration, every clip is predicted by a model that
-was fitted on the others. Without --data, it only fits. Needs numpy.
+was fitted on the others. Without --data, it only fits; the tool must be the one that made the windows. Needs
+numpy.
 """
 
 import argparse
@@ -46,6 +47,12 @@ FIGURES = [
 ]
 RIDGE = 1.0
 BINS = 5
+# Motions of the G1 whose metrics are stored with the model, and one of them whose tracking error is stored as well. A
+# test compares them with those of the current tool: if they differ, the metrics or the controller have changed, and
+# the model needs a new fit.
+REFERENCES = ["tests/golden/walk.csv", "tests/golden/squat.csv", "tests/golden/get_up.csv"]
+SIMULATED = "tests/golden/squat.csv"
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def value_of(figures, metric, p95):
@@ -104,6 +111,23 @@ def make_window(tool, clip, robot, variant, start, lean, folder):
             "fell": int(simulation["fell"]), "seconds": round(seconds, 2),
             "fell_after_s": simulation["fall_time_s"] if simulation["fell"] else None,
             "root_error_cm": simulation["root_error_cm"]["mean"], "figures": figures}
+
+
+def reference_values(tool):
+    """Returns the inputs of the model for the reference motions, and the tracking error of one of them."""
+    values = {}
+    with tempfile.TemporaryDirectory() as folder:
+        report = pathlib.Path(folder) / "report.json"
+        for name in REFERENCES:
+            subprocess.run([tool, "evaluate", ROOT / name, "--robot", "unitree_g1", "--dynamics", "--json", report,
+                            "--gate", "none"], stdout=subprocess.DEVNULL, check=True)
+            motion = json.loads(report.read_text())["motions"][0]
+            values[name] = {metric: motion[metric][0] if isinstance(motion[metric], list) else motion[metric]
+                            for metric, _, _ in FIGURES}
+        subprocess.run([tool, "simulate", ROOT / SIMULATED, "--robot", "unitree_g1", "--report", report],
+                       stdout=subprocess.DEVNULL, check=True)
+        values[SIMULATED]["root_error_cm"] = json.loads(report.read_text())["root_error_cm"]["mean"]
+    return values
 
 
 def make_windows(arguments):
@@ -283,7 +307,7 @@ def main():
     windows = Windows([w for w, is_complete in zip(read, complete) if is_complete])
     if len(set(windows.success)) < 2:
         sys.exit("the windows need both falls and successes")
-    result = fit(windows)
+    result = {**fit(windows), "references": reference_values(arguments.tool)}
     pathlib.Path(arguments.output).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     names = ("auc", "auc_interval", "auc_of_left_out_robots", "brier", "windows", "tracked", "clips")
     print(json.dumps({key: result[key] for key in names}))

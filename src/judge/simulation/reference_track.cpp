@@ -64,6 +64,9 @@ using Eigen::Vector3d;
 constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
 constexpr double kLowestHeight = 0.03;  // Metres: a body whose lowest point is higher is in flight.
 constexpr double kPlannedSpeed = 0.35;  // Metres per second.
+// The same if no point is planned and the body does not fall: heels strike and toes push off faster.
+constexpr double kLooseHeight = 0.02, kLooseSpeed = 0.7;
+constexpr double kBorne = 0.35;  // Share of the weight that a body which does not fall needs.
 
 constexpr double kLeastHeld = 0.2;  // Share of the weight, for the zero-moment point to be defined.
 constexpr double kSoleShare = 0.8;  // Share of the support area that the motion may use.
@@ -117,6 +120,7 @@ ReferenceTrack::ReferenceTrack(const RobotClip& clip, int steps_per_frame, doubl
 // Moves the centre of mass so that the feet can bear the motion.
 void ReferenceTrack::preview_balance() {
   std::vector<BalanceSample> samples(static_cast<std::size_t>(step_count_));
+  std::vector<std::vector<char>> planned(feet_.size());
   for (int step = 0; step < step_count_; ++step) {
     const ReferenceState& state = at(step);
     BalanceSample& into = samples[static_cast<std::size_t>(step)];
@@ -125,13 +129,29 @@ void ReferenceTrack::preview_balance() {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (state.planned[i] != 0) into.support.emplace_back(window_[1].points[i].head<2>());
     }
+    for (std::size_t f = 0; f < feet_.size(); ++f) {
+      planned[f].push_back(state.feet[f].planned ? 1 : 0);
+    }
     const double held = needed.force.z() / (inertias_.mass * kGravity);
     if (into.support.empty() || held < kLeastHeld || height <= 0.0) continue;
     into.pull = needed.force.z() / (inertias_.mass * height);
     into.zmp = zero_moment_point(needed, state.com, height);
   }
   shift_ = balancing_shift(samples, time_step_, kSoleShare);
+  find_touchdowns(planned);
   for (Sample& each : window_) each.step = -1;
+}
+
+// @param planned  by foot and step.
+void ReferenceTrack::find_touchdowns(const std::vector<std::vector<char>>& planned) {
+  for (const std::vector<char>& of_foot : planned) {
+    std::vector<double>& until = until_planned_.emplace_back(of_foot.size());
+    double time = std::numeric_limits<double>::infinity();
+    for (std::size_t step = of_foot.size(); step-- > 0;) {
+      time = of_foot[step] != 0 ? 0.0 : time + time_step_;
+      until[step] = time;
+    }
+  }
 }
 
 // Shift of the centre of mass at a step; beyond the ends there is none.
@@ -187,6 +207,9 @@ const ReferenceState& ReferenceTrack::at(int step) {
   reference_.momentum_rate = now.needed.torque;
   set_feet(window_[0], now, window_[2]);
   set_planned(window_[0], now, window_[2]);
+  for (std::size_t f = 0; f < until_planned_.size(); ++f) {
+    reference_.feet[f].until_planned = until_planned_[f][static_cast<std::size_t>(step)];
+  }
   return reference_;
 }
 
@@ -203,19 +226,31 @@ void ReferenceTrack::set_feet(const Sample& before, const Sample& now, const Sam
 }
 
 void ReferenceTrack::set_planned(const Sample& before, const Sample& now, const Sample& after) {
+  if (plan_points(before, now, after, kPlannedHeight, kPlannedSpeed)) return;
+  const bool is_borne = now.needed.force.z() > kBorne * inertias_.mass * kGravity;
+  if (is_borne) plan_points(before, now, after, kLooseHeight, kLooseSpeed);
+}
+
+// @param height, speed  below which a point bears; for a robot as large as a G1.
+// @return whether a point does.
+bool ReferenceTrack::plan_points(const Sample& before, const Sample& now, const Sample& after,
+                                 double height, double speed) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Vector3d& point : now.points) lowest = std::min(lowest, point.z());
   const double top =
-      kPlannedHeight * size_ + (lowest < kLowestHeight * size_ ? std::max(0.0, lowest) : 0.0);
+      height * size_ + (lowest < kLowestHeight * size_ ? std::max(0.0, lowest) : 0.0);
+  bool any = false;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const double speed = (after.points[i] - before.points[i]).norm() / (2.0 * time_step_);
-    const bool bears = now.points[i].z() < top && speed < kPlannedSpeed * std::sqrt(size_);
+    const double moves = (after.points[i] - before.points[i]).norm() / (2.0 * time_step_);
+    const bool bears = now.points[i].z() < top && moves < speed * std::sqrt(size_);
     reference_.planned[i] = bears ? 1 : 0;
-    if (reference_.planned[i] == 0 || !points_[i].of_sole) continue;
+    any = any || bears;
+    if (!bears || !points_[i].of_sole) continue;
     for (std::size_t f = 0; f < feet_.size(); ++f) {
       if (feet_[f].link == points_[i].link) reference_.feet[f].planned = true;
     }
   }
+  return any;
 }
 
 }  // namespace retarget

@@ -59,7 +59,8 @@ struct FootMotion {
   Pose pose;
   Vector6d velocity = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();
-  bool planned = false;  ///< Whether a point of the sole is to bear on the floor.
+  bool planned = false;        ///< Whether a point of the sole is to bear on the floor.
+  double until_planned = 0.0;  ///< Seconds until it is; infinity if it never is.
 };
 
 /// The reference of a controller at one instant. World axes, metres, seconds.
@@ -108,6 +109,9 @@ class ReferenceTrack {
   void sample(int step, Sample& into);
   void set_feet(const Sample& before, const Sample& now, const Sample& after);
   void set_planned(const Sample& before, const Sample& now, const Sample& after);
+  bool plan_points(const Sample& before, const Sample& now, const Sample& after, double height,
+                   double speed);
+  void find_touchdowns(const std::vector<std::vector<char>>& planned);
 
   const Robot& robot_;
   MotionSpline spline_;
@@ -120,6 +124,7 @@ class ReferenceTrack {
   InverseDynamics inverse_;
   std::array<Sample, 3> window_;  // The steps before, at and after the current one.
   ReferenceState reference_;
+  std::vector<std::vector<double>> until_planned_;  // By foot and step; FootMotion.
   std::vector<Eigen::Vector2d> shift_;  // Of the centre of mass, by step; balancing_shift().
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/math/gravity.h"
 #include "retarget/so3.h"
@@ -22,6 +23,9 @@ constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot
 constexpr double kLoadTime = 0.06;     // Seconds in which a point that has touched down is loaded.
 constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
 constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot takes its shift.
+// A foot that touches the floor stands if its reference stands within kEarlyTime seconds and the body
+// is lower than its reference by kEarlyHeight; metres for a G1.
+constexpr double kEarlyTime = 0.15, kEarlyHeight = 0.01;
 constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
 
 Vector3d vector_of(const mjtNum* values) {
@@ -62,12 +66,13 @@ class WholeBodyController::Tasks {
   Eigen::Index inputs_ = 0, count_ = 0;
 };
 
-// A foot, and the horizontal shift and turn by which it stands off its reference.
+// A foot and its shift from the reference; vertical only in flight.
 struct WholeBodyController::Foot {
   FootFrame frame;
   int body = 0;
   Vector3d shift = Vector3d::Zero();
   bool stands = false;
+  std::optional<Pose> landed = {};  // Pose of a foot that stands before its reference does.
 };
 
 WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robot& robot,
@@ -89,6 +94,8 @@ WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robo
     *damping /= std::sqrt(size);
   }
   gains_.step_reach *= size;
+  gains_.flight_reach *= size;
+  early_height_ = kEarlyHeight * size;
   for (const FootFrame& frame : make_foot_frames(robot)) {
     feet_.push_back({frame, frame.link + 1});
   }
@@ -196,33 +203,65 @@ void WholeBodyController::build_inputs(mjData_* data) {
   mj_solveM(model, data, free_.data(), loads.data(), 1);
 }
 
-// A swing foot takes up a share of the error of the capture point; a standing one keeps its shift.
-void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
-                                    mjData_* data) {
+Pose WholeBodyController::pose_of(const Foot& foot, mjData_* data) const {
+  const Eigen::Quaterniond rotation = rotation_of(data->xquat + 4L * foot.body);
+  const Pose body{rotation, vector_of(data->xpos + 3L * foot.body)};
+  return {rotation, body * foot.frame.in_link};
+}
+
+bool WholeBodyController::is_down(const Foot& foot) const {
+  return std::ranges::any_of(step_.points,
+                             [&](int p) { return physics_.points[p].body == foot.body; });
+}
+
+// The shift with which a foot would step onto the capture point. Part of the offset is taken back.
+Vector3d WholeBodyController::step_shift(const ReferenceState& reference, mjData_* data) const {
   const Vector3d com = vector_of(data->subtree_com + 3);
   const Vector3d velocity = vector_of(data->subtree_linvel + 3);
   const double pace = std::sqrt(std::max(0.05, reference.com.z()) / kGravity);
-  Vector3d shift =
-      gains_.step_gain * (com - reference.com + pace * (velocity - reference.com_velocity));
-  shift.z() = 0.0;
-  if (shift.norm() > gains_.step_reach) shift *= gains_.step_reach / shift.norm();
+  Vector3d step = com - reference.com + pace * (velocity - reference.com_velocity) - offset_;
+  step.z() = 0.0;
+  if (step.norm() > gains_.step_reach) step *= gains_.step_reach / step.norm();
+  return step + gains_.offset_share * offset_;
+}
+
+// A swing foot takes up the step; a standing one keeps its shift.
+void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
+                                    mjData_* data) {
+  const Vector3d step = step_shift(reference, data);
+  const double rise = vector_of(data->subtree_com + 3).z() - reference.com.z();
+  const bool flies =
+      std::ranges::none_of(reference.feet, [](const FootMotion& foot) { return foot.planned; });
   for (std::size_t i = 0; i < feet_.size(); ++i) {
     Foot& foot = feet_[i];
-    const bool touches = std::ranges::any_of(
-        step_.points, [&](int p) { return physics_.points[p].body == foot.body; });
-    const bool stands = touches && reference.feet[i].planned;
-    if (stands) {
-      if (!foot.stands) {
-        const Pose body{rotation_of(data->xquat + 4L * foot.body),
-                        vector_of(data->xpos + 3L * foot.body)};
-        foot.shift = body * foot.frame.in_link - reference.feet[i].pose.translation;
-        foot.shift.z() = 0.0;
-      }
-    } else {
-      foot.shift += std::min(1.0, time_step / kShiftTime) * (shift - foot.shift);
+    const bool down = is_down(foot), stands = down && reference.feet[i].planned;
+    const bool early =
+        down && flies && rise < -early_height_ && reference.feet[i].until_planned < kEarlyTime;
+    if (!early) foot.landed.reset();
+    if (early && !foot.landed) foot.landed = pose_of(foot, data);
+    if (stands && !foot.stands) {
+      foot.shift = pose_of(foot, data).translation - reference.feet[i].pose.translation;
+      foot.shift.z() = 0.0;
+    } else if (!stands) {
+      Vector3d to = step;
+      if (flies && !down) to.z() = std::clamp(rise, -gains_.flight_reach, gains_.flight_reach);
+      foot.shift += std::min(1.0, time_step / kShiftTime) * (to - foot.shift);
     }
     foot.stands = stands;
   }
+  follow_feet(time_step);
+}
+
+void WholeBodyController::follow_feet(double time_step) {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  for (const Foot& foot : feet_) {
+    if (!foot.stands) continue;
+    sum += foot.shift;
+    ++count;
+  }
+  if (count == 0) return;
+  offset_ += std::min(1.0, time_step / gains_.follow_time) * (sum / count - offset_);
 }
 
 // Force and moment of the points about the centre of mass.
@@ -239,7 +278,7 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
     moment.middleCols(at, kEdges) = skew(places_[p] - com) * pyramid / inertia;
   }
   const Vector3d wanted = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
-                          gains_.com_stiffness * (reference.com - com) +
+                          gains_.com_stiffness * (reference.com + offset_ - com) +
                           gains_.com_damping * (reference.com_velocity - velocity);
   tasks_->add(force, wanted, gains_.com_weight);
   const Vector3d rate =
@@ -267,17 +306,20 @@ void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* dat
   for (std::size_t i = 0; i < feet_.size(); ++i) {
     const Foot& foot = feet_[i];
     const FootMotion& to = reference.feet[i];
-    const Eigen::Quaterniond rotation = rotation_of(data->xquat + 4L * foot.body);
-    const Vector3d place =
-        Pose{rotation, vector_of(data->xpos + 3L * foot.body)} * foot.frame.in_link;
-    mj_jac(model, data, jacobian.data(), jacobian.data() + 3L * model->nv, place.data(), foot.body);
-    mj_jacDot(model, data, drift.data(), drift.data() + 3L * model->nv, place.data(), foot.body);
+    const Pose pose = pose_of(foot, data);
+    mj_jac(model, data, jacobian.data(), jacobian.data() + 3L * model->nv, pose.translation.data(),
+           foot.body);
+    mj_jacDot(model, data, drift.data(), drift.data() + 3L * model->nv, pose.translation.data(),
+              foot.body);
+    const Pose goal =
+        foot.landed.value_or(Pose{to.pose.rotation, Vector3d(to.pose.translation + foot.shift)});
+    const double moves = foot.landed ? 0.0 : 1.0;
     Vector6d error;
-    error << to.pose.translation + foot.shift - place,
-        log_so3(to.pose.rotation * rotation.conjugate());
-    const Vector6d wanted = to.acceleration + gains_.foot_stiffness * error +
-                            gains_.foot_damping * (to.velocity - jacobian * rates) - drift * rates -
-                            jacobian * free_;
+    error << goal.translation - pose.translation,
+        log_so3(goal.rotation * pose.rotation.conjugate());
+    const Vector6d wanted = moves * to.acceleration + gains_.foot_stiffness * error +
+                            gains_.foot_damping * (moves * to.velocity - jacobian * rates) -
+                            drift * rates - jacobian * free_;
     tasks_->add(jacobian * response_.topRows(input_count_).transpose(), wanted, gains_.foot_weight);
   }
 }
@@ -291,6 +333,13 @@ void WholeBodyController::add_joints(const ReferenceState&, mjData_* data) {
                                  free_.tail(n);
   tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), wanted,
               gains_.joint_weight);
+}
+
+bool WholeBodyController::bears(int point, const ReferenceState& reference) const {
+  const auto has_landed = [&](const Foot& foot) {
+    return foot.landed && foot.body == physics_.points[point].body;
+  };
+  return reference.planned[point] != 0 || std::ranges::any_of(feet_, has_landed);
 }
 
 void WholeBodyController::solve(const ReferenceState& reference) {
@@ -318,7 +367,7 @@ void WholeBodyController::solve(const ReferenceState& reference) {
   for (int i = joint_count_; i < input_count_; ++i) {
     const int point = step_.points[(i - joint_count_) / kEdges];
     hessian(i, i) += gains_.force_weight * gains_.force_weight;
-    if (!any_planned || reference.planned[point] != 0) {
+    if (!any_planned || bears(point, reference)) {
       upper_[i] = loads_[point] < 1.0 ? loads_[point] : std::numeric_limits<double>::infinity();
     }
   }

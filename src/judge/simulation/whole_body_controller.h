@@ -18,14 +18,16 @@ namespace retarget {
 struct ControlGains {
   double com_stiffness = 60.0, com_damping = 16.0, com_weight = 4.0;
   double spin_damping = 4.0, spin_weight = 0.6;
-  double root_stiffness = 250.0, root_damping = 32.0, root_weight = 1.2;
+  double root_stiffness = 250.0, root_damping = 32.0, root_weight = 0.85;
   double foot_stiffness = 500.0, foot_damping = 45.0, foot_weight = 5.0;
-  double joint_stiffness = 300.0, joint_damping = 35.0, joint_weight = 0.3;
+  double joint_stiffness = 300.0, joint_damping = 35.0, joint_weight = 0.15;
   double torque_weight = 0.02;  ///< Of a torque at its limit.
   double force_weight = 0.05;   ///< Of an edge force as large as the weight.
   double friction = 0.7;        ///< Assumed friction coefficient, below that of the floor.
-  double step_gain = 0.8;    ///< Share of the error of the capture point that a swing foot follows.
-  double step_reach = 0.25;  ///< Largest shift of a swing foot, metres.
+  double step_reach = 0.25;     ///< Largest step towards the capture point, metres.
+  double offset_share = 0.9;    ///< Share of the offset from the reference that a step keeps.
+  double follow_time = 0.1;     ///< In which the body follows the standing feet, seconds.
+  double flight_reach = 0.15;   ///< Largest vertical shift of the feet in flight, metres.
 };
 
 /// Result of a control step.
@@ -47,8 +49,13 @@ struct ControlStep {
 /// on c alone, of the root's rotation, the feet and the joints. Accelerations are
 /// M^-1 (S' t + J' E c - h): the dynamics hold exactly and all constraints are bounds, so BoxQp, the
 /// exact solver of the joint limits, applies. The wanted acceleration of a task is the reference's,
-/// plus stiffness times error, plus damping times error of velocity. A swing foot is shifted by a
-/// share of the error of the capture point, and stays shifted while it stands.
+/// plus stiffness times error, plus damping times error of velocity.
+///
+/// Steps keep the balance: a swing foot is shifted by the error of the capture point and stays
+/// shifted while it stands. The body then follows its standing feet: the wanted centre of mass has
+/// their mean shift, the offset, of which each step takes back a tenth. In flight, the feet keep
+/// their height relative to the centre of mass, and a foot that lands too early stays where it
+/// landed.
 class WholeBodyController {
  public:
   /// @param physics  must outlive this object, as must `robot`.
@@ -69,6 +76,11 @@ class WholeBodyController {
   void find_points(const ReferenceState& reference, double time_step, mjData_* data);
   void build_inputs(mjData_* data);
   void move_feet(const ReferenceState& reference, double time_step, mjData_* data);
+  [[nodiscard]] Eigen::Vector3d step_shift(const ReferenceState& reference, mjData_* data) const;
+  void follow_feet(double time_step);
+  [[nodiscard]] Pose pose_of(const Foot& foot, mjData_* data) const;
+  [[nodiscard]] bool is_down(const Foot& foot) const;
+  [[nodiscard]] bool bears(int point, const ReferenceState& reference) const;
   void add_centroid(const ReferenceState& reference, mjData_* data);
   void add_root(const ReferenceState& reference, mjData_* data);
   void add_feet(const ReferenceState& reference, mjData_* data);
@@ -78,10 +90,11 @@ class WholeBodyController {
   const PhysicsModel& physics_;
   const Robot& robot_;
   ControlGains gains_;
-  double weight_, lever_;
+  double weight_, lever_, early_height_;
   int joint_count_, input_count_ = 0;
   std::vector<Foot> feet_;
-  std::vector<double> scales_;           // Of the torques.
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // Of the standing feet; horizontal, metres.
+  std::vector<double> scales_;                        // Of the torques.
   std::vector<double> loads_;            // By point: share of the weight that it may bear.
   std::vector<Eigen::Vector3d> places_;  // By active point.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inputs_, response_;
