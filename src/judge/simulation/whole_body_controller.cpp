@@ -19,9 +19,9 @@ constexpr std::size_t kMaxPointsOfFoot = 6, kMaxPointsInAll = 16;
 constexpr int kEdges = ForceCone::kEdges;
 constexpr double kTouching = 0.002;    // Metres above the floor.
 constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot that touches.
-constexpr double kLoadTime = 0.06;     // Seconds in which a point that has touched down is loaded.
+constexpr double kLoadTime = 0.06;     // Seconds in which a point is loaded after touchdown.
 constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
-constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot takes its shift.
+constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot adopts its shift.
 constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
 
 Vector3d vector_of(const mjtNum* values) {
@@ -62,7 +62,7 @@ class WholeBodyController::Tasks {
   Eigen::Index inputs_ = 0, count_ = 0;
 };
 
-// A foot, and the horizontal shift and turn by which it stands off its reference.
+// A foot, and its horizontal shift and turn relative to its reference.
 struct WholeBodyController::Foot {
   FootFrame frame;
   int body = 0;
@@ -196,7 +196,7 @@ void WholeBodyController::build_inputs(mjData_* data) {
   mj_solveM(model, data, free_.data(), loads.data(), 1);
 }
 
-// A swing foot takes up a share of the error of the capture point; a standing one keeps its shift.
+// A swing foot adopts a share of the capture point error; a standing foot keeps its shift.
 void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
                                     mjData_* data) {
   const Vector3d com = vector_of(data->subtree_com + 3);

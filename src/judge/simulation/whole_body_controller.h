@@ -24,8 +24,8 @@ struct ControlGains {
   double torque_weight = 0.02;  ///< Of a torque at its limit.
   double force_weight = 0.05;   ///< Of an edge force as large as the weight.
   double friction = 0.7;        ///< Assumed friction coefficient, below that of the floor.
-  double step_gain = 0.8;    ///< Share of the error of the capture point that a swing foot follows.
-  double step_reach = 0.25;  ///< Largest shift of a swing foot, metres.
+  double step_gain = 0.8;       ///< Share of the capture point error that a swing foot follows.
+  double step_reach = 0.25;     ///< Largest shift of a swing foot, metres.
 };
 
 /// Result of a control step.
@@ -47,8 +47,8 @@ struct ControlStep {
 /// on c alone, of the root's rotation, the feet and the joints. Accelerations are
 /// M^-1 (S' t + J' E c - h): the dynamics hold exactly and all constraints are bounds, so BoxQp, the
 /// exact solver of the joint limits, applies. The wanted acceleration of a task is the reference's,
-/// plus stiffness times error, plus damping times error of velocity. A swing foot is shifted by a
-/// share of the error of the capture point, and stays shifted while it stands.
+/// plus stiffness times error, plus damping times velocity error. A swing foot is shifted by a
+/// share of the capture point error, and stays shifted while it stands.
 class WholeBodyController {
  public:
   /// @param physics  must outlive this object, as must `robot`.
