@@ -58,7 +58,7 @@ def test_arguments_of_a_wrong_type_raise_type_errors(
         for call in wrong:
             with pytest.raises(TypeError, match=text) as raised:
                 call()
-            # callers that catch the package's errors catch it, too
+            # Callers that catch the package's errors catch it as well.
             assert isinstance(raised.value, retarget.UsageError)
             assert raised.value.kind == "usage"
 
@@ -233,12 +233,12 @@ def test_a_missing_file_is_python_s_error_too(walk: retarget.Clip, g1: retarget.
         error = raised.value
         assert isinstance(error, kind) and isinstance(error, ValueError)
         assert error.filename == error.file == missing and error.errno == errno.ENOENT
-        # The text is the command's, and not that of an OSError.
+        # The text is that of the command, and not that of an OSError.
         assert str(error).startswith(missing) and error.message in str(error)
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error) and str(again) == str(error)
         assert again.filename == missing and again.hint == error.hint
-    # A folder and a name that is not a file are other mistakes.
+    # A folder, and a name that is not a file, are different errors.
     for call in (lambda: retarget.load(tmp_path), lambda: retarget.Robot("g2"),
                  lambda: retarget.Clip.from_positions(np.zeros((2, 3, 3)), fps=30, name="gone")):
         with pytest.raises(retarget.Error) as raised_other:

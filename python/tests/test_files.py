@@ -126,7 +126,7 @@ def test_robots(command, g1: retarget.Robot) -> None:
 
 
 def test_a_page_is_the_command_s(g1: retarget.Robot, data: Path, tmp_path: Path, command) -> None:
-    # A page names its file: the output of the command, the source in Python. They are alike here.
+    # A page names its file: the output of the command, the source in Python. They are equal here.
     (tmp_path / "in").mkdir()
     source = tmp_path / "in/walk.csv"
     source.write_bytes((data / "walk.bvh").read_bytes())

@@ -259,7 +259,7 @@ def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
     assert result.failed == 0 and [entry["relative"] for entry in result.clips] == [odd.name]
     with (out / "manifest.jsonl").open("a") as file:
         file.write('{"torn')
-    # of another part
+    # A manifest of another part.
     (out / "manifest.2-of-2.jsonl").write_text(json.dumps({"relative": "other"}) + "\n")
     again = retarget.batch(odd, out, "unitree_g1", method="gmr", end=0.2, resume=True)
     assert {entry["relative"] for entry in again.clips} == {odd.name}
