@@ -148,7 +148,7 @@ class Shards(BatchTest):
     def test_gnu_parallel_does_all_parts(self):
         for i in range(5):
             self.clips(f"{i}.bvh")
-        # `parallel` may be another program by that name
+        # `parallel` may be another program with this name.
         version = subprocess.run(["parallel", "--version"], text=True, stdout=subprocess.PIPE,
                                  stderr=subprocess.DEVNULL)
         if not version.stdout.startswith("GNU parallel"):

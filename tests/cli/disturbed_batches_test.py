@@ -269,7 +269,7 @@ class NoRoom(Disturbed):
         self.assert_nothing_else_touched(self.before)
 
     def test_files_that_may_not_grow(self):
-        # 512 bytes each: from nothing at all to room for the most
+        # Blocks of 512 bytes: from none to enough for most files.
         for blocks in self.chance.sample((0, 1, 2, 8, 20, 30, 40, 60, 100), 5):
             script = f'ulimit -f {blocks}; exec "$0" "$@"'
             result = subprocess.run(["bash", "-c", script, *self.command("--resume")],
@@ -299,7 +299,7 @@ class ReadOnly(Disturbed):
             place = "" if turn % 3 == 2 else f"{self.chance.randrange(7):02}"
             folder = self.folder / "out" / place
             folder.mkdir(parents=True, exist_ok=True)
-            # A target that exists in the first round is useless: remove some of it.
+            # A target that exists in the first round does not matter: remove some of them.
             for motion in self.chance.sample(sorted(folder.glob("*.csv")),
                                              min(3, len(list(folder.glob("*.csv"))))):
                 motion.unlink()

@@ -18,10 +18,10 @@ CANNOT_RUN = {
     "sbatch ": "needs Slurm",
 }
 
-# Commands that end with another code than 0, as the text beside them says.
+# Commands that end with another code than 0, according to the text next to them.
 EXIT_CODES = {
-    "retarget evaluate ours.csv published.csv": (1,),  # the published one misses gates
-    "retarget evaluate PUBLISHED.csv": (0, 1),  # a published motion may miss gates
+    "retarget evaluate ours.csv published.csv": (1,),  # The published motion misses gates.
+    "retarget evaluate PUBLISHED.csv": (0, 1),  # A published motion may miss gates.
 }
 
 ROBOT = SOURCE / "robots/unitree_g1"

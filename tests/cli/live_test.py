@@ -227,7 +227,8 @@ class BinaryFormats(LiveTest):
         self.write("walk.bvh", re.sub("Frame Time: .*", "Frame Time: 0.02", sample("walk").read_text()))
         lines = self.motion("walk.bvh", "lines")
         self.assertIsNone(difference(self.motion("walk.bvh", "natnet"), lines, 1e-4))
-        # MVN's segments are those of the human in the clip: fewer, and calibrated as any skeleton is
+        # MVN's segments are those of the human in the clip: fewer joints, calibrated like any
+        # skeleton.
         self.assertIsNone(difference(self.motion("walk.bvh", "mvn"), lines, 0.02))
 
     def test_mvn_equals_lines(self):
@@ -341,7 +342,7 @@ class Sockets(LiveTest):
                                     "--skeleton", sample("walk"), "-o", "live.csv", extras="?format=bvh")
         self.write("short.bvh", short_clip("walk", 90))
         self.assert_done(self.run_tool("live", "--play", "short.bvh", "--to", f"udp:{port}?format=bvh"))
-        time.sleep(0.5)  # the stream is held meanwhile
+        time.sleep(0.5)  # The stream is paused meanwhile.
         self.end(process)
         (self.folder / "elsewhere").mkdir()
         (self.folder / "kept").rename(self.folder / "elsewhere/kept")

@@ -13,8 +13,8 @@ from tool import SHARED, SOURCE, ToolTest, needs_shared, read_rows, sample
 DEGREE = math.pi / 180
 
 
-# source and robot, and how far limbs may be from the source's, degrees; hips, knees and elbows not in one
-# line are lines of their own
+# Source and robot, and the maximum deviation of limbs from the source's, degrees. If hips, knees
+# and elbows are not collinear, they form separate lines.
 PAIRS = {
     ("unitree_g1", "booster_t1_29dof"): 4.0,
     ("booster_t1_29dof", "unitree_h1"): 12.0,

@@ -9,15 +9,16 @@ from tool import SOURCE, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
 
-# The same kinds of values as help pages name them.
+# The same kinds of values, as help pages name them.
 OPTION_KINDS = {"S": "SECONDS", "N\\|source": "N", "NAME,...": "NAME", "ADDRESS,...": "ADDRESS"}
-# Names that commands understand differently, each as clear from its command: this list may only shrink.
+# Options with different kinds of values in several commands; each command makes the meaning clear.
+# This list may only shrink.
 NAMES_OF_SEVERAL_KINDS = {
-    "contacts": {"FILE", ""},  # a batch has one file for each clip
+    "contacts": {"FILE", ""},  # A batch has one file per clip.
     "json": {"FILE", ""},
-    "list": {"FILE", ""},  # of inputs (batch), of formats (live)
+    "list": {"FILE", ""},  # A list of inputs (batch), or of formats (live).
     "output": {"FILE", "DIR", "ADDRESS"},
-    "scale": {"auto\\|table\\|height\\|limbs", "N"},  # of a body, of a path
+    "scale": {"auto\\|table\\|height\\|limbs", "N"},  # The scale of a body, or of a path.
     "skeleton": {"FILE", ""},
     "to": {"FILE", "FILE\\|line\\|circle\\|figure8", "ADDRESS"},
     "tolerance": {"M", "X"},
