@@ -58,8 +58,9 @@ class Isolation(BatchTest):
     @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
     def test_clip_that_crashes(self):
         # A sanitizer would turn the signal into an exit code.
-        plain = {**os.environ,
-                 "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
+        plain = dict(os.environ)
+        for options in ("ASAN_OPTIONS", "TSAN_OPTIONS"):
+            plain[options] = os.environ.get(options, "") + ":handle_segv=0"
         for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory may have run out")):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1",
