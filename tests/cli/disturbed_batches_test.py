@@ -86,22 +86,27 @@ def wait_for_session(leader):
 
 
 class Disturbed(ToolTest):
+    """Tests with the same clips, of which only the first one runs the undisturbed batch."""
+
+    known = None
+
     def setUp(self):
         super().setUp()
         if is_sanitized():
             self.skipTest("many runs, and a sanitizer makes them slow")
         self.chance = random.Random(f"{SEED} {self.id()}")
-        names = ("wave", "walk", "squat", "turn_in_place", "get_up")
+        names, lengths = ("wave", "walk", "squat", "turn_in_place", "get_up"), random.Random(SEED)
         for i in range(CLIPS):
             name = f"in/{i % 7:02}/clip {i:03}.bvh"
-            self.write(name, short_clip(names[i % 5], self.chance.randint(30, 60)))
+            self.write(name, short_clip(names[i % 5], lengths.randint(30, 60)))
         # Failures are results as well.
         self.write("in/03/bad.bvh", sample("wave").read_bytes()[:-400])
         self.write("beside/summary.csv", "not the batch's\n")
         self.before = files_below(self.folder)
-        started = time.monotonic()
-        self.whole = self.undisturbed()
-        self.seconds = time.monotonic() - started
+        if Disturbed.known is None:
+            started = time.monotonic()
+            Disturbed.known = self.undisturbed(), time.monotonic() - started
+        self.whole, self.seconds = Disturbed.known
 
     def command(self, *arguments):
         return [TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", *OPTIONS, *arguments]
