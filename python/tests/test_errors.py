@@ -26,11 +26,11 @@ def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
     lines = (data / "walk.bvh").read_text().splitlines(keepends=True)
     lines[-1] = "1.0 2.0 oops\n"
     broken.write_text("".join(lines))
-    told = command(broken, "g1", "-o", tmp_path / "out.csv", code=3).stderr
+    printed = command(broken, "g1", "-o", tmp_path / "out.csv", code=3).stderr
     with pytest.raises(retarget.InputError) as raised:
         retarget.to_robot(broken, "g1")
     error = raised.value
-    assert spelled(told.strip()).endswith(str(error))
+    assert spelled(printed.strip()).endswith(str(error))
     assert error.kind == "input" and error.file == str(broken) and error.line == len(lines)
     assert error.column > 0 and error.message in str(error) and error.hint in str(error)
     assert not (tmp_path / "out.csv").exists()
@@ -200,10 +200,10 @@ def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
              lambda: retarget.to_robot(tmp_path / "cut.bvh", "g1", lenient=True, method="gmr",
                                        end=0.2)]
     for call in calls:
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             call()
-        places = {(each.filename, each.lineno) for each in told}
+        places = {(each.filename, each.lineno) for each in caught}
         assert len(places) == 1
         [(file, line)] = places
         first = call.__code__.co_firstlineno

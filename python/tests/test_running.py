@@ -24,17 +24,17 @@ def long_walk(walk: retarget.Clip) -> retarget.Clip:
 
 
 def test_progress(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
-    told: list[tuple[str, int, int]] = []
+    reports: list[tuple[str, int, int]] = []
     thread: set[int] = set()
 
     def progress(stage: str, done: int, total: int) -> None:
-        told.append((stage, done, total))
+        reports.append((stage, done, total))
         thread.add(threading.get_ident())
 
     short = retarget.edit.trim(long_walk, frames="0:3000")
     motion = retarget.to_robot(short, g1, progress=progress)
-    assert {stage for stage, _, _ in told} <= {"frames", "fit"} and told
-    assert all(0 <= done <= total for _, done, total in told)
+    assert {stage for stage, _, _ in reports} <= {"frames", "fit"} and reports
+    assert all(0 <= done <= total for _, done, total in reports)
     assert thread == {threading.get_ident()}
     silent = retarget.to_robot(short, g1)
     assert silent.qpos.tobytes() == motion.qpos.tobytes()

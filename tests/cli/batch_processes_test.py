@@ -138,10 +138,10 @@ class Shards(BatchTest):
 
         for number in ("11", "12", "13"):
             for again in (False, True):
-                told = task("in", "--robot", "unitree_g1", *FAST, SLURM_ARRAY_TASK_ID=number,
-                            SLURM_ARRAY_TASK_MIN="11", SLURM_ARRAY_TASK_COUNT="3",
-                            SLURM_CPUS_PER_TASK="2")
-                self.assertEqual("done and unchanged" in told, again)
+                messages = task("in", "--robot", "unitree_g1", *FAST, SLURM_ARRAY_TASK_ID=number,
+                                SLURM_ARRAY_TASK_MIN="11", SLURM_ARRAY_TASK_COUNT="3",
+                                SLURM_CPUS_PER_TASK="2")
+                self.assertEqual("done and unchanged" in messages, again)
         self.assertIn("5 clips, 0 failed", task("--merge"))
         self.assertEqual(len(self.outputs()), 5)
 

@@ -233,9 +233,9 @@ class TwoAtOnce(Disturbed):
             both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
             texts = [batch.communicate(timeout=300)[1] for batch in both]
             # One is rejected, or runs after the other and finds all clips done.
-            told = sum("another batch is writing" in text or "are done and unchanged" in text
-                       for text in texts)
-            self.assertEqual(told, 1, texts)
+            stopped = sum("another batch is writing" in text or "are done and unchanged" in text
+                          for text in texts)
+            self.assertEqual(stopped, 1, texts)
             self.assertEqual([batch.returncode for batch in both], [1, 1])
             self.assert_ends_as(self.whole)
         self.assert_nothing_else_touched(self.before)

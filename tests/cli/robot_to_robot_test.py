@@ -78,8 +78,8 @@ class RobotToRobot(ToolTest):
                 self.assertLess(max(abs(a - b) for a, b in zip(row[2:3] + row[7:],
                                                                wanted[2:3] + wanted[7:])), 1e-3)
         # An explicit axis overrides the check.
-        told = self.convert("turned.csv", "g1", "g1", "told.csv", "--up", "z")
-        self.assertNotIn("as the up axis", told.stderr)
+        converted = self.convert("turned.csv", "g1", "g1", "converted.csv", "--up", "z")
+        self.assertNotIn("as the up axis", converted.stderr)
 
     def test_same_robot_reproduces_the_motion(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):

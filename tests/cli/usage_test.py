@@ -92,9 +92,9 @@ class Mistakes(ToolTest):
 
     def test_help_of_every_command(self):
         for command in (*((name,) for name in COMMANDS), ("edit", "path"), ("robots", "add")):
-            asked, told = self.run_tool("help", *command), self.run_tool(*command, "--help")
+            asked, shown = self.run_tool("help", *command), self.run_tool(*command, "--help")
             self.assert_done(asked)
-            self.assertEqual(asked.stdout, told.stdout)
+            self.assertEqual(asked.stdout, shown.stdout)
             self.assertIn("retarget " + " ".join(command), asked.stdout)
             for line in asked.stdout.splitlines():
                 self.assertLessEqual(len(line), 80, line)
@@ -237,9 +237,9 @@ class Mistakes(ToolTest):
     def test_hints_can_be_followed(self):
         model = SOURCE / "robots" / "unitree_g1" / "model.xml"
         line = ("--bvh", sample("wave"), "--robot-xml", model, "-o", "x.csv", "--frames", "0:3")
-        told = self.run_tool(*line, "--ik-config", "published")
-        self.assert_fails(told, 4, "--ik-config derived", "--ik-config FILE")
-        self.assertNotIn("omit", told.stderr)
+        failed = self.run_tool(*line, "--ik-config", "published")
+        self.assert_fails(failed, 4, "--ik-config derived", "--ik-config FILE")
+        self.assertNotIn("omit", failed.stderr)
         self.assert_done(self.run_tool(*line, "--ik-config", "derived"))
 
     def test_whole_clip_search_is_reported_without_seconds(self):

@@ -76,7 +76,7 @@ def wave() -> Motion:
 
 
 def stand_still() -> Motion:
-    """Quiet standing with breathing; three seconds unless told otherwise."""
+    """Quiet standing with breathing; three seconds by default."""
     feet = _feet(0.085, deg(8.0))
 
     def pose(t: float) -> Pose:
