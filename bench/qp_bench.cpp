@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSize = 35;      // six of the free base and 29 joints
 constexpr int kTaskRows = 84;  // 14 tasks
-constexpr int kProblems = 64;  // more than one, so that no branch is learnt by heart
+constexpr int kProblems = 64;  // More than one, so that the branch predictor cannot learn them.
 
 struct Problem {
   Eigen::MatrixXd H;

@@ -14,7 +14,7 @@ list(FILTER sources EXCLUDE REGEX "_win32\\.cpp$")
 list(FILTER sources EXCLUDE REGEX "/src/(edit|rig|live|batch|app/provenance|app/run|solve/robot_setup|solve/online|judge/simulation)/")
 # ... and files that read or write models through MuJoCo.
 list(FILTER sources EXCLUDE REGEX
-  "/(load_model|check_model|mend_spec|mujoco_messages|mujoco_contacts|reference_solver|scene_model)\\.cpp$")
+  "/(load_model|check_model|repair_spec|mujoco_messages|mujoco_contacts|reference_solver|scene_model)\\.cpp$")
 file(GLOB replacements CONFIGURE_DEPENDS browser/engine/*.cpp)
 
 add_library(retarget STATIC ${sources})

@@ -1,6 +1,6 @@
 # Cross-compiles to WebAssembly with what tools/browser.sh installs in build/deps/wasm (docs/browser.md).
 set(CMAKE_SYSTEM_NAME Generic)
-set(CMAKE_SYSTEM_PROCESSOR wasm32)  # WASI, which this version of CMake does not know
+set(CMAKE_SYSTEM_PROCESSOR wasm32)  # WASI is a system that this version of CMake does not support.
 get_filename_component(retarget_wasm_root "${CMAKE_CURRENT_LIST_DIR}/../build/deps/wasm" ABSOLUTE)
 set(CMAKE_C_COMPILER ${retarget_wasm_root}/bin/wasm-cc)
 set(CMAKE_CXX_COMPILER ${retarget_wasm_root}/bin/wasm-c++)

@@ -16,7 +16,7 @@ if(LibZip_FOUND AND NOT TARGET LibZip::zip)
   set_target_properties(LibZip::zip PROPERTIES IMPORTED_LOCATION "${LibZip_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${LibZip_INCLUDE_DIR}")
   if(LibZip_LIBRARY MATCHES "\\.a$" AND TARGET ZLIB::ZLIB)
-    # A static library does not name what it needs.
+    # A static library does not name its dependencies.
     set_target_properties(LibZip::zip PROPERTIES INTERFACE_LINK_LIBRARIES ZLIB::ZLIB)
   endif()
 endif()

@@ -1,4 +1,4 @@
-# Finds MuJoCo >= the asked version and defines the target mujoco::mujoco, MuJoCo_VERSION and
+# Finds MuJoCo >= the requested version and defines the target mujoco::mujoco, MuJoCo_VERSION and
 # MuJoCo_RUNTIME_LIBRARY (the shared library file, installed with the tool).
 #
 # Search order:
@@ -8,7 +8,7 @@
 #   3. the wheel that tools/setup.sh puts into build/deps;
 #   4. the wheel of the Python in use;
 #   5. system paths.
-# If (1) names a MuJoCo that cannot be used, that is an error; the search does not continue.
+# If (1) names an unusable MuJoCo, that is an error; the search does not continue.
 
 if(TARGET mujoco::mujoco)
   set(MuJoCo_FOUND TRUE)
@@ -88,7 +88,7 @@ if(NOT _mujoco_library AND NOT _mujoco_asked)
     set(_mujoco_config TRUE)
     set(_mujoco_version "${mujoco_VERSION}")
     set(_mujoco_library mujoco::mujoco)
-    # The file for any build type of the package.
+    # Use the file for any build type of the package.
     get_target_property(MuJoCo_RUNTIME_LIBRARY mujoco::mujoco IMPORTED_LOCATION)
     get_target_property(_configurations mujoco::mujoco IMPORTED_CONFIGURATIONS)
     foreach(_configuration IN LISTS _configurations)
@@ -129,7 +129,7 @@ elseif(NOT _mujoco_config)
   set_target_properties(mujoco::mujoco PROPERTIES
     IMPORTED_LOCATION "${_mujoco_library}" INTERFACE_INCLUDE_DIRECTORIES "${_mujoco_include}")
   if(WIN32)
-    # MinGW's linker takes the DLL itself, since the wheel has no import library.
+    # MinGW's linker reads the DLL itself, since the wheel has no import library.
     set_target_properties(mujoco::mujoco PROPERTIES IMPORTED_IMPLIB "${_mujoco_library}")
   endif()
   set(MuJoCo_RUNTIME_LIBRARY "${_mujoco_library}")

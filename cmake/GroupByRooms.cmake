@@ -8,7 +8,7 @@ set(retarget_hot_wings "base motion scene" "solve rig" robot)
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   if(RETARGET_QUICK_CODE)
-    # after the level of the build type; GCC 12 compiles a unit in three quarters of the time
+    # Overrides the level of the build type; GCC 12 compiles a unit in three quarters of the time.
     target_compile_options(${target} PRIVATE -O1)
   endif()
   foreach(wings IN LISTS retarget_unity_wings)
@@ -19,7 +19,7 @@ function(retarget_group_by_rooms target)
     # The headers of Windows define many short words as macros.
     list(FILTER files EXCLUDE REGEX "_win32\\.cpp$")
     list(LENGTH files count)
-    # units of equal size, because the last one determines the end
+    # Make units of equal size, because the last one determines the end.
     math(EXPR units "(${count} + ${RETARGET_UNITY_FILES} - 1) / ${RETARGET_UNITY_FILES}")
     set(index 0)
     foreach(file IN LISTS files)

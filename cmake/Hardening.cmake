@@ -7,7 +7,7 @@ include(CheckCXXCompilerFlag)
 include(CheckLinkerFlag)
 include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
-set(retarget_is_hardened OFF)  # for the tests
+set(retarget_is_hardened OFF)  # For the tests.
 
 # The Python module is a shared library of the same objects; its symbols are never interposed.
 set(retarget_position_independent "")

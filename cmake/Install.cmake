@@ -52,7 +52,7 @@ if(RETARGET_BUNDLE_MUJOCO)
   file(REAL_PATH "${MuJoCo_RUNTIME_LIBRARY}" retarget_mujoco_library)
   get_target_property(retarget_mujoco_headers mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)
   if(WIN32)
-    # Windows looks for it beside the program.
+    # Windows searches for it in the folder of the program.
     install(FILES ${retarget_mujoco_library} DESTINATION ${CMAKE_INSTALL_BINDIR})
   else()
     install(FILES ${retarget_mujoco_library} DESTINATION ${retarget_mujoco_folder})

@@ -5,14 +5,14 @@
 # The libraries use each other's internal headers and names. A shared build hides these names, so
 # there the core contains all modules, and the other libraries are aliases of it.
 
-set(retarget_libraries "")     # libraries with their own objects; build flags apply to each
-set(retarget_exported "")      # targets to install
-set(retarget_taken_rooms "")   # by libraries beside the core
-set(retarget_shared_links "")  # of the modules that a shared core includes
+set(retarget_libraries "")     # Libraries with their own objects; build flags apply to each.
+set(retarget_exported "")      # Targets to install.
+set(retarget_taken_rooms "")   # Modules of libraries other than the core.
+set(retarget_shared_links "")  # Links of the modules that a shared core includes.
 
 include(cmake/GroupByRooms.cmake)
 
-# Files named for a system hold its calls; their counterparts have the same functions.
+# Files named after a system hold its calls; their counterparts have the same functions.
 set(retarget_other_system win32)
 if(WIN32)
   set(retarget_other_system posix)

@@ -7,7 +7,7 @@
 # which are shorter than both.
 file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 if(WIN32)
-  return()  # Windows looks in the program's own folder.
+  return()  # Windows searches the program's own folder.
 endif()
 set(origin "$ORIGIN")
 if(APPLE)
@@ -20,7 +20,7 @@ if(RETARGET_BUNDLE_MUJOCO)
   list(PREPEND installed_retarget_cli "${origin}/${library_from_bin}/retarget")
 endif()
 
-# Sets one target's run path. build_folders: folders that only the build tree may name
+# Sets the run path of one target. build_folders: folders that only the build tree may name
 function(retarget_set_run_path target build_folders installed destination)
   if(APPLE)
     # macOS has no separators: each folder is a separate entry, which the install replaces.

@@ -8,7 +8,7 @@ function(sanitizer_runtime runtime)
     set(libraries address libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so thread NOTFOUND
       undefined libclang_rt.ubsan_standalone-${CMAKE_SYSTEM_PROCESSOR}.so)
   else()
-    # GCC's module brings the library of undefined behaviour along
+    # GCC's module includes the runtime library for undefined behaviour.
     set(libraries address libasan.so thread libtsan.so)
   endif()
   while(libraries)

@@ -1,4 +1,4 @@
-# Run at every build: writes OUTPUT, and only when it changes, so that nothing is compiled in vain.
+# Runs at every build. Writes OUTPUT only if it changes, so that nothing is compiled needlessly.
 
 set(GIT_COMMIT "")
 find_program(GIT git)

@@ -8,15 +8,15 @@
 
 file(REAL_PATH "${MuJoCo_RUNTIME_LIBRARY}" mujoco_library)
 get_filename_component(mujoco_folder ${mujoco_library} DIRECTORY)
-# in the build tree MuJoCo stays where it is; the colon that CMake would end this with stands for the
-# working directory (cmake/RunPath.cmake)
+# In the build tree, MuJoCo stays at its location. CMake would end the run path with a colon, which represents the
+# working directory (cmake/RunPath.cmake).
 set_target_properties(retarget_python PROPERTIES
   BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "${mujoco_folder};$ORIGIN/lib/retarget")
 if(NOT SKBUILD)
   return()
 endif()
 
-# run_path(FILE PATH): of an installed file, its own path in place of the build's
+# run_path(FILE PATH): sets the run path of an installed file, replacing that of the build
 function(run_path file path)
   string(REPLACE "$ORIGIN" "\\$ORIGIN" path "${path}")
   install(CODE "file(RPATH_SET FILE \"\${CMAKE_INSTALL_PREFIX}/${file}\" NEW_RPATH \"${path}\")" COMPONENT python)

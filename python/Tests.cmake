@@ -13,7 +13,7 @@ if(runtime MATCHES "NOTFOUND$")
   message(STATUS "Tests of the Python module are left out: this compiler's sanitizer does not work in Python")
   return()
 elseif(runtime)
-  # Python never frees some of what it allocates
+  # Python never frees some of its allocations.
   list(APPEND environment "LD_PRELOAD=${runtime}" "ASAN_OPTIONS=detect_leaks=0")
 endif()
 foreach(file IN LISTS python_tests)

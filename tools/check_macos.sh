@@ -4,7 +4,7 @@
 #   tools/check_macos.sh
 #
 # The compiler is a Python wheel (tools/zig.txt) that contains the C and C++ headers of macOS. Nothing is linked and
-# nothing runs: the result is that the code asks for nothing that macOS lacks. JOBS: the number of processes.
+# nothing runs: the check only shows that the code uses nothing that macOS lacks. JOBS: the number of processes.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)

@@ -42,6 +42,8 @@ import quality_tables as tables  # noqa: E402  (beside this file)
 
 SOURCE = pathlib.Path(__file__).resolve().parents[1]
 PICTURES = SOURCE / "docs/pictures"
+# Advice of the tests about outdated figures.
+AGAIN = "measure them again: tools/docs_figures.py --tool TOOL"
 # The gates that the pictures of pages show.
 PAGES_FILE = PICTURES / "pages.json"
 FIGURE = re.compile(r"<!-- figure: (?P<what>[^>]*?) -->(?P<text>.*?)<!-- /figure -->")

@@ -84,7 +84,7 @@ sys.exit('%d.%d' % sys.version_info[:2] != '$1' or not os.path.exists(sysconfig.
 
 python_headers() { "$1" -c 'import sysconfig; print(sysconfig.get_path("include"))'; }
 
-# Tools that make wheels and lists of parts, in an environment of their own.
+# Tools that make wheels and lists of parts, in a separate environment.
 prepare_tools() {
   tools=$root/build/deps/release_tools
   cmp -s "$root/tools/release.txt" "$tools/pinned" && return 0

@@ -59,7 +59,7 @@ build libzip "$(echo "$sources"/libzip-[0-9]*)" "${common[@]}" "-DZLIB_INCLUDE_D
   "-DZLIB_LIBRARY=$prefix/lib/libz.a" -DENABLE_COMMONCRYPTO=OFF -DENABLE_GNUTLS=OFF -DENABLE_MBEDTLS=OFF \
   -DENABLE_OPENSSL=OFF -DENABLE_WINDOWS_CRYPTO=OFF -DENABLE_BZIP2=OFF -DENABLE_LZMA=OFF -DBUILD_TOOLS=OFF \
   -DBUILD_REGRESS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_DOC=OFF
-# Nothing that would need a further library: neither encryption nor WebSockets.
+# Omits everything that would need a further library: encryption and WebSockets.
 [ "${WITHOUT_ZEROMQ:-}" = 1 ] ||
   build libzmq "$(echo "$sources"/libzmq-[0-9]*)" "${common[@]}" -DBUILD_SHARED=OFF -DBUILD_STATIC=ON -DBUILD_TESTS=OFF \
     -DZMQ_BUILD_TESTS=OFF -DWITH_PERF_TOOL=OFF -DWITH_DOCS=OFF -DWITH_LIBSODIUM=OFF -DENABLE_CURVE=OFF -DWITH_TLS=OFF \

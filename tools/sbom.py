@@ -17,10 +17,10 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
-# Debian's package for each header-only library
+# Debian's package of each header-only library.
 HEADERS = {"Eigen": "libeigen3-dev", "nlohmann-json": "nlohmann-json3-dev", "fmt": "libfmt-dev",
            "tl-expected": "libexpected-dev", "CLI11": "libcli11-dev"}
-# the name in THIRD_PARTY_NOTICES for each Debian source package of tools/release_sources.txt
+# The name in THIRD_PARTY_NOTICES of each Debian source package of tools/release_sources.txt.
 SOURCES = {"zlib": "zlib", "tinyxml2": "tinyxml2", "libzip": "libzip", "lz4": "LZ4", "zeromq3": "ZeroMQ",
            "hiredis": "hiredis"}
 LLVM = "LLVM's libc++, libc++abi, libunwind and compiler-rt"
@@ -43,7 +43,7 @@ def component(name: str, version: str, where: str, hashes: list[str] = (), kind:
             "licenses": [{"license": {"name": licences[name]}}],
             "properties": [{"name": "retarget:origin", "value": where}]}
     if hashes:
-        # of the archives or wheels that the pinned list names
+        # Hashes of the archives or wheels that the pinned list names.
         part["hashes"] = [{"alg": "SHA-256", "content": content} for content in hashes]
     return part
 

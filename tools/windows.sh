@@ -43,7 +43,7 @@ pack() {
   staged=$build/package
   rm -rf -- "$staged" "$build/$name.zip"
   cmake --install "$build" --prefix "$staged/$name" --strip >/dev/null
-  # Programs that link the library need their own compiler's build of it.
+  # A program that links the library needs a library built by its own compiler.
   rm -rf -- "$staged/$name/include" "$staged/$name"/lib/*.a "$staged/$name/lib/cmake"
   find "$staged/$name/lib/retarget" -mindepth 1 -maxdepth 1 -type d -exec rm -rf {} +
   mv "$staged/$name/lib/retarget" "$staged/$name/share/doc/retarget/mujoco"
@@ -60,7 +60,7 @@ run_tests() {
   local wine module failed=() wrapper=$build/wine-retarget native
   native=$(realpath "${RETARGET_TOOL:-$(native_tool)}")
   wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
-  # A Windows of its own, without messages of Wine.
+  # Use a separate Wine prefix, without messages of Wine.
   export WINEPREFIX=$build/wine WINEDEBUG=-all HOME=$build/home WINEPATH="Z:${build//\//\\}"
   mkdir -p "$HOME"
   cp build/deps/windows/mujoco/mujoco.dll "$build/"

@@ -15,7 +15,7 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TAG = "py3-none-win_amd64"
-DATE = (1980, 1, 1, 0, 0, 0)  # of every file
+DATE = (1980, 1, 1, 0, 0, 0)  # Date of every file.
 
 
 def setting(name):

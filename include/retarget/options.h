@@ -322,8 +322,8 @@ struct SolveOptions {
   Method method = Method::kFit;
   std::string fit_config;  ///< JSON file of FitOptions; overrides `fit`; empty: none.
   FitOptions fit;          ///< Options of Method::kFit.
-  /// Names of options of `fit` (fit_table) that a preset leaves as they are. It also leaves those
-  /// that differ from their defaults.
+  /// Names of options of `fit` (fit_table) that a preset does not change. It does not change options
+  /// that differ from their defaults either.
   std::vector<std::string> fit_given;
   double fit_window_s = 0.0;  ///< Overrides FitOptions::window, seconds; 0: no override.
   std::string scene;          ///< File of the scene around the human; empty: only a floor.

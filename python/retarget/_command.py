@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 PROGRAM = Path(__file__).resolve().parent / "bin" / "retarget"
-# In a build tree, the package is a folder of links, and the program is beside it.
+# In a build tree, the package is a folder of links, and the program is a sibling of that folder.
 _BUILT = Path(__file__).parents[2] / "tools" / "retarget" / "retarget"
 
 

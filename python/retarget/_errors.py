@@ -64,7 +64,7 @@ class ConfigError(Error, ValueError):
 class _MissingFile(FileNotFoundError):
     """The attributes of an OSError, for errors about missing files."""
 
-    # OSError would print its number and the name of the file in place of the text.
+    # OSError would print its number and the file name instead of the text.
     __str__ = Exception.__str__
 
     def _describe_file(self, file: str) -> None:

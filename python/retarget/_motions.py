@@ -22,7 +22,7 @@ def motion_from_qpos(qpos: ArrayLike, robot: Any, fps: float, contacts: ArrayLik
     try:
         shape = np.shape(qpos)
     except ValueError:
-        shape = ()  # a ragged list: the module explains it
+        shape = ()  # A ragged list: the module explains it.
     size = len(robot.zero_configuration)
     if len(shape) == 2 and shape[1] != size:
         raise UsageError(

@@ -30,7 +30,7 @@ class Page:
         return file
 
     def _repr_html_(self) -> str:
-        # A frame of its own keeps the styles of page and notebook apart.
+        # A separate frame keeps the styles of page and notebook apart.
         return (f'<iframe srcdoc="{html.escape(self.html)}" sandbox="allow-scripts" width="100%" '
                 f'height="{_PLAYER_HEIGHT}" style="border: 0"></iframe>')
 

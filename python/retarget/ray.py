@@ -5,7 +5,7 @@
     retarget.ray.retarget_dataset("s3://bucket/clips/", "/shared/out", "unitree_g1",
                                   address="auto", format="npz-mjlab")
 
-A few clips at a time are a task of Ray. A task solves its clips in a process of its own, as
+A few clips at a time are a task of Ray. A task solves its clips in a separate process, as
 `retarget batch` does and with the same bytes, and moves the files into the output folder, which all
 machines must see under the same path. The same call continues an interrupted one.
 Needs ray and pyarrow; URLs need fsspec.

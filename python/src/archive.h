@@ -112,7 +112,8 @@ class ArchiveReader {
     std::memcpy(data, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
-  // A count of things of at least `size` bytes each: wrong counts must not exhaust the memory.
+  // Reads a count of items of at least `size` bytes each. A wrong count must not exhaust the
+  // memory.
   std::size_t count(std::size_t size) {
     std::uint64_t number = 0;
     read(number);

@@ -10,8 +10,8 @@
 #include "retarget/time_scale.h"
 #include "retarget/triangle_mesh.h"
 
-// Members of the library's structs, for archives. The functions are in the structs' namespace, where
-// an archive finds them.
+// Members of the library's structs, for archives. The functions are in the structs' namespace,
+// where argument-dependent lookup finds them.
 
 namespace retarget {
 

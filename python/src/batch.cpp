@@ -32,7 +32,7 @@ OptionTable batch_keywords(BatchRequest& request) {
   append(table, without_rows_of(table, solving_table(request.run.options)));
   append(table, without_rows_of(table, robot_table(request.run.robot)));
   table.push_back(dynamics_row(request.of_clip.dynamics));
-  // Parameters of their own in Python.
+  // Python has separate parameters for these.
   return without(std::move(table), {"robot", "output"});
 }
 

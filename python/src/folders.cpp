@@ -39,7 +39,7 @@ OptionTable gallery_keywords(GalleryRequest& request) {
 
 namespace {
 
-// Runs a command that tells what it does; returns what it told.
+// Runs a command and returns its messages.
 template <typename Function>
 nb::list notes_of(const Function& function) {
   nb::list notes;

@@ -129,7 +129,7 @@ class SharedRetargeter {
     without_gil([&] { return locked([&] { return take({human, {down, to_ground}}); }); });
   }
 
-  // Takes over the configuration and the last frame from a retargeter with other options.
+  // Takes over the configuration and the last frame of a retargeter with other options.
   void go_on_from(SharedRetargeter& before) {
     std::vector<double> qpos;
     std::optional<Frame> frame;

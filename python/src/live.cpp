@@ -24,7 +24,8 @@ namespace retarget::python {
 using namespace nb::literals;
 
 OptionTable live_keywords(LiveKeywords& options) {
-  // A rate is a number here, and a text or a number in other functions: an argument of its own.
+  // A rate is a number here, and a text or a number in other functions, so it is a separate
+  // argument.
   OptionTable table = without(live_table(options.live), {"fps"});
   append(table, rows_for(OptionUse::kLive, solve_table(options.run.solve)));
   append(table, rows_for(OptionUse::kLive, human_table(options.run.human)));
@@ -162,7 +163,7 @@ void open_live(PythonLive* self, const ClipHandle& clip, const RobotHandle& robo
   rate["fps"] = fps;
   apply_keywords(live_table(given.live), rate);
   apply_keywords(live_keywords(given), options);
-  // The clip calibrates the body; all of it may do so.
+  // The clip calibrates the body; all of its frames may do so.
   given.run.part.lead_in = LeadIn::kKeep;
   const Plan plan = without_gil([&] { return make_plan(*clip, robot.loaded, given.run); });
   LiveSession session = without_gil([&] { return LiveSession::make(plan, given.live); });

@@ -15,8 +15,8 @@ namespace retarget::python {
 
 namespace nb = nanobind;
 
-/// Collects the messages of a work in a Python list, and stops the work on Ctrl-C. The work may
-/// fork; processes other than the caller's report nothing.
+/// Collects messages in a Python list, and stops the work on Ctrl-C. The work may fork; processes
+/// other than the caller's report nothing.
 class NotesObserver : public Observer {
  public:
   NotesObserver(Watcher& watcher, nb::list notes);

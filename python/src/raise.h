@@ -1,7 +1,7 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>  // a caster: without it texts are none
+#include <nanobind/stl/string.h>  // A type caster: without it, texts become None.
 
 #include <string>
 #include <string_view>

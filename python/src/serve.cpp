@@ -29,7 +29,7 @@ namespace retarget::python {
 using namespace nb::literals;
 
 OptionTable serve_keywords(ServeRequest& request) {
-  // The robot is a parameter of its own, and so is the rate, which is a text in other functions.
+  // The robot is a separate parameter, and so is the rate, which is a text in other functions.
   return without(serve_table(request), {"robot", "fps"});
 }
 
@@ -75,7 +75,8 @@ class LoadingObserver : public Observer {
   std::vector<std::string> messages;
 };
 
-// A live run. run() is called once, on a thread of its own; the other functions from any thread.
+// A live run. run() is called once, on its own thread; the other functions may be called from any
+// thread.
 class PythonServer {
  public:
   PythonServer(RobotSetup robot, ServeRequest request, std::vector<std::string> messages)

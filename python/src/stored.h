@@ -9,8 +9,8 @@
 // Clips, robots, plans and motions as bytes, for pickles. Equal values give equal bytes.
 //
 // A robot is stored by its name or path and the hash of its model. A plan is stored as its clip,
-// robot and options, and made again. A motion that was solved adds its frames and what the solver
-// found, so that nothing is solved again.
+// robot and options, and made again. A solved motion adds its frames and the results of the solver,
+// so that nothing is solved again.
 
 namespace retarget::python {
 

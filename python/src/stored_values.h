@@ -58,7 +58,7 @@ struct StoredPlan {
   std::string clip, robot;
   StoredOptions options, fit;
   std::vector<std::string> fit_given;
-  std::string decisions;  // Their hash.
+  std::string decisions;  // Hash of the decisions.
   std::optional<TimeScale> time_scale;
 };
 
@@ -100,7 +100,7 @@ void fields(Archive& archive, StoredMotion& motion) {
           motion.qpos, motion.save, motion.contacts, motion.solution);
 }
 
-/// FNV-1a: finds bytes that were cut off or changed on the way.
+/// FNV-1a: detects bytes that were truncated or changed.
 inline std::uint64_t checksum_of(std::string_view bytes) {
   std::uint64_t sum = 0xcbf29ce484222325U;
   for (const char each : bytes) sum = (sum ^ static_cast<unsigned char>(each)) * 0x100000001b3U;

@@ -23,7 +23,7 @@ from typing import Literal, TypedDict
 StrPath = str | os.PathLike[str]
 '''
 
-# functions that take the options of several tables
+# Functions that take the options of several tables.
 JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions"),
           "LoadMotionOptions": ("ReadingOptions", "RobotOptions"),
           "EvaluateClipOptions": ("EvaluateOptions", "SourceOptions"),
@@ -54,7 +54,7 @@ def main(folder: Path) -> None:
     # In this process: an emulated Python cannot start itself.
     stubgen.main(["-q", "-m", "retarget._retarget", "-o", str(folder / "_retarget.pyi")])
     stub = (folder / "_retarget.pyi").read_text(encoding="utf-8")
-    # the module that has the options must be imported itself
+    # The module with the options must be imported explicitly.
     stub = stub.replace("\nimport retarget\n", "\nimport retarget._options\n")
     (folder / "_retarget.pyi").write_text(stub, encoding="utf-8")
 

@@ -136,7 +136,7 @@ def test_motions_are_read_again(walked: retarget.Motion, g1: retarget.Robot,
         else:
             np.testing.assert_allclose(motion.qpos, walked.qpos, atol=1e-6)
         assert motion.source is None
-        if ending == "npz":  # it stores them, at its own rate
+        if ending == "npz":  # An NPZ stores them, at its own rate.
             assert motion.contacts.shape == (len(motion), 4)
             nearest = np.minimum(np.rint(np.arange(len(motion)) * 0.6).astype(int), len(walked) - 1)
             assert (motion.contacts == walked.contacts[nearest]).mean() > 0.99
@@ -169,7 +169,7 @@ def test_kinematics_are_mujoco_s(walked: retarget.Motion, g1: retarget.Robot) ->
     mujoco = pytest.importorskip("mujoco")
     try:
         model = mujoco.MjModel.from_xml_path(g1.model)
-    except ValueError as error:  # older versions refuse bodies without mass
+    except ValueError as error:  # Older versions reject bodies without mass.
         pytest.skip(str(error))
     data = mujoco.MjData(model)
     positions, rotations = g1.forward_kinematics(walked.qpos[::20])

@@ -32,11 +32,11 @@ def test_examples(data: Path, walk: retarget.Clip, g1: retarget.Robot, walked: r
              "files": ["walk.bvh", "wave.bvh"], "positions": walk.positions,
              "names": walk.joint_names}
     blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
-    # A block with an ellipsis in a list is a pattern and no program.
+    # A block with an ellipsis in a list is a pattern and not a program.
     programs = [block for block in blocks if "...]" not in block]
     assert len(programs) >= 9
     for program in programs:
-        names["clip"] = walk  # some programs make another one
+        names["clip"] = walk  # Some programs make another clip.
         exec(compile(program, str(PAGE), "exec"), names)
     motion = names["motion"]
     assert Path("gallery/index.html").exists()

@@ -26,11 +26,11 @@ def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
     lines = (data / "walk.bvh").read_text().splitlines(keepends=True)
     lines[-1] = "1.0 2.0 oops\n"
     broken.write_text("".join(lines))
-    told = command(broken, "g1", "-o", tmp_path / "out.csv", code=3).stderr
+    printed = command(broken, "g1", "-o", tmp_path / "out.csv", code=3).stderr
     with pytest.raises(retarget.InputError) as raised:
         retarget.to_robot(broken, "g1")
     error = raised.value
-    assert spelled(told.strip()).endswith(str(error))
+    assert spelled(printed.strip()).endswith(str(error))
     assert error.kind == "input" and error.file == str(broken) and error.line == len(lines)
     assert error.column > 0 and error.message in str(error) and error.hint in str(error)
     assert not (tmp_path / "out.csv").exists()
@@ -58,7 +58,7 @@ def test_arguments_of_a_wrong_type_raise_type_errors(
         for call in wrong:
             with pytest.raises(TypeError, match=text) as raised:
                 call()
-            # callers that catch the package's errors catch it, too
+            # Callers that catch the package's errors catch it as well.
             assert isinstance(raised.value, retarget.UsageError)
             assert raised.value.kind == "usage"
 
@@ -200,10 +200,10 @@ def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
              lambda: retarget.to_robot(tmp_path / "cut.bvh", "g1", lenient=True, method="gmr",
                                        end=0.2)]
     for call in calls:
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             call()
-        places = {(each.filename, each.lineno) for each in told}
+        places = {(each.filename, each.lineno) for each in caught}
         assert len(places) == 1
         [(file, line)] = places
         first = call.__code__.co_firstlineno
@@ -233,12 +233,12 @@ def test_a_missing_file_is_python_s_error_too(walk: retarget.Clip, g1: retarget.
         error = raised.value
         assert isinstance(error, kind) and isinstance(error, ValueError)
         assert error.filename == error.file == missing and error.errno == errno.ENOENT
-        # The text is the command's, and not that of an OSError.
+        # The text is that of the command, and not that of an OSError.
         assert str(error).startswith(missing) and error.message in str(error)
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error) and str(again) == str(error)
         assert again.filename == missing and again.hint == error.hint
-    # A folder and a name that is not a file are other mistakes.
+    # A folder, and a name that is not a file, are different errors.
     for call in (lambda: retarget.load(tmp_path), lambda: retarget.Robot("g2"),
                  lambda: retarget.Clip.from_positions(np.zeros((2, 3, 3)), fps=30, name="gone")):
         with pytest.raises(retarget.Error) as raised_other:

@@ -29,7 +29,7 @@ def test_report_of_a_solved_motion(clip: str, data: Path, tmp_path: Path, comman
                          "--bvh", data / f"{clip}.bvh")
     report = retarget.evaluate(motion)
     assert report.data["fit"]["terms"]
-    # a file does not record whether its solver failed
+    # A file does not record whether its solver failed.
     of_run = ("fit", "file", "solver_failures")
     own = {key: value for key, value in report.data.items() if key not in of_run}
     own["gates"] = [gate for gate in own["gates"] if gate["metric"] not in of_run]

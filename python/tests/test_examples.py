@@ -36,8 +36,8 @@ def test_a_folder(data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (tmp_path / f"clips/{name}.bvh").write_bytes((data / f"{name}.bvh").read_bytes())
     (tmp_path / "clips/broken.bvh").write_text("HIERARCHY\nROOT\n")
     run("02_folder.py", tmp_path / "clips", "unitree_g1", tmp_path / "out")
-    told = capsys.readouterr().out
-    assert "broken.bvh:3:1" in told and "walk.bvh: good" in told and "1 failed" in told
+    printed = capsys.readouterr().out
+    assert "broken.bvh:3:1" in printed and "walk.bvh: good" in printed and "1 failed" in printed
     assert len(list((tmp_path / "out").glob("*.npz"))) == 4
 
 

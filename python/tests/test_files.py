@@ -87,12 +87,12 @@ def test_compare(walked: retarget.Motion, walk: retarget.Clip, g1: retarget.Robo
     assert column.column == g1.joint_names[2]
     assert (column.first_frame, column.frames_beyond) == (40, 3) and 40 <= column.largest_frame < 43
     other.save(tmp_path / "b.csv")
-    told = words(command("compare", tmp_path / "a.csv", tmp_path / "b.csv", code=1).stderr)
+    printed = words(command("compare", tmp_path / "a.csv", tmp_path / "b.csv", code=1).stderr)
     plain = retarget.compare(tmp_path / "a.csv", tmp_path / "b.csv")
-    assert all(line in told for line in plain.lines) and str(plain).splitlines() == plain.lines
-    told = words(command("compare", tmp_path / "a.csv", tmp_path / "b.csv", "--robot", "g1",
-                         code=1).stderr)
-    assert all(line in told for line in
+    assert all(line in printed for line in plain.lines) and str(plain).splitlines() == plain.lines
+    printed = words(command("compare", tmp_path / "a.csv", tmp_path / "b.csv", "--robot", "g1",
+                            code=1).stderr)
+    assert all(line in printed for line in
                retarget.compare(tmp_path / "a.csv", tmp_path / "b.csv", "g1").lines)
     # q and -q are the same rotation.
     flipped = walked.qpos.copy()
@@ -112,9 +112,9 @@ def test_compare_different_motions(walked: retarget.Motion, tmp_path: Path) -> N
 def test_robots(command, g1: retarget.Robot) -> None:
     listed = retarget.robots()
     assert [robot.name for robot in listed] == sorted(robot.name for robot in listed)
-    told = json.loads(command("robots", "list", "--json").stdout)
+    output = json.loads(command("robots", "list", "--json").stdout)
     assert [(robot.name, robot.joints, robot.height) for robot in listed] == [
-        (each["name"], each.get("joints"), each.get("height_m")) for each in told]
+        (each["name"], each.get("joints"), each.get("height_m")) for each in output]
     [one] = [robot for robot in listed if robot.name == "unitree_g1"]
     assert one.installed and one.has_configuration and one.licence_stated
     assert one.joints == len(g1.joint_names) and 1.2 < one.height < 1.4
@@ -126,7 +126,7 @@ def test_robots(command, g1: retarget.Robot) -> None:
 
 
 def test_a_page_is_the_command_s(g1: retarget.Robot, data: Path, tmp_path: Path, command) -> None:
-    # A page names its file: the output of the command, the source in Python. They are alike here.
+    # A page names its file: the output of the command, the source in Python. They are equal here.
     (tmp_path / "in").mkdir()
     source = tmp_path / "in/walk.csv"
     source.write_bytes((data / "walk.bvh").read_bytes())
@@ -201,9 +201,9 @@ def test_the_module_runs_the_command(tool: str) -> None:
         pytest.skip("the package cannot be imported without the sanitizer library")
     done = subprocess.run([sys.executable, "-m", "retarget", "--version"], text=True,
                           capture_output=True, env=environment, timeout=100)
-    told = subprocess.run([tool, "--version"], text=True, capture_output=True, env=environment,
-                          timeout=100)
-    assert done.returncode == 0 and done.stdout == told.stdout
+    printed = subprocess.run([tool, "--version"], text=True, capture_output=True, env=environment,
+                             timeout=100)
+    assert done.returncode == 0 and done.stdout == printed.stdout
     assert re.match(r"retarget \d", done.stdout)
     wrong = subprocess.run([sys.executable, "-m", "retarget", "robots"], text=True,
                            capture_output=True, env=environment, timeout=100)

@@ -21,7 +21,7 @@ def made(*arguments: Any, **keywords: Any) -> retarget.Clip:
 def test_joints_stay(walk: retarget.Clip) -> None:
     clip = made(walk.positions, walk.joint_names, fps=walk.fps)
     back = [clip.joint_names.index(name) for name in walk.joint_names]
-    np.testing.assert_allclose(clip.positions[:, back], walk.positions, atol=1e-3)  # centimetres
+    np.testing.assert_allclose(clip.positions[:, back], walk.positions, atol=1e-3)  # Centimetres.
     assert any("rotations were computed" in text for text in clip.warnings)
     assert clip.fps == walk.fps and clip.name == "positions"
 

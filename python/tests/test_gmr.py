@@ -78,7 +78,7 @@ def test_the_state_carries_over_and_can_be_set() -> None:
     other.qpos = half
     np.testing.assert_array_equal(other.qpos, half)
     np.testing.assert_array_equal([other.retarget(frame) for frame in frames[10:]], whole)
-    half[:] = 0.0  # the caller's own
+    half[:] = 0.0  # The array belongs to the caller.
     assert np.linalg.norm(other.qpos[3:7]) == pytest.approx(1.0)
     other.setup_retarget_configuration()
     np.testing.assert_array_equal(other.retarget(frames[0]), make_retargeter().retarget(frames[0]))
@@ -116,7 +116,7 @@ def test_targets_are_scaled_and_offset_step_by_step() -> None:
     for name, (position, rotation) in found.items():
         np.testing.assert_allclose(data[name][0], position, rtol=0, atol=1e-15)
         np.testing.assert_allclose(data[name][1], rotation, rtol=0, atol=1e-15)
-    # by hand
+    # Computed by hand.
     scales, root = retargeter.human_scale_table, frame["Hips"][0]
     assert scales["LeftHand"] == 0.75 * 1.75 / 1.8
     np.testing.assert_allclose(

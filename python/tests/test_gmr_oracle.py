@@ -127,7 +127,7 @@ def test_the_reference_on_published_tables_and_models(tables, to_ground, monkeyp
                    for name, (position, rotation) in targets.items()}
     expected, errors = module.retarget(model, config, targets, len(frames))
 
-    # the published model, and retarget's own
+    # The published model, and retarget's own.
     for xml in {models[0], params.ROBOT_XML_DICT.get(robot, models[0])}:
         monkeypatch.setitem(params.ROBOT_XML_DICT, robot, xml)
         retargeter = GeneralMotionRetargeting("smplx", robot, 1.7, verbose=False,

@@ -80,7 +80,7 @@ def test_the_preset_for_policies(walk: retarget.Clip, g1: retarget.Robot) -> Non
     preset = retarget.to_robot(walk, g1, for_="tracking", end=2)
     calm = retarget.to_robot(walk, g1, for_="tracking", end=2, without="dynamics")
     assert preset.qpos.tobytes() != calm.qpos.tobytes()
-    # Options of the fit that are given win, also with their default values.
+    # Given options of the fit take precedence, even with their default values.
     given = {"smoothness_leg": 1.75, "smoothness_arm": 2.15, "smoothness_wrist": 1.65,
              "smoothness_root_position": 60.0, "smoothness_root_reference": 1.0,
              "smoothness_root_rotation": 4.0}
@@ -104,8 +104,8 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
     elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report", "html",
                  "png", "strip", "write_map", "verbose", "help", "help_all", "version",
                  "mirror",  # retarget.edit.mirror()
-                 "dynamics", "gate"}  # those of retarget.evaluate()
-    # keywords of Python get a trailing underscore
+                 "dynamics", "gate"}  # Options of retarget.evaluate().
+    # Python keywords get a trailing underscore.
     keywords = {name.rstrip("_") for name in inspect.signature(retarget.to_robot).parameters}
     assert names - keywords <= elsewhere
     assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords

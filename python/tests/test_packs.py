@@ -61,7 +61,7 @@ def writer(kind: str):
 def test_same_clips_same_bytes(kind: str, clips: Clips, tmp_path: Path) -> None:
     write = writer(kind)
     write(clips, tmp_path / "a", max_clips=4)
-    time.sleep(1.1)  # Times in files would have another second.
+    time.sleep(1.1)  # Times in files would otherwise have the same second.
     write(sorted(clips.items()), tmp_path / "b", max_clips=4)
     assert hashes(tmp_path / "a") == hashes(tmp_path / "b")
     assert not [file for file in tmp_path.iterdir() if file.name.startswith(".")]

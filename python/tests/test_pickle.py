@@ -14,7 +14,7 @@ import pytest
 
 import retarget
 
-# Queues pass the robot on with every task.
+# Queues send the robot with every task.
 ROBOT_PICKLE_BYTES = 4096
 
 
@@ -116,7 +116,7 @@ def test_a_motion_comes_back(way: str, walk: retarget.Clip, g1: retarget.Robot,
     assert saved(other, tmp_path, f"walk.{ending}") == saved(motion, tmp_path, f"walk.{ending}")
     assert saved(other, tmp_path, "walk.glb", format="glb") == saved(motion, tmp_path, "walk.glb",
                                                                      format="glb")
-    # All figures, and what the fit reports about itself.
+    # All metrics, and the report of the fit.
     assert retarget.evaluate(other).json == retarget.evaluate(motion).json
     assert retarget.evaluate(other, limits="model").json == retarget.evaluate(
         motion, limits="model").json
@@ -175,7 +175,7 @@ def test_reports_and_copies(walked: retarget.Motion, walk: retarget.Clip,
     assert other.figures == report.figures and other.faults == report.faults
     assert copy.deepcopy(report).json == report.json
     plan = retarget.make_plan(walk, g1)
-    # Nothing can change them, so a copy needs no memory.
+    # The values are immutable, so a copy needs no memory.
     for value in (walked, walk, g1, plan):
         assert copy.deepcopy(value) is value and copy.copy(value) is value
     assert copy.deepcopy([walk, {"motion": walked}])[1]["motion"] is walked

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif("LD_PRELOAD" in os.environ,
 
 CLIPS = 200
 POISON = "c1/walk_030.bvh"
-# A driver outside of this process. Ray stops its tasks when it ends.
+# A driver outside this process. Ray stops its tasks when it ends.
 DRIVER = """
 import sys, retarget.ray, retarget.data_set.manifest as manifest
 manifest._SECONDS = 0.2

@@ -24,17 +24,17 @@ def long_walk(walk: retarget.Clip) -> retarget.Clip:
 
 
 def test_progress(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
-    told: list[tuple[str, int, int]] = []
+    reports: list[tuple[str, int, int]] = []
     thread: set[int] = set()
 
     def progress(stage: str, done: int, total: int) -> None:
-        told.append((stage, done, total))
+        reports.append((stage, done, total))
         thread.add(threading.get_ident())
 
     short = retarget.edit.trim(long_walk, frames="0:3000")
     motion = retarget.to_robot(short, g1, progress=progress)
-    assert {stage for stage, _, _ in told} <= {"frames", "fit"} and told
-    assert all(0 <= done <= total for _, done, total in told)
+    assert {stage for stage, _, _ in reports} <= {"frames", "fit"} and reports
+    assert all(0 <= done <= total for _, done, total in reports)
     assert thread == {threading.get_ident()}
     silent = retarget.to_robot(short, g1)
     assert silent.qpos.tobytes() == motion.qpos.tobytes()
@@ -259,7 +259,7 @@ def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
     assert result.failed == 0 and [entry["relative"] for entry in result.clips] == [odd.name]
     with (out / "manifest.jsonl").open("a") as file:
         file.write('{"torn')
-    # of another part
+    # A manifest of another part.
     (out / "manifest.2-of-2.jsonl").write_text(json.dumps({"relative": "other"}) + "\n")
     again = retarget.batch(odd, out, "unitree_g1", method="gmr", end=0.2, resume=True)
     assert {entry["relative"] for entry in again.clips} == {odd.name}

@@ -286,7 +286,7 @@ std::int64_t read_bytes(int descriptor, void* bytes, std::size_t count) {
 
 std::int64_t write_bytes(int descriptor, const void* bytes, std::size_t count) {
   const int done = ::_write(descriptor, bytes, piece_of(count));
-  // So the C library calls a pipe without a reader.
+  // The C library reports a pipe without a reader as EINVAL.
   if (done < 0 && errno == EINVAL) errno = EPIPE;
   return done;
 }
@@ -383,10 +383,11 @@ int remove_folder(const std::string& path) {
 }
 
 int lock_file(int descriptor, LockKind kind) {
-  // Locks bar others from reading what they cover, so the locked byte lies far behind the content.
+  // A lock prevents other processes from reading the locked bytes, so the locked byte lies far
+  // behind the content.
   OVERLAPPED place = place_at(std::int64_t{1} << 62U);
   const HANDLE handle = handle_of(descriptor);
-  // The lock of this process is replaced.
+  // Release this process's previous lock, which the new one replaces.
   ::UnlockFileEx(handle, 0, 1, 0, &place);
   const DWORD alone = kind == LockKind::kAlone ? LOCKFILE_EXCLUSIVE_LOCK : 0;
   return result_of(::LockFileEx(handle, alone | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &place));

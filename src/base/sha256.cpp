@@ -110,7 +110,7 @@ RETARGET_SHA void blocks_by_instructions(std::array<std::uint32_t, 8>& state,
   _mm_storeu_si128(reinterpret_cast<__m128i*>(state.data() + 4), _mm_alignr_epi8(dchg, feba, 8));
 }
 
-// GCC 12 does not know "sha" in __builtin_cpu_supports.
+// GCC 12 does not support "sha" in __builtin_cpu_supports.
 bool has_sha_instructions() {
   unsigned a = 0;
   unsigned b = 0;
@@ -154,7 +154,7 @@ void Sha256::update(std::string_view bytes) {
   std::copy_n(next + left / kSha256Block * kSha256Block, left % kSha256Block, block_.begin());
 }
 
-// The padding: a one bit, zeros, and the size in bits as the last 64 bits of a block.
+// Padding: a one bit, zeros, and the size in bits as the last 64 bits of a block.
 Sha256::Digest Sha256::finish() {
   const std::uint64_t bits = size_ * 8;
   std::size_t filled = size_ % kSha256Block;

@@ -21,8 +21,8 @@ class Sha256 {
  private:
   std::array<std::uint32_t, 8> state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                       0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  std::array<std::uint8_t, 64> block_{};  // its first size_ % 64 bytes are still to be hashed
-  std::uint64_t size_ = 0;                // of all bytes so far
+  std::array<std::uint8_t, 64> block_{};  // The first size_ % 64 bytes are not hashed yet.
+  std::uint64_t size_ = 0;                // Size of all bytes so far.
 };
 
 /// The compression function of the standard on `count` blocks of 64 bytes, for Sha256 and its tests.

@@ -71,8 +71,8 @@ class GalleryMaker {
     return {};
   }
 
-  // Reports the result and what is missing, one sentence each.
-  void tell() const {
+  // Reports the result and missing files, one sentence each.
+  void report() const {
     if (!missing_.empty()) {
       observer_.warn({{0, 0,
                        (missing_.size() == 1 ? "a motion of the manifest is missing: "
@@ -338,7 +338,7 @@ Result<void> write_gallery(const GalleryRequest& request, Observer& observer) {
   RETARGET_TRY_ASSIGN(std::string robot, given_robot(request, batch, observer));
   GalleryMaker maker(request, std::move(batch), std::move(robot), observer);
   RETARGET_TRY(maker.make());
-  maker.tell();
+  maker.report();
   return {};
 }
 

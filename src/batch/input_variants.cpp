@@ -249,8 +249,8 @@ std::vector<BatchInput> with_mirror_images(std::vector<BatchInput> inputs) {
 
 namespace {
 
-// Random numbers that are equal on every machine: SplitMix64 (Steele, Lea and Flood, 2014), seeded by
-// a hash of a text (FNV-1a).
+// Pseudo-random numbers that are equal on every machine: SplitMix64 (Steele, Lea and Flood, 2014),
+// seeded by a hash of a text (FNV-1a).
 class ChangeDraw {
  public:
   explicit ChangeDraw(std::string_view text) {
@@ -280,7 +280,7 @@ std::string scaled(double value, double least, double most, ChangeDraw& draw, do
   return fmt::format("{:.3f}", std::clamp(factor * value, least, most));
 }
 
-// SolveOptions::terrain with other sizes; the least and most are within those that it accepts.
+// SolveOptions::terrain with other sizes, within the range that it accepts.
 std::string varied_terrain(const std::string& terrain, ChangeDraw& draw) {
   constexpr std::string_view kStairs = "stairs:", kSlope = "slope:";
   if (terrain.starts_with(kSlope)) {

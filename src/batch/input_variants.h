@@ -35,13 +35,13 @@ struct ClipRow {
                                                        const std::vector<ClipRow>& rows,
                                                        const std::string& path);
 
-/// Returns the inputs followed by their mirror images.
+/// Returns the inputs, followed by their mirror images.
 [[nodiscard]] std::vector<BatchInput> with_mirror_images(std::vector<BatchInput> inputs);
 
-/// Returns the inputs followed by `count` variations of each, in which the scene is changed at random:
-/// the sizes of SolveOptions::terrain; else position and size of the objects, if there are tracks;
-/// else the heights of the scene. The changes depend only on the seed, the clip's name and the number
-/// of the variation.
+/// Returns the inputs, followed by `count` variations of each, in which the scene is changed at
+/// random: the sizes of SolveOptions::terrain if it is set; otherwise position and size of the
+/// objects, if they have tracks; otherwise the heights of the scene. The changes depend only on the
+/// seed, the clip's name and the number of the variation.
 /// Errors (kUsage): the options have no scene.
 [[nodiscard]] Result<std::vector<BatchInput>> with_variations(std::vector<BatchInput> inputs,
                                                               int count, int seed,

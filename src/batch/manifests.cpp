@@ -219,10 +219,10 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   }
   RETARGET_TRY(write_summary(folder, entries, observer));
   // Clips of other calls do not belong to this call's data set.
-  const std::size_t unasked = std::erase_if(
+  const std::size_t unrequested = std::erase_if(
       entries, [&](const ManifestEntry& entry) { return !known.contains(entry.relative); });
-  if (unasked > 0) {
-    observer.line("lists", count_text(unasked, "clip") +
+  if (unrequested > 0) {
+    observer.line("lists", count_text(unrequested, "clip") +
                                " of the manifest are not part of this call and not listed");
   }
   return write_lists(folder, entries, rules, observer);

@@ -37,7 +37,7 @@ bool take_one(std::string_view& pattern, char letter) {
 // Backtracks only to the last `*`, so that the time is bounded by the product of the lengths.
 bool matches(std::string_view pattern, std::string_view name) {
   std::string_view after_star;
-  std::optional<std::string_view> rest;  // Of the name, for another try of the last `*`.
+  std::optional<std::string_view> rest;  // Rest of the name for the next attempt at the last `*`.
   for (;;) {
     if (!pattern.empty() && pattern.front() == '*') {
       pattern.remove_prefix(1);
@@ -59,7 +59,7 @@ bool matches(std::string_view pattern, std::string_view name) {
 
 }  // namespace
 
-// Names of files on Windows do not distinguish capital letters.
+// File names on Windows are case-insensitive.
 bool matches_pattern(const std::string& pattern, const std::string& name) {
   return matches(lower_case(pattern), lower_case(name));
 }

@@ -66,14 +66,14 @@ class OutputTree {
       const auto file = files_.find(folder);
       if (file == files_.end()) continue;
       return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
-                               "\", which is " + what_is(file->second),
+                               "\", which is " + owner_text(file->second),
                            "rename one of them or exclude it with " RETARGET_OPTION("exclude"));
     }
     return {};
   }
 
  private:
-  static std::string what_is(const BatchInput* owner) {
+  static std::string owner_text(const BatchInput* owner) {
     return owner == nullptr ? "a file of the batch itself"
                             : "the output of \"" + owner->path + "\"";
   }
@@ -82,7 +82,7 @@ class OutputTree {
     const auto [owner, is_new] = files_.emplace(path, &input);
     if (!is_new) {
       return usage_failure("the output of \"" + input.path + "\" would be called \"" + path +
-                               "\", which is " + what_is(owner->second),
+                               "\", which is " + owner_text(owner->second),
                            "rename one of them, exclude it with " RETARGET_OPTION(
                                "exclude") ", or write one format at a time");
     }
@@ -260,7 +260,7 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
 
 void FolderLock::release() {
   if (descriptor_ < 0) return;
-  // The last holder removes the file. Processes that have it open notice this with is_in_place().
+  // The last holder removes the file. Processes that have it open detect this with is_in_place().
   if (held_ && os::lock_file(descriptor_, os::LockKind::kAlone) == 0) os::remove_file(path_);
   os::close_file(std::exchange(descriptor_, -1));
   held_ = false;

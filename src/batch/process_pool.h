@@ -50,8 +50,8 @@ struct TaskEnd {
 /// @param memory  estimated bytes per task.
 /// @param work    runs a task, in a process of the pool; must not throw.
 /// @param ended   called in this process, sequentially, for every task that began.
-/// Windows cannot fork: there the tasks run on threads of this process. A crash ends all of them,
-/// memory has no limit, and task_deadline() tells a task when it must end.
+/// Windows cannot fork, so there the tasks run on threads of this process. A crash ends all of
+/// them, memory has no limit, and tasks read their deadline from task_deadline().
 /// Errors (kRun): no process could be created.
 [[nodiscard]] Result<void> run_in_processes(
     std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,

@@ -52,7 +52,7 @@ class ThreadPool {
   }
 
  private:
-  // Runs tasks until none is left.
+  // Runs tasks until none remain.
   void serve() {
     std::unique_lock lock(mutex_);
     for (;;) {

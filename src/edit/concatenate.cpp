@@ -41,7 +41,8 @@ class Joiner {
     mover.move_all(*raised_, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift}});
   }
 
-  // Widens the search band until a good seam is found; without one keeps the narrowest band.
+  // Widens the search band until a good seam is found. Keeps the narrowest band if there is no good
+  // seam.
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     RETARGET_TRY_ASSIGN(auto first, join(seam));
@@ -123,7 +124,7 @@ class Joiner {
   std::optional<Clip> raised_;  // Clip b raised to a's floor, if it moves.
 };
 
-void tell_seam(Concatenation& joined, const FrameRate& rate) {
+void describe_seam(Concatenation& joined, const FrameRate& rate) {
   const Seam& seam = joined.seam;
   auto& notes = joined.notes;
   if (seam.overlap == 0) {
@@ -252,7 +253,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const Calibratio
     return input_failure(*name, "the clip has no frames to join");
   }
   RETARGET_TRY_ASSIGN(auto joined, Joiner(a, b, calibration, *mover, options).run());
-  tell_seam(joined, a.rate());
+  describe_seam(joined, a.rate());
   judge_seam(joined, options.seam.search_all, std::max(a.duration(), b.duration()), a_name, b_name);
   return joined;
 }

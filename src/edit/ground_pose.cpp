@@ -297,11 +297,11 @@ CloudAlignment WindowDistance::at(int i, int j) const {
   const auto points = a_.frames(i, i + frames);
   const std::vector<double> weights(points.size(), 1.0);
   CloudAlignment aligned = align_clouds(points, b_.frames(j, j + frames), weights);
-  aligned.distance = with_foretold(i, j, aligned);
+  aligned.distance = with_predicted_frame(i, j, aligned);
   return aligned;
 }
 
-double WindowDistance::with_foretold(int i, int j, const CloudAlignment& aligned) const {
+double WindowDistance::with_predicted_frame(int i, int j, const CloudAlignment& aligned) const {
   const int frames = frames_at(i, j);
   if (frames >= length_) return aligned.distance;
   // Predicts the frame after the last common one: the clip's own, or a parabola through its last
@@ -362,7 +362,7 @@ CloudAlignment WindowDistance::from_sums(const PairSums& sums, int i, int j, int
     result.a_from_b = {Eigen::Vector2d(a.x, a.y) / count -
                            turn * Eigen::Vector2d(Eigen::Vector2d(b.x, b.y) / count),
                        turn.heading};
-    result.distance = with_foretold(i, j, result);
+    result.distance = with_predicted_frame(i, j, result);
   }
   return result;
 }

@@ -131,7 +131,7 @@ class WindowDistance {
   static std::vector<CloudSums> sums_of(const PoseClouds& clouds);
   [[nodiscard]] PairSums pair(int i, int j) const;
   [[nodiscard]] CloudAlignment from_sums(const PairSums& sums, int i, int j, int frames) const;
-  [[nodiscard]] double with_foretold(int i, int j, const CloudAlignment& aligned) const;
+  [[nodiscard]] double with_predicted_frame(int i, int j, const CloudAlignment& aligned) const;
 
   const PoseClouds& a_;
   const PoseClouds& b_;

@@ -201,7 +201,7 @@ Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& a
   return result;
 }
 
-void tell(Loop& loop, const FrameRate& rate, bool in_place) {
+void describe(Loop& loop, const FrameRate& rate, bool in_place) {
   loop.notes = {
       {"cycle", count_text(loop.cycle, "frame") + ", " + number_text(rate.time_of(loop.cycle), 3) +
                     " s; its ends were " + number_text(100.0 * loop.distance, 2) + " cm apart"},
@@ -269,7 +269,7 @@ Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
   Loop loop{{std::move(whole)},      end.frame,
             end.aligned.distance,    advance,
             advance * start - start, std::move(joined.check)};
-  tell(loop, clip.rate(), options.in_place);
+  describe(loop, clip.rate(), options.in_place);
   return loop;
 }
 

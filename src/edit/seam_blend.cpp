@@ -27,8 +27,8 @@ class SeamMixer {
     const int after = at_a > 0 && at_b > 0 ? 0 : 1;
     step_a_ = at_a + after;
     step_b_ = at_b + after;
-    foretold_ = step_a_ >= a.frame_count();
-    steps_ = step_b_ < b.frame_count() && (!foretold_ || at_a >= 2);
+    extrapolated_ = step_a_ >= a.frame_count();
+    steps_ = step_b_ < b.frame_count() && (!extrapolated_ || at_a >= 2);
   }
 
   /// @param in  returns the value of a clip in a frame.
@@ -71,9 +71,9 @@ class SeamMixer {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
     // If both clips have the same frame at the seam, b continues with its own velocity.
     constexpr double kSameFrame = 1e-7;
-    if (steps_ && (!foretold_ || gap.norm() > kSameFrame)) {
+    if (steps_ && (!extrapolated_ || gap.norm() > kSameFrame)) {
       const int last = region_.begin;
-      const Eigen::Vector3d of_a = foretold_
+      const Eigen::Vector3d of_a = extrapolated_
                                        ? Eigen::Vector3d(2.0 * step(a_, last) - step(a_, last - 1))
                                        : step(a_, step_a_);
       velocity = of_a - step(b_, step_b_);
@@ -87,7 +87,7 @@ class SeamMixer {
   const bool crossfades_;
   int step_a_ = 0, step_b_ = 0;  // Frames at which the compared steps end.
   bool steps_ = false;           // True if both steps are known.
-  bool foretold_ = false;        // True if a's step is extrapolated from its last two steps.
+  bool extrapolated_ = false;    // True if a's step is extrapolated from its last two steps.
 };
 
 // Sets the world pose of the hips through their own channels, or through the joint that moves the

@@ -92,8 +92,8 @@ struct WarpedFrame {
 [[nodiscard]] std::int64_t warped_frame_count(const TimeScale& scale, const FrameRate& rate,
                                               std::int64_t frame_count);
 
-/// Stretches the time of a clip; its rate stays. Between frames, rotations and translations follow
-/// the splines of TrackSampler.
+/// Stretches the time of a clip and keeps its rate. Between frames, rotations and translations
+/// follow the splines of TrackSampler.
 [[nodiscard]] Clip warp_time(const Clip& clip, const TimeScale& scale);
 
 }  // namespace retarget

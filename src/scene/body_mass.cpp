@@ -10,7 +10,7 @@ namespace retarget {
 
 MeshVolume volume_of(const TriangleMesh& mesh) {
   MeshVolume volume;
-  // Relative to a vertex, so that a closed mesh far from the origin keeps its digits.
+  // Compute relative to a vertex, so that a closed mesh far from the origin keeps its precision.
   const Eigen::Vector3d& from = mesh.vertices.front();
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto corner = [&](int index) -> Eigen::Vector3d {

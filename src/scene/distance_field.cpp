@@ -31,7 +31,7 @@ double sign_of(double value) {
   return value < 0.0 ? -1.0 : 1.0;
 }
 
-// The half space below z = 0.
+// Distance to the half space below z = 0.
 SurfaceDistance distance_to_plane(const Vector3d& point) {
   return {point.z(), Vector3d::UnitZ()};
 }

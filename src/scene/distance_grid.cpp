@@ -23,11 +23,11 @@ constexpr double kCoarsest = 0.25;                     // Metres.
 constexpr double kMargin = 0.08;                       // Metres.
 constexpr double kMinMargin = 4.0, kMaxMargin = 16.0;  // Cells.
 constexpr double kMaxNodes = 2e6;
-constexpr double kMaxNodesOfAxis = 1e6;  // Before the product is compared with the limit.
+constexpr double kMaxNodesOfAxis = 1e6;  // Limit per axis, checked before the product of all axes.
 constexpr double kSmallest = 1e-6;       // Metres; the size of a mesh that is a single point.
 
-// Cubic Hermite polynomials: weights of the values and slopes at both ends of a cell, at a place in
-// it, and the derivatives of these weights.
+// Cubic Hermite polynomials: weights of the values and slopes at both ends of a cell, at a position
+// in it, and the derivatives of these weights.
 struct Hermite {
   double value0, value1, slope0, slope1;
 };
@@ -186,7 +186,7 @@ namespace fs = std::filesystem;
 __extension__ using Uint128 = unsigned __int128;
 
 constexpr std::string_view kMagic = "RTGRID\r\n";
-// To be raised whenever the samples of the same mesh and layout change.
+// Increase this when the samples of the same mesh and layout change.
 constexpr std::uint64_t kVersion = 1;
 constexpr std::size_t kHashLength = 32;
 

@@ -13,7 +13,7 @@
 
 namespace retarget {
 
-/// Places of the samples of a grid: node (i, j, k) lies at origin + spacing * (i, j, k).
+/// Sample positions of a grid: node (i, j, k) lies at origin + spacing * (i, j, k).
 struct GridLayout {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< Metres, in the mesh's frame.
   double spacing = 0.0;                              ///< Metres.
@@ -49,7 +49,7 @@ class DistanceGrid {
   [[nodiscard]] std::vector<float> values() const;
 
  private:
-  // A sample and its changes per cell; those of a row of cells follow each other in memory.
+  // A sample and its changes per cell. The nodes of a row are contiguous in memory.
   struct Node {
     float value, slope_x, slope_y, slope_z;
   };

@@ -130,7 +130,7 @@ class JsonSceneReader {
                                  : sizes_of(members, "scale", where);
     }
     if (named.empty()) faults_.add(where + "\"file\" must name a mesh");
-    // Files are read only if everything so far is right.
+    // Read files only if there are no errors so far.
     if (!faults_.empty()) return {};
     TRY_ASSIGN(const TriangleMesh mesh, find_scene_mesh(named, file_, scale));
     for (SceneShape& shape : shapes_of_mesh(mesh, pose)) shapes.push_back(std::move(shape));

@@ -77,7 +77,7 @@ bool is_finite(const Pose& pose) {
   return pose.rotation.coeffs().allFinite() && pose.translation.allFinite();
 }
 
-// Checks the numbers of a shape, which readers need not.
+// Checks the numbers of a shape, which readers need not check.
 bool is_sound(const SceneShape& shape) {
   if (!is_finite(shape.body_from_shape)) return false;
   if (shape.body_from_shape.translation.cwiseAbs().maxCoeff() > kMaxSceneReach) return false;
@@ -110,7 +110,7 @@ Result<void> check_bodies(const Bodies& bodies, const std::string& file) {
   return {};
 }
 
-// Names bodies without a name, and numbers those that have the name of an earlier one.
+// Names unnamed bodies, and numbers bodies with the name of an earlier one.
 void name_bodies(Bodies& bodies) {
   std::set<std::string> taken;
   for (const SceneBody& body : bodies) taken.insert(body.name);

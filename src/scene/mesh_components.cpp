@@ -95,7 +95,7 @@ std::vector<TriangleMesh> components_of(const TriangleMesh& mesh) {
   return result;
 }
 
-// Three edges from the first vertex to which all eight vertices are corners.
+// Returns three edges from the first vertex that span a box with all eight vertices as corners.
 std::optional<Matrix3d> edges_of(const std::vector<Vector3d>& vertices, double tolerance) {
   const auto is_vertex = [&](const Vector3d& point) {
     return std::ranges::any_of(vertices,

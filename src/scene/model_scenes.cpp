@@ -1,5 +1,5 @@
-// Scenes as MJCF and URDF: every body with geoms that take part in contacts, or every link with a
-// collision, is a body.
+// Scenes as MJCF and URDF. Every body with geoms that take part in contacts, or every link with a
+// collision, becomes a body.
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -162,7 +162,7 @@ class UrdfSceneReader {
     TRY(parse_xml(text.view(), document));
     const XMLElement& robot = *document.RootElement();
     TRY(read_joints(robot));
-    // Without collisions, the visuals describe the bodies.
+    // Without collisions, visuals describe the bodies.
     kind_ = has_collisions(robot) ? "collision" : "visual";
     for (const XMLElement* link = robot.FirstChildElement("link"); link != nullptr;
          link = link->NextSiblingElement("link")) {

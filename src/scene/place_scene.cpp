@@ -48,7 +48,7 @@ Result<std::size_t> body_of(const ObjectTrack& track, const Scene& scene) {
   return moving == 0 ? 0 : static_cast<std::size_t>(found - scene.bodies.begin());
 }
 
-// Place of the frames of a result in a track.
+// Position of a result's frames in a track.
 class TrackPlace {
  public:
   // @param rate  of the track
@@ -110,7 +110,7 @@ Result<void> place_track(const ObjectTrack& track, std::size_t body, const ClipT
   return {};
 }
 
-// The contacts that a track states, in the nearest frames.
+// Adds the contacts that a track states, in the nearest frames.
 void place_contacts(const ObjectTrack& track, std::size_t body, const ClipTimes& times,
                     SceneClip& clip) {
   const TrackPlace place(track.rate.value_or(times.source_rate), times);

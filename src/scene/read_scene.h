@@ -8,15 +8,15 @@
 
 namespace retarget {
 
-/// A body of a scene as a file describes it, in a tree.
+/// A body of a scene as its file describes it, in a tree.
 struct SceneLink {
   SceneBody body;   ///< Without its pose in the world.
   int parent = -1;  ///< Index of an earlier link; -1: the world.
   Pose parent_from_link;
 };
 
-/// Makes bodies of links: links that carry shapes, at rest. A link that hangs on a moving one is
-/// part of it, whatever its joint.
+/// Makes bodies of the links that carry shapes, at rest. A link attached to a moving link is part
+/// of it, whatever its joint.
 [[nodiscard]] std::vector<SceneBody> bodies_of_links(const std::vector<SceneLink>& links);
 
 /// Readers of scenes; the bodies may have names that are empty or not unique, and floors.

@@ -84,7 +84,7 @@ int TriangleTree::build(std::vector<int>& order, int begin, int end,
   const int index = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
   if (end - begin <= kLeafSize) {
-    // The order within the range depends on the library.
+    // Sort, because the order within the range depends on the library.
     std::sort(order.begin() + begin, order.begin() + end);
     for (int i = begin; i < end; ++i) {
       triangles_.push_back(triangles[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]);
@@ -141,7 +141,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vector3d& point, int guess) co
     if (square < best.squared_distance) best = {square, index};
   };
   if (guess >= 0) consider(guess);
-  // Halving reaches a leaf in fewer than 32 steps, and each step leaves one child for later.
+  // A leaf is reached in fewer than 32 steps, and each step defers one child.
   std::array<std::pair<double, int>, 64> open;
   std::size_t count = 0;
   open[count++] = {nodes_[0].box.squaredExteriorDistance(point), 0};
@@ -191,7 +191,7 @@ double TriangleTree::winding_number(const Vector3d& point) const {
 
 namespace {
 
-// Twice more changes samples by less than a tenth of a millimetre on scanned objects.
+// Two more rounds change samples by less than a tenth of a millimetre on scanned objects.
 constexpr int kRounds = 2;
 
 // The nearest triangle of every node.
@@ -253,7 +253,7 @@ class NearestTriangles {
     }
   }
 
-  // Passes triangles on along all three axes. @param direction  bit a: downwards in axis a
+  // Propagates triangles along all three axes. @param direction  bit a: downwards in axis a
   void sweep(int direction) {
     std::array<int, 3> step{};
     for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = (direction >> axis & 1) != 0 ? -1 : 1;
@@ -293,7 +293,7 @@ std::vector<float> sample_distance(const TriangleMesh& mesh, const GridLayout& l
   const double facing = volume_of(mesh).size < 0.0 ? -1.0 : 1.0;
   // Across holes, the sign changes within this range about a half.
   constexpr double kRange = 0.1;
-  // Away from the surface, nodes share the winding number of the even node below them; the way to
+  // Away from the surface, nodes share the winding number of the even node below them; the path to
   // it, at most sqrt(3) cells, does not cross the surface.
   constexpr double kNear = 1.75;
   std::vector<float> values(layout.count()), windings(layout.count());

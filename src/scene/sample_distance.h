@@ -20,8 +20,8 @@ class TriangleTree {
     double squared_distance = 0.0;  ///< Square metres.
     int triangle = -1;              ///< In the order of the tree.
   };
-  /// @param guess  a triangle that is probably near, as an earlier result named it; -1: none. It
-  ///     changes the time, and which of several equally near triangles is found.
+  /// @param guess  a triangle that is probably near, from an earlier result; -1: none. It affects
+  /// the time, and which of several equally near triangles is found.
   [[nodiscard]] Nearest nearest(const Eigen::Vector3d& point, int guess = -1) const;
 
   /// How often the surface winds around a point: 1 inside a closed mesh whose triangles face
@@ -56,12 +56,11 @@ class TriangleTree {
                                                   const Eigen::Vector3d& c);
 
 /// Samples the signed distance to a mesh at all nodes of a grid, metres, the x index fastest.
-///
 /// Distances are exact within a cell of the surface. Farther away, a node takes the nearest of the
 /// triangles that its neighbours found (sweeps in eight directions), so a distance can be too large
 /// by a small fraction of a cell. The sign is that of the winding number, so surfaces need not be
-/// closed: across a hole, the distance passes through zero where the surface winds around a point
-/// half a time. The triangles may all face inward.
+/// closed: across a hole, the distance passes through zero where the winding number is one half.
+/// All triangles may face inward.
 [[nodiscard]] std::vector<float> sample_distance(const TriangleMesh& mesh,
                                                  const GridLayout& layout);
 

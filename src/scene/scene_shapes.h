@@ -30,8 +30,8 @@ inline constexpr double kHeightDepth = 1.0;
     const std::string& named, const std::string& scene_file,
     const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), const Pose& file_from_mesh = {});
 
-/// Shapes with the surface of a mesh: a box for each of its components (sets of triangles that
-/// share corners) that is exactly a box, up to 0.001 % of its size, and one mesh for all others.
+/// Shapes with the surface of a mesh: a box for each component (a set of triangles that share
+/// corners) that is exactly a box, up to 0.001 % of its size, and one mesh for the rest.
 [[nodiscard]] std::vector<SceneShape> shapes_of_mesh(const TriangleMesh& mesh,
                                                      const Pose& body_from_mesh);
 

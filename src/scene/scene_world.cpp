@@ -95,7 +95,7 @@ SceneWorld scaled_world(const SceneWorld& world, double scale) {
     for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
       Pose& pose =
           result.clip.world_from_body[static_cast<std::size_t>(frame) * scene.bodies.size() + body];
-      // Of a static body the lowest point scales with its shapes.
+      // The lowest point of a static body scales with its shapes.
       const double low = scene.bodies[body].moves ? world.fields[body].lowest(pose.rotation) : 0.0;
       pose.translation *= scale;
       pose.translation.z() += (scale - 1.0) * low;

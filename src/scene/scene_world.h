@@ -20,8 +20,8 @@ struct SceneWorld {
   /// Signed distance of a point in the world to a body; the normal is in world axes.
   [[nodiscard]] SurfaceDistance distance(int frame, std::size_t body,
                                          const Eigen::Vector3d& point) const;
-  /// Whether a body is farther away from a point than `distance`, metres, by the sphere around it: a
-  /// fast test that is true only if distance() is greater.
+  /// Whether a body is farther from a point than `distance`, metres, by its bounding sphere: a fast
+  /// test that is true only if distance() is greater.
   [[nodiscard]] bool is_beyond(int frame, std::size_t body, const Eigen::Vector3d& point,
                                double distance) const {
     const double reach = scales[body] * fields[body].reach() + distance;

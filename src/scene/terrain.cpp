@@ -57,7 +57,8 @@ Scene terrain_scene(const Terrain& terrain, double length, double width) {
     body.shapes.push_back(slope_block(terrain.slope, length, width));
     return scene;
   }
-  // Layers, each from its riser to the end, so that inside a step its top is the nearest surface.
+  // Each layer extends from its riser to the end, so that the nearest surface inside a step is its
+  // top.
   for (int step = 0; step < terrain.count; ++step) {
     body.shapes.push_back(box_between({step * terrain.tread, -0.5 * width, step * terrain.rise},
                                       {length, 0.5 * width, (step + 1) * terrain.rise}));

@@ -31,7 +31,7 @@ extern const PageAsset kGalleryScript;  ///< dist/gallery.js
 [[nodiscard]] std::string fill_shell(
     const PageAsset& shell, std::span<const std::pair<std::string_view, std::string>> parts);
 
-/// Plain name of a metric of quality_metrics(), as pages show it instead of its key; the key if it is
+/// Name of a metric of quality_metrics() as pages show it instead of its key; the key if it is
 /// unknown.
 [[nodiscard]] std::string_view metric_label(std::string_view key);
 

@@ -107,7 +107,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// About ten megabytes of a page each.
+// This many triangles take about ten megabytes of a page.
 constexpr std::size_t kMaxSceneTriangles = 300'000;
 constexpr std::size_t kMaxSceneShapes = 20'000;
 constexpr std::size_t kMaxScenePoses = 1'000'000;

@@ -57,11 +57,11 @@ class TrackPacker {
 /// Makes the scenes of a page. A mesh that several scenes share is written once.
 class ScenePacker {
  public:
-  /// Packs a scene: `bodies` with names and shapes in the sizes of the robot's world; `robot` and, if
-  /// there is one, `human`: the worlds. A world has the number of `frames`, `poses` by body (null: the
-  /// body moves), and tracks of the moving bodies: `position` (metres) and `rotation` (wxyz), body by
-  /// body. `scale`: size of static bodies in the robot's world relative to the human's.
-  /// Errors: those of TrackPacker::add.
+  /// Packs a scene: `bodies` with names and shapes at the size in the robot's world; the worlds
+  /// `robot` and, if there is one, `human`. A world has the number of `frames`, `poses` by body
+  /// (null: the body moves), and tracks of the moving bodies, body by body: `position` (metres) and
+  /// `rotation` (wxyz). `scale`: size of static bodies in the robot's world relative to the
+  /// human's. Errors: those of TrackPacker::add.
   [[nodiscard]] Result<nlohmann::ordered_json> pack(const MotionScene& scene, TrackPacker& packer);
 
  private:

@@ -112,8 +112,9 @@ TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
   }
 }
 
-// A leg that is not an exact mirror image, by rounding, is across the other way if the model lists
-// the right one first. The names of seven arm joints outweigh those of six leg joints.
+// The legs are not exact mirror images, because of rounding, so the line across points the other
+// way if the model lists the right leg first. The names of seven arm joints outweigh those of six
+// leg joints.
 TEST(FindLimbs, OrderOfLegsInTheModelDoesNotTurnTheRobot) {
   BuiltHumanoid built = plain_humanoid();
   built.right_leg_first = true;

@@ -57,7 +57,7 @@ TEST(ModelOverlaps, FindsOverlappingThighs) {
   const auto robot = robot_from_text(with_thick_thighs());
   const auto overlaps = overlaps_of(*robot);
   ASSERT_EQ(names_of(*robot, overlaps), (Names{{"left_thigh", "right_thigh"}}));
-  // Each is 0.12 thick, 0.1 from the middle.
+  // Each box is 0.12 thick, 0.1 from the middle.
   EXPECT_NEAR(overlaps[0].depth, 0.04, 1e-9);
   EXPECT_GT(overlaps[0].share, 0.1);
   EXPECT_LT(overlaps[0].share, 1.0);

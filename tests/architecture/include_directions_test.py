@@ -37,13 +37,14 @@ CLIENTS = ["tools/retarget", "python/src"]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?!retarget/)([a-z0-9_]+(?:/[a-z0-9_]+)?)/[^/">]+[">]')
 
-# the library's errors are values, and its user owns the terminal and the process
+# The library's errors are values, and its user owns the terminal and the process.
 FORBIDDEN = re.compile(
     r"#\s*include\s*<iostream>|\bstd::(cout|cerr|clog|exit|_Exit|quick_exit|abort|terminate)\b"
     r"|(?<![\w:.>])(?:std::|::)?(printf|puts|putchar|perror|abort|exit|_exit)\s*\(")
 
-# C libraries choose these by the processor, and the last digits differ: retarget/trigonometry.h
-# replaces them; std::sqrt, std::remainder and rounding are exact everywhere
+# C libraries choose these implementations by the processor, and the last digits differ:
+# retarget/trigonometry.h replaces them. std::sqrt, std::remainder and rounding are exact
+# everywhere.
 NOT_PORTABLE = re.compile(
     r"(?<![\w:.>])(?:std::|::)"
     r"(sin|cos|tan|asin|acos|atan|atan2|exp|exp2|log|log2|log10|pow|cbrt|hypot|fma|sinh|cosh|tanh)\s*\("

@@ -35,7 +35,7 @@ TEST(ByteReader, ReadsZeroBeyondTheEnd) {
   EXPECT_FALSE(reader.may_hold(0, 1));
 }
 
-TEST(ByteReader, TextsEndWithAZero) {
+TEST(ByteReader, TextsEndAtAZeroByte) {
   ByteReader<std::endian::little> reader(std::string_view("Hip\0Ab\0tail", 11));
   EXPECT_EQ(reader.text(), "Hip");
   EXPECT_EQ(reader.text(), "Ab");

@@ -77,7 +77,7 @@ TEST_F(DataFolderTest, InstalledLibraryComesBeforeASourceTree) {
   search.executable = source / "build/program";
   search.installed = data_folder("prefix/share/retarget").string();
   EXPECT_EQ(find_data_folder(search).value(), search.installed);
-  // The tree was moved since.
+  // The tree was moved afterwards.
   search.installed = (root_ / "gone").string();
   EXPECT_EQ(find_data_folder(search).value(), source);
   search.executable.clear();

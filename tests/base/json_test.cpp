@@ -34,7 +34,7 @@ TEST(JsonTest, KeepsMemberOrder) {
 
 TEST(JsonTest, SyntaxErrorsPointToTheFirstWrongByte) {
   expect_at("{\"a\": 1,}", 1, 9);
-  expect_at("{\n  \"a\": 1\n  \"b\": 2\n}", 3, 5);  // the end of the string that was read
+  expect_at("{\n  \"a\": 1\n  \"b\": 2\n}", 3, 5);  // The end of the last string that was read.
   expect_at("[1, 2", 1, 6);
   expect_at("[1,\n2\n", 3, 1);
   expect_at("", 1, 1);

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-TEST(Machine, HasProcessorsAndMemory) {
+TEST(Machine, ReportsProcessorsAndMemory) {
   EXPECT_GE(usable_cores(), 1);
   EXPECT_GT(usable_memory(), std::uint64_t{1} << 20U);
 }

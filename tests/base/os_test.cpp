@@ -54,14 +54,14 @@ TEST_F(OsTest, NamesThatAreNotUtf8DoNotThrow) {
   }
 }
 
-TEST_F(OsTest, BytesAreWrittenAsTheyAre) {
+TEST_F(OsTest, WritesBytesUnchanged) {
   const std::string bytes = "a\nb\r\nc\x1a\n";
   ASSERT_TRUE(write_file(at("a"), bytes).has_value());
   EXPECT_EQ(os::status_of(at("a")).value().bytes, bytes.size());
   EXPECT_EQ(read_file(at("a")).value().view(), bytes);
 }
 
-TEST_F(OsTest, StatusTellsFilesApart) {
+TEST_F(OsTest, StatusDistinguishesFiles) {
   folder_.write("a", "one");
   folder_.write("b", "two!");
   const auto a = os::status_of(at("a")), b = os::status_of(at("b"));
@@ -103,7 +103,7 @@ TEST_F(OsTest, OpensForItsPurpose) {
   EXPECT_EQ(read_file(at("a")).value().view(), "");
 }
 
-TEST_F(OsTest, ReadsAndWritesAtPlaces) {
+TEST_F(OsTest, ReadsAndWritesAtOffsets) {
   const int descriptor = os::open_file(at("a"), os::OpenFor::kLocking);
   ASSERT_GE(descriptor, 0);
   EXPECT_EQ(os::write_bytes_at(descriptor, "0123456789", 10, 0), 10);

@@ -44,7 +44,7 @@ TEST(ParseXml, RejectsMoreAttributesWithTheLine) {
   EXPECT_FALSE(document.Error());
 }
 
-TEST(ParseXml, ManyAttributesTakeNoTime) {
+TEST(ParseXml, ParsesManyAttributesInLinearTime) {
   const std::string many = attributes(200'000);
   for (const std::string& text :
        {"<a" + many + "/>", "<a" + many, "<?xml version='1.0'?><!-- < \" --><a><b " + many + "/>",

@@ -84,11 +84,11 @@ TEST(PickleTest, HandlesEveryChangedByte) {
 }
 
 TEST(PickleTest, NothingIsExecuted) {
-  // os.system('id') by GLOBAL and REDUCE.
+  // Calls os.system('id') with GLOBAL and REDUCE.
   EXPECT_THAT(pickle_error("\x80\x02"
                            "cos\nsystem\nX\x02\0\0\0id\x85R."s),
               HasSubstr("the pickle names os.system, which is not allowed (byte 2 of the pickle)"));
-  // The same by STACK_GLOBAL.
+  // The same call with STACK_GLOBAL.
   EXPECT_THAT(pickle_error("\x80\x04\x8c\x05posix\x8c\x06system\x93\x8c\x02id\x85R."s),
               HasSubstr("the pickle names posix.system, which is not allowed"));
   EXPECT_THAT(pickle_error("\x80\x02"
@@ -100,7 +100,7 @@ TEST(PickleTest, NothingIsExecuted) {
   EXPECT_THAT(pickle_error("\x80\x02"
                            "ctorch._utils\n_rebuild_tensor_v2\n."s),
               HasSubstr("tensor.cpu().numpy()"));
-  // INST and OBJ, the old call opcodes.
+  // INST and OBJ, the old opcodes for calls.
   EXPECT_THAT(pickle_error("\x80\x02(ios\nsystem\n."s), HasSubstr("the opcode INST"));
   EXPECT_THAT(pickle_error("\x80\x02(o."s), HasSubstr("the opcode OBJ"));
   EXPECT_THAT(pickle_error("\x80\x02Pabc\n."s), HasSubstr("the opcode PERSID"));

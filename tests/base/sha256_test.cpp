@@ -17,15 +17,15 @@ std::string sha256_of(std::string_view bytes) {
   return hex_text(std::string(digest.begin(), digest.end()));
 }
 
-// Bytes without a period that divides a block.
+// Bytes whose period does not divide a block.
 std::string sample_bytes(std::size_t size) {
   std::string bytes(size, '\0');
   for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * i % 251);
   return bytes;
 }
 
-// Of NIST's examples for FIPS 180-4: one block, two blocks, and 896 bits.
-TEST(Sha256Test, GivesTheExamplesOfTheStandard) {
+// NIST's examples for FIPS 180-4: one block, two blocks, and 896 bits.
+TEST(Sha256Test, MatchesTheExamplesOfTheStandard) {
   EXPECT_EQ(sha256_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256_of("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
@@ -34,7 +34,8 @@ TEST(Sha256Test, GivesTheExamplesOfTheStandard) {
             "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1");
 }
 
-// The hash of the hashes of all sizes around the borders of blocks and of the padding, by Python's hashlib.
+// The hash of the hashes of all sizes around the borders of blocks and of the padding, from
+// Python's hashlib.
 TEST(Sha256Test, HashesEverySize) {
   std::string all;
   for (std::size_t size = 0; size <= 200; ++size) all += sha256_of(sample_bytes(size));

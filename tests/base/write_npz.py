@@ -148,7 +148,7 @@ def main():
             archive.writestr("a.npy", npy_bytes(np.arange(3), (1, 0)))
         expected[f"{name}.npz"] = {"arrays": {}, "refused": {"a": "compression"}}
 
-    # a header that claims far more than there is, in an archive that is otherwise sound
+    # The header claims more data than the archive contains; the archive is otherwise valid.
     claim = npy_bytes(np.zeros(8), (1, 0))
     claim = claim.replace(b"(8,), }" + b" " * 12, b"(8000000000000,), }")
     for name, method in {"claim": zipfile.ZIP_STORED, "claim_z": zipfile.ZIP_DEFLATED}.items():

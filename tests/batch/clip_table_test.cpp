@@ -73,7 +73,7 @@ TEST_F(ClipTableTest, ErrorsNameTheLine) {
   EXPECT_THAT(error_of("\n\n"), HasSubstr("no rows"));
 }
 
-TEST_F(ClipTableTest, MakesAnInputOfEveryRow) {
+TEST_F(ClipTableTest, MakesOneInputPerRow) {
   const auto found =
       parts("a/walk.bvh,,2,kick\nin/b/walk.bvh,f3,,sub/x\nrun.npz,1,2\nrun.npz,2,3\n");
   ASSERT_TRUE(found) << describe(found.error());
@@ -85,7 +85,7 @@ TEST_F(ClipTableTest, MakesAnInputOfEveryRow) {
   EXPECT_EQ((*found)[1].variant.part, "f3:");
 }
 
-TEST_F(ClipTableTest, ARowMustNameOneInputAndEachClipBeNew) {
+TEST_F(ClipTableTest, RejectsUnknownInputsAndDuplicateClips) {
   const auto error = [&](const std::string& text) { return describe(parts(text).error()); };
   EXPECT_THAT(error("walk.bvh,1,2\n"),
               HasSubstr("parts.csv:1: error: \"walk.bvh\" matches no motion"));

@@ -85,7 +85,7 @@ TEST(ClipVariations, ChangeTerrainWithinItsLimits) {
   EXPECT_LE(*parse_number<double>(changed.terrain.substr(6)), 30.0);
 }
 
-TEST(ClipVariations, NeedAScene) {
+TEST(ClipVariations, RequireAScene) {
   const auto refused = with_variations({{"/in/walk.bvh", "walk.bvh"}}, 1, 0, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);

@@ -69,7 +69,7 @@ class DataSetTest : public ::testing::Test {
   std::vector<ManifestEntry> entries_;
 };
 
-TEST_F(DataSetTest, SelectsByFiguresOfCertificates) {
+TEST_F(DataSetTest, SelectsByCertificateMetrics) {
   entries_ = {done("likely.bvh", 0.0), done("unlikely.bvh", 0.0), done("unknown.bvh", 0.0)};
   entries_[0].quality->figures.emplace_back("predicted_tracking_success", 0.7);
   entries_[1].quality->figures.emplace_back("predicted_tracking_success", 0.3);
@@ -79,7 +79,7 @@ TEST_F(DataSetTest, SelectsByFiguresOfCertificates) {
   judge({"predicted_tracking_success>=0.5"});
   EXPECT_EQ(reason_of(entries_[0]), "");
   EXPECT_EQ(reason_of(entries_[1]), "predicted_tracking_success 0.3 (at least 0.5)");
-  // Without a certificate, a clip is not selected; nor is it after a round trip through the file.
+  // A clip without a certificate is not selected, nor is it after a round trip through the file.
   EXPECT_EQ(reason_of(entries_[2]), "predicted_tracking_success unknown");
   const auto read = parse_manifest_line(manifest_line(entries_[2])).value();
   EXPECT_EQ(reason_of(read), reason_of(entries_[2]));
@@ -91,7 +91,7 @@ TEST_F(DataSetTest, SelectsByFiguresOfCertificates) {
   EXPECT_EQ(written("passed.txt"), "likely.csv\nunknown.csv\nunlikely.csv\n");
 }
 
-TEST_F(DataSetTest, GatesOnCertificatesNeedThem) {
+TEST_F(DataSetTest, GatesOnCertificateMetricsRequireCertificates) {
   BatchRequest request;
   request.data_folder = RETARGET_SOURCE_DIR;
   request.gates = {"tracked_pct>=100"};
@@ -103,7 +103,7 @@ TEST_F(DataSetTest, GatesOnCertificatesNeedThem) {
   EXPECT_TRUE(data_set_rules(request, false));
 }
 
-TEST_F(DataSetTest, AppliesGatesToRecordedFigures) {
+TEST_F(DataSetTest, AppliesGatesToRecordedMetrics) {
   entries_ = {done("a.bvh", 0.0), done("b.bvh", 2.0)};
   judge({});
   EXPECT_TRUE(has_passed(entries_[0]));

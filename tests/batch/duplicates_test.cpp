@@ -61,7 +61,7 @@ TEST(MotionSignature, DependsOnlyOnTheMovement) {
       return signature_distance(original, sample.signature_of(other));
     };
     EXPECT_EQ(distance(sample.clip), 0.0) << name;
-    // Another rate, a few frames fewer at either end, noise.
+    // At another rate, with a few frames fewer at either end, and with noise.
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{25, 1}}).value()), 1.0)
         << name;
     EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{120, 1}}).value()), 1.0)
@@ -81,10 +81,10 @@ TEST(MotionSignature, RecognisesMirrorImages) {
 
 TEST(MotionSignature, SeparatesOtherMotions) {
   const Sample walk("walk");
-  // Twice as fast as the walks of different people differ.
+  // A speed difference twice as large as between the walks of different people.
   for (const double speed : {0.92, 1.08}) {
     MotionSignature other = walk.signature_of(at_speed(walk.clip, speed));
-    other.seconds = walk.signature().seconds;  // of the same length: more of its cycles
+    other.seconds = walk.signature().seconds;  // The same length, but more cycles.
     EXPECT_GT(signature_distance(walk.signature(), other), 2.0 * kDuplicateDistance) << speed;
   }
 }

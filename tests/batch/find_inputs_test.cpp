@@ -179,7 +179,7 @@ TEST(OutputStem, RemovesOnlyTheExtension) {
   EXPECT_EQ(output_stem("a/.bvh"), "a/.bvh");
 }
 
-TEST(DistinctOutputs, ReportsClashes) {
+TEST(DistinctOutputs, ReportsConflicts) {
   const std::vector<BatchInput> fine = {{"x/a.bvh", "a.bvh"}, {"x/b.bvh", "b.bvh"}};
   EXPECT_TRUE(check_distinct_outputs(fine));
   const std::vector<BatchInput> clash = {{"x/a.bvh", "a.bvh"}, {"y/a.bvh", "a.bvh"}};

@@ -83,7 +83,7 @@ TEST(ProcessPool, OneWorkerKeepsOrderAndProcess) {
 }
 
 TEST(ProcessPool, RunningTasksStayBelowTheMemoryLimit) {
-  // The first is larger than the bound and runs alone.
+  // The first task exceeds the limit and runs alone.
   const std::vector<std::uint64_t> memory = {50, 8, 8, 8, 1, 1, 1, 8, 2, 7};
   ProcessPoolOptions options = with_exit();
   options.workers = 8;

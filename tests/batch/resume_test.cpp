@@ -105,13 +105,13 @@ TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
     return clips.outputs_of("walk.bvh", "g1", true);
   };
   EXPECT_EQ(verified(), std::vector<std::string>{"walk.csv"});
-  // The same size, but edited since.
+  // The file has the same size but was edited.
   folder_.write("out/walk.csv", "OUTPUT");
   EXPECT_TRUE(verified().empty());
   folder_.write("out/walk.csv", "output");
   entry_.outputs.front().hash.clear();
   EXPECT_TRUE(verified().empty());
-  // Outside by name, and by a link.
+  // A file outside the folder by its name, and one through a link.
   const std::string victim = folder_.write("victim.txt", "victim");
   entry_.outputs = {record_file(victim, "../victim.txt").value()};
   EXPECT_TRUE(verified().empty());

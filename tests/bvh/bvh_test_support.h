@@ -36,7 +36,8 @@ inline std::vector<std::vector<std::string>> table_rows(const std::filesystem::p
   return rows;
 }
 
-/// read_bvh of a copy that ends where its memory ends, so that a sanitizer sees any read past it.
+/// Calls read_bvh on a copy that ends where its memory ends, so that a sanitizer sees any read past
+/// it.
 inline Result<BvhFile> read_exactly(std::string_view text, const BvhReadOptions& options = {}) {
   const std::unique_ptr<char[]> bytes(new char[text.size()]);
   if (!text.empty()) std::memcpy(bytes.get(), text.data(), text.size());

@@ -19,7 +19,7 @@ constexpr std::size_t kDeclined = std::string::npos;
 // The result of a reader for a line in the middle of a text.
 struct Line {
   bool taken = false;
-  std::size_t end = 0;  // from the line's begin
+  std::size_t end = 0;  // From the beginning of the line.
   std::vector<std::uint64_t> bits;
 
   bool operator==(const Line&) const = default;
@@ -194,7 +194,8 @@ TEST(NumberLineReaders, AgreeOnRandomBytes) {
   EXPECT_GT(taken, 10'000);
 }
 
-// A text may end anywhere: nothing past it is read (the sanitizers detect it), nothing is lost.
+// A text may end anywhere: the readers read nothing past its end (sanitizers detect it) and lose
+// nothing.
 TEST_P(NumberLine, HandlesEndsOfTexts) {
   std::string line = std::string(16, ' ');
   for (int i = 0; i < 40; ++i) line += "1.25 ";

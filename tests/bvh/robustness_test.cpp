@@ -1,5 +1,5 @@
-// For any bytes the reader returns a clip or an error, without a crash and without memory beyond
-// the file's size.
+// For any bytes, the reader returns a clip or an error. It does not crash, and its memory is
+// bounded by the file's size.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -185,7 +185,7 @@ class Outputs(ToolTest):
         self.assert_fails(self.retarget(output="folder"), 2, "folder")
 
     def test_an_interrupt_leaves_no_files(self):
-        # long enough to be still at work when the signal comes
+        # Long enough to be still running when the signal arrives.
         head, rows = sample("wave").read_text().split("Frame Time:", 1)
         time_line, rows = rows.split("\n", 1)
         count = rows.count("\n")
@@ -199,7 +199,7 @@ class Outputs(ToolTest):
             time.sleep(wait)
             process.send_signal(signal.SIGINT)
             _, message = process.communicate(timeout=60)
-            # before the solve the signal ends the process itself, which shells show as 130
+            # Before the solve, the signal ends the process itself, which shells report as 130.
             self.assertIn(process.returncode, (130, -signal.SIGINT), message)
             self.assertEqual(self.files(), ["long.bvh"])
 

@@ -58,8 +58,9 @@ class Isolation(BatchTest):
     @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
     def test_clip_that_crashes(self):
         # A sanitizer would turn the signal into an exit code.
-        plain = {**os.environ,
-                 "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
+        plain = dict(os.environ)
+        for options in ("ASAN_OPTIONS", "TSAN_OPTIONS"):
+            plain[options] = os.environ.get(options, "") + ":handle_segv=0"
         for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory may have run out")):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1",
@@ -137,10 +138,10 @@ class Shards(BatchTest):
 
         for number in ("11", "12", "13"):
             for again in (False, True):
-                told = task("in", "--robot", "unitree_g1", *FAST, SLURM_ARRAY_TASK_ID=number,
-                            SLURM_ARRAY_TASK_MIN="11", SLURM_ARRAY_TASK_COUNT="3",
-                            SLURM_CPUS_PER_TASK="2")
-                self.assertEqual("done and unchanged" in told, again)
+                messages = task("in", "--robot", "unitree_g1", *FAST, SLURM_ARRAY_TASK_ID=number,
+                                SLURM_ARRAY_TASK_MIN="11", SLURM_ARRAY_TASK_COUNT="3",
+                                SLURM_CPUS_PER_TASK="2")
+                self.assertEqual("done and unchanged" in messages, again)
         self.assertIn("5 clips, 0 failed", task("--merge"))
         self.assertEqual(len(self.outputs()), 5)
 
@@ -148,7 +149,7 @@ class Shards(BatchTest):
     def test_gnu_parallel_does_all_parts(self):
         for i in range(5):
             self.clips(f"{i}.bvh")
-        # `parallel` may be another program by that name
+        # `parallel` may be another program with this name.
         version = subprocess.run(["parallel", "--version"], text=True, stdout=subprocess.PIPE,
                                  stderr=subprocess.DEVNULL)
         if not version.stdout.startswith("GNU parallel"):

@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 import time
 
-# WebGL on the processor, so that pictures do not depend on a graphics card
+# Run WebGL on the processor, so that pictures do not depend on a graphics card.
 FLAGS = [
     "--headless=new",
     "--remote-debugging-pipe",

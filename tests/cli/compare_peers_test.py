@@ -10,7 +10,7 @@ import unittest
 
 from tool import SOURCE, TOOL, ToolTest, is_sanitized, sample
 
-# Writes the requested rows, and takes its time for more than one.
+# Writes the requested rows; takes some time for more than one.
 FAKE_PEER = """
 import sys, time
 frames, output = int(sys.argv[1]) or 301, sys.argv[2]

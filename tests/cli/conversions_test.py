@@ -55,7 +55,7 @@ class Conversions(FormatsTest):
         self.assert_fails(self.convert("other.csv", "x.csv", *degrees), 3, "--source-unit")
         self.converted("other.csv", "back.csv", *degrees, "--source-unit", "cm", "--precision", "9")
         self.assert_same(self.rows("back.csv"), golden, 1e-8)
-        # A walk on a roof, which was once written on the ground at a hundredth of its size.
+        # A walk on a roof; an earlier version wrote it on the ground at a hundredth of its size.
         high = np.array(golden)
         high[:, 2] += 7.0
         np.savetxt(self.folder / "high.csv", high, delimiter=",")
@@ -76,7 +76,7 @@ class Conversions(FormatsTest):
         np.savetxt(self.folder / "high.csv", high, delimiter=",")
         self.assert_fails(self.convert("high.csv", "x.csv"), 3, "--source-unit")
         self.converted("high.csv", "x.csv", "--source-unit", "m")
-        # 23 columns are those of two variants
+        # Two variants have 23 columns.
         np.savetxt(self.folder / "few.csv", rows[:, :30], delimiter=",")
         self.assert_fails(self.convert("few.csv", "x.csv"), 3, "--source-dof", "23, 23-pbhc")
         # A robot that lies still.

@@ -27,7 +27,7 @@ class StandingStraight(DefaultMotion):
             with self.subTest(robot):
                 lean = self.report_of_run(sample("turn_in_place"), robot)["trunk_lean"]
                 self.assertLess(lean["human_deg"], 2.0)
-                # Talos' thighs are thicker than the space between them and push its pelvis aside
+                # Talos' thighs are thicker than the space between them, and push its pelvis aside.
                 allowed = 5.0 if robot == "pal_talos" else 2.0
                 self.assertLess(abs(lean["robot_deg"] - lean["human_deg"]), allowed)
 
@@ -70,7 +70,7 @@ class LikeThePublishedData(DefaultMotion):
                 self.assertLess(ours["self_all_1cm_pct"], 0.1)
                 self.assertLess(ours["body_pen_1cm_pct"], 0.1)
                 if name.startswith("walk"):
-                    continue  # which has none
+                    continue  # It has no such joint.
                 self.assertLess(ours["flight_peak_max_cm"], 2.0)
 
     def test_the_waist_is_not_at_its_limit_in_dances(self):

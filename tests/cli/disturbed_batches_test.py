@@ -86,22 +86,27 @@ def wait_for_session(leader):
 
 
 class Disturbed(ToolTest):
+    """Tests with the same clips, of which only the first one runs the undisturbed batch."""
+
+    known = None
+
     def setUp(self):
         super().setUp()
         if is_sanitized():
             self.skipTest("many runs, and a sanitizer makes them slow")
         self.chance = random.Random(f"{SEED} {self.id()}")
-        names = ("wave", "walk", "squat", "turn_in_place", "get_up")
+        names, lengths = ("wave", "walk", "squat", "turn_in_place", "get_up"), random.Random(SEED)
         for i in range(CLIPS):
             name = f"in/{i % 7:02}/clip {i:03}.bvh"
-            self.write(name, short_clip(names[i % 5], self.chance.randint(30, 60)))
+            self.write(name, short_clip(names[i % 5], lengths.randint(30, 60)))
         # Failures are results as well.
         self.write("in/03/bad.bvh", sample("wave").read_bytes()[:-400])
         self.write("beside/summary.csv", "not the batch's\n")
         self.before = files_below(self.folder)
-        started = time.monotonic()
-        self.whole = self.undisturbed()
-        self.seconds = time.monotonic() - started
+        if Disturbed.known is None:
+            started = time.monotonic()
+            Disturbed.known = self.undisturbed(), time.monotonic() - started
+        self.whole, self.seconds = Disturbed.known
 
     def command(self, *arguments):
         return [TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", *OPTIONS, *arguments]
@@ -228,9 +233,9 @@ class TwoAtOnce(Disturbed):
             both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
             texts = [batch.communicate(timeout=300)[1] for batch in both]
             # One is rejected, or runs after the other and finds all clips done.
-            told = sum("another batch is writing" in text or "are done and unchanged" in text
-                       for text in texts)
-            self.assertEqual(told, 1, texts)
+            stopped = sum("another batch is writing" in text or "are done and unchanged" in text
+                          for text in texts)
+            self.assertEqual(stopped, 1, texts)
             self.assertEqual([batch.returncode for batch in both], [1, 1])
             self.assert_ends_as(self.whole)
         self.assert_nothing_else_touched(self.before)
@@ -269,7 +274,7 @@ class NoRoom(Disturbed):
         self.assert_nothing_else_touched(self.before)
 
     def test_files_that_may_not_grow(self):
-        # 512 bytes each: from nothing at all to room for the most
+        # Blocks of 512 bytes: from none to enough for most files.
         for blocks in self.chance.sample((0, 1, 2, 8, 20, 30, 40, 60, 100), 5):
             script = f'ulimit -f {blocks}; exec "$0" "$@"'
             result = subprocess.run(["bash", "-c", script, *self.command("--resume")],
@@ -299,7 +304,7 @@ class ReadOnly(Disturbed):
             place = "" if turn % 3 == 2 else f"{self.chance.randrange(7):02}"
             folder = self.folder / "out" / place
             folder.mkdir(parents=True, exist_ok=True)
-            # A target that exists in the first round is useless: remove some of it.
+            # A target that exists in the first round does not matter: remove some of them.
             for motion in self.chance.sample(sorted(folder.glob("*.csv")),
                                              min(3, len(list(folder.glob("*.csv"))))):
                 motion.unlink()

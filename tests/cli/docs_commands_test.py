@@ -2,6 +2,7 @@
 the files they name."""
 
 import json
+import os
 import re
 import shutil
 import struct
@@ -18,10 +19,10 @@ CANNOT_RUN = {
     "sbatch ": "needs Slurm",
 }
 
-# Commands that end with another code than 0, as the text beside them says.
+# Commands that end with another code than 0, according to the text next to them.
 EXIT_CODES = {
-    "retarget evaluate ours.csv published.csv": (1,),  # the published one misses gates
-    "retarget evaluate PUBLISHED.csv": (0, 1),  # a published motion may miss gates
+    "retarget evaluate ours.csv published.csv": (1,),  # The published motion misses gates.
+    "retarget evaluate PUBLISHED.csv": (0, 1),  # A published motion may miss gates.
 }
 
 ROBOT = SOURCE / "robots/unitree_g1"
@@ -80,12 +81,24 @@ def npy(table):
             + struct.pack(f"<{len(flat)}d", *flat))
 
 
+def restore(files, folder):
+    """Copies the files that are missing in a folder or differ there in size or time of modification."""
+    def copy(source, target):
+        before, now = (os.stat(path) if os.path.exists(path) else None for path in (source, target))
+        if now is None or (before.st_size, before.st_mtime_ns) != (now.st_size, now.st_mtime_ns):
+            shutil.copy2(source, target)
+
+    shutil.copytree(files, folder, dirs_exist_ok=True, copy_function=copy,
+                    ignore=shutil.ignore_patterns("commands"))
+
+
 class Commands(ToolTest):
     def prepare(self):
         """Creates the input files of the documents' commands."""
-        for names, clip in (("walk IN CLIP A", "walk"), ("wave other OTHER T clip B C", "wave")):
-            for name in names.split():
-                shutil.copy(sample(clip), self.folder / f"{name}.bvh")
+        for name in ("walk", "IN", "CLIP", "A"):
+            self.write(f"{name}.bvh", short_clip("walk", 150))
+        for name in ("wave", "other", "OTHER", "T", "clip", "B", "C"):
+            shutil.copy(sample("wave"), self.folder / f"{name}.bvh")
         text = sample("walk").read_text()
         self.write("bones.bvh", text[:text.index("MOTION")])
         for name in ("short.bvh", "clips/walk.bvh", "clips/more/wave.bvh"):
@@ -153,8 +166,7 @@ class Commands(ToolTest):
             shutil.rmtree(self.folder, ignore_errors=True)
             for line in lines:
                 # A command may read the output of the one before, but the named files are restored.
-                shutil.copytree(files, self.folder, dirs_exist_ok=True,
-                                ignore=shutil.ignore_patterns("commands"))
+                restore(files, self.folder)
                 with self.subTest(document=document.name, command=line):
                     result = self.run_line(line)
                     codes = next((codes for start, codes in EXIT_CODES.items()

@@ -344,14 +344,14 @@ class EvaluateCommand(ToolTest):
             motion, = json.loads((self.folder / "e.json").read_text())["motions"]
             return motion, result.stderr
 
-        same, told = found(*part)
-        self.assertNotIn("measured only up to its end", told)
+        same, messages = found(*part)
+        self.assertNotIn("measured only up to its end", messages)
         for key in set(run) - {"gates", "passed", "fit", "solver_failures"}:
             self.assertEqual(same[key], run[key], key)
         # Without --end, the rest of the source may matter, but not its frames beyond the motion.
         self.assertEqual(found("--start", "1")[0]["source_frames"], run["source_frames"])
-        shorter, told = found("--start", "1", "--end", "1.5")
-        self.assertIn("measured only up to its end", told)
+        shorter, messages = found("--start", "1", "--end", "1.5")
+        self.assertIn("measured only up to its end", messages)
         self.assertAlmostEqual(shorter["source_frames"], run["source_frames"] / 2, delta=1)
         self.assertGreater(found("--end", "1")[0]["track_pos_cm"][0], same["track_pos_cm"][0])
 

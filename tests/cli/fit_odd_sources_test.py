@@ -14,7 +14,7 @@ try:
 except ImportError:
     numpy = None
 
-SLACK = 1e-9  # of numbers with six digits
+SLACK = 1e-9  # Tolerance for numbers with six digits.
 
 
 @unittest.skipIf(numpy is None, "numpy is missing")

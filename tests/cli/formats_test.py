@@ -16,7 +16,7 @@ except ImportError:
     np = None
 
 G1 = SOURCE / "robots" / "unitree_g1"
-# Isaac Lab's order of the G1's joints, without "_joint"
+# Isaac Lab's order of the G1's joints, without "_joint".
 BREADTH_FIRST = """left_hip_pitch right_hip_pitch waist_yaw left_hip_roll right_hip_roll waist_roll
     left_hip_yaw right_hip_yaw waist_pitch left_knee right_knee left_shoulder_pitch
     right_shoulder_pitch left_ankle_pitch right_ankle_pitch left_shoulder_roll right_shoulder_roll
@@ -89,7 +89,7 @@ class Dictionaries(FormatsTest):
                              ("dof_pos", slice(7, 36))):
             self.assertEqual(motion[key].dtype, np.float64)
             self.assertLess(np.abs(motion[key] - self.csv[:, columns]).max(), 1e-8, key)
-            motion[key] += 0  # may be written to
+            motion[key] += 0  # The array is writable.
         bodies = motion["link_body_list"]
         self.assertEqual(bodies[0], "pelvis")
         self.assertEqual(motion["local_body_pos"].shape, (len(self.csv), len(bodies), 3))

@@ -40,11 +40,11 @@ class Records(ToolTest):
             self.assertNotIn("\x0e", text)
 
     def sidecar(self, **changes):
-        told = json.loads((self.folder / "out.csv.json").read_text())
+        sidecar = json.loads((self.folder / "out.csv.json").read_text())
         for key, value in changes.items():
             part, _, name = key.partition("__")
-            told[part][name.replace("_", "-")] = value
-        self.write("changed.json", json.dumps(told))
+            sidecar[part][name.replace("_", "-")] = value
+        self.write("changed.json", json.dumps(sidecar))
         return self.run_tool("verify", "changed.json")
 
     def test_invalid_sidecars_are_rejected(self):
@@ -86,10 +86,10 @@ class Evaluations(ToolTest):
     def test_summary_omits_the_robot(self):
         self.write("wave.bvh", short_clip("wave", 20))
         self.assert_done(self.run_tool("wave.bvh", "g1", "-o", "wave.csv"))
-        told = self.run_tool("evaluate", "wave.csv", *G1, "--bvh", "wave.bvh", "--gate", "none")
-        self.assert_done(told)
-        self.assertIn("taken as", told.stderr)
-        self.assertNotIn("limits official, configuration", told.stderr)
+        evaluated = self.run_tool("evaluate", "wave.csv", *G1, "--bvh", "wave.bvh", "--gate", "none")
+        self.assert_done(evaluated)
+        self.assertIn("taken as", evaluated.stderr)
+        self.assertNotIn("limits official, configuration", evaluated.stderr)
 
     def test_terms_may_be_separated_by_blanks(self):
         self.write("wave.bvh", short_clip("wave", 5))

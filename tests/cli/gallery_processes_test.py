@@ -108,9 +108,9 @@ class GalleryProcesses(GalleryTest):
             return process.poll() is not None
 
         self.wait_until(ended)
-        told = process.stderr.read()
-        self.assertEqual(process.returncode, 1, told)
-        self.assertIn("no page could be created", told)
+        messages = process.stderr.read()
+        self.assertEqual(process.returncode, 1, messages)
+        self.assertIn("no page could be created", messages)
         self.assertFalse((self.folder / "gallery/index.html").exists())
 
     def test_links_skip_a_page_that_failed(self):

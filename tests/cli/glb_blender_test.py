@@ -13,7 +13,7 @@ from tool import SOURCE, ToolTest, sample
 ROBOT = SOURCE / "robots/unitree_g1/model.xml"
 FRAMES = (0, 40, 111, 250, 299)
 
-# Blender ends the process in its own way, so it has one of its own
+# Blender ends its process in an unusual way, so it runs in a separate one.
 SCRIPT = """
 import json, sys
 import bpy
@@ -24,7 +24,7 @@ scene.render.fps = int(fps)
 bpy.ops.import_scene.gltf(filepath=file)
 places = []
 for frame in frames:
-    # the importer has second 0 at frame 0 or 1, as its version is
+    # Second 0 is at frame 0 or 1, depending on the version of the importer.
     scene.frame_set(frame)
     places.append({each.name: list(each.matrix_world.translation) for each in scene.objects})
 begin = min(action.frame_range[0] for action in bpy.data.actions)

@@ -49,8 +49,8 @@ def renamed(name, pattern):
 
 
 class OneMovementStoredDifferently(ToolTest):
-    # the human is the same to the last printed digits; only the published method, which has no
-    # contacts that begin or end, is as continuous as that
+    # The human is the same to the last printed digits. Only the published method, which has no
+    # contacts that begin or end, is continuous to that degree.
     def rows_of(self, text, *options):
         result = self.retarget("--precision", 9, "--method", "gmr", *options,
                                bvh=self.write("twin.bvh", text), output="-")

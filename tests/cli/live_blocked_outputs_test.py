@@ -73,10 +73,10 @@ class BlockedOutputs(LiveTest):
         self.addCleanup(self.process.stderr.close)
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
-        self.told = []
-        self.reader = threading.Thread(target=lambda: self.told.extend(self.process.stderr), daemon=True)
+        self.lines = []
+        self.reader = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
         self.reader.start()
-        self.wait_for(lambda: "listening" in "".join(self.told) or self.process.poll() is not None)
+        self.wait_for(lambda: "listening" in "".join(self.lines) or self.process.poll() is not None)
         sender = threading.Thread(target=self.send, args=(port,), daemon=True)
         sender.start()
         self.addCleanup(sender.join)
@@ -106,7 +106,7 @@ class BlockedOutputs(LiveTest):
             time.sleep(0.02)
 
     def messages(self):
-        return unwrapped("".join(self.told))
+        return unwrapped("".join(self.lines))
 
     def interrupt(self, code=0):
         """Sends one Ctrl-C, waits for the prompt end, and returns the messages."""
@@ -152,9 +152,9 @@ class BlockedOutputs(LiveTest):
                 self.assertEqual(frames, sorted(set(frames)))
                 self.assertGreater(len(frames), 100)
                 self.assertGreater(max(b - a for a, b in zip(frames, frames[1:])), 1)
-                told = self.interrupt()
-        self.assertIn("accepts robot frames again", told)
-        self.assertRegex(told, r"output +tcp:\S+: \d+ sent, \d+ dropped")
+                messages = self.interrupt()
+        self.assertIn("accepts robot frames again", messages)
+        self.assertRegex(messages, r"output +tcp:\S+: \d+ sent, \d+ dropped")
 
     def test_ctrl_c_with_a_receiver_that_does_not_read(self):
         with socket.socket() as listener:
@@ -178,8 +178,8 @@ class BlockedOutputs(LiveTest):
                     frames = [json.loads(lines.readline())["frame"] for _ in range(20)]
                     self.assertEqual(frames, list(range(frames[0], frames[0] + 20)), visit)
                 self.assert_goes_on(0.3)
-            told = self.interrupt()
-        self.assertRegex(told, r"\d+ sent, \d+ dropped, [23] reconnects")
+            messages = self.interrupt()
+        self.assertRegex(messages, r"\d+ sent, \d+ dropped, [23] reconnects")
 
     def test_sleeping_reader_of_standard_output(self):
         self.start_beside("-", fps=200, stdout=subprocess.PIPE)
@@ -224,8 +224,8 @@ class BlockedOutputs(LiveTest):
         self.start_beside("live.csv", preexec_fn=self.limited)
         self.wait_for(lambda: "live.csv no longer accepts robot frames" in self.messages())
         self.assert_goes_on()
-        told = self.interrupt(code=1)
-        self.assertRegex(told, r"live.csv: error: \d+ robot frames could not be written: File too large")
+        messages = self.interrupt(code=1)
+        self.assertRegex(messages, r"live.csv: error: \d+ robot frames could not be written: File too large")
         # No row is truncated.
         text = (self.folder / "live.csv").read_text()
         self.assertTrue(text.endswith("\n"))
@@ -280,7 +280,7 @@ class BlockedOutputs(LiveTest):
         sender = threading.Thread(target=self.send, args=(port,), daemon=True)
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
-        self.told = []
+        self.lines = []
         sender.start()
         self.addCleanup(sender.join)
         self.addCleanup(self.process.kill)

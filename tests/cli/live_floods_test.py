@@ -72,8 +72,8 @@ class Floods(LiveTest):
         self.attack("rokoko", bomb * (60000 // len(bomb)))
 
     def test_empty_objects(self):
-        told = self.attack("rokoko", b"{}" * 32000)
-        self.assertIn("malformed", told)
+        messages = self.attack("rokoko", b"{}" * 32000)
+        self.assertIn("malformed", messages)
 
     def test_empty_lines(self):
         self.attack("lines", b"{}\n" * 21000)

@@ -129,7 +129,7 @@ class Follow(LiveTest):
             self.assertIn("14 joints of the arms", result.stderr)
             rows = read_rows((self.folder / f"{method}.csv").read_text())
             self.assertGreater(len(rows), 100)
-            # 7 columns of the root, 12 of the legs, 3 of the waist
+            # The columns of the root (7), the legs (12) and the waist (3).
             self.assertEqual({tuple(row[:7]) for row in rows}, {tuple(rows[0][:7])})
             self.assertEqual({tuple(row[7:22]) for row in rows}, {(0.0,) * 15})
             self.assertGreater(max(row[22] for row in rows) - min(row[22] for row in rows), 0.2)

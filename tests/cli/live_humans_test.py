@@ -16,7 +16,7 @@ except ImportError:
     numpy = None
 # Third-party clients installed by tools/setup.sh --python.
 sys.path.append(str(SOURCE / "build/deps/python"))
-try:  # of PyPI: python-osc
+try:  # From PyPI: python-osc.
     from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
     from pythonosc.osc_message_builder import OscMessageBuilder
     from pythonosc.osc_packet import OscPacket
@@ -47,7 +47,7 @@ def product(a, b):
             aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
 
 
-# HumanBodyBones of a VRM avatar and what each hangs from
+# HumanBodyBones of a VRM avatar and their parents.
 PARENTS = {"Hips": None, "Spine": "Hips", "Chest": "Spine", "UpperChest": "Chest", "Neck": "UpperChest",
            "Head": "Neck"}
 for _side in ("Left", "Right"):
@@ -250,7 +250,7 @@ class Smpl(LiveTest):
     def test_plain_frames_are_those_of_the_same_file(self):
         frames = numpy.arange(90) / 30.0
         poses = numpy.zeros((90, 165))
-        poses[:, 0] = 0.5 * numpy.pi  # upright in a world with z up
+        poses[:, 0] = 0.5 * numpy.pi  # Upright in a world with z up.
         poses[:, 3] = 0.4 * numpy.sin(2 * frames)
         poses[:, 6] = -0.4 * numpy.sin(2 * frames)
         poses[:, 12] = 0.3 + 0.3 * numpy.cos(2 * frames)

@@ -153,24 +153,25 @@ class OutputTest(LiveTest):
             absent(f"this build lacks {library}")
 
     def run_beside(self, *arguments, robot="unitree_g1"):
-        """A live run that writes JSON lines, too; its ports as its messages name them, and the messages."""
+        """Starts a live run that also writes JSON lines; returns the ports in its messages and a function that ends
+        the run and returns the messages."""
         process = self.start("--robot", robot, "--input", "udp:0?format=bvh", "--skeleton", sample("walk"),
                              "-o", "frames.jsonl", *arguments)
-        ports, self.told = {}, []
+        ports, self.lines = {}, []
         for line in process.stderr:
             found = re.search(r"(listening|publishing) at \w+:127\.0\.0\.1:(\d+)", line)
             if found:
                 ports[found.group(1)] = int(found.group(2))
             if "listening" in ports:
                 break
-        reader = threading.Thread(target=lambda: self.told.extend(process.stderr), daemon=True)
+        reader = threading.Thread(target=lambda: self.lines.extend(process.stderr), daemon=True)
         reader.start()
 
         def finish():
             process.send_signal(signal.SIGINT)
-            self.assertEqual(process.wait(60), 0, self.told)
+            self.assertEqual(process.wait(60), 0, self.lines)
             reader.join(10)
-            return unwrapped("".join(self.told))
+            return unwrapped("".join(self.lines))
         return ports, finish
 
     def play(self, port, frames=150):
@@ -185,7 +186,7 @@ class OutputTest(LiveTest):
     def wait_for(self, what, seconds=20):
         until = time.monotonic() + seconds
         while not what():
-            self.assertLess(time.monotonic(), until, "".join(self.told))
+            self.assertLess(time.monotonic(), until, "".join(self.lines))
             time.sleep(0.02)
 
 
@@ -354,20 +355,20 @@ class Redis(OutputTest):
         player.start()
         self.wait_for(lambda: len(asked) > 20)
         server.send_signal(signal.SIGSTOP)
-        self.wait_for(lambda: "does not answer" in unwrapped("".join(self.told)))
+        self.wait_for(lambda: "does not answer" in unwrapped("".join(self.lines)))
         before = len(asked)
         time.sleep(2)
         server.send_signal(signal.SIGCONT)
         self.wait_for(lambda: len(asked) > before + 20)
         player.join()
         passed = time.monotonic() - began
-        told = finish()
-        self.assertEqual(told.count("does not accept robot frames: it does not answer"), 1, told)
-        self.assertRegex(told, r"accepts robot frames again; \d+ frames? dropped")
+        messages = finish()
+        self.assertEqual(messages.count("does not accept robot frames: it does not answer"), 1, messages)
+        self.assertRegex(messages, r"accepts robot frames again; \d+ frames? dropped")
         _, frames = self.frames()
         # The server delays none of them: frames leave on time.
         self.assertGreater(len(frames), FPS * min(passed, 8) * 0.8)
-        worst = float(re.search(r"max ([\d.]+) ms", told)[1])
+        worst = float(re.search(r"max ([\d.]+) ms", messages)[1])
         self.assertLess(worst, 5000 if is_sanitized() else 500)
 
     def test_reconnects_to_a_restarted_server(self):
@@ -378,12 +379,12 @@ class Redis(OutputTest):
         self.wait_for(lambda: self.ask(port, "GET", "t_action"))
         server.kill()
         server.wait()
-        self.wait_for(lambda: "does not accept robot frames" in unwrapped("".join(self.told)))
+        self.wait_for(lambda: "does not accept robot frames" in unwrapped("".join(self.lines)))
         self.start_server(port)
-        self.wait_for(lambda: "accepts robot frames again" in unwrapped("".join(self.told)))
+        self.wait_for(lambda: "accepts robot frames again" in unwrapped("".join(self.lines)))
         player.join()
-        told = finish()
-        self.assertEqual(told.count("does not accept robot frames"), 1, told)
+        messages = finish()
+        self.assertEqual(messages.count("does not accept robot frames"), 1, messages)
         self.assertEqual(len(json.loads(self.ask(port, "GET", KEYS[0]))), 35)
 
     def test_refuses(self):
@@ -415,9 +416,9 @@ class Redis(OutputTest):
             threading.Thread(target=answer, daemon=True).start()
             ports, finish = self.run_beside("-o", f"redis:{other.getsockname()[1]}")
             self.play(ports["listening"], 60)
-            told = finish()
+            messages = finish()
             other.shutdown(socket.SHUT_RDWR)
-        self.assertEqual(told.count("does not accept robot frames"), 1, told)
+        self.assertEqual(messages.count("does not accept robot frames"), 1, messages)
         self.assertGreater(len(self.frames()[1]), 50)
 
     def test_build_without_the_library_reports_it(self):

@@ -30,10 +30,10 @@ class SendersTest(LiveTest):
             time.sleep(0.01)
 
     def packets(self, process):
-        """How many packets the run took, how many of them it could not read, and all it told."""
-        _, told = self.end(process)
-        found = re.search(r"packets +(\d+), (\d+) malformed", told)
-        return int(found[1]), int(found[2]), told
+        """Ends a run; returns the number of packets, that of malformed ones, and the messages."""
+        _, messages = self.end(process)
+        found = re.search(r"packets +(\d+), (\d+) malformed", messages)
+        return int(found[1]), int(found[2]), messages
 
 
 class Connections(SendersTest):
@@ -55,9 +55,9 @@ class Connections(SendersTest):
                 self.connect(port).sendall(b"GET / HTTP/1.0\r\n\r\n")
             time.sleep(0.01)
         time.sleep(0.3)
-        taken, malformed, told = self.packets(process)
-        self.assertEqual((taken, malformed), (120, 0), told)
-        self.assertEqual(told.count("ignoring 127.0.0.1:"), 1, told)
+        taken, malformed, messages = self.packets(process)
+        self.assertEqual((taken, malformed), (120, 0), messages)
+        self.assertEqual(messages.count("ignoring 127.0.0.1:"), 1, messages)
 
     def test_many_strangers(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
@@ -129,9 +129,9 @@ class Datagrams(SendersTest):
             time.sleep(SILENCE)
             self.send(other, port, self.lines[60:70])
             self.send(first, port, [b"{}\n"])
-        taken, malformed, told = self.packets(process)
-        self.assertEqual((taken, malformed), (70, 0), told)
-        self.assertEqual(told.count("ignoring 127.0.0."), 1, told)
+        taken, malformed, messages = self.packets(process)
+        self.assertEqual((taken, malformed), (70, 0), messages)
+        self.assertEqual(messages.count("ignoring 127.0.0."), 1, messages)
 
     def test_another_machine_replaces_a_failed_one(self):
         process, port = self.listen("-o", "live.csv")
@@ -154,10 +154,10 @@ class Datagrams(SendersTest):
             for line in self.lines[:40]:
                 self.send(first, port, [line])
                 self.send(second, port, [line])
-        taken, malformed, told = self.packets(process)
+        taken, malformed, messages = self.packets(process)
         # One of them, and the first one of the other.
-        self.assertLessEqual(abs(taken - 41), 1, told)
-        self.assertEqual(malformed, 0, told)
+        self.assertLessEqual(abs(taken - 41), 1, messages)
+        self.assertEqual(malformed, 0, messages)
 
     def test_permitted_address(self):
         process, port = self.listen("-o", "live.csv", extras="?from=127.0.0.2")

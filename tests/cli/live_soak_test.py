@@ -39,12 +39,12 @@ class Soak(ToolTest):
             self.assertIn(f"{sent} frames of {sent} rows", result.stdout)
 
     def test_faults_are_noticed(self):
-        for keeps, loses, told in ((True, False, "memory has grown"), (False, True, "frames")):
+        for keeps, loses, message in ((True, False, "memory has grown"), (False, True, "frames")):
             tool = self.write("faulty", FAULTY.format(python=sys.executable, keeps=keeps, loses=loses))
             tool.chmod(tool.stat().st_mode | stat.S_IXUSR)
             result = self.soak(tool, "--patience", "2")
             self.assertNotEqual(result.returncode, 0, result.stdout)
-            self.assertIn(told, result.stderr)
+            self.assertIn(message, result.stderr)
 
 
 if __name__ == "__main__":

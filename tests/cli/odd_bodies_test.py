@@ -95,9 +95,9 @@ class MissingFeet(OddBody):
         self.assertIn("the source has no feet", said)
         self.assertEqual(len(rows), clip.frames)
         # No height can be measured, so none is required either.
-        told = self.retarget("--partial", "--height", "1.75", "--up", "y", bvh="clip.bvh")
-        self.assert_fails(told, 3, "even with the given height", "--unit")
-        self.assertNotIn("--height", told.stderr)
+        failed = self.retarget("--partial", "--height", "1.75", "--up", "y", bvh="clip.bvh")
+        self.assert_fails(failed, 3, "even with the given height", "--unit")
+        self.assertNotIn("--height", failed.stderr)
 
     def test_one_leg(self):
         for side in ("Left", "Right"):
@@ -177,8 +177,8 @@ class FramesInFront(OddBody):
         _, _, report = self.run_clip(clip, "--method", "gmr", "--end", "6")
         self.run_tool("evaluate", "clip.csv", "--robot", "unitree_g1", "--bvh", "clip.bvh",
                       "--ik-config", "published", "--gate", "none", "--json", "e.json")
-        told = json.loads((self.folder / "e.json").read_text())
-        self.assertAlmostEqual(told["motions"][0]["limb_angle_deg"][0],
+        evaluation = json.loads((self.folder / "e.json").read_text())
+        self.assertAlmostEqual(evaluation["motions"][0]["limb_angle_deg"][0],
                                report["motions"][0]["limb_angle_deg"][0], 6)
 
 

@@ -13,8 +13,8 @@ from tool import SHARED, SOURCE, ToolTest, needs_shared, read_rows, sample
 DEGREE = math.pi / 180
 
 
-# source and robot, and how far limbs may be from the source's, degrees; hips, knees and elbows not in one
-# line are lines of their own
+# Source and robot, and the maximum deviation of limbs from the source's, degrees. If hips, knees
+# and elbows are not collinear, they form separate lines.
 PAIRS = {
     ("unitree_g1", "booster_t1_29dof"): 4.0,
     ("booster_t1_29dof", "unitree_h1"): 12.0,
@@ -78,8 +78,8 @@ class RobotToRobot(ToolTest):
                 self.assertLess(max(abs(a - b) for a, b in zip(row[2:3] + row[7:],
                                                                wanted[2:3] + wanted[7:])), 1e-3)
         # An explicit axis overrides the check.
-        told = self.convert("turned.csv", "g1", "g1", "told.csv", "--up", "z")
-        self.assertNotIn("as the up axis", told.stderr)
+        converted = self.convert("turned.csv", "g1", "g1", "converted.csv", "--up", "z")
+        self.assertNotIn("as the up axis", converted.stderr)
 
     def test_same_robot_reproduces_the_motion(self):
         for name in ("walk", "squat", "wave", "turn_in_place"):

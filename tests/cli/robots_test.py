@@ -171,11 +171,11 @@ class Robots(ToolTest):
             self.assertIn("feet may float or sink", unwrapped(run.stderr))
             self.assertRegex(unwrapped(run.stderr), r"verdict +[0-9]+ of [0-9]+ gates passed.*; soles estimated")
         for options in ((), ("--all",)):
-            told = self.run_tool("evaluate", "x.csv", "x.csv", "--robot", "feet", *options)
-            self.assertEqual(told.stdout.count(", soles estimated"), 2)
-        told = self.run_tool("evaluate", "x.csv", "--robot", "feet", "--json", "x.json")
-        self.assertIn(f"note: the soles are {words}", unwrapped(told.stdout))
-        self.assertIn("soles estimated", told.stdout.splitlines()[0])
+            evaluated = self.run_tool("evaluate", "x.csv", "x.csv", "--robot", "feet", *options)
+            self.assertEqual(evaluated.stdout.count(", soles estimated"), 2)
+        evaluated = self.run_tool("evaluate", "x.csv", "--robot", "feet", "--json", "x.json")
+        self.assertIn(f"note: the soles are {words}", unwrapped(evaluated.stdout))
+        self.assertIn("soles estimated", evaluated.stdout.splitlines()[0])
         report, = json.loads((self.folder / "x.json").read_text())["motions"]
         self.assertIn(words, report["estimated_soles"])
         self.assert_done(self.run_tool("view", "x.csv", "--robot", "feet", "--bvh", sample("walk"), "-o", "x.html"))
@@ -226,12 +226,12 @@ class Robots(ToolTest):
         self.write("odd/robot.json", json.dumps(profile))
         shown = self.run_tool("robots", "show", "odd")
         self.assertIn("?[2J?2J?gpj", shown.stdout)
-        told = self.run_tool("robots", "show", "odd", "--json")
-        self.assertEqual(json.loads(told.stdout)["description"], odd)
+        printed = self.run_tool("robots", "show", "odd", "--json")
+        self.assertEqual(json.loads(printed.stdout)["description"], odd)
         self.write(f"x{odd}.bvh", short_clip("wave", 2).replace(b"JOINT Spine", b"JOINT Sp\xc2\x9bine"))
         inspected = self.run_tool("inspect", f"x{odd}.bvh")
         failed = self.run_tool("inspect", odd)
-        for result in (checked, shown, told, inspected, failed):
+        for result in (checked, shown, printed, inspected, failed):
             for text in (result.stdout, result.stderr):
                 self.assertFalse(set("\x1b\x9b\u202e") & set(text), text)
 
@@ -334,8 +334,8 @@ class Robots(ToolTest):
         self.assertEqual(set(rows), set(profiles))
         for name, row in rows.items():
             profile = profiles[name]
-            told = [profile.get(key, "not recorded") for key in ("revision", "revision_date")]
-            self.assertEqual(row.strip("| ").split(" | ")[2:], told, name)
+            expected = [profile.get(key, "not recorded") for key in ("revision", "revision_date")]
+            self.assertEqual(row.strip("| ").split(" | ")[2:], expected, name)
             stated = re.findall(r"\b[0-9a-f]{7}\b", profile.get("revision", ""))
             self.assertEqual(set(stated), set(re.findall(r"revision ([0-9a-f]{7})", profile["source"])), name)
 
@@ -350,9 +350,9 @@ class Robots(ToolTest):
         self.write("thick.xml", text)
         added = self.run_tool("robots", "add", "thick", "--model", "thick.xml")
         self.assert_done(added)
-        told = unwrapped(added.stderr)
-        self.assertEqual(told.count("their contact is ignored"), 1)
-        self.assertRegex(told, r"and [0-9]+ more")
+        messages = unwrapped(added.stderr)
+        self.assertEqual(messages.count("their contact is ignored"), 1)
+        self.assertRegex(messages, r"and [0-9]+ more")
         decisions = (self.folder / "thick/decisions.md").read_text()
         self.assertGreater(decisions.split("## Overlaps")[1].count(" overlap "), 8)
 

@@ -176,9 +176,9 @@ class Output(ToolTest):
         self.assertIn("soles    from the model's contact geoms", result.stderr)
         self.assertIn("verdict  30 of 30 gates passed", result.stderr)
         self.write("bare.csv", result.stdout)
-        told = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
-                             sample("turn_in_place"))
-        self.assertEqual(told.returncode, 0, told.stdout)
+        evaluated = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
+                                  sample("turn_in_place"))
+        self.assertEqual(evaluated.returncode, 0, evaluated.stdout)
         words = ("--bvh", sample("wave"), *words[2:])
         profile = ("--robot-profile", SOURCE / "robots/unitree_g1/robot.json")
         self.assertEqual(self.run_tool(*words, *profile).stdout,
@@ -224,9 +224,9 @@ class Output(ToolTest):
         # Equals the report of evaluate, except that a file does not record whether the solver
         # failed.
         kept, gates = map(int, re.findall(r"\d+", verdict)[:2])
-        told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"),
-                             "--ik-config", "published")
-        self.assertIn(f"verdict  out.csv: {kept - 1} of {gates - 1} gates passed", told.stderr)
+        evaluated = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"),
+                                  "--ik-config", "published")
+        self.assertIn(f"verdict  out.csv: {kept - 1} of {gates - 1} gates passed", evaluated.stderr)
         # Precision too low for a quaternion spoils the verdict but not the run.
         self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)
 
@@ -261,9 +261,9 @@ class Output(ToolTest):
     def test_piped_messages_have_one_line_each(self):
         bad = self.write("a_file_with_quite_a_long_name_for_a_clip.bvh",
                          short_clip("wave", 3).replace(b"Frame Time", b"Frame Tim", 1))
-        told = self.retarget(bvh=bad).printed.splitlines()
-        self.assertEqual(len([line for line in told if line.startswith(str(bad))]), 1)
-        self.assertGreater(len(told[0]), 80)
+        lines = self.retarget(bvh=bad).printed.splitlines()
+        self.assertEqual(len([line for line in lines if line.startswith(str(bad))]), 1)
+        self.assertGreater(len(lines[0]), 80)
 
     def test_messages_about_the_floor(self):
         head, rows = sample("wave").read_text().split("Frame Time:", 1)

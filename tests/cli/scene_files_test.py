@@ -75,14 +75,13 @@ class SceneFiles(ToolTest):
         self.write("two.glb", with_second_actor((DATA / "walk.glb").read_bytes(), "Bob_"))
         result = self.run_tool("two.glb", "g1", "-o", "first.csv")
         self.assert_done(result)
-        told = re.search(r'two.glb: warning: another skeleton moves: "(Bob_\S+)" '
+        hint = re.search(r'two.glb: warning: another skeleton moves: "(Bob_\S+)" '
                          r'\(take "(Bob_[^"]*)"\); --root NAME with --take NAME reads another skeleton',
                          result.stderr)
-        self.assertTrue(told, result.stderr)
-        self.assertIn(told[1], json.loads(self.run_tool("inspect", "two.glb", "--json").stdout)
+        self.assertTrue(hint, result.stderr)
+        self.assertIn(hint[1], json.loads(self.run_tool("inspect", "two.glb", "--json").stdout)
                       ["warnings"][0]["message"])
-        second = self.run_tool("two.glb", "g1", "-o", "second.csv", "--root", told[1], "--take",
-                               told[2])
+        second = self.run_tool("two.glb", "g1", "-o", "second.csv", "--root", hint[1], "--take", hint[2])
         self.assert_done(second)
         # A requested skeleton needs no note.
         self.assertNotIn("another skeleton", second.stderr)

@@ -150,7 +150,7 @@ class SceneTest(ToolTest):
             precision, recall = share_near(touches, labels), share_near(labels, touches)
             score = 2 * precision * recall / (precision + recall)
             self.assertGreaterEqual(score, 0.95, (part, precision, recall))
-            # The file's own labels are taken as they are.
+            # The file's own labels are used unchanged.
             stated = {frame for contact in self.found_contacts(carry, carry)
                       if contact["part"] == part and contact["surface"] != "floor"
                       for frame in range(contact["first"], contact["last"] + 1)}

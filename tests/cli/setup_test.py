@@ -256,29 +256,29 @@ class TheDocsAgree(unittest.TestCase):
             self.assertIn("--ignore-scripts", call)
 
     def test_every_library_of_cmake_has_its_version_and_reason(self):
-        told = {"Eigen3": "Eigen", "nlohmann_json": "nlohmann-json", "LibZip": "libzip", "ZLIB": "zlib",
-                "GTest": "GoogleTest", "benchmark": "Google Benchmark",
-                "Python3": "Python 3", "Python": "Python's headers", "Threads": None}
+        cmake_names = {"Eigen3": "Eigen", "nlohmann_json": "nlohmann-json", "LibZip": "libzip", "ZLIB": "zlib",
+                       "GTest": "GoogleTest", "benchmark": "Google Benchmark",
+                       "Python3": "Python 3", "Python": "Python's headers", "Threads": None}
         rows = self.text("docs/dependencies.md")
         for file in ("CMakeLists.txt", "tools/retarget/CMakeLists.txt", "tests/CMakeLists.txt",
                      "bench/CMakeLists.txt", "python/CMakeLists.txt"):
             for name, version in re.findall(r"find_package\((\S+?)(?: ([\d.]+))?[ )]", self.text(file)):
                 with self.subTest(name):
-                    name = told.get(name, name)
+                    name = cmake_names.get(name, name)
                     if name:
                         self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
 
     def test_linked_libraries_have_their_notice(self):
         rows = self.text("docs/dependencies.md").split("## Libraries")[1].split("\n\n")[1].splitlines()[2:]
         notices = dict(re.findall(r"^={78}\n(.*)\n\nLicence: (.*)", self.text("THIRD_PARTY_NOTICES"), re.MULTILINE))
-        told = []
+        required = []
         for row in rows:
             name, _, licence, where = (cell.strip() for cell in row.split("|")[1:5])
             if re.search(r"core|edit|rig|batch|tool|pages|Python module", where) and name != "Python's headers":
                 with self.subTest(name):
-                    told.append(name)
+                    required.append(name)
                     self.assertIn(licence.split()[0], notices.get(name, "no notice"))
-        self.assertGreaterEqual(len(told), 12)
+        self.assertGreaterEqual(len(required), 12)
         notice = self.text("THIRD_PARTY_NOTICES").split("Figures of robots")[1]
         for profile in (SOURCE / "robots").glob("*/robot.json"):
             self.assertIn(json.loads(profile.read_text())["licence"], notice)

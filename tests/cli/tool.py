@@ -13,7 +13,7 @@ import threading
 import time
 import unittest
 
-# a shell ignores SIGINT for what it runs in the background, and so would Python and the tool
+# A shell makes background processes ignore SIGINT, and Python and the tool would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]

@@ -64,7 +64,7 @@ class TorchFiles(ToolTest):
 
     def test_results_of_gvhmr(self):
         motion = walking()
-        # y up: rotated by a right angle relative to the clip; the file has floats.
+        # The world has y up: rotated by a right angle relative to the clip; the file has floats.
         world = {"body_pose": motion["pose_body"].astype("f4"),
                  "global_orient": turned(motion["root_orient"], 0, -numpy.pi / 2).astype("f4"),
                  "transl": numpy.asfortranarray(motion["trans"][:, [0, 2, 1]].astype("f4")),
@@ -89,7 +89,7 @@ class TorchFiles(ToolTest):
         motion = walking()
         expected = self.npz_rows(motion)
         store = numpy.concatenate([numpy.full((FRAMES, 7), 9.0), motion["trans"]], axis=1)
-        viewed = {**motion, "trans": store[:, 7:]}  # a view with an offset and strides
+        viewed = {**motion, "trans": store[:, 7:]}  # A view with an offset and strides.
         for name, content in (
                 ("views.pt", torch_bytes(viewed)), ("packed.pt", torch_bytes(motion, True)),
                 ("nested.pt", torch_bytes({"person": motion})),

@@ -38,7 +38,7 @@ def rotation_vector(q):
 def samples(csv, fps, out_fps=50):
     """Returns root position, root rotation (wxyz) and joints at out_fps, without the end."""
     last = len(csv) - 1
-    count = -(-last * out_fps // fps)  # times strictly before the last frame
+    count = -(-last * out_fps // fps)  # Times strictly before the last frame.
     position, rotation, joints = [], [], []
     for i in range(count):
         frame, rest = divmod(i * fps, out_fps)

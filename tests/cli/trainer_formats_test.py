@@ -18,11 +18,11 @@ try:
 except ImportError:
     np = None
 
-# SONIC's: where each of MuJoCo's joints of the G1 is in Isaac Lab's order
+# SONIC's table: the index of each of MuJoCo's joints of the G1 in Isaac Lab's order.
 ISAACLAB_TO_MUJOCO = [0, 3, 6, 9, 13, 17, 1, 4, 7, 10, 14, 18, 2, 5, 8, 11, 15, 19, 21, 23, 25, 27,
                       12, 16, 20, 22, 24, 26, 28]
 SONIC_BODIES = [0, 4, 10, 18, 5, 11, 19, 9, 16, 22, 28, 17, 23, 29]
-# ProtoMotions' model of the G1
+# Indices in ProtoMotions' model of the G1.
 PROTO_FEET = {"left": 7, "right": 13}
 
 
@@ -115,7 +115,7 @@ class Written(FormatsTest):
         index = [bodies.index(name) for name in mjlab["body_names"]]
         for key in ("body_pos_w", "body_quat_w", "body_ang_vel_w"):
             self.assertTrue(np.array_equal(motion[key][:, index], mjlab[key]), key)
-        # Isaac Sim's velocities are those of centres of mass
+        # Isaac Sim's velocities are those of centres of mass.
         isaac = np.load(self.folder / "isaac.npz")
         index = [bodies.index(name) for name in isaac["body_names"]]
         self.assertTrue(np.array_equal(motion["body_lin_vel_w"][:, index],
@@ -139,7 +139,7 @@ class Written(FormatsTest):
         for name, columns in (("joint_pos", 29), ("joint_vel", 29), ("body_pos", 42),
                               ("body_quat", 56), ("body_lin_vel", 42), ("body_ang_vel", 42)):
             self.assertEqual(tables[name].shape, (501, columns), name)
-        # 10 s at 50 fps, the last frame with them; dof[k] = joint_pos[:, ISAACLAB_TO_MUJOCO[k]]
+        # 10 s at 50 fps, including the last frame; dof[k] = joint_pos[:, ISAACLAB_TO_MUJOCO[k]].
         dof = tables["joint_pos"][:, ISAACLAB_TO_MUJOCO]
         self.assertLess(np.abs(dof[::5] - self.csv[::3, 7:]).max(), 1e-8)
         text = (folder / "metadata.txt").read_text()
@@ -250,7 +250,7 @@ class Solved(FormatsTest):
         self.assertEqual(table.shape, (frames, 6))
         self.assertTrue(np.allclose(table[:, 1], np.arange(frames) / 30, atol=1e-6))
         flags = table[:, 2:].astype(bool)
-        for foot in (flags[:, :2], flags[:, 2:]):  # of a walk: both stand and swing
+        for foot in (flags[:, :2], flags[:, 2:]):  # In a walk, both feet stand and swing.
             self.assertTrue(0.2 < foot.any(-1).mean() < 0.95)
         feet = np.stack([flags[:, :2].any(-1), flags[:, 2:].any(-1)], -1)
         # The loader's check: two dimensions, the second for two feet.
@@ -395,7 +395,7 @@ class BadFiles(FormatsTest):
         self.assert_fails(result, 2, "mine.txt")
         self.assertEqual(self.files(), ["walk/mine.txt"])
         (self.folder / "walk/mine.txt").unlink()
-        for _ in range(2):  # into an empty folder, and in the place of the motion there
+        for _ in range(2):  # Once into an empty folder, and once over the existing motion.
             self.converted(GOLDEN / "walk.csv", "walk", "--format", "csv-sonic")
             self.assertEqual(len(self.files()), 7)
         self.assertEqual([path.name for path in self.folder.iterdir()], ["walk"])

@@ -9,15 +9,16 @@ from tool import SOURCE, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "live", "robots", "verify")
 
-# The same kinds of values as help pages name them.
+# The same kinds of values, as help pages name them.
 OPTION_KINDS = {"S": "SECONDS", "N\\|source": "N", "NAME,...": "NAME", "ADDRESS,...": "ADDRESS"}
-# Names that commands understand differently, each as clear from its command: this list may only shrink.
+# Options with different kinds of values in several commands; each command makes the meaning clear.
+# This list may only shrink.
 NAMES_OF_SEVERAL_KINDS = {
-    "contacts": {"FILE", ""},  # a batch has one file for each clip
+    "contacts": {"FILE", ""},  # A batch has one file per clip.
     "json": {"FILE", ""},
-    "list": {"FILE", ""},  # of inputs (batch), of formats (live)
+    "list": {"FILE", ""},  # A list of inputs (batch), or of formats (live).
     "output": {"FILE", "DIR", "ADDRESS"},
-    "scale": {"auto\\|table\\|height\\|limbs", "N"},  # of a body, of a path
+    "scale": {"auto\\|table\\|height\\|limbs", "N"},  # The scale of a body, or of a path.
     "skeleton": {"FILE", ""},
     "to": {"FILE", "FILE\\|line\\|circle\\|figure8", "ADDRESS"},
     "tolerance": {"M", "X"},
@@ -91,9 +92,9 @@ class Mistakes(ToolTest):
 
     def test_help_of_every_command(self):
         for command in (*((name,) for name in COMMANDS), ("edit", "path"), ("robots", "add")):
-            asked, told = self.run_tool("help", *command), self.run_tool(*command, "--help")
+            asked, shown = self.run_tool("help", *command), self.run_tool(*command, "--help")
             self.assert_done(asked)
-            self.assertEqual(asked.stdout, told.stdout)
+            self.assertEqual(asked.stdout, shown.stdout)
             self.assertIn("retarget " + " ".join(command), asked.stdout)
             for line in asked.stdout.splitlines():
                 self.assertLessEqual(len(line), 80, line)
@@ -236,9 +237,9 @@ class Mistakes(ToolTest):
     def test_hints_can_be_followed(self):
         model = SOURCE / "robots" / "unitree_g1" / "model.xml"
         line = ("--bvh", sample("wave"), "--robot-xml", model, "-o", "x.csv", "--frames", "0:3")
-        told = self.run_tool(*line, "--ik-config", "published")
-        self.assert_fails(told, 4, "--ik-config derived", "--ik-config FILE")
-        self.assertNotIn("omit", told.stderr)
+        failed = self.run_tool(*line, "--ik-config", "published")
+        self.assert_fails(failed, 4, "--ik-config derived", "--ik-config FILE")
+        self.assertNotIn("omit", failed.stderr)
         self.assert_done(self.run_tool(*line, "--ik-config", "derived"))
 
     def test_whole_clip_search_is_reported_without_seconds(self):

@@ -16,7 +16,8 @@ FRAMES = 7
 # For all positions; joints are rounded to 5e-5 rad.
 TOLERANCE = 2e-4
 
-# a slide and a hinge with references, a hinge beside its body's origin
+# A slide and a hinge with reference positions, and a hinge whose axis does not pass its body's
+# origin.
 MODEL = """
 <mujoco><compiler angle="radian"/><worldbody><body name="base" pos="0 0 1"><freejoint/>
   <geom type="box" size="0.1 0.1 0.1"/>

@@ -10,7 +10,7 @@ from tool import NODE, SOURCE, run_in_node
 VIEWER = SOURCE / "viewer/src"
 RIM = 0.006
 
-# a motion of one body and one joint: frames, rate, root's place by frame
+# A motion of one body and one joint: frames, rate, position of the root by frame.
 MOTION = """
 const { Motion } = await import(`${viewer}/motions.js`);
 const robot = {
@@ -68,7 +68,7 @@ class Scene(unittest.TestCase):
                 vertices = np.array(plates[name]["vertices"]).reshape(-1, 3)
                 middle = points.mean(axis=0)
                 *axes, normal = np.linalg.svd(points - middle)[2]
-                # all of the sole is on the plate, which is hardly wider and thin
+                # All of the sole is on the plate, which is hardly wider, and thin.
                 for axis in axes:
                     wide = (vertices - middle) @ axis
                     low, high = wide.min(), wide.max()
@@ -78,7 +78,7 @@ class Scene(unittest.TestCase):
                     self.assertLess(high - low, np.ptp(along) + 6 * RIM)
                 uneven = np.ptp((points - middle) @ normal)
                 self.assertLess(np.ptp((vertices - middle) @ normal), 3 * RIM + 2 * uneven + 1e-9)
-                # and it goes out of the foot, away from the ankle
+                # The plate is outside the foot, on the side away from the ankle.
                 up = normal if normal @ -middle > 0 else -normal
                 heights = (vertices - middle) @ up
                 self.assertLess(heights.min() + RIM, uneven + 1e-9)
@@ -129,7 +129,7 @@ class Scene(unittest.TestCase):
             });
             """
         )
-        # pelvis to sole: 0.85; the highest is the pelvis
+        # Pelvis to sole is 0.85; the pelvis is the highest point.
         for height, root, _ in stands:
             self.assertAlmostEqual(height, 1.18 * 0.85)
             self.assertAlmostEqual(root, 0.85)

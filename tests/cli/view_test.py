@@ -53,14 +53,14 @@ class View(ToolTest):
         self.assertEqual(self.poses(self.strip(motion, "--strip", 5)),
                          ["0 s", "0.5 s", "1 s", "1.5 s", "2 s"])
         self.assertEqual(len(self.poses(self.strip(motion))), 6)
-        # no more poses than frames
+        # There are no more poses than frames.
         self.assertEqual(len(self.poses(self.strip(motion, "--strip", 100))), 61)
 
     def test_the_human_is_above_the_robot(self):
         motion = self.motion()
         alone = self.strip(motion, "--strip", 3)
         both = self.strip(motion, "--strip", 3, "--bvh", "walk.bvh")
-        # 19 bones that others end at, a head, three times with a rim; a floor
+        # 19 bones, and a head, three times with an outline; a floor.
         self.assertGreater(self.shapes(both), self.shapes(alone) + 3 * 2 * 15)
         self.assertEqual(self.poses(both), self.poses(alone))
 
@@ -97,7 +97,7 @@ class View(ToolTest):
         self.assertEqual((self.folder / "both.PNG").read_bytes(), again)
         few = pixels(self.strip(motion, "--strip", 2, output="few.png"))
         self.assertLess(few[0], width)
-        # a strip and a picture at once
+        # A strip and a picture in one call.
         self.strip(motion, "--png", "beside.png", "--strip", 2)
         self.assertEqual(pixels((self.folder / "beside.png").read_bytes()), few)
         view = ("view", motion, "--robot", "g1", "-o", "s.svg", "--png")
@@ -111,13 +111,13 @@ class View(ToolTest):
         own = self.strip("walk.csv", "--bvh", "walk.bvh", output="view.png")
         drawn, again = pixels((self.folder / "run.png").read_bytes()), pixels(own)
         self.assertEqual(drawn[:2], again[:2])
-        # the file has six digits, which a pixel at an edge may hang on
+        # The file has six digits, which may decide about a pixel at an edge.
         same = np.frombuffer(drawn[2], np.uint8) == np.frombuffer(again[2], np.uint8)
         self.assertGreater(same.mean(), 0.999)
         self.assert_done(self.run_tool(*run, "--strip", 3, "--normalize-start"))
         few = self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 3, output="few.png")
         self.assertEqual(pixels((self.folder / "run.png").read_bytes())[:2], pixels(few)[:2])
-        # nothing is written where anything cannot be
+        # Nothing is written if any output cannot be written.
         for file in ("run.png", "walk.csv"):
             (self.folder / file).unlink()
         for arguments, words in (
@@ -154,7 +154,7 @@ class View(ToolTest):
     def test_the_picture_of_the_readme_as_well(self):
         shutil.copy(sample("walk"), self.folder / "walk.bvh")
         self.assert_done(self.retarget(bvh="walk.bvh", output="walk.csv"))
-        # pixels, as versions of zlib pack them differently
+        # Compare pixels, because versions of zlib compress them differently.
         self.assertTrue(
             pixels(self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 9, output="s.png"))
             == pixels((SOURCE / "docs/pictures/walk_strip.png").read_bytes()),

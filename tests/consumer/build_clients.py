@@ -49,7 +49,7 @@ def build(folder, arguments):
     headers = python_headers(folder)
     if not headers:
         print("the Python module is left out: nanobind or the headers of Python are missing")
-    # a MuJoCo that is not a part of the installed tree may lie in the source tree
+    # A MuJoCo that is not part of the installed tree may be in the source tree.
     bundled = any(installed.glob("lib*/**/retarget/include/mujoco/mujoco.h"))
     hide = hiding_command() if bundled else []
     if not hide:

@@ -37,7 +37,7 @@ def main():
             assert robot["installed"] == (HAS_ALL or robot["name"] not in unverified), robot
             assert robot["licence_stated"] == (robot["name"] not in unverified), robot
 
-        # the full name of a robot that an install lacks is not completed to another's
+        # The full name of a robot that is not installed never matches another robot.
         data = folder / "share/retarget"
         shutil.copytree(INSTALLED / "share/retarget", data)
         shutil.rmtree(data / "robots/booster_t1")

@@ -37,7 +37,7 @@ class Sandbox:
         shutil.copytree(SOURCE / "examples", folder / "examples")
         shutil.copy(SOURCE / "data/wave.bvh", folder)
         shutil.copy(SOURCE / "robots" / ROBOT / "model.xml", folder / "my_robot.xml")
-        # a MuJoCo that is not a part of the installed tree may lie in the source tree
+        # A MuJoCo that is not part of the installed tree may be in the source tree.
         bundled = any(self.installed.glob("lib*/**/retarget/include/mujoco/mujoco.h"))
         self.hide = hiding_command() if bundled else []
         if not self.hide:
@@ -65,7 +65,7 @@ def build(box, cmake, generator, settings):
             f"-DCMAKE_PREFIX_PATH={box.installed}", *settings)
     box.run(cmake, "--build", box.build)
     sources = sorted(path.stem for path in (box.folder / "examples").glob("*.cpp"))
-    # one that is new needs a run below
+    # A new example needs a run below.
     assert sources == ["01_bvh_to_csv", "02_own_robot", "03_stages_by_hand", "04_whole_folder"], sources
 
 
@@ -75,7 +75,7 @@ def run_single_clip(box, tool):
     rows = box.bytes_of("wave.csv").decode().splitlines()
     assert len(rows) > 60 and all(len(row.split(",")) == 7 + 29 for row in rows), rows[:2]
     if tool:
-        # defaults are those of the command line
+        # The defaults are those of the command line.
         box.run(tool, "wave.bvh", ROBOT, "-q", "-o", "by_tool.csv", hide=False)
         assert box.bytes_of("wave.csv") == box.bytes_of("by_tool.csv")
 
@@ -89,7 +89,7 @@ def run_own_robot(box):
 def run_stages(box):
     report = box.example("03_stages_by_hand", "wave.bvh", ROBOT, "part.csv")
     assert "jumps" in report, report
-    # two seconds at 60 frames per second
+    # Two seconds at 60 frames per second.
     assert len(box.bytes_of("part.csv").splitlines()) == 121
 
 

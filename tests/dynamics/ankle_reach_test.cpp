@@ -38,7 +38,7 @@ constexpr const char* kAnkle = R"(
 
 class AnkleReach : public testing::Test {
  protected:
-  // The point in the axes of the world, relative to the foot's origin, after it was moved.
+  // Returns the moved point in world axes, relative to the foot's origin.
   Vector3d moved(double pitch_limit, double roll_limit, const Vector3d& point,
                  const Vector3d& force = {0.0, 0.0, 400.0}) const {
     const KinematicTree& tree = robot_->tree();

@@ -1,5 +1,5 @@
-// Minimal movement of a centre of mass for contacts to carry it: closed forms, and comparison with
-// nearby solutions.
+// Minimal movement of a centre of mass with which contacts can carry it: closed forms, and
+// comparison with nearby solutions.
 
 #include "solve/dynamics/centroidal_step.h"
 
@@ -61,7 +61,7 @@ std::vector<CentroidalFrame> surge(double fps, double shiver) {
 }
 
 // The requested motion of the body does not depend on the sampling rate.
-TEST(CentroidalStep, FrameRatesBehaveAlike) {
+TEST(CentroidalStep, IsIndependentOfTheFrameRate) {
   std::vector<Vector6d> at_30;
   for (const double fps : {30.0, 60.0, 120.0}) {
     const CentroidalScale scale{kScale.mass, kScale.length, 1.0 / fps};
@@ -91,7 +91,7 @@ TEST(CentroidalStep, DoesNotMoveAStandingBody) {
   for (const Vector6d& rest : step.unexplained()) EXPECT_LT(rest.norm(), 1e-4);
 }
 
-// A surge of 0.8 g within three frames, as feet that snap into place cause it.
+// A surge of 0.8 g within three frames, as caused by feet that snap into place.
 TEST(CentroidalStep, SmoothsASurge) {
   auto frames = standing(40);
   for (const int t : {18, 19}) frames[static_cast<std::size_t>(t)].needed[0] += 0.8;
@@ -109,7 +109,7 @@ TEST(CentroidalStep, SmoothsASurge) {
   EXPECT_GT(largest, 1e-3);
 }
 
-// Without contacts only free fall needs no force: a supported body is bent to it.
+// Without contacts, only free fall needs no force, so the path of a supported body is bent to it.
 TEST(CentroidalStep, AFlyingBodyFalls) {
   auto frames = standing(40);
   for (std::size_t t = 15; t < 25; ++t) {

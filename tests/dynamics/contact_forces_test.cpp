@@ -22,8 +22,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A base whose centre of mass is 15 cm in front of two legs. The left leg has one hinge, the right leg
-// three on the same axis; all links but the base have hardly any mass.
+// A base whose centre of mass is 15 cm in front of two legs. The left leg has one hinge, the right
+// leg three on the same axis; all links except the base have hardly any mass.
 constexpr const char* kTwoLegs = R"(
 <mujoco>
   <compiler angle="radian"/>
@@ -95,7 +95,8 @@ class TwoLegs : public testing::Test {
   std::shared_ptr<const Robot> robot_ = robot_from_text(kTwoLegs);
 };
 
-// The least squares of the ratios, under left + right = lean: left / l^2 = 3 right / r^2.
+// The least squares of the torque ratios, subject to left + right = lean: left / l^2 = 3 right /
+// r^2.
 TEST_F(TwoLegs, TorquesWithinLimitsAreTheLeastSquares) {
   const std::vector<double> found = torques({20.0, 30.0, 30.0, 30.0});
   ASSERT_EQ(found.size(), 4U);
@@ -104,7 +105,8 @@ TEST_F(TwoLegs, TorquesWithinLimitsAreTheLeastSquares) {
   EXPECT_NEAR(std::abs(found[3]), kLean - left, kNear);
 }
 
-// The same shares would exceed the limit of the left joint, although the right leg has some left.
+// The same shares would exceed the limit of the left joint, although the right leg has torque to
+// spare.
 TEST_F(TwoLegs, AJointIsRelievedIfOthersCanTakeItsTorque) {
   const std::vector<double> limits{7.5, 11.25, 11.25, 11.25};
   const double least_squares = kLean * 3.0 / (3.0 + 1.5 * 1.5);
@@ -114,9 +116,9 @@ TEST_F(TwoLegs, AJointIsRelievedIfOthersCanTakeItsTorque) {
   EXPECT_NEAR(std::abs(found[0]) + std::abs(found[3]), kLean, kNear);
 }
 
-// If the lean needs more than all joints have, the squared excesses are least: e / l = 3 f / r with
-// e = left - 0.98 l and f = right - 0.98 r, both in units of their limits.
-TEST_F(TwoLegs, AnExcessThatRemainsIsTheLeast) {
+// If the lean needs more than the limits of all joints, the sum of squared excesses is minimal: e /
+// l = 3 f / r with e = left - 0.98 l and f = right - 0.98 r, both in units of their limits.
+TEST_F(TwoLegs, RemainingExcessIsMinimal) {
   const double l = 4.5, r = 6.75;
   const std::vector<double> found = torques({l, r, r, r});
   // left / l - 0.98 = l k, right / r - 0.98 = r k / 3

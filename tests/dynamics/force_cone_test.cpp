@@ -58,8 +58,8 @@ TEST(ForceCone, ResidualSatisfiesTheConditionsOfTheNearestPoint) {
   }
 }
 
-// The amounts of an earlier projection are one way to supply a wrench; the nearest point is the best
-// one.
+// The amounts of an earlier projection are one way to supply a wrench; the nearest point is the
+// best way.
 TEST(ForceCone, ExplainsOnlyWhatTheConeCanSupply) {
   ConeProjector projector;
   std::mt19937 random(11);

@@ -38,7 +38,7 @@ double bad_share(const MotionDynamics& dynamics) {
   return static_cast<double>(bad) / static_cast<double>(dynamics.samples.size());
 }
 
-TEST(MotionDynamics, StandingIsPossible) {
+TEST(MotionDynamics, StandingIsFeasible) {
   const MotionDynamics dynamics = analyse_dynamics(standing_clip(30));
   EXPECT_EQ(dynamics.samples_per_frame, 4);
   EXPECT_EQ(dynamics.samples.size(), 29U * 4U);
@@ -57,7 +57,7 @@ TEST(MotionDynamics, StandingIsPossible) {
 
 // The whole robot swings horizontally: the required force is known, and friction supplies part of
 // it.
-TEST(MotionDynamics, ASwayNeedsFriction) {
+TEST(MotionDynamics, SwayingRequiresFriction) {
   constexpr double kRate = 2.0 * 3.14159265358979;  // rad/s
   for (const double peak : {2.0, 12.0}) {
     RobotClip clip = standing_clip(60);
@@ -82,7 +82,7 @@ TEST(MotionDynamics, ASwayNeedsFriction) {
   }
 }
 
-TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
+TEST(MotionDynamics, FreeFallIsFeasibleAndHoveringIsNot) {
   RobotClip thrown = standing_clip(30), hovering = standing_clip(30);
   for (int t = 0; t < 30; ++t) {
     const double time = t / 30.0;
@@ -138,7 +138,7 @@ TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
 
 // As in a full-precision file of a standing robot: rotations between frames are so small that 1 -
 // cos is 0.
-TEST(MotionDynamics, StandingWithTheNoiseOfASensorIsPossible) {
+TEST(MotionDynamics, StandingWithSensorNoiseIsFeasible) {
   for (const double size : {1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 1.5e-8, 1e-7}) {
     RobotClip clip = standing_clip(30);
     std::mt19937 random(1);

@@ -90,7 +90,7 @@ TEST(Reference, SamplesAreAtTheRequestedTimes) {
     EXPECT_EQ(reference.qvel.size(), count * 35);
     EXPECT_EQ(reference.torque.size(), count * 29);
   }
-  // Samples on frames are the frames.
+  // Samples at frame times equal the frames.
   const MotionReference at_frames = reference_of(clip, 30.0);
   ASSERT_EQ(at_frames.samples, 31U);
   for (int t = 0; t < 31; ++t) {
@@ -99,7 +99,7 @@ TEST(Reference, SamplesAreAtTheRequestedTimes) {
   }
 }
 
-// 990 samples per second have 33 between two frames, so that a difference of fourth order can stay
+// 990 samples per second have 33 samples between two frames, so a fourth-order difference can stay
 // within one piece of the spline: there it has no error for cubics and hardly any for the rotation.
 TEST(Reference, VelocitiesAndAccelerationsAreDerivatives) {
   const MotionReference reference =
@@ -135,7 +135,8 @@ TEST(Reference, VelocitiesAndAccelerationsAreDerivatives) {
   EXPECT_GT(compared, 1000);
 }
 
-// The centre of mass moves as its velocity and acceleration say, and the forces accelerate it.
+// The centre of mass moves according to its velocity and acceleration, and the forces accelerate
+// it.
 TEST(Reference, TheCentreOfMassFollowsItsForces) {
   const MotionReference reference =
       reference_of(reference_sway(load_shipped("unitree_g1"), 40), 990.0);
@@ -321,7 +322,7 @@ constexpr const char* kPendulum = R"(
   </worldbody>
 </mujoco>)";
 
-TEST(Reference, APendulumNeedsItsClosedForm) {
+TEST(Reference, PendulumTorqueMatchesItsClosedForm) {
   const auto loaded = robot_from_text(kPendulum);
   auto fixed =
       std::make_shared<Robot>(ModelPtr(mj_copyModel(nullptr, loaded->model())), loaded->profile());
@@ -337,7 +338,7 @@ TEST(Reference, APendulumNeedsItsClosedForm) {
     const double q = reference.qpos[8 * i + 7], a = reference.qacc[7 * i + 6];
     EXPECT_NEAR(reference.torque[i],
                 kMass * kLength * kLength * a + kMass * kLength * kGravity * std::sin(q), 1e-6);
-    // The stand carries the weight of both parts and what swings.
+    // The stand carries the weight of both parts and the force of the swing.
     const double v = reference.qvel[7 * i + 6];
     const double lift = kMass * kLength * (a * std::sin(q) + v * v * std::cos(q));
     EXPECT_NEAR(reference.residual[6 * i + 2], (1.0 + kMass) * kGravity + lift, 1e-6);
@@ -397,7 +398,7 @@ TEST(Reference, LimitsHoldBetweenFrames) {
   EXPECT_EQ(found->limit, top);
 }
 
-TEST(Reference, ContactsHardlyDependOnTheRate) {
+TEST(Reference, ContactsDependLittleOnTheRate) {
   const RobotClip clip = reference_sway(load_shipped("unitree_g1"), 40);
   const MotionReference coarse = reference_of(clip, 25.0), fine = reference_of(clip, 250.0);
   const std::size_t points = coarse.contact_names.size();
@@ -414,7 +415,7 @@ TEST(Reference, ContactsHardlyDependOnTheRate) {
   EXPECT_LE(differ, static_cast<int>(coarse.samples * points / 20));
 }
 
-TEST(Reference, WrongRatesAndEmptyMotions) {
+TEST(Reference, RejectsWrongRatesAndEmptyMotions) {
   const auto robot = load_shipped("unitree_g1");
   ReferenceOptions options;
   for (const FrameRate& rate : {FrameRate{9, 1}, FrameRate{1001, 1}}) {
@@ -436,7 +437,7 @@ TEST(Reference, WrongRatesAndEmptyMotions) {
   EXPECT_EQ(large.error().kind, ErrorKind::kInput);
 }
 
-TEST(Reference, ColumnsOfTheTextAreThoseOfTheArrays) {
+TEST(Reference, TextColumnsMatchTheArrays) {
   const MotionReference reference =
       reference_of(reference_sway(load_shipped("unitree_g1"), 10), 50.0);
   const std::string text = format_reference_csv(reference);

@@ -118,7 +118,7 @@ TEST(SceneSupports, ABodyOnTheFloorIsNotALoad) {
   EXPECT_FALSE(supports.touched(2, on_top, 0.0, Vector3d(1.0, 0.0, 0.0), 0.02, 0.5)) << "too fast";
 }
 
-TEST(SceneSupports, NeedNoFramesBesides) {
+TEST(SceneSupports, WorkWithFewFrames) {
   SceneBody crate = box({0.3, 0.3, 0.3}, Vector3d::Zero());
   crate.moves = true;
   for (const int frames : {1, 2, 3}) {

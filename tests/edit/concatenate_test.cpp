@@ -20,7 +20,7 @@ struct CutCase {
   int begin_of_b, end_of_a;
 };
 
-// Cut in two: with a common window, and with one common frame (end times are inclusive).
+// A clip is cut in two: with a common window, and with one common frame (end times are inclusive).
 TEST(Concatenation, FindsTheCutOfAClip) {
   for (const CutCase& cut_case :
        {CutCase{"walk", 130, 140}, CutCase{"walk", 150, 151}, CutCase{"get_up", 100, 110},
@@ -105,7 +105,7 @@ TEST(Concatenation, FindsTheCutOfRecordedClips) {
   }
 }
 
-// A root above the hips, which each clip may move differently.
+// Both clips have a root above the hips, which each clip may move differently.
 TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   const EditSample& plain = data_sample("walk");
   std::vector<Joint> joints = plain.clip.skeleton().joints();
@@ -115,7 +115,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   for (Joint& joint : joints) ++joint.parent;
   joints.insert(joints.begin(), root);
   const auto skeleton = std::make_shared<const Skeleton>(joints);
-  // The same motion, with this share of it in the root.
+  // The same motion, of which the root takes this share.
   const auto with_root = [&](const Clip& clip, const Pose& world_from_root) {
     Clip result(skeleton, clip.rate(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -155,7 +155,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
 }
 
 TEST(Concatenation, KeepsMostOfBothClips) {
-  // A clip matches itself best where nothing remains.
+  // A clip matches itself best where no frames remain.
   const EditSample& walk = data_sample("walk");
   ConcatenateOptions options;
   options.seam.search_all = true;
@@ -325,7 +325,7 @@ TEST(Concatenation, ReportsJolts) {
   EXPECT_THAT(jolted->check.faults, testing::ElementsAre(testing::HasSubstr("accelerates")));
 }
 
-TEST(Concatenation, HandlesOddClips) {
+TEST(Concatenation, HandlesShortClips) {
   const EditSample& walk = data_sample("walk");
   const Clip none = cut(walk.clip, 0, 0), one = cut(walk.clip, 0, 1);
   EXPECT_FALSE(concatenate(none, walk.clip, walk.calibration, {}, "a", "b"));

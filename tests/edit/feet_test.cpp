@@ -1,4 +1,5 @@
-// Feet and knees of edited motions: planted toes while the heel is up, legs near full stretch.
+// Feet and knees of edited motions: toes that stay planted while the heel is up, legs near full
+// stretch.
 
 #include <gmock/gmock.h>
 
@@ -37,7 +38,7 @@ std::vector<FrameRange> standing(const Track& track, double fps) {
     if (runs.empty() || runs.back().end != i + 1) runs.push_back({i, i + 1});
     runs.back().end = i + 2;
   }
-  // Without the frames in which the contact begins and ends.
+  // Exclude the frames in which the contact begins and ends.
   for (FrameRange& run : runs) run = {run.begin + 1, run.end - 1};
   std::erase_if(runs, [&](const FrameRange& run) { return run.end - run.begin < 0.1 * fps; });
   return runs;
@@ -107,7 +108,7 @@ TEST(FeetOnPaths, HandlesRecordedKneesAndToes) {
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   struct Walk {
     const char* file;
-    double scale;  // of its path
+    double scale;  // Scale of its path.
   };
   for (const auto& [name, scale] :
        {Walk{"dialects/games105_walk60", 1.25}, Walk{"dialects/games105_walk60", 1.6},

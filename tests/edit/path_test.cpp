@@ -394,7 +394,7 @@ TEST(Rethreading, HeadingFollowsTheBodyWhileStanding) {
   }
 }
 
-TEST(Rethreading, HandlesOddClipsAndPaths) {
+TEST(Rethreading, HandlesShortClipsAndDegeneratePaths) {
   const EditSample& walk = data_sample("walk");
   const auto try_it = [&](const Clip& clip, const GroundPath& path, PathKeep keep) {
     FollowPathOptions options;

@@ -99,7 +99,7 @@ TEST(Floor, SingleFrameUsesTheLowerFoot) {
   EXPECT_NEAR(floor, floor_height(sample.clip, sample.calibration).value(), 0.01);
 }
 
-// Frames 100.. of the walk are periodic strides.
+// The walk has periodic strides from frame 100.
 TEST(Loops, WalkLoopsWithoutASeam) {
   const EditSample& sample = data_sample("walk");
   const Clip strides = cut(sample.clip, 100, 220);
@@ -178,7 +178,7 @@ TEST(Loops, InPlaceReturnsToTheStart) {
   }
 }
 
-TEST(Loops, HandleOddClips) {
+TEST(Loops, HandleShortAndStillClips) {
   const EditSample& sample = data_sample("walk");
   EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.calibration, {}));
   EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.calibration, {}));

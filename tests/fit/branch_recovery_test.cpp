@@ -121,7 +121,7 @@ TEST(BranchRecovery, CanBeStopped) {
   FitRun run;
   run.keep_going = [&](double) { return asked++ < limit; };
   ASSERT_TRUE(plainly_fitted(clip, robot, {}, run).has_value());
-  // The first stop request after all those of the plain fit.
+  // Stop at the first request after all those of the plain fit.
   limit = asked;
   asked = 0;
   const auto stopped = fitted(clip, robot, {}, run);

@@ -66,7 +66,7 @@ class FitDynamicsTest : public testing::Test {
 };
 std::shared_ptr<const Robot> FitDynamicsTest::robot_;
 
-TEST_F(FitDynamicsTest, MakesAWalkPossible) {
+TEST_F(FitDynamicsTest, MakesAWalkFeasible) {
   const Clip walk = sampled_frames("walk.bvh", 60, 240);
   const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});
   const double before = bad_share(without.clip), after = bad_share(with.clip);
@@ -113,8 +113,8 @@ double root_jerk(const RobotClip& clip) {
   return sum * fps * fps * fps / (clip.frame_count() - 3);
 }
 
-// At every rate the walk becomes possible, and is hardly rougher than without the term.
-TEST_F(FitDynamicsTest, FrameRatesBehaveAlike) {
+// At every rate the walk becomes feasible, and is hardly rougher than without the term.
+TEST_F(FitDynamicsTest, IsIndependentOfTheFrameRate) {
   const Clip walk = sampled_frames("walk.bvh", 60, 160);
   for (const double fps : {24.0, 50.0, 120.0}) {
     const auto at_rate = resample(walk, frame_rate_from_fps(fps));
@@ -155,8 +155,9 @@ TEST_F(FitDynamicsTest, IsRevertedIfItDoesNotImproveTheFit) {
   EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("no improvement")));
 }
 
-// Standing and waving need nothing that the contacts cannot supply: the motion is equal bit for bit.
-TEST_F(FitDynamicsTest, LeavesPossibleMotionUnchanged) {
+// Standing and waving need no forces beyond those of the contacts, so the motion is equal bit for
+// bit.
+TEST_F(FitDynamicsTest, DoesNotChangeFeasibleMotion) {
   const Clip wave = sampled_frames("wave.bvh", 0, 120);
   const FitResult with = fitted(wave, {}), without = fitted(wave, without_dynamics());
   EXPECT_EQ(bad_share(without.clip), 0.0);
@@ -168,7 +169,7 @@ TEST_F(FitDynamicsTest, LeavesPossibleMotionUnchanged) {
 TEST_F(FitDynamicsTest, DoesNotMoveAHangingRobot) {
   Clip walk = sampled_frames("walk.bvh", 60, 130);
   for (int t = 0; t < walk.frame_count(); ++t) {
-    // It rises by a metre as in a lift, with feet drawn up.
+    // The body rises by a metre as in a lift, with its feet drawn up.
     walk.translations(t)[0].y() += 100.0 * std::clamp((t - 10) / 20.0, 0.0, 1.0);
   }
   const FitResult without = fitted(walk, without_dynamics()), with = fitted(walk, {});

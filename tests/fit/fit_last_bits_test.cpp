@@ -15,8 +15,8 @@
 namespace retarget {
 namespace {
 
-// The first stage amplifies these bits to at most 1e-9 for nearly stretched limbs, and a step of
-// the fit perhaps tenfold. Without a change of branch the printed files are equal.
+// For nearly stretched limbs, the first stage amplifies these bits to at most 1e-9, and a step of
+// the fit perhaps tenfold. Without a change of branch, the printed files are equal.
 constexpr double kBits = 1e-12, kSameMotion = 1e-6;
 
 // A clip with changed last bits in every rotation.

@@ -175,8 +175,8 @@ TEST_F(FitTest, SamplesSatisfyTheGuarantees) {
   }
 }
 
-TEST_F(FitTest, JointsStayOffTheirStops) {
-  // Ankles that cannot roll as far as the walk asks for.
+TEST_F(FitTest, JointsStayAwayFromTheirLimits) {
+  // The ankles cannot roll as far as the walk requires.
   const auto address = [&](const char* name) {
     const auto joint = std::ranges::find(robot_->joints(), name, &RobotJoint::name);
     const auto index = static_cast<std::size_t>(joint - robot_->joints().begin());

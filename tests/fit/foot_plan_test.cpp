@@ -270,7 +270,7 @@ TEST(FootPlan, StandingOnABoxIsNotFlight) {
   EXPECT_EQ(plan_of(feet).ends_of(100)[0].importance, 1.0);
 }
 
-// Stands for a second; then the foot is 0.3 m higher and half a metre ahead, and stays.
+// Stands for a second; then the foot is 0.3 m higher and half a metre ahead, and stands there.
 FootPlace step_up(double t) {
   const double way = std::clamp(2.0 * (t - 1.0), 0.0, 1.0);
   return {0.5 * way, 0.3 * way};

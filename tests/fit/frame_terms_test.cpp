@@ -356,8 +356,8 @@ TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
     double gradient = terms[dof].force;
     speeds.terms(kFrame, terms);
     gradient -= terms[dof].force;
-    // Independent computation: the steps of the degree of freedom, for the root relative to the reference, smoothed by a dense solve of the same least
-    // squares.
+    // Independent computation: the steps of the degree of freedom, for the root relative to the
+    // reference, smoothed by a dense solution of the same least-squares problem.
     const auto address =
         dof < 6 ? dof : static_cast<std::size_t>(model_.tree.links()[dof - 5].qpos_address);
     const auto total = [&](double change) {

@@ -55,7 +55,7 @@ TEST(LimbDetours, FindsTheWayAroundTheShoulderLimits) {
   for (int t = 0; t < 3; ++t) EXPECT_TRUE(same(plain->clip, recovered->clip, t)) << t;
 }
 
-// The shoulders of this robot follow the swing anyway.
+// This robot's shoulders can follow the swing without a detour.
 TEST(LimbDetours, NeverIncreasesTheCost) {
   const Clip clip = swing_past_the_shoulder_line();
   const RobotCase robot = robot_case("fourier_n1");
@@ -64,7 +64,7 @@ TEST(LimbDetours, NeverIncreasesTheCost) {
   EXPECT_LE(recovered->report.status.cost_after, plain->report.status.cost_after * (1.0 + 1e-9));
 }
 
-TEST(LimbDetours, DoesTheSameAtOtherFrameRates) {
+TEST(LimbDetours, IsIndependentOfTheFrameRate) {
   const RobotCase robot = robot_case("unitree_g1");
   for (const int factor : {1, 4}) {
     const Clip clip = swing_past_the_shoulder_line(14 * factor, {30 * factor, 1});

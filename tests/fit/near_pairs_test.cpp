@@ -72,8 +72,8 @@ TEST_F(NearPairsTest, FindsAllNearPairs) {
   EXPECT_GT(max, 0U);
 }
 
-// Memories of earlier poses must not hide a pair: small and large steps, a travelling root, another
-// distance.
+// Cached pairs of earlier poses must not hide a pair: small and large steps, a travelling root,
+// another distance.
 TEST_F(NearPairsTest, FindsAllNearPairsAlongAPath) {
   NearPairs search(model_);
   TreeState pose(model_.tree);

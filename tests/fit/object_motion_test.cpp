@@ -105,7 +105,7 @@ class ObjectMotionTest : public testing::Test {
   double width_ = 0.0;
 };
 
-TEST_F(ObjectMotionTest, ACrateComesBetweenTheHands) {
+TEST_F(ObjectMotionTest, CarriedCrateIsPlacedBetweenTheHands) {
   constexpr int kFrames = 60;
   const Vector3d aside(0.0, 0.06, 0.0);
   FitScene scene = scene_of(std::vector<Vector3d>(kFrames, between_ + aside), {0, kFrames});
@@ -125,7 +125,7 @@ TEST_F(ObjectMotionTest, ACrateComesBetweenTheHands) {
               0.5 * width_ - 0.1, 1e-6);
 }
 
-// It lies on the floor, is lifted and held aside of the hands.
+// The crate lies on the floor, is lifted and held at an offset from the hands.
 TEST_F(ObjectMotionTest, ACrateAtRestMovesOnlySmoothlyOnItsSupport) {
   constexpr int kFrames = 120;
   std::vector<Vector3d> path;
@@ -150,7 +150,7 @@ TEST_F(ObjectMotionTest, ACrateAtRestMovesOnlySmoothlyOnItsSupport) {
   }
 }
 
-TEST_F(ObjectMotionTest, AnObjectThatNobodyHoldsDoesNotMove) {
+TEST_F(ObjectMotionTest, ObjectsThatAreNotHeldDoNotMove) {
   FitScene scene = scene_of(std::vector<Vector3d>(20, between_), {0, 0});
   EXPECT_TRUE(follow(scene).empty());
   EXPECT_EQ(scene.world.clip.pose(7, 0).translation, between_);

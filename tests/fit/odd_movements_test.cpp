@@ -1,5 +1,5 @@
-// Physically impossible movements on this floor: a fit with the term `dynamics` ends with a report,
-// and its motion is no worse by the metric than without the term.
+// Movements that are physically impossible on this floor. A fit with the term `dynamics` completes
+// with a report, and its motion is no worse by the metric than without the term.
 
 #include <gtest/gtest.h>
 
@@ -114,7 +114,7 @@ class OddMovements : public testing::TestWithParam<OddMovement> {
 };
 std::shared_ptr<const Robot> OddMovements::robot_;
 
-TEST_P(OddMovements, AreNoWorseForTheTerm) {
+TEST_P(OddMovements, DoNotGetWorseWithTheDynamicsTerm) {
   const OddMovement& odd = GetParam();
   auto loaded = load_bvh(RETARGET_SOURCE_DIR "/data/" + odd.file);
   ASSERT_TRUE(loaded.has_value());
@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(All, OddMovements,
                            return name;
                          });
 
-TEST(OddMovement, ATPoseOfOneFrameIsAMotion) {
+TEST(OddMovement, AcceptsATPoseOfOneFrame) {
   const auto robot = load_g1();
   auto loaded = load_bvh(RETARGET_SOURCE_DIR "/data/walk.bvh");
   ASSERT_TRUE(loaded.has_value());

@@ -50,7 +50,7 @@ TEST(TaskGraph, WorksInTheBackground) {
   EXPECT_TRUE(crew.finish());
 }
 
-TEST(TaskGraph, StoppedCrewStartsNothing) {
+TEST(TaskGraph, StoppedWorkersStartNoTask) {
   for (const int threads : {1, 3}) {
     std::atomic<int> done = 0;
     std::vector<TaskGraph::Task> tasks(5);

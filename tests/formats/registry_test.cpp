@@ -37,7 +37,7 @@ RobotClip swinging_clip() {
     for (std::size_t i = 7; i < qpos.size(); ++i) {
       qpos[i] = 0.2 * std::sin(0.3 * frame + static_cast<double>(i));
     }
-    // It faces neither along x nor along y, so that the order of its quaternion is certain.
+    // The robot faces neither along x nor along y, so the order of its quaternion is certain.
     qpos[3] = std::cos(0.6);
     qpos[6] = std::sin(0.6);
     qpos[2] = 0.76;
@@ -111,7 +111,7 @@ TEST(FormatRegistry, DetectsEachHumanFormatAndNoOther) {
     }
     const auto human = read_human(bytes);
     if (format.name == "mvnx") {
-      EXPECT_THAT(describe(human.error()), HasSubstr("MVNX"));  // a document without a motion
+      EXPECT_THAT(describe(human.error()), HasSubstr("MVNX"));  // A document without a motion.
     } else {
       ASSERT_TRUE(human) << format.name << ": " << describe(human.error());
       EXPECT_EQ(std::holds_alternative<JointMotion>(*human), format.name == "positions");
@@ -158,8 +158,8 @@ TEST(FormatRegistry, EachWriterIsReadBackAsItsOwnFormat) {
   }
 }
 
-// Arrays that only robot motions have lead from the error of the human reader to the right option.
-TEST(FormatRegistry, RobotMotionsAreNamedWhereAHumanIsExpected) {
+// If arrays exist only in robot motions, the error of the human reader suggests the right option.
+TEST(FormatRegistry, ReportsRobotMotionsGivenAsHuman) {
   const RobotClip clip = swinging_clip();
   WriteMotionOptions write;
   write.tracking.rate = {30, 1};
@@ -188,7 +188,7 @@ TEST(FormatRegistry, OptionsForOtherFormatsAreRejected) {
   }
 }
 
-TEST(FormatRegistry, ExtensionsOfFiles) {
+TEST(FormatRegistry, FindsTheExtensionOfAFile) {
   EXPECT_EQ(human_endings_text(), ".bvh, .fbx, .glb, .gltf, .vrm, .vrma, .mvnx, .npz, .pt or .npy");
   EXPECT_EQ(robot_endings_text(), ".csv, .npz, .pkl, .pickle, .joblib, .motion or .pt");
   EXPECT_EQ(ending_of("folder.d/Walk.NPZ"), ".npz");

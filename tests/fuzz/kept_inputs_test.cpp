@@ -40,7 +40,7 @@ std::string name_of(const testing::TestParamInfo<FuzzTarget>& target) {
 }
 
 // A violated property ends the process, after the name of the file.
-TEST_P(KeptInputsTest, BreakNothing) {
+TEST_P(KeptInputsTest, DoNotCrashTheReader) {
   const fs::path folder = fs::path(RETARGET_SOURCE_DIR) / "tests" / "fuzz";
   std::vector<fs::path> files = files_of(folder / "seeds" / GetParam().name);
   EXPECT_FALSE(files.empty()) << "no seeds for " << GetParam().name;

@@ -199,7 +199,7 @@ TEST(HandSolverTest, FistsCloseAndOpenHandsOpen) {
   }
 }
 
-// Fingers of four joints, of which one turns sideways, bend as far as the human's.
+// Fingers of four joints, one of which turns sideways, bend as far as the human's.
 TEST(HandSolverTest, FingersOfFourJointsClose) {
   for (const bool thumb_is_named : {true, false}) {
     const Solved of(robot_from_text(leap_like_hands(thumb_is_named)));
@@ -221,7 +221,7 @@ TEST(HandSolverTest, FingersOfFourJointsClose) {
   }
 }
 
-TEST(HandSolverTest, ALongerHandClosesAsFar) {
+TEST(HandSolverTest, LongerHandsCloseAsFar) {
   // The same hand at twice the size gives the same targets.
   HandShape shape = pinch_shape(Finger::kIndex), large = shape;
   for (FingerLine& line : large.fingers) {

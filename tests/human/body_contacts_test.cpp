@@ -49,7 +49,7 @@ TEST(BodyContacts, LowAndStillKneeIsInContact) {
   const auto down_from_20_to_50 = [](int frame) {
     return Eigen::Vector3d(0.0, 0.0, frame >= 20 && frame < 50 ? 0.05 : 0.4);
   };
-  // It is not slow while it falls and rises.
+  // The part is fast while it falls and rises.
   EXPECT_THAT(contacts(source_with(kLeftKnee, 80, down_from_20_to_50), kLeftKnee),
               ElementsAre(ContactPhase{21, 49}));
 }
@@ -60,7 +60,7 @@ TEST(BodyContacts, UseTheHeightOfTheJoint) {
   };
   EXPECT_THAT(contacts(source_with(kLeftKnee, 30, at(0.14)), kLeftKnee), IsEmpty());
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat), ElementsAre(ContactPhase{0, 30}));
-  // Half as high, for a body of half the size.
+  // The height is halved for a body of half the size.
   EXPECT_THAT(contacts(source_with(kSeat, 30, at(0.14)), kSeat, 0.5), IsEmpty());
 }
 
@@ -103,7 +103,7 @@ TEST(BodyContacts, HandThatCarriesTheWholeBodyStandsOnItsFingers) {
   SourceFeet source = source_with(kLeftHand, 30, still);
   for (SourceFoot& foot : source.feet) foot.ankle.z() = foot.toe.z() = 1.2;
   EXPECT_THAT(contacts(source, kLeftHand), ElementsAre(ContactPhase{0, 30}));
-  // A foot carries it.
+  // A foot carries the body.
   for (SourceFoot& foot : source.feet) foot.toe.z() = 0.02;
   EXPECT_THAT(contacts(source, kLeftHand), IsEmpty());
 }
@@ -159,7 +159,7 @@ TEST(BodyContacts, AreEmptyWithoutFeet) {
   SourceFeet source = source_with(kLeftKnee, 30, [](int) { return Eigen::Vector3d::Zero(); });
   source.foot_count = 0;
   BodyContacts all;
-  all[0].push_back({0, 10});  // of another source
+  all[0].push_back({0, 10});  // A phase of another source.
   find_body_contacts(source, kStanding, 1.0, {}, all);
   for (const auto& phases : all) EXPECT_THAT(phases, IsEmpty());
 }

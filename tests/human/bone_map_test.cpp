@@ -55,7 +55,7 @@ TEST(BoneMapFile, ReportsAllErrorsTogether) {
   }
 }
 
-TEST(BoneMapFile, RejectsBonesOutOfLine) {
+TEST(BoneMapFile, RejectsBonesOutsideTheirChain) {
   const Skeleton skeleton = tiny_skeleton(kBody);
   const auto read = parse_bone_map(
       R"({"Hips": "Hips", "LeftUpLeg": "LeftUpLeg", "LeftLeg": "LeftFoot", "LeftFoot": "LeftLeg"})",
@@ -67,7 +67,7 @@ TEST(BoneMapFile, RejectsBonesOutOfLine) {
               HasSubstr("\"Hips\" has no joint"));
 }
 
-TEST(BoneMap, RotationJointAboveTheHipsIsNextTowardsTheRoot) {
+TEST(BoneMap, RotationJointAboveTheHipsIsTheirParent) {
   const Skeleton skeleton = tiny_skeleton(R"(
 HMD 0 0 0
   Neck 0 -10 0

@@ -50,7 +50,7 @@ double mean_angle(const Clip& a, const Clip& b) {
   return sum / a.frame_count() / a.skeleton().joint_count();
 }
 
-// Sums of uniform numbers, which are equal with every standard library.
+// Sums of uniform numbers, which are equal in every standard library.
 class Noise {
  public:
   double next() {
@@ -89,7 +89,7 @@ TEST(CleanClip, RemovesSwayFromTheRoot) {
   EXPECT_EQ(mean_angle(clip, noisy), 0.0);
 }
 
-TEST(CleanClip, JitterOfJointsIsSmoothed) {
+TEST(CleanClip, SmoothsJointJitter) {
   const Clip clip = recorded_clip("wave");
   Clip noisy = clip;
   Noise noise;
@@ -144,7 +144,7 @@ double contact_speed(const Clip& clean_clip, const Clip& other, double percent) 
   return percentile(speeds, percent);
 }
 
-TEST(CleanClip, LegsHoldFeetInTheirStances) {
+TEST(CleanClip, HoldsFeetInTheirStances) {
   for (const char* name : {"walk", "squat"}) {
     const Clip clip = recorded_clip(name);
     Clip noisy = clip;

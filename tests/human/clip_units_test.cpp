@@ -38,9 +38,9 @@ Clip sample_of(const std::string& name, bool with_t_pose) {
   return with_t_pose ? with_t_pose_as_zero(clip) : clip;
 }
 
-std::vector<std::string> mend(Clip& clip) {
+std::vector<std::string> repair(Clip& clip) {
   std::vector<std::string> messages;
-  for (const Warning& warning : mend_clip_units(clip, lafan1_map(clip.skeleton(), "test"))) {
+  for (const Warning& warning : repair_clip_units(clip, lafan1_map(clip.skeleton(), "test"))) {
     messages.push_back(warning.message);
   }
   return messages;
@@ -83,11 +83,11 @@ TEST(ClipUnits, DoesNotChangeCleanClips) {
   for (const std::string& name : kSamplesInUnits) {
     for (const bool t_pose : {false, true}) {
       const Clip clip = sample_of(name, t_pose);
-      Clip mended = clip;
-      EXPECT_THAT(mend(mended), IsEmpty()) << name;
+      Clip repaired = clip;
+      EXPECT_THAT(repair(repaired), IsEmpty()) << name;
       for (int frame = 0; frame < clip.frame_count(); ++frame) {
-        ASSERT_EQ(mended.translations(frame)[0], clip.translations(frame)[0]);
-        ASSERT_EQ(mended.rotations(frame)[5].coeffs(), clip.rotations(frame)[5].coeffs());
+        ASSERT_EQ(repaired.translations(frame)[0], clip.translations(frame)[0]);
+        ASSERT_EQ(repaired.rotations(frame)[5].coeffs(), clip.rotations(frame)[5].coeffs());
       }
     }
   }
@@ -96,16 +96,16 @@ TEST(ClipUnits, DoesNotChangeCleanClips) {
 TEST(ClipUnits, ConvertsRadians) {
   for (const std::string& name : kSamplesInUnits) {
     const Clip clip = sample_of(name, false);
-    Clip mended = with_radians_read_as_degrees(clip);
-    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
-    expect_same(mended, clip);
+    Clip repaired = with_radians_read_as_degrees(clip);
+    EXPECT_THAT(repair(repaired), ElementsAre(HasSubstr("in radians"))) << name;
+    expect_same(repaired, clip);
   }
   // If the zero pose is one of a body, only the feet give evidence.
   for (const std::string name : {"walk", "squat", "get_up"}) {
     const Clip clip = sample_of(name, true);
-    Clip mended = with_radians_read_as_degrees(clip);
-    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("in radians"))) << name;
-    expect_same(mended, clip);
+    Clip repaired = with_radians_read_as_degrees(clip);
+    EXPECT_THAT(repair(repaired), ElementsAre(HasSubstr("in radians"))) << name;
+    expect_same(repaired, clip);
   }
 }
 
@@ -113,21 +113,21 @@ TEST(ClipUnits, ConvertsRootTranslations) {
   for (const std::string name : {"walk", "squat", "get_up"}) {
     for (const double factor : {0.001, 0.01, 0.1, 1.0 / 2.54, 2.54, 10.0, 100.0}) {
       const Clip clip = sample_of(name, true);
-      Clip mended = with_root(clip, [&](const Eigen::Vector3d& at) { return at * factor; });
-      EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("unit of the root translation differs")))
+      Clip repaired = with_root(clip, [&](const Eigen::Vector3d& at) { return at * factor; });
+      EXPECT_THAT(repair(repaired), ElementsAre(HasSubstr("unit of the root translation differs")))
           << name << factor;
-      expect_same(mended, clip);
+      expect_same(repaired, clip);
     }
   }
 }
 
-TEST(ClipUnits, WarnsAboutARatioBetweenNoTwoUnits) {
+TEST(ClipUnits, WarnsAboutARatioThatMatchesNoUnits) {
   const Clip clip = sample_of("walk", true);
   for (const double factor : {0.2, 5.0}) {
     const Clip changed = with_root(clip, [&](const Eigen::Vector3d& at) { return at * factor; });
-    Clip mended = changed;
-    EXPECT_THAT(mend(mended), ElementsAre(HasSubstr("multiplied by"))) << factor;
-    expect_same(mended, changed);
+    Clip repaired = changed;
+    EXPECT_THAT(repair(repaired), ElementsAre(HasSubstr("multiplied by"))) << factor;
+    expect_same(repaired, changed);
   }
 }
 
@@ -140,15 +140,15 @@ TEST(ClipUnits, WarnsAboutMovingFeetUnderAStaticRoot) {
       [](const Eigen::Vector3d& at) { return Eigen::Vector3d(0, at.y(), 0); }};
   for (const auto& change : changes) {
     const Clip centred = with_root(walk, change);
-    Clip mended = centred;
-    EXPECT_THAT(mend(mended),
+    Clip repaired = centred;
+    EXPECT_THAT(repair(repaired),
                 ElementsAre(HasSubstr("the planted feet move and the root does not")));
-    expect_same(mended, centred);
+    expect_same(repaired, centred);
   }
   // A standing body needs no movement of the root.
   const Clip wave = sample_of("wave", true);
   Clip still = with_root(wave, changes[1]);
-  EXPECT_THAT(mend(still), IsEmpty());
+  EXPECT_THAT(repair(still), IsEmpty());
 }
 
 // A body that is carried, skates or sits in a vehicle moves without planted feet.
@@ -158,7 +158,7 @@ TEST(ClipUnits, DoesNotChangeCarriedBodies) {
     clip.translations(frame)[0] += Eigen::Vector3d(6.0 * frame, 0.0, 0.0);
   }
   const Clip before = clip;
-  EXPECT_THAT(mend(clip), IsEmpty());
+  EXPECT_THAT(repair(clip), IsEmpty());
   expect_same(clip, before);
 }
 
@@ -169,7 +169,7 @@ TEST(ClipUnits, DoesNotChangeRecordings) {
         "dialects/cmu_motionbuilder_12_01_walk.bvh", "dialects/xsens_boxing_120fps.bvh"}) {
     Clip clip = load_bvh((*shared_folder() / "data" / name).string()).value().clip;
     const BoneMap map = recognise_skeleton(clip, shipped_profiles()).value();
-    EXPECT_THAT(mend_clip_units(clip, map), IsEmpty()) << name;
+    EXPECT_THAT(repair_clip_units(clip, map), IsEmpty()) << name;
   }
 }
 

@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 constexpr double kLeg = 0.85;
 constexpr FrameRate kRate{30, 1};
 
-// Paths of a foot's joints; empty if it has none.
+// Paths of a foot's joints; empty if the foot lacks a joint.
 struct FootTrack {
   std::vector<Eigen::Vector3d> ankle, toe;
 };
@@ -68,7 +68,7 @@ TEST(ContactPlan, StandingFeetArePlantedThroughout) {
 TEST(ContactPlan, TheStandingAnkleHeightIsLearnedFromTheClip) {
   auto feet = standing_feet(30);
   for (auto& foot : feet) {
-    for (auto& ankle : foot.ankle) ankle.z() = 0.20;  // high heels
+    for (auto& ankle : foot.ankle) ankle.z() = 0.20;  // High heels.
   }
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
   EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.20);

@@ -54,7 +54,7 @@ ContactPlan edited(const std::vector<ContactEdit>& edits, std::size_t idle = 0) 
   return plan;
 }
 
-TEST(ContactEdits, NoEditsChangeNothing) {
+TEST(ContactEdits, WithoutEditsContactsDoNotChange) {
   const ContactPlan plan = edited({});
   EXPECT_THAT(plan.phases[0], ElementsAre(phase(10, 30), phase(50, 70, 0.3)));
 }
@@ -101,7 +101,7 @@ TEST(ContactEdits, AddContactsOfHands) {
   EXPECT_THAT(plan.phases[1], IsEmpty());
 }
 
-TEST(ContactEdits, IdleEditsAreReported) {
+TEST(ContactEdits, ReportsEditsWithoutEffect) {
   edited({edit(ContactAction::kRemove, "left_foot", 0.7, 0.9)}, 1);
   edited({edit(ContactAction::kShift, "right_foot", 0.0, 1.0, 0.1)}, 1);
 }

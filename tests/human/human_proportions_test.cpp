@@ -17,7 +17,7 @@ using ::testing::Not;
 // Lengths of a four-legged body, y up, facing z; centimetres.
 struct Beast {
   double trunk, thigh, shin, upper, lower, width;
-  double metatarsus = 12.0;     // from the heel, or what is called so, to the toes
+  double metatarsus = 12.0;     // From the heel, or the joint with its name, to the toes.
   int tail = 0, proboscis = 0;  // joints
 };
 
@@ -32,7 +32,7 @@ std::string line(int depth, const std::string& name, double x, double y, double 
          " " + std::to_string(y) + " " + std::to_string(z) + "\n";
 }
 
-// With human names, as tools assign them that rig animals on human templates.
+// A body with human names, as assigned by tools that rig animals on human templates.
 Skeleton body_of_heights(const Beast& beast) {
   std::string body = line(0, "Hips", 0, 140, 0);
   for (int i = 0; i < beast.tail; ++i) body += line(1 + i, "Rear" + std::to_string(i), 0, -8, -9);

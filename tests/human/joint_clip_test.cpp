@@ -24,11 +24,11 @@ using testing::HasSubstr;
 
 // A body with z up and x ahead, posed by its joint angles.
 struct Figure {
-  double left_knee = 0.3, right_knee = 0.2;    // bent so far, rad
-  double left_elbow = 0.4, right_elbow = 0.5;  // bent so far, rad
-  double arm_turn = 0.0;                       // of both elbows' hinges about their upper arms, rad
-  double lean = 0.0;                           // of the trunk, ahead
-  double heading = 0.0;                        // of all
+  double left_knee = 0.3, right_knee = 0.2;    // Bend, rad.
+  double left_elbow = 0.4, right_elbow = 0.5;  // Bend, rad.
+  double arm_turn = 0.0;  // Rotation of both elbow hinges about their upper arms, rad.
+  double lean = 0.0;      // Forward lean of the trunk, rad.
+  double heading = 0.0;   // Rotation of the whole body about the vertical, rad.
   Vector3d root = {0.1, 0.2, 0.95};
 };
 
@@ -333,7 +333,7 @@ TEST(JointClipTest, AddsATrunkToKeypoints) {
   EXPECT_TRUE(clip.skeleton().find("chest").has_value());
 }
 
-TEST(JointTreeTest, KnownOrdersAreBodies) {
+TEST(JointTreeTest, KnownJointOrdersFormBodies) {
   for (const JointOrder& order : joint_orders()) {
     const std::vector<std::string> names = order.names();
     JointMotion motion;

@@ -120,7 +120,7 @@ TEST(LostFrames, InterpolatesFrozenFrames) {
   }
 }
 
-TEST(LostFrames, RestsAreNotFrozen) {
+TEST(LostFrames, PausesAreNotFrozenFrames) {
   // The body rests for six frames and then continues the movement.
   const Clip clip = bending_chain();
   Clip resting = clip;
@@ -129,7 +129,7 @@ TEST(LostFrames, RestsAreNotFrozen) {
   EXPECT_EQ(bridge_frozen_frames(resting, kWhole), 0);
 }
 
-TEST(LostFrames, RepeatedFramesOfASlowerClipAreNotFrozen) {
+TEST(LostFrames, RepeatedFramesOfASlowerClipAreNotFrozenFrames) {
   const Clip clip = bending_chain();
   Clip repeated = clip;
   for (int frame = 0; frame < kFrames; ++frame) copy_frame(clip, frame / 4 * 4, repeated, frame);

@@ -79,10 +79,10 @@ PostureTarget smpl_target() {
   return {"AMASS", {skeleton, std::move(map), std::move(calibration)}, origin};
 }
 
-// By the kind if its profile names the axis, otherwise by the zero pose.
+// The kind determines the axis if its profile names one, otherwise the zero pose does.
 TEST(LyingBodies, KeepTheUpAxisOfEveryKindOfSkeleton) {
   for (const SkeletonProfile& profile : profiles()) {
-    if (profile.name == "slimevr") continue;  // its root is the head
+    if (profile.name == "slimevr") continue;  // Its root is the head.
     const SignedAxis up = nearest_axis(profile.facts.up.value_or(Eigen::Vector3d::UnitY()));
     expect_up_in_all_postures(posture_target(profile, walk(), up), Demand::kRight);
   }

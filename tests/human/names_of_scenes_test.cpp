@@ -113,7 +113,7 @@ Skeleton skeleton_of(const Naming& naming) {
 
 class NamesOfScenesTest : public testing::TestWithParam<Naming> {};
 
-TEST_P(NamesOfScenesTest, AreRecognised) {
+TEST_P(NamesOfScenesTest, SkeletonIsRecognised) {
   const auto profiles =
       load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   ASSERT_TRUE(profiles.has_value());

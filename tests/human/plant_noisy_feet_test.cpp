@@ -65,7 +65,7 @@ TEST(NoisyStances, FindsSteps) {
   }
 }
 
-TEST(NoisyStances, FeetAboveTheFloorDoNotStand) {
+TEST(NoisyStances, ExcludeFeetAboveTheFloor) {
   SourceFeet feet = feet_in_place(90);
   for (int i = 40; i < 60; ++i) shift(feet, i, 0, Vector3d(0.0, 0.0, 0.3));
   const NoisyStances stances = find_noisy_stances(feet, 0.1);

@@ -175,7 +175,7 @@ pelvis 0 90 0
                       {"LeftArm", "upperarm_l"},
                       {"LeftForeArm", "lowerarm_l"},
                       {"RightHand", "hand_r"}});
-  // Also if only the shape gives evidence.
+  // The same result with evidence from the shape alone.
   const Skeleton skeleton = tiny_skeleton(body);
   const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
   ASSERT_TRUE(map) << describe(map.error());

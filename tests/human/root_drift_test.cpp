@@ -33,7 +33,7 @@ Vector3d foot_of_walker(int foot, double seconds) {
   constexpr double kStep = 0.4, kStride = 1.2;
   const double phase = seconds / (2.0 * kStep) + 0.5 * foot;
   const double whole = std::floor(phase), part = phase - whole;
-  // It stands for slightly more than half of the time.
+  // Each foot stands for slightly more than half of the time.
   constexpr double kStands = 0.55;
   const double swing = std::max(0.0, (part - kStands) / (1.0 - kStands));
   const double along = kStride * (whole + swing - std::sin(2.0 * kPi * swing) / (2.0 * kPi));

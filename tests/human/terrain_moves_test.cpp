@@ -138,7 +138,7 @@ TEST(TerrainMoves, FeetTiltWithASlope) {
   EXPECT_GT(tilted, 30);
 }
 
-TEST(TerrainMoves, AStandingHumanGetsNoStairs) {
+TEST(TerrainMoves, DoesNotMoveAStandingHuman) {
   EXPECT_TRUE(put_walk_on(stairs(0.1, 0.3), "squat").moves.empty());
 }
 

@@ -33,7 +33,7 @@ std::vector<Quaterniond> swing(int frames = 300, double degrees = 20.0, double h
 std::vector<Quaterniond> with_noise(std::vector<Quaterniond> rotations, double degrees) {
   std::mt19937 random(7);
   const double keep = std::exp(-kNoiseFrameTime / 0.3);
-  // Sums of uniform numbers are equal with every standard library.
+  // Sums of uniform numbers are equal in every standard library.
   const auto gauss = [&] {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;

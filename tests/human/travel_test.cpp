@@ -139,7 +139,7 @@ TEST(Travel, FactorsOfOneChangeNothing) {
   const TravelReport report = scale(scaled, constant(1.0));
   EXPECT_EQ(report.factor, 1.0);
   EXPECT_TRUE(is_same(walk, scaled));
-  // Far slower than the first speed of the rule.
+  // Much slower than the first speed of the rule.
   const TravelReport slow = scale(scaled, {1.0, 0.85, 20.0, 30.0});
   EXPECT_EQ(slow.least, 1.0);
   EXPECT_TRUE(is_same(walk, scaled));
@@ -197,7 +197,7 @@ TEST(Travel, ExcerptEqualsThatPartOfTheWholeMotion) {
   scale_travel(part, 0, {100, 200}, calibration, constant(0.9));
   const HumanClip before = travelling_human(walk), in_whole = travelling_human(whole),
                   in_part = travelling_human(part);
-  // The first frame of the part stays.
+  // The first frame of the part does not change.
   EXPECT_LT((place(in_part, 100, Bone::kHips) - place(before, 100, Bone::kHips)).norm(), 1e-9);
   const Vector3d off = place(in_whole, 100, Bone::kHips) - place(in_part, 100, Bone::kHips);
   for (int frame = 100; frame < 200; ++frame) {

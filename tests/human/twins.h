@@ -14,8 +14,8 @@
 
 namespace retarget {
 
-/// The same movement with other local axes in the joints: joint_from_new per joint. World
-/// positions stay; rotations of the world become world_from_joint * joint_from_new.
+/// The same movement with other local axes in the joints: joint_from_new per joint. World positions
+/// do not change; world rotations become world_from_joint * joint_from_new.
 inline Clip with_other_axes(const Clip& clip, const std::vector<Eigen::Quaterniond>& turns) {
   std::vector<Joint> joints = clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -70,7 +70,7 @@ inline Clip scaled_and_turned(const Clip& clip, double scale, const Eigen::Quate
   return twin;
 }
 
-/// Every n-th frame, at that part of the rate.
+/// Every n-th frame, at a rate divided by n.
 inline Clip every_nth(const Clip& clip, int n) {
   const int count = (clip.frame_count() + n - 1) / n;
   Clip twin(clip.shared_skeleton(), {clip.rate().frames, clip.rate().seconds * n}, count);
@@ -168,7 +168,7 @@ inline Clip rooted_at_head(const Clip& clip) {
     joint.parent = place_of(joint.parent);
     // Children of a joint of the trunk move to the new joint that rotates the same part.
     if (joint.name == "LeftShoulder" || joint.name == "RightShoulder") {
-      joint.parent = 1;  // the neck now turns what the torso turned
+      joint.parent = 1;  // The neck now turns the part that the torso turned.
       joint.offset -= old.joint(old_joint("Neck")).offset;
     }
     joints.push_back(joint);

@@ -87,7 +87,7 @@ std::vector<JointPoses> poses_of_frames(const Clip& clip) {
 }
 
 // While the body lies along another axis, declarations count in the order of their evidence.
-TEST(ChooseUp, PostureAloneOverrulesNothingKnown) {
+TEST(ChooseUp, PostureAloneOverridesNoKnownFact) {
   const Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kSupine, 0.0);
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const auto poses = poses_of_frames(clip);
@@ -102,7 +102,7 @@ TEST(ChooseUp, PostureAloneOverrulesNothingKnown) {
 }
 
 // The floor contradicts the declared axis and the skeleton's: the choice has a warning.
-TEST(ChooseUp, AStandingBodyOverrulesAFalseAxisWithAWarning) {
+TEST(ChooseUp, AStandingBodyOverridesAWrongAxisWithAWarning) {
   const Clip clip = recorded_clip("walk");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const SignedAxis z{2, false}, x{0, false};
@@ -127,11 +127,11 @@ TEST(ChooseUp, WarnsIfPostureContradictsTheFile) {
   const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, {}, z});
   EXPECT_EQ(choice.axis, z);
   EXPECT_THAT(choice.doubt, testing::HasSubstr("trunk and legs point along +y"));
-  // A fall is evidence.
+  // A fall is evidence for the axis.
   EXPECT_EQ(choose_up(body, poses_of_frames(clip), {z, {}, {}, SignedAxis{}}).axis, SignedAxis{});
 }
 
-// Files that were turned away from the axis of their kind. On the floor of the true axis the body
+// Files that were rotated away from the axis of their kind. On the floor of the true axis, the body
 // seems to stand in the air; in water it seems to climb, or to float on its side.
 TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
   const PostureClips postures(recorded_clip("walk"));

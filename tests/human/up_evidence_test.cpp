@@ -27,7 +27,7 @@ Clip hopping() {
   return clip;
 }
 
-TEST(FreeFall, ShowsTheUpAxisOfAHoppingBody) {
+TEST(FreeFall, DeterminesTheUpAxisOfAHoppingBody) {
   const Clip clip = hopping();
   EXPECT_EQ(fall_of(clip), SignedAxis{});
   for (const SignedAxis up : {SignedAxis{0, false}, SignedAxis{2, false}, SignedAxis{2, true}}) {

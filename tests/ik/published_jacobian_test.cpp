@@ -60,7 +60,8 @@ TEST(PublishedJacobian, SwitchesToTheIdentityBelowTheSmallAngle) {
             1e-5);
 }
 
-// The error that the header states, and none that is not finite; docs/ik.md says why the forms stay.
+// The error is at most that stated in the header, and always finite; docs/ik.md explains why the
+// forms are kept.
 TEST(PublishedJacobian, LosesNoMoreDigitsThanStated) {
   if (std::numeric_limits<series::Real>::digits < 64)
     GTEST_SKIP() << "long double is a double here";

@@ -94,7 +94,7 @@ TEST(ReferenceSolver, ReachesReachableTargets) {
   problem->passes = {pass};
   IkOptions options;
   options.max_extra_steps = kMaxExtraSteps;
-  options.min_progress = -1.0;  // all steps, also across a rise of the error
+  options.min_progress = -1.0;  // Take all steps, even if the error rises.
   const auto solver = make_reference_solver(problem, options);
   std::vector<double> qpos = robot->zero_configuration();
   PassResult result;

@@ -6,7 +6,7 @@
 namespace retarget {
 namespace {
 
-TEST(GltfTimes, AreAllowedUntilTheyRepeat) {
+TEST(GltfTimes, AreRejectedOnceTheyRepeat) {
   EXPECT_TRUE(check_key_times({30, 1}, 0));
   // A day at 120 frames per second.
   EXPECT_TRUE(check_key_times({120, 1}, 10'368'000));

@@ -36,7 +36,7 @@ RobotClip moving_clip(const std::shared_ptr<const Robot>& robot, int frames, dou
 
 TEST(TrackingMotionTest, VelocitiesMatchTheBodies) {
   const auto robot = robot_from_text(kTwoArms);
-  // So dense that differences of positions are velocities.
+  // The samples are so dense that differences of positions are velocities.
   const RobotClip clip = moving_clip(robot, 400, 1000.0);
   TrackingOptions options;
   options.rate = {1000, 1};

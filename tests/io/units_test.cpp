@@ -23,9 +23,9 @@ class UnitsTest : public ::testing::Test {
     double height = 0.76;  // of the root, metres
     double speed = 1.2;    // m/s
     double swing = 0.3;    // of every joint, rad
-    double scale = 1.0;    // of lengths as they are written
-    double angles = 1.0;   // of angles as they are written
-    bool lying = false;    // on its back, else upright
+    double scale = 1.0;    // Scale of the written lengths.
+    double angles = 1.0;   // Scale of the written angles.
+    bool lying = false;    // On its back; otherwise upright.
   };
   [[nodiscard]] std::string csv(const Walk& walk) const {
     RobotClip clip(robot_, {30, 1}, 60);
@@ -66,7 +66,7 @@ class UnitsTest : public ::testing::Test {
   std::shared_ptr<const Robot> robot_ = load_g1();
 };
 
-TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
+TEST_F(UnitsTest, OwnFilesAreInMetresAndRadians) {
   for (const double height : {0.02, 0.08, 0.76, 2.0, 3.5}) {
     const auto motion = read(csv({.height = height, .lying = height < 0.1}));
     ASSERT_TRUE(motion) << height << ": " << describe(motion.error());
@@ -78,7 +78,8 @@ TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
   }
 }
 
-// These were once read as metres without a warning: a hundredth and a tenth of a walk's heights.
+// An earlier version read these as metres without a warning: a hundredth and a tenth of a walk's
+// heights.
 TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
   for (const double scale : {0.001, 0.01, 0.1, 0.0}) {
     expect_refused(csv({.scale = scale}), OPTION("source-unit") " m");
@@ -86,7 +87,7 @@ TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
     ASSERT_TRUE(motion) << scale << ": " << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76 * scale, 1e-9);
     EXPECT_THAT(motion->warnings, IsEmpty());
-    // A lying robot may be as low.
+    // A lying robot may be this low.
     EXPECT_TRUE(read(csv({.scale = scale, .lying = true})));
   }
 }
@@ -138,7 +139,7 @@ TEST_F(UnitsTest, SittingUprightIsPlausible) {
 
 // An earlier version read these as centimetres and millimetres, a hundredth and a thousandth of
 // their size.
-TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
+TEST_F(UnitsTest, HighPositionsAreNotCentimetres) {
   for (const double height : {6.5, 8.0, 90.0, 1000.0}) {
     expect_refused(csv({.height = height}), OPTION("source-unit"));
     const auto motion = read(csv({.height = height}), metres(1.0));

@@ -32,7 +32,7 @@ RobotClip random_clip(const std::shared_ptr<const Robot>& robot) {
   for (int frame = 0; frame < kFrames; ++frame) {
     const auto qpos = clip.qpos(frame);
     for (int i = 0; i < 7; ++i) qpos[i] = one(random);
-    qpos[3] += 4.0;  // half a turn apart at most, so that signs stay
+    qpos[3] += 4.0;  // At most half a turn apart, so that signs do not change.
     const double norm =
         std::sqrt(qpos[3] * qpos[3] + qpos[4] * qpos[4] + qpos[5] * qpos[5] + qpos[6] * qpos[6]);
     for (int i = 3; i < 7; ++i) qpos[i] /= norm;
@@ -112,7 +112,7 @@ TEST_P(VariantBodies, MatchTheMakersPositionsAndOrder) {
   }
 }
 
-// By the names in trainer configurations: the anchor and the tracked bodies.
+// The names in trainer configurations: the anchor and the tracked bodies.
 TEST_P(VariantBodies, IncludeTheBodiesOfTrainers) {
   const auto motion = make_tracking_motion(random_clip(variant_), MotionFormat::kNpzBeyondMimic);
   ASSERT_TRUE(motion);
@@ -133,7 +133,7 @@ TEST_P(VariantBodies, AllRoundTrip) {
   for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
     const auto bytes = format_robot_motion(clip, format, writing);
     ASSERT_TRUE(bytes) << describe(bytes.error());
-    // As the variant's and as the whole robot's.
+    // Read them as the variant's file and as the whole robot's.
     for (const auto& robot : {variant_, load_g1()}) {
       const auto motion = parse_robot_motion(*bytes, robot, "m.npz");
       ASSERT_TRUE(motion) << describe(motion.error());

@@ -1,5 +1,5 @@
 // Only the arms follow (Follow::kArms): for any movement of the operator's legs and trunk, the
-// robot's stand, and its arms move like the operator's relative to the chest.
+// robot's legs and trunk stand still, and its arms move like the operator's relative to the chest.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kSeconds = 3.9;  // of the shortest sample
+constexpr double kSeconds = 3.9;  // Seconds of the shortest sample.
 
 LiveOptions arms_options(LiveMode mode) {
   LiveOptions options;
@@ -51,7 +51,7 @@ std::vector<std::vector<double>> followed(const Plan& plan, const HumanClip& hum
   return frames;
 }
 
-TEST(LiveArms, LegsTrunkAndBaseStandForAnyMovement) {
+TEST(LiveArms, LegsTrunkAndBaseStayStillForAnyMovement) {
   for (const char* name : {"walk", "turn_in_place", "squat", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kFit, sample_robot_arms());
     const Robot& robot = *plan.robot.robot;
@@ -75,7 +75,7 @@ TEST(LiveArms, LegsTrunkAndBaseStandForAnyMovement) {
   }
 }
 
-TEST(LiveArms, MoveAlikeIfTheOperatorWalksAndTurns) {
+TEST(LiveArms, AreIndependentOfWalkingAndTurning) {
   for (const char* name : {"wave", "walk"}) {
     const Plan plan = sample_plan(name, Method::kFit, sample_robot_arms());
     const HumanClip human = human_of(plan);

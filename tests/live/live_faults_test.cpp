@@ -51,7 +51,7 @@ class Stream {
     session.push({time, walker_at(time)}, arrival);
     take(arrival);
   }
-  // No frame arrives until then.
+  // Lets time pass without frames until then.
   void wait(double until) {
     for (; now_ < until; now_ += 0.001) take(now_);
     now_ = until;
@@ -219,7 +219,7 @@ TEST(LiveFaults, LateFramesAreDropped) {
   EXPECT_EQ(stream.session.statistics().held, 0);
 }
 
-TEST(LiveFaults, AStallIsHeldThenTheRobotStands) {
+TEST(LiveFaults, HoldsThePoseThenStandsDuringAStall) {
   for (const LiveMode mode : {LiveMode::kFrame, LiveMode::kLag}) {
     LiveOptions options = at_50();
     options.mode = mode;
@@ -259,7 +259,7 @@ TEST(LiveFaults, ResumesSlowlyAfterAStall) {
   }
 }
 
-TEST(LiveFaults, AClockThatJumpsIsFollowed) {
+TEST(LiveFaults, FollowsAClockThatJumps) {
   for (const double jump : {-1000.0, 5000.0}) {
     LiveSession session = LiveSession::make(walk(), at_50()).value();
     int frames = 0, held = 0;
@@ -342,7 +342,7 @@ TEST(LiveFaults, ResetIsANewStream) {
   EXPECT_EQ(streamed(session, walker(), 100.0).size(), first.size());
 }
 
-TEST(SenderClock, FollowsTheQuickestFrames) {
+TEST(SenderClock, FollowsTheFastestFrames) {
   SenderClock clock;
   for (int i = 0; i < 100; ++i) {
     const double stamp = 50.0 + 0.01 * i;

@@ -1,4 +1,4 @@
-// A stream equals the result of whole clips where possible, and its guarantees hold.
+// A stream gives the result of whole clips where possible, and its guarantees hold.
 
 #include "retarget/live.h"
 
@@ -49,7 +49,7 @@ Motion motion_of(const Plan& plan, const std::vector<std::vector<double>>& frame
   return motion;
 }
 
-TEST(LiveFrames, EqualThePublishedMethod) {
+TEST(LiveFrames, EqualThoseOfThePublishedMethod) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kGmr);
     const auto offline = solve(plan);
@@ -92,8 +92,8 @@ TEST(LiveLag, AllocatesNothingAfterWarmUp) {
   const HumanClip human = human_of(plan);
   for (const double lag_s : {0.0, 0.2, 1.5}) {
     LiveSession session = session_of(plan, with_lag(50.0, lag_s));
-    // The clip is played forwards and backwards; the fitted clip forgets its beginning after twelve
-    // seconds, then every six.
+    // The clip is played forwards and backwards. The fitted clip discards its beginning after
+    // twelve seconds, then every six.
     constexpr double kKnown = 45.0, kSeconds = 70.0;
     const int period = 2 * human.frame_count - 2;
     long before = -1;
@@ -123,7 +123,7 @@ QualityReport measured(const Plan& plan, const std::vector<std::vector<double>>&
   return std::move(*report);
 }
 
-TEST(LiveFrames, KeepFeetAndFloor) {
+TEST(LiveFrames, HoldFeetInPlaceAboveTheFloor) {
   const Plan plan = sample_plan("walk", Method::kFit);
   const HumanClip human = human_of(plan);
   LiveOptions options = plain_frames(plan.rate.fps());
@@ -140,7 +140,7 @@ TEST(LiveFrames, KeepFeetAndFloor) {
   EXPECT_EQ(figure(with, "speed_limit_pct"), 0.0);
 }
 
-TEST(LiveLag, LongerThanAClipPassesTheGatesOfItsFit) {
+TEST(LiveLag, LagBeyondTheClipLengthPassesTheGatesOfTheFit) {
   for (const char* name : {"walk", "squat", "turn_in_place", "wave", "get_up"}) {
     const Plan plan = sample_plan(name, Method::kFit);
     LiveSession session = session_of(plan, with_lag(plan.rate.fps(), kLongLag));

@@ -14,9 +14,9 @@ namespace retarget {
 /// The events of a stream, in order of time.
 struct StreamIncident {
   enum class Kind : unsigned char { kFrame, kStop, kNewBody } kind = Kind::kFrame;
-  double at = 0.0;     ///< By our clock.
-  double until = 0.0;  ///< Of kStop: the process is stopped until then.
-  HumanFrame frame;    ///< Of kFrame.
+  double at = 0.0;     ///< Local time.
+  double until = 0.0;  ///< For kStop: end of the pause of the process.
+  HumanFrame frame;    ///< For kFrame.
 };
 
 /// A stream of a few seconds with random faults: jitter, loss, bursts, pauses, drifting and
@@ -98,7 +98,7 @@ inline RandomStream random_stream(std::uint64_t seed, const HumanClip& human) {
   const double rate = chance.of(0.5) ? 1.0 : std::exp2(chance.real(-1.0, 1.0));
   const double jitter = chance.one({0.0, 0.001, 0.01, 0.06});
   const double loss = chance.one({0.0, 0.0, 0.1, 0.5});
-  const double trouble = chance.one({0.0, 0.01, 0.05});  // of a frame, of each kind
+  const double trouble = chance.one({0.0, 0.01, 0.05});  // Probability per frame and kind of fault.
   stream.end = chance.real(0.6, 1.6);
   double stamp_shift = chance.real(-1e4, 1e4), held_until = 0.0, silent_until = 0.0;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();

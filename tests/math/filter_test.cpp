@@ -139,7 +139,7 @@ TEST(LowPassRotations, AttenuatesASmallSineLikeItsAngle) {
   }
 }
 
-// The figure of the header: components against a filter of the angle itself.
+// The accuracy stated in the header: components against a filter of the angle itself.
 TEST(LowPassRotations, IsAccurateForLargeSwings) {
   const auto taps = anti_alias_taps(4.0);
   std::vector<Vector3d> angles;

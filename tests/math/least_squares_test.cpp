@@ -150,7 +150,7 @@ TEST(LeastSquares, NeverTakesANonFiniteStep) {
 }
 
 // The cost is NaN for x <= 0, where the first steps lead.
-TEST(LeastSquares, ReturnsFromARegionWithoutValues) {
+TEST(LeastSquares, RecoversFromStepsToNonFiniteValues) {
   TestProblem problem;
   problem.residual = [](const VectorXd& x) { return VectorXd(x.array().log()); };
   problem.jacobian = [](const VectorXd& x) {

@@ -37,7 +37,7 @@ Matrix exponential(const Matrix& a, int shift) {
 
 /// The unit quaternion exp(w / 2), scalar part first.
 inline Vector4 quaternion(const Vector3& w) {
-  Matrix4 times;  // from the left with (0, w / 2)
+  Matrix4 times;  // Multiplication from the left with (0, w / 2).
   times << 0, -w.x(), -w.y(), -w.z(), w.x(), 0, -w.z(), w.y(), w.y(), w.z(), 0, -w.x(), w.z(),
       -w.y(), w.x(), 0;
   return exponential<Matrix4>(times / 2, 0).col(0);
@@ -51,7 +51,7 @@ inline Matrix3 left_jacobian(const Vector3& w) {
 /// vector, for the first term, rate x rate, must be zero and not what rounding leaves of it.
 inline Vector3 right_jacobian_rate(const Vector3& w, const Vector3& rate) {
   const Matrix3 a = -cross(w), b = -cross(rate);
-  Vector3 power = rate, change = Vector3::Zero(), sum = change;  // of (-W)^n times the rate
+  Vector3 power = rate, change = Vector3::Zero(), sum = change;  // Terms of (-W)^n times the rate.
   Real factorial = 1;
   for (int n = 1; n < kTerms; ++n) {
     change = (b * power + a * change).eval();
@@ -62,7 +62,7 @@ inline Vector3 right_jacobian_rate(const Vector3& w, const Vector3& rate) {
   return sum;
 }
 
-/// Of SE(3); linear components of a twist first.
+/// The Jacobian of SE(3); linear components of a twist first.
 inline Matrix6 left_jacobian(const Eigen::Matrix<Real, 6, 1>& x) {
   Matrix6 adjoint = Matrix6::Zero();
   adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = cross(x.tail<3>());

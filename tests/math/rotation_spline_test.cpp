@@ -111,7 +111,7 @@ TEST(RotationSplineOfMotions, HandlesOneAndTwoSamples) {
 // For rotations so small that they add like vectors, the spline is linear in their size. The
 // reference is 1e-4 rad, where this holds to 1e-4; quaternions represent rotations of 1e-9 rad to
 // 1e-7.
-TEST(RotationSplineOfMotions, StandingNoiseIsInProportionToItsSize) {
+TEST(RotationSplineOfMotions, DerivativesOfSmallNoiseScaleWithItsSize) {
   const double measure = 1e-4;
   const RotationSpline larger(wandering(20, measure));
   for (const double size : {1e-6, 1e-7, 1.5e-8, 1e-8, 3e-9, 1e-9}) {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
 
-// As scaled values, so that tiny ones count too.
+// Compares scaled values, so that tiny ones matter too.
 void expect_near(const Vector3d& actual, const Vector3d& expected, double relative) {
   EXPECT_LE((actual - expected).norm(), relative * expected.norm())
       << actual.transpose() << " in place of " << expected.transpose();
@@ -71,7 +71,7 @@ TEST(LogSo3, IsDefinedAtHalfATurn) {
       EXPECT_EQ(log_so3(q), log_so3(Quaterniond(-q.coeffs())));
     }
   }
-  // Just before half a turn, the axis is the rotation's own.
+  // Just before half a turn, the axis is that of the rotation.
   expect_near(log_so3(exp_so3(-(kPi - 1e-9) * kAxis)), -(kPi - 1e-9) * kAxis, 1e-15);
 }
 

@@ -75,7 +75,7 @@ TEST(Spline, HasContinuousVelocityAndAcceleration) {
   }
 }
 
-// The figures of the header, over all phases.
+// The accuracy stated in the header, over all phases.
 TEST(Spline, ErrorIsSmallForASineFrom24To30) {
   double inside = 0.0;
   double at_ends = 0.0;

@@ -28,7 +28,7 @@ TEST(Statistics, MedianIsTheMiddleValue) {
 }
 
 // NaN has no order and must not be sorted.
-TEST(Statistics, NoValuesAndNoNumbersGiveNaN) {
+TEST(Statistics, EmptyInputAndNaNGiveNaN) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(std::isnan(percentile({}, 95)));
   EXPECT_TRUE(std::isnan(median({})));

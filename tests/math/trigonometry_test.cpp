@@ -73,7 +73,8 @@ TEST(SinCosOfHalfDegrees, IsWithinTwoUlps) {
     for (int i = 0; i < 100'000; ++i) {
       const double degrees = angles(random);
       const auto [sine, cosine] = sin_cos_of_half_degrees(degrees);
-      // Reduced exactly to a quarter turn: near it not even pi as a long double would suffice.
+      // The argument is reduced exactly to a quarter turn; near it, not even pi as a long double
+      // would suffice.
       const long double quadrant = std::nearbyint(static_cast<long double>(degrees) / 180.0L);
       const long double rest =
           (degrees - 180.0L * quadrant) * std::numbers::pi_v<long double> / 360.0L;

@@ -43,7 +43,7 @@ TEST(Clip, DurationIsFromTheFirstToTheLastFrame) {
   EXPECT_EQ(Clip(make_tree(), FrameRate{30, 1}, 0).duration(), 0.0);
 }
 
-TEST(Cut, TakesAHalfOpenRange) {
+TEST(Cut, UsesAHalfOpenRange) {
   const Clip clip = make_clip(FrameRate{30, 1}, 10, [](double t) { return t; });
   const Clip part = cut(clip, 3, 7);
   EXPECT_EQ(part.frame_count(), 4);

@@ -64,7 +64,7 @@ TEST(ResampledFrameCount, IsExactForLongClips) {
   EXPECT_EQ(resampled_frame_count(24000 * 86, film, kRate30), 1001 * 86 * 30 - 1);
   EXPECT_EQ(resampled_frame_count(0, film, kRate30), 0);
   EXPECT_EQ(resampled_frame_count(1, film, kRate30), 1);
-  // 2e27 frames: not countable, and not some small number.
+  // 2e27 frames, which cannot be counted, must not become a small number.
   EXPECT_EQ(resampled_frame_count(2'000'000'000, FrameRate{1, 1'000'000'000},
                                   FrameRate{1'000'000'000, 1}),
             std::numeric_limits<std::int64_t>::max());

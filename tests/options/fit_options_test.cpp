@@ -43,7 +43,7 @@ TEST(FitOptions, ReadsFormerNames) {
   EXPECT_EQ(options->soft_joint_speed, 7.5);
   EXPECT_EQ(options->max_joint_speed, 12.5);
   EXPECT_EQ(options->max_joint_step, 0.25);
-  // Their ranges apply, too.
+  // Their ranges apply as well.
   EXPECT_FALSE(parse_fit_options(R"({"speed_most": 0})", "a.json").has_value());
   const auto both = parse_fit_options(R"({"max_joint_speed": 3, "speed_most": 4})", "a.json");
   ASSERT_FALSE(both.has_value());

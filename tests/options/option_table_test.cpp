@@ -80,7 +80,7 @@ TEST(OptionTable, FilesRoundTrip) {
 
 TEST(OptionTable, RunsRoundTrip) {
   retarget::Run run;
-  run.motion = "a \xff.bvh";  // bytes that are no UTF-8
+  run.motion = "a \xff.bvh";  // The name is not valid UTF-8.
   run.robot.name = "unitree_g1";
   run.options.human.up = SignedAxis{2, true};
   run.options.human.rest = RestPose::kLearned;

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RobotCase {
-  const char* robot;      // of the repository, and folder of reference trajectories
-  const char* published;  // its configuration, below reference
+  const char* robot;      // Robot of the repository, and its folder of reference trajectories.
+  const char* published;  // Its configuration, below the folder `reference`.
 };
 
 void PrintTo(const RobotCase& robot_case, std::ostream* out) {
@@ -61,7 +61,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   std::shared_ptr<const Robot> robot_;
   RetargetingConfig read_;  // Source of config_.
   ResolvedConfig config_;
-  LimitSet limits_;  // of the published method
+  LimitSet limits_;  // Limits of the published method.
 };
 
 TEST_P(Engines, UseThePublishedMapping) {

@@ -266,7 +266,7 @@ TEST(FrameRetargeter, AllocatesNothingPerFrame) {
   EXPECT_EQ(allocations, before);
 }
 
-TEST(HumanConfig, NamesUnknownBodiesAndTooMany) {
+TEST(HumanConfig, ReportsUnknownNamesAndTooManyRows) {
   const auto robot = load_g1();
   RetargetingConfig tables = published_tables();
   tables.match_tables[0].rows[1].body = "left_hip_yaw_lnk";

@@ -53,7 +53,7 @@ constexpr const char* kLimbed = R"(
 // A target read from uninitialised memory would change the bytes between runs.
 TEST(RobotLimbs, AreZeroIfNotMeasured) {
   alignas(RobotLimbs) std::array<unsigned char, sizeof(RobotLimbs)> memory;
-  memory.fill(0xff);  // as doubles: no numbers
+  memory.fill(0xff);  // All values are NaN as doubles.
   const auto* limbs = new (memory.data()) RobotLimbs;
   for (const Eigen::Vector3d& joint : limbs->body_from_joint) {
     EXPECT_EQ(joint, Eigen::Vector3d::Zero());
@@ -120,7 +120,7 @@ TEST(RobotLimbs, MatchTheG1) {
   const ResolvedConfig config = published_config(*robot);
   const auto limbs = robot_limbs(*robot, config);
   ASSERT_TRUE(limbs) << describe(limbs.error());
-  // From the model: hips 3 cm below the pitch axis, shins of 300 mm.
+  // From the model: the hips are 3 cm below the pitch axis, the shins are 300 mm long.
   EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);
   EXPECT_NEAR(limbs->lengths.arm, 0.37, 0.06);
   ASSERT_TRUE(limbs->ankle_height);

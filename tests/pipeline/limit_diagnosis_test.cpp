@@ -140,7 +140,7 @@ TEST(JointsAtLimits, RestingJointHasNoPushingTask) {
   // The target is inside the limit, and no task pushes the slide, which is ignored.
   Scene scene = stiff_arm({task_row("upper", "LeftArm", 0, 10)}, 1);
   set_joint(scene, 0, "shoulder", 0.25);
-  set_joint(scene, 0, "slide", -0.2);  // beyond
+  set_joint(scene, 0, "slide", -0.2);  // Beyond the limit.
   const auto found = scene.diagnose(scene.robot->model_limits());
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].joint, 0);

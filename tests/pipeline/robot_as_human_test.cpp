@@ -1,4 +1,4 @@
-// A robot as a human: the targets of a robot that follows its own human are its own motion.
+// A robot as a human: the targets of a robot that follows its own human equal its own motion.
 
 #include "solve/targets/robot_as_human.h"
 
@@ -62,7 +62,7 @@ double turn_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 class EveryRobot : public testing::TestWithParam<const char*> {};
 
-TEST_P(EveryRobot, IsAskedForItsOwnMotion) {
+TEST_P(EveryRobot, TargetsEqualItsOwnMotion) {
   const SomeRobot some = some_robot(GetParam());
   const RobotClip motion = random_motion(some.robot, 20);
   const auto as_human = RobotAsHuman::make(*some.robot, some.config);

@@ -69,7 +69,7 @@ TEST(TargetStream, RunAheadIsBounded) {
   EXPECT_LT(latest, 1000);
 }
 
-// An interrupted run leaves frames unread.
+// An interrupted run does not read all frames.
 TEST(TargetStream, CanBeAbandonedAnywhere) {
   const TargetBuilder targets(one_bone_config(), 1.0);
   for (const int read : {0, 1, 32, 33, 300}) {

@@ -76,7 +76,7 @@ TEST(SupportBodies, ExcludeFeet) {
   }
 }
 
-TEST(SupportBodies, BonesThatNothingFollowsHaveNone) {
+TEST(SupportBodies, UnmappedBonesHaveNone) {
   const auto robot = load_g1();
   ResolvedConfig config = published_config(*robot);
   const std::array bones = {Bone::kLeftForeArm, Bone::kLeftHand};

@@ -36,7 +36,7 @@ TEST(ChangedGates, AreTheDefaultsWithoutChanges) {
   EXPECT_TRUE(changed({"none"}).value().all().empty());
 }
 
-TEST(ChangedGates, BoundsReplaceTheGateOfTheirFigure) {
+TEST(ChangedGates, BoundsReplaceTheGateOfTheirMetric) {
   const Gates gates = changed({"jumps<=3", "acc_p99=200", "flat_slip_p95>=0.5"}).value();
   EXPECT_EQ(gate_on(gates, "jumps")->max, 3.0);
   EXPECT_EQ(gate_on(gates, "acc_p99")->max, 200.0);
@@ -58,7 +58,7 @@ TEST(ChangedGates, BothBoundsMakeOneGate) {
       gate_on(changed({"stance_height_p50_cm<=0.5"}).value(), "stance_height_p50_cm")->min);
 }
 
-TEST(ChangedGates, ShortNamesMeanTheFigureWithAGate) {
+TEST(ChangedGates, ShortNamesPreferMetricsWithAGate) {
   EXPECT_EQ(gate_on(changed({"limb_angle<=9"}).value(), "limb_angle_deg")->max, 9.0);
   EXPECT_EQ(gate_on(changed({"root_jerk<=9"}).value(), "root_jerk_mean")->max, 9.0);
   EXPECT_THAT(error_of("flat_slip<=1"), HasSubstr("is ambiguous: flat_slip_p50, flat_slip_p95"));

@@ -101,7 +101,7 @@ TEST(TravelOfMotions, ScalesTheDistanceAndKeepsTheGates) {
                              "root_slide_mean", "lag_s"}) {
     EXPECT_NE(report.find(metric), nullptr) << metric;
   }
-  // Heights stay: the mean height of the root.
+  // The mean height of the root does not change.
   const auto mean_height = [](const RobotClip& clip) {
     double sum = 0.0;
     for (int frame = 0; frame < clip.frame_count(); ++frame) sum += clip.qpos(frame)[2];
@@ -110,7 +110,7 @@ TEST(TravelOfMotions, ScalesTheDistanceAndKeepsTheGates) {
   EXPECT_NEAR(mean_height(shorter.clip), mean_height(whole.clip), 0.01);
 }
 
-TEST(TravelOfMotions, AutoLeavesASlowClipAsItIs) {
+TEST(TravelOfMotions, AutoDoesNotChangeASlowClip) {
   const Clip clip = clip_at_rate("turn_in_place");
   const Options automatic = short_part(with_travel("auto"));
   const Motion motion = solved(clip, automatic);
@@ -129,7 +129,7 @@ TEST(TravelOfMotions, AutoShortensAFastWalk) {
 }
 
 TEST(TravelOfMotions, AutoComparesFroudeNumbers) {
-  // The longer the legs, the faster the robot for its size, because the time stays.
+  // The longer the legs, the faster the robot for its size, because the duration does not change.
   const Clip clip = clip_at_rate("walk", 50.0);
   const double small = travel_of(clip, robot_named("booster_k1")),
                g1_s = travel_of(clip, loaded_g1()),
@@ -151,7 +151,7 @@ TEST(TravelOfMotions, FeetStayPlantedWhileTheFactorChanges) {
   }
 }
 
-TEST(TravelOfMotions, PlanAndSummaryTellTheFactor) {
+TEST(TravelOfMotions, PlanAndSummaryStateTheFactor) {
   const auto plan = make_plan(clip_at_rate("walk"), loaded_g1(), with_travel("0.8"));
   ASSERT_TRUE(plan) << describe(plan.error());
   EXPECT_THAT(plan->summary(), HasSubstr("the path over the ground is scaled by 0.8"));
@@ -171,7 +171,7 @@ TEST(TravelOfMotions, AFixedBaseDoesNotTravel) {
   EXPECT_THAT(plan->summary(), HasSubstr("the base is fixed: no path to scale"));
 }
 
-TEST(TravelOfMotions, WrongFactorsAreUsageErrors) {
+TEST(TravelOfMotions, InvalidFactorsAreUsageErrors) {
   for (const char* travel : {"fast", "0.4", "1.3", "nan", "automatic"}) {
     const auto plan = make_plan(clip_at_rate("wave"), loaded_g1(), with_travel(travel));
     ASSERT_FALSE(plan) << travel;
@@ -227,7 +227,7 @@ TEST(Dynamics, AreOffInScenesAndForRobotMotionsUnlessGiven) {
   }
 }
 
-TEST(Preset, GivenOptionsWin) {
+TEST(Preset, GivenOptionsTakePrecedence) {
   const TemporaryFolder folder;
   Options options = for_tracking();
   options.solve.without = {"dynamics"};

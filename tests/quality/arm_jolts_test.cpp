@@ -50,7 +50,7 @@ TEST(ArmJolts, IgnoresSlowBends) {
   EXPECT_EQ(jolts(bump(50, 60, 30.0), bump(50, 60, 60.0)), 0.0);
 }
 
-TEST(ArmJolts, IgnoresFramesOfLying) {
+TEST(ArmJolts, IgnoresLyingFrames) {
   Posture posture = upright_posture(kFrames);
   std::fill_n(posture.upright.begin() + 80, 60, 0);
   EXPECT_EQ(jolts(bump(100, 10, 30.0), bump(100, 10, 60.0), {30, 1}, posture), 0.0);

@@ -132,7 +132,7 @@ QualityReport report_for_elbows(double elbow, int source_frames) {
   return measure_quality(clip, robot->model_limits(), &source);
 }
 
-TEST(AtLimit, TimeThatThePoseDemandsIsNotCounted) {
+TEST(AtLimit, IgnoresTimeThatThePoseRequires) {
   const QualityReport beyond = report_for_elbows(150.0, 10);
   EXPECT_EQ(figure(beyond, "joint_at_limit_pct"), 0.0);
   EXPECT_EQ(figure(beyond, "joint_beyond_range_pct"), 100.0);

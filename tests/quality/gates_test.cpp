@@ -75,7 +75,7 @@ TEST(GatesTest, BoundsScaleWithLegLength) {
 }
 
 // Every motion is judged by every gate.
-TEST(GatesTest, HaveNoExceptions) {
+TEST(GatesTest, RejectsExceptions) {
   Gates gates;
   const auto done =
       gates.add_json(R"({"gates": {"jumps": {"max": 1, "unless": {"lying_pct": 10}}}})", "g.json");

@@ -225,7 +225,7 @@ TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
 }
 
 // Posture metrics omit lying frames, and half a second before and after.
-TEST_F(TrunkLeanTest, IgnoresFramesOfLying) {
+TEST_F(TrunkLeanTest, IgnoresLyingFrames) {
   const auto lies_until = [&](int up, int frames) {
     HumanClip human = human_in(
         frames, [](int) { return Quaterniond::Identity(); },

@@ -37,7 +37,7 @@ struct LimbSplit {
   std::string what;
   BuiltLimb limb;
   std::vector<std::string> middles;
-  double shorter = 0.0;  // by which a run takes the forearm to be shorter: up to the last joint
+  double shorter = 0.0;  // Underestimate of the forearm by a run, which ends at the last joint.
 };
 
 BuiltLimb arm_of(std::vector<BuiltJoint> joints, const Vector3d& end = {0, 0, -0.15}) {
@@ -175,8 +175,8 @@ struct TrueLimb {
   Marker root, middle, end;
 };
 
-// The points of a left limb at zero, in the bodies that carry them @param last  the joint before
-// the knee or elbow, whose body contains the middle
+// Points of a left limb at zero, in the frames of the bodies that carry them.
+// @param last  the joint before the knee or elbow, whose body contains the middle
 TrueLimb true_limb(const Robot& robot, const BuiltLimb& limb, const std::string& side,
                    const Vector3d& root, const Vector3d& middle, const Vector3d& end,
                    const std::string& last) {

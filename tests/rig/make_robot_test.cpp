@@ -303,7 +303,7 @@ TEST(MakeRobot, VisualsOfAUrdfMayHaveSeveralMaterials) {
   ASSERT_TRUE(expected) << describe(expected.error());
   ASSERT_TRUE(made) << describe(made.error());
   EXPECT_EQ(made->model, expected->model);
-  // errors have the line of the file
+  // Errors have the line of the file.
   const auto broken =
       make_robot(folder.write("broken.urdf", with(several, "<inertial/><inertial/>")), "tiny");
   ASSERT_FALSE(broken);
@@ -345,7 +345,7 @@ TEST(MakeRobot, RejectsUnsupportedModels) {
               AnyOf(HasSubstr("no free joint"), HasSubstr("single arm")));
 }
 
-TEST(CheckRobot, ReportsErrorsAndOddities) {
+TEST(CheckRobot, ReportsErrorsAndWarnings) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);

@@ -147,7 +147,7 @@ TEST_F(ModelFaults, ReportRigidKneesAndElbows) {
 }
 
 TEST_F(ModelFaults, NameTheLimbWithoutACounterpart) {
-  // Removes a body with all that it carries.
+  // Removes a body with everything below it.
   const auto without = [](std::string text, const std::string& body) {
     const std::size_t begin = text.find("<body name=\"" + body + "\"");
     EXPECT_NE(begin, std::string::npos);
@@ -172,7 +172,7 @@ TEST_F(ModelFaults, NameTheLimbWithoutACounterpart) {
   expect_refused(text, "\"right_elbow\" has no counterpart");
 }
 
-TEST_F(ModelFaults, ReportWristsTakenForElbows) {
+TEST_F(ModelFaults, ReportWristsMistakenForElbows) {
   expect_refused(changed([](BuiltHumanoid& built) {
                    built.arm.joints.pop_back();
                    built.arm.joints.push_back({"wrist_pitch", kAxisY, {0, 0, -0.33}, -1, 1});
@@ -188,7 +188,7 @@ TEST_F(ModelFaults, ReportDuplicateNames) {
   EXPECT_THAT(refusal(text), HasSubstr("repeated name 'left_hip_yaw': two elements of kind joint"));
 }
 
-TEST_F(ModelFaults, RootsThatSlideBecomeFree) {
+TEST_F(ModelFaults, SlidingRootsBecomeFreeJoints) {
   std::string text = changed([](BuiltHumanoid& built) {
                        built.root =
                            "<joint name=\"rootx\" type=\"slide\" axis=\"1 0 0\"/>"

@@ -101,7 +101,7 @@ std::string world_joint(const std::string& type, const std::string& parent,
       child, type, parent, child);
 }
 
-TEST_F(ModelRepairs, LeftoversOfXacroAreIgnored) {
+TEST_F(ModelRepairs, IgnoreXacroLeftovers) {
   const std::string calls =
       "<xacro:property name=\"width\" value=\"${2 * radius}\"/>"
       "<xacro:depth_camera name=\"${prefix}eye\" parent=\"pelvis\"><origin xyz=\"0 0 1\"/>"
@@ -112,7 +112,7 @@ TEST_F(ModelRepairs, LeftoversOfXacroAreIgnored) {
               "robot.urdf");
 }
 
-TEST_F(ModelRepairs, StillRejectsTemplatesOfXacro) {
+TEST_F(ModelRepairs, StillRejectXacroTemplates) {
   const std::string links = "<link name=\"more\"/>";
   for (const std::string& definition : std::vector<std::string>{
            "<xacro:include filename=\"arms.xacro\"/>", "<xacro:macro name=\"imu\"/>",
@@ -125,7 +125,7 @@ TEST_F(ModelRepairs, StillRejectsTemplatesOfXacro) {
               HasSubstr("which xacro must substitute"));
 }
 
-TEST_F(ModelRepairs, UnknownSensorsAreIgnored) {
+TEST_F(ModelRepairs, IgnoreUnknownSensors) {
   const std::string plain = plain_humanoid().mjcf();
   const std::string note = "sensors, actuators, cameras and lights are ignored";
   const std::string site = "<site name=\"imu\"/>";
@@ -143,7 +143,7 @@ TEST_F(ModelRepairs, UnknownSensorsAreIgnored) {
               "MuJoCo does not know \"rate\" of sites");
 }
 
-TEST_F(ModelRepairs, UnknownSensorsOfIncludedFilesAreIgnored) {
+TEST_F(ModelRepairs, IgnoreUnknownSensorsOfIncludedFiles) {
   const std::string plain = plain_humanoid().mjcf();
   folder_.write("sensors.xml", "<mujoco><sensor><radar/></sensor></mujoco>");
   folder_.write("more.xml", "<mujoco><include file=\"sensors.xml\"/></mujoco>");
@@ -151,7 +151,7 @@ TEST_F(ModelRepairs, UnknownSensorsOfIncludedFilesAreIgnored) {
               "cannot read one of them: unrecognized element");
 }
 
-TEST_F(ModelRepairs, StillRejectsUnknownKinematics) {
+TEST_F(ModelRepairs, StillRejectUnknownKinematics) {
   const std::string plain = plain_humanoid().mjcf();
   const std::string sensors = "<sensor><radar/></sensor>";
   EXPECT_THAT(refusal(put(plain, "<freejoint/>", "<joint name=\"a\" helix=\"1\"/>")),
@@ -164,7 +164,7 @@ TEST_F(ModelRepairs, StillRejectsUnknownKinematics) {
   EXPECT_GT(made.error().location.line, 0U);
 }
 
-TEST_F(ModelRepairs, BodiesThatStandForTheWorldAreLeftOut) {
+TEST_F(ModelRepairs, OmitBodiesThatRepresentTheWorld) {
   const std::string plain = plain_humanoid().mjcf();
   const auto below = [&](const std::string& bodies, const std::string& ends) {
     return put(put(plain, "<body name=\"pelvis\"", bodies), "</worldbody>", ends);
@@ -177,7 +177,7 @@ TEST_F(ModelRepairs, BodiesThatStandForTheWorldAreLeftOut) {
               "the bodies \"world\", \"dummy\" represent the world");
 }
 
-TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
+TEST_F(ModelRepairs, OmitLinksThatRepresentTheWorld) {
   const std::string note = "represents the world: it has no mass, and is omitted";
   for (const std::string name : {"dummy", "odom"}) {
     const std::string link = "<link name=\"" + name + "\"/>";
@@ -199,7 +199,7 @@ TEST_F(ModelRepairs, LinksThatStandForTheWorldAreLeftOut) {
   EXPECT_TRUE(fixed) << describe(fixed.error());
 }
 
-TEST_F(ModelRepairs, RejectsAFloatingLinkBelowABodyWithMass) {
+TEST_F(ModelRepairs, RejectAFloatingLinkBelowABodyWithMass) {
   const std::string cart =
       "<link name=\"cart\"><inertial><mass value=\"9\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" "
       "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>";

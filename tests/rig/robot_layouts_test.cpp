@@ -92,7 +92,7 @@ LimbAngles limb_angles(const Robot& robot, const RobotClip& clip, const HumanCli
   return angles;
 }
 
-// The maximum over the samples; made as by `robots add`.
+// The maximum over the samples, for a robot made as by `robots add`.
 LimbAngles angles_of(const LayoutHumanoid& layout) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", layout.built.mjcf()), layout.name);
@@ -118,7 +118,7 @@ LimbAngles angles_of(const LayoutHumanoid& layout) {
   return angles;
 }
 
-TEST(RobotLayouts, ForearmThatOnlyTurnsKeepsItsElbow) {
+TEST(RobotLayouts, ForearmRollJointIsNotTheElbow) {
   for (const LayoutHumanoid& layout : {pi_plus_layout(), atom01_layout()}) {
     EXPECT_LT(angles_of(layout).mean, 10.0) << layout.name;
   }
@@ -172,7 +172,7 @@ TEST(RobotLayouts, DoesNotMistakeToesOfThreeJointsForFeet) {
   EXPECT_LT(angles_of(smpl_layout()).mean, 10.0);
 }
 
-// The toes follow nothing, and both sides are alike, whatever the order of the hinges.
+// The toes follow no bone, and both sides are alike, in any order of the hinges.
 TEST(RobotLayouts, DoesNotMistakeToesWithAnyHingeOrderForFeet) {
   for (const std::string order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"}) {
     for (const bool toe_ends : {false, true}) {

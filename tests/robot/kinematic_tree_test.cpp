@@ -321,7 +321,7 @@ TEST(KinematicTreeTest, MergesFixedBodies) {
   EXPECT_THAT(tree.carriers(10), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
 }
 
-TEST(KinematicTreeTest, OmitsJointsThatCarryNoneOfTheBodies) {
+TEST(KinematicTreeTest, OmitsJointsThatMoveNoRequestedBody) {
   const auto robot = load_shipped("unitree_g1");
   const std::array bodies = {robot->find_body("left_knee_link").value(),
                              robot->find_body("right_elbow_link").value()};

@@ -70,7 +70,7 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_EQ(narrow.source, "a sheet");
   EXPECT_EQ(narrow.lower[1], 0.5);
   EXPECT_EQ(narrow.upper[1], 1.0);
-  EXPECT_EQ(narrow.lower[0], -1.0);  // not named: the model's
+  EXPECT_EQ(narrow.lower[0], -1.0);  // Not in the file: the model's range.
   EXPECT_EQ(robot.limits_for("gmr"), "model");
   EXPECT_EQ(robot.limits_for("fit"), "narrow");
   EXPECT_THAT(robot.profile().speed_limits, ElementsAre(Pair("left_elbow", 7.5)));
@@ -81,7 +81,7 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_TRUE(robot.profile().soles_estimated);
   EXPECT_EQ(robot.speed_limit(0), 12.0);
   EXPECT_EQ(robot.speed_limit(1), 7.5);
-  EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // a slide
+  EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // A slide joint.
   ASSERT_EQ(robot.profile().coupled_joints.size(), 2U);
   const JointCoupling& coupling = robot.profile().coupled_joints.at("left_elbow");
   EXPECT_EQ(coupling.leader, "left_shoulder");

@@ -76,7 +76,7 @@ TEST_F(FindRobotTest, ResolvesUnambiguousShortNames) {
   for (const char* name : {"one", "One", "maker-one", "MAKER_ONE", "maker one"}) {
     EXPECT_EQ(whole_name(name), "maker_one") << name;
   }
-  // Names that end with the words take precedence.
+  // Names that end with the given words take precedence.
   EXPECT_EQ(whole_name("two"), "maker_two");
   EXPECT_EQ(whole_name("hands"), "maker_two_with_hands");
   EXPECT_EQ(find_robot("two", {folder_.path()})->model, folder_.path() / "maker_two" / "model.xml");
@@ -114,7 +114,7 @@ class NotInstalledTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(NotInstalledTest, AFullNameIsNeverCompletedToAnotherRobot) {
+TEST_F(NotInstalledTest, AFullNameNeverMatchesAnotherRobot) {
   for (const char* name : {"maker_two", "Maker-Two", "MAKER_TWO"}) {
     const Error error = error_of(name);
     EXPECT_EQ(error.message,

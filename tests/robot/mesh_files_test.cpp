@@ -1,4 +1,4 @@
-// Where mesh files that models name are found.
+// Locations in which mesh files of models are found.
 
 #include "robot/model/read_mesh.h"
 
@@ -39,14 +39,14 @@ class MeshFilesTest : public ::testing::Test {
   fs::path package_;
 };
 
-TEST_F(MeshFilesTest, PackagesTwoFoldersUpAreKnownByTheirName) {
+TEST_F(MeshFilesTest, FindsPackagesTwoFoldersUpByName) {
   EXPECT_EQ(found("package://walker_description/meshes/leg.stl"), "meshes/leg.stl");
   EXPECT_EQ(found("$(find walker_description)/meshes/leg.stl"), "meshes/leg.stl");
   EXPECT_EQ(found("file://$(find walker_description)/meshes/leg.stl"), "meshes/leg.stl");
   EXPECT_EQ(found("package://other/meshes/leg.stl"), "nothing");
 }
 
-TEST_F(MeshFilesTest, PackagesTwoFoldersUpAreKnownByTheirFile) {
+TEST_F(MeshFilesTest, FindsPackagesTwoFoldersUpByTheirFile) {
   put(package_ / "package.xml");
   EXPECT_EQ(found("package://other/meshes/leg.stl"), "meshes/leg.stl");
 }
@@ -54,12 +54,12 @@ TEST_F(MeshFilesTest, PackagesTwoFoldersUpAreKnownByTheirFile) {
 TEST_F(MeshFilesTest, LeadingFoldersMayBeMissing) {
   EXPECT_EQ(found("package://other/robots/walker/visual/arm.stl"), "urdf/v2/visual/arm.stl");
   EXPECT_EQ(found("package:/other/robots/walker/arm.stl"), "nothing");
-  // Names without a package are taken as they are.
+  // Names without a package are used unchanged.
   EXPECT_EQ(found("robots/walker/visual/arm.stl"), "nothing");
   EXPECT_EQ(found("visual/arm.stl"), "urdf/v2/visual/arm.stl");
 }
 
-TEST_F(MeshFilesTest, NothingOutsideOfThePackageIsFound) {
+TEST_F(MeshFilesTest, DoesNotSearchOutsideThePackage) {
   EXPECT_EQ(found("package://walker_description/../secret.stl"), "nothing");
   EXPECT_EQ(found("../../../secret.stl"), "nothing");
   EXPECT_EQ(found("$(find walker_description"), "nothing");

@@ -31,7 +31,7 @@ std::string pack_of(const std::string& name) {
 TEST(ModelPack, HoldsTheArraysOfTheModel) {
   const auto packed = parse_model_pack(pack_of("unitree_g1"), "g1.pack");
   ASSERT_TRUE(packed.has_value()) << describe(packed.error());
-  // The robot, and the variant with its own model.
+  // The whole robot, and the variant with its own model.
   ASSERT_EQ(packed->size(), 2U);
   const auto loaded = load_model(files_of_robot("unitree_g1").model.string());
   ASSERT_TRUE(loaded.has_value());
@@ -61,7 +61,7 @@ TEST(ModelPack, EveryTruncationIsAnError) {
   EXPECT_FALSE(parse_model_pack(pack + "x", "longer").has_value());
 }
 
-// Whatever a damaged byte changes, the indices of an accepted model stay inside its arrays.
+// Whichever byte is damaged, the indices of an accepted model stay inside its arrays.
 TEST(ModelPack, DamagedBytesGiveErrorsOrSafeArrays) {
   const std::string pack = pack_of("unitree_h1");
   for (std::size_t at = 0; at < pack.size(); at += at < 400 ? 1 : 61) {

@@ -37,7 +37,7 @@ TEST(NearestLimit, ReportsJointFrameSideAndDistance) {
   };
   for (int frame = 0; frame < 4; ++frame) set("left_elbow", frame, 1.0);  // range 0 to 2.5
   set("left_shoulder", 2, 1.4);                                           // range -1 to 1.5
-  set("left_twist", 1, 1e6);                                              // not limited
+  set("left_twist", 1, 1e6);                                              // Unlimited.
   const auto nearest = nearest_limit(clip, robot->model_limits());
   ASSERT_TRUE(nearest);
   EXPECT_EQ(nearest->joint, "left_shoulder");

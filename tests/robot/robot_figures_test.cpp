@@ -32,12 +32,12 @@ struct FiguresCase {
   const char* robot;
   const char* folder;             // below reference/robots
   const char* model;              // in that folder
-  const char* ranges;             // in that folder: whose ranges are the model's
-  bool hands_are_others = false;  // shapes of the hands are not those that were fitted
+  const char* ranges;             // In that folder; the file whose ranges equal the model's.
+  bool hands_are_others = false;  // The hand shapes are not those that were fitted.
   // Metres by which the maker's current soles, and foot boxes, are lower than those of the older
   // meshes.
   double lowered_soles = 0.0;
-  std::set<std::string> other_shapes = {};  // bodies whose shapes are not those that were fitted
+  std::set<std::string> other_shapes = {};  // Bodies whose shapes are not those that were fitted.
 };
 
 void PrintTo(const FiguresCase& figures, std::ostream* out) {

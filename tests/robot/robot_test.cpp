@@ -135,7 +135,7 @@ TEST(ForwardKinematicsTest, MatchesMujocoOnAllReferenceRobots) {
   for (const auto& entry : fs::recursive_directory_iterator(*shared / "reference" / "robots")) {
     if (entry.path().extension() != ".xml") continue;
     const auto robot = load_robot_files(entry.path().string());
-    if (!robot) continue;  // parts and the robot on wheels; load_model_test knows which must load
+    if (!robot) continue;  // A part, or the robot on wheels; load_model_test checks the others.
     expect_mujoco_agrees(**robot, 20);
     ++robots;
   }

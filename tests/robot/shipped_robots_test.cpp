@@ -44,7 +44,7 @@ class ShippedRobots : public testing::TestWithParam<std::string> {
   }
 
   std::shared_ptr<const Robot> robot_;
-  std::vector<Pose> poses_;  // of the zero configuration
+  std::vector<Pose> poses_;  // Poses in the zero configuration.
 };
 
 TEST_P(ShippedRobots, HaveDescriptionAndSource) {
@@ -102,7 +102,7 @@ TEST_P(ShippedRobots, SelfContactsAtTheZeroPoseAreAllowed) {
   for (const auto& [a, b] : robot_->profile().allowed_self_contact) {
     allowed.emplace(std::min(a, b), std::max(a, b));
   }
-  constexpr double kOverlap = 0.01;  // less is within the shapes' own tolerance
+  constexpr double kOverlap = 0.01;  // Smaller overlaps are within the shapes' own tolerance.
   for (int first = 0; first < model.ngeom; ++first) {
     for (int second = first + 1; second < model.ngeom; ++second) {
       const int a = model.geom_bodyid[first], b = model.geom_bodyid[second];
@@ -138,7 +138,7 @@ TEST_P(ShippedRobots, HaveASpeedLimitForEveryJoint) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots({robots_folder()})),
                          [](const auto& robot) { return robot.param; });
 
-// The body of the H2 Plus has the figures of the H2, whose file is another one.
+// The body of the H2 Plus has the values of the H2, which come from another file.
 TEST(ShippedRobotsFigures, TheH2PlusHasTheBodyOfTheH2) {
   const auto h2 = load_shipped("unitree_h2"), plus = load_shipped("unitree_h2_plus");
   const std::vector<Pose> poses = own_kinematics(*h2, h2->zero_configuration());

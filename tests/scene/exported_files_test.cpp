@@ -71,7 +71,7 @@ TEST(ExportedFilesTest, ContainTheMotionOfTheSample) {
   }
 }
 
-// Z up, leaf bones, a skin.
+// An export with Z up, leaf bones and a skin.
 TEST(ExportedFilesTest, MayHaveOtherAxesAndUnits) {
   const Clip clip = exported_clip("wave_z_up.fbx");
   EXPECT_EQ(*clip.origin().up, Eigen::Vector3d::UnitZ());
@@ -107,7 +107,7 @@ TEST(ExportedFilesTest, HaveTheBindPoseAsZeroPose) {
 }
 
 // If any byte changes, the file is rejected with a message, or read with finite numbers.
-TEST(ExportedFilesTest, CauseNoCrashIfDamaged) {
+TEST(ExportedFilesTest, DoNotCrashTheReaderIfDamaged) {
   for (const char* name : {"walk.fbx", "walk.glb"}) {
     const std::string good = bytes_of(kFolder + name);
     SceneReadOptions options;

@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// Ticks of FBX's clock in a second.
+/// Ticks of the FBX clock per second.
 inline constexpr long long kFbxSecond = 46186158000;
 
 /// Builds a text FBX file: limbs with properties, takes with linear keys.

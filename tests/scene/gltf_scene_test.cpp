@@ -39,8 +39,8 @@ struct Animated {
   std::string path = "translation", interpolation = "LINEAR", type = "VEC3";
   std::vector<float> times, values;
   std::string nodes = R"({"name": "Hips"})";
-  std::string more;  // members of the document, each with a comma in front
-  std::string uri;   // of the buffer; empty: in the text
+  std::string more;  // Members of the document, each preceded by a comma.
+  std::string uri;   // URI of the buffer; empty: embedded in the text.
 
   [[nodiscard]] std::string bytes() const { return packed(times) + packed(values); }
 
@@ -111,13 +111,13 @@ TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
   for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip->translation(frame, 0).x(), frame);
 }
 
-TEST(GltfSceneTest, InterpolatesRotationsTheShortWay) {
+TEST(GltfSceneTest, InterpolatesRotationsAlongTheShorterArc) {
   Animated turned;
   turned.path = "rotation";
   turned.type = "VEC4";
   turned.times = {0, 1};
   const auto half = static_cast<float>(std::sqrt(0.5));
-  turned.values = {0, 0, 0, 1, 0, -half, 0, -half};  // a quarter turn about y, of the other sign
+  turned.values = {0, 0, 0, 1, 0, -half, 0, -half};  // A quarter turn about y; opposite sign.
   const Eigen::Quaterniond found = gltf_scene(turned.text()).motion->at(0, 0, 0.5).rotation;
   const Eigen::Quaterniond expected(Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitY()));
   EXPECT_LT(found.angularDistance(expected), 1e-6);

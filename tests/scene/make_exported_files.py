@@ -72,7 +72,7 @@ def export_takes():
     squat = other.animation_data.action
     for action, name in ((wave, "Wave"), (squat, "Squat")):
         action.name, action.use_fake_user = name, True
-    # the second action is the other armature's until its slot has this one's name
+    # The second action belongs to the other armature until its slot has this one's name.
     squat.slots[0].identifier = wave.slots[0].identifier
     bpy.data.objects.remove(other)
     bpy.context.view_layer.objects.active = armature

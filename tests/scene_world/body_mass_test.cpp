@@ -65,7 +65,7 @@ TEST(BodyMass, ComputesMassesOfMeshes) {
 }
 
 // The open side faces away from the apex of the sum, so this mesh encloses nothing.
-TEST(BodyMass, OfAMeshWithoutVolumeIsThatOfItsBox) {
+TEST(BodyMass, UsesTheBoxOfAMeshWithoutVolume) {
   SceneBody body;
   body.shapes = {corner_mesh(false, false)};
   const BodyMass found = body_mass(body);
@@ -73,7 +73,7 @@ TEST(BodyMass, OfAMeshWithoutVolumeIsThatOfItsBox) {
   EXPECT_LT((found.com - Vector3d::Constant(0.5)).norm(), 1e-12);
 }
 
-TEST(BodyMass, APlaneHasNone) {
+TEST(BodyMass, PlanesHaveNoMass) {
   SceneBody body;
   body.shapes.emplace_back().type = Type::kPlane;
   EXPECT_EQ(body_mass(body).mass, 0.0);

@@ -160,7 +160,7 @@ TEST(DistanceField, ReportsItsReachAndLowestPoint) {
   EXPECT_TRUE(std::isinf(make_distance_field(body_of(shape_of(Type::kPlane)))->reach()));
 }
 
-TEST(DistanceField, ComesCloseToASphereByItsMesh) {
+TEST(DistanceField, SphereMeshApproximatesTheSphere) {
   const TriangleMesh mesh = ellipsoid_mesh(Vector3d::Constant(0.3));
   const auto layout = grid_layout(mesh);
   const auto field = make_distance_field(body_of(mesh));
@@ -177,7 +177,7 @@ TEST(DistanceField, ComesCloseToASphereByItsMesh) {
   }
 }
 
-TEST(DistanceField, ComesCloseToABoxByItsMesh) {
+TEST(DistanceField, BoxMeshApproximatesTheBox) {
   const Vector3d half(0.3, 0.2, 0.1);
   const TriangleMesh mesh = box_mesh(half);
   SceneShape box;
@@ -296,7 +296,7 @@ TEST(GridLayout, RejectsMeshesThatAreTooLarge) {
   EXPECT_THAT(layout.error().message, ::testing::HasSubstr("200 m"));
 }
 
-TEST(GridCache, HashesAsPublished) {
+TEST(GridCache, MatchesPublishedHashes) {
   EXPECT_EQ(fnv1a_128(""), "6c62272e07bb014262b821756295c58d");
   EXPECT_EQ(fnv1a_128("a"), "d228cb696f1a8caf78912b704e4a8964");
 }
@@ -332,7 +332,7 @@ TEST(GridCache, KeepsGridsAndIgnoresDamagedOnes) {
   EXPECT_TRUE(read_grid(files[0].string(), *layout));
 }
 
-TEST(GridCache, NeedsNoFolder) {
+TEST(GridCache, WorksWithoutAFolder) {
   EXPECT_TRUE(make_distance_field(body_of(box_mesh({0.1, 0.05, 0.02})), "/dev/null/grids"));
 }
 

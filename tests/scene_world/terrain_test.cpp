@@ -139,7 +139,7 @@ TEST(SceneWorldTest, BodiesAroundAPointAreNotBelowIt) {
   EXPECT_EQ(world.ground_below(0, {5.0, 5.0, 0.4}), 0.0);
 }
 
-TEST(SceneWorldTest, BeyondMeansFarther) {
+TEST(SceneWorldTest, IsBeyondImpliesALargerDistance) {
   const SceneWorld world = scaled_world(world_of(room()), 0.7);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(-3.0, 3.0), limit(-0.05, 1.0);

@@ -37,7 +37,7 @@ SceneBody one_shape(const std::string& name, SceneShape shape) {
   return body;
 }
 
-// A step with the name of a link of the robot, a moving crate and a moving mesh.
+// A step that has the name of a robot link, a moving crate and a moving mesh.
 SceneClip made_scene(int frames) {
   Scene scene;
   SceneShape box;
@@ -267,7 +267,7 @@ TEST(WriteScene, TracksOfObjectsReadBackFromTrackingFiles) {
     const auto neither = load_object_track(file);
     ASSERT_FALSE(neither);
     EXPECT_THAT(neither.error().message, HasSubstr("crate"));
-    // The robot's motion is still there.
+    // The robot's motion still exists.
     const auto read = load_robot_motion(file, motion.shared_robot());
     ASSERT_TRUE(read) << describe(read.error());
     EXPECT_EQ(read->format, format);

@@ -48,7 +48,7 @@ TEST(BalancePreview, LeansBeforeItHasTo) {
   }
 }
 
-// Between two stances nothing accelerates the body: the shift is a straight line.
+// Between two stances no force accelerates the body, so the shift is a straight line.
 TEST(BalancePreview, FlightIsStraight) {
   std::vector<BalanceSample> samples(300);
   for (int i = 0; i < 300; ++i) {

@@ -86,7 +86,7 @@ TEST(Simulate, IsDeterministic) {
   EXPECT_EQ(simulation_json(one->report), simulation_json(other->report));
 }
 
-TEST(Simulate, HopelessMotionsStillEnd) {
+TEST(Simulate, InfeasibleMotionsTerminate) {
   RobotClip clip = standing_clip(load_shipped("unitree_g1"), 20);
   for (int i = 5; i < 20; ++i) {
     clip.qpos(i)[2] += 1e4 * (i % 2);

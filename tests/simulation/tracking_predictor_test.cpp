@@ -1,4 +1,4 @@
-// The predictor against the logistic function, and files that are wrong.
+// The predictor against the logistic function, and invalid files.
 
 #include "retarget/tracking_predictor.h"
 

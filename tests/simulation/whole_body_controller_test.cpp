@@ -86,8 +86,8 @@ TEST(PhysicsModel, RejectsRobotsThatCannotStand) {
   EXPECT_FALSE(make_physics_model(fixed, 0.002));
 }
 
-// The planned accelerations, torques and forces satisfy the equation of motion that MuJoCo has.
-TEST(WholeBodyController, PlansWhatMujocoNeeds) {
+// The planned accelerations, torques and forces satisfy MuJoCo's equation of motion.
+TEST(WholeBodyController, PlansMatchMujoco) {
   const auto robot = load_shipped("unitree_g1");
   const PhysicsModel physics = physics_of(*robot);
   const Data data = data_of(physics);

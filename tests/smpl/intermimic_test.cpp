@@ -164,7 +164,7 @@ TEST(InterMimicTest, RejectsOtherTensorsOfTheSameWidth) {
   EXPECT_THAT(error_of(intermimic_file(large)), HasSubstr("do not form a body in metres"));
 }
 
-TEST(InterMimicTest, RestOffsetsAreTheBody) {
+TEST(InterMimicTest, RestOffsetsDefineTheBody) {
   const Parts parts;
   const SmplRestBody body = crooked_body();
   std::vector<double> offsets(72, 0.25);

@@ -48,7 +48,7 @@ struct MadeUpModel {
     set(2, {-0.1, -0.88, 0.2});  // right toes
     set(3, {0.9, 0.4, 0.0});     // left fingers
     set(4, {-0.9, 0.4, 0.0});    // right fingers
-    set(5, {0.05, -0.9, 0.0});   // the lowest
+    set(5, {0.05, -0.9, 0.0});   // The lowest vertex.
     set(6, {0.02, 0.1, 0.35});   // the belly: further forward than the toes
     directions = numbers.list(3 * vertex_count * beta_count, 0.01);
     regressor.assign(joint_count * vertex_count, 0.0);

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 // right one swings (with `glides` both move along); trans in another unit.
 std::string moving_npz(double unit, double stride, double height, bool glides) {
   constexpr std::size_t kMovingFrames = 9;
-  constexpr double kLeg = 0.81;  // of the generic body
+  constexpr double kLeg = 0.81;  // Leg length of the generic body.
   std::vector<double> poses(66 * kMovingFrames), trans(3 * kMovingFrames);
   for (std::size_t frame = 0; frame < kMovingFrames; ++frame) {
     const double way = stride * static_cast<double>(frame);

@@ -158,7 +158,7 @@ TEST_F(Writer, StopsWaitingWhenStopped) {
   EXPECT_FALSE(writer.finish(true, stopped));
 }
 
-TEST_F(Writer, AReaderThatHasGoneIsAnError) {
+TEST_F(Writer, ClosedReaderIsAnError) {
   reader_.close();
   WriterThread writer(std::move(to_), {10, 1 << 20});
   EXPECT_TRUE(writer.put(piece_));
@@ -227,7 +227,7 @@ TEST_F(Senders, AcceptsOnlyPermittedSenders) {
   }
 }
 
-TEST_F(Senders, AServerSendsFromSeveralPorts) {
+TEST_F(Senders, AServerMaySendFromSeveralPorts) {
   SenderLock lock({}, true);
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(lock.judge(at(1, 1510), 0.02 * i), Verdict::kSender);

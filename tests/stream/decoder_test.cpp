@@ -34,7 +34,7 @@ Clip walk() {
   return load_clip(RETARGET_SOURCE_DIR "/data/walk.bvh").value();
 }
 
-// As from a source: one line at a time.
+// Takes one line at a time, like a source.
 Result<void> take_lines(Decoder& decoder, std::string_view text, StreamSink& sink) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -171,7 +171,7 @@ TEST(BvhRows, KeepTheSkeletonOfTheUsersFile) {
   EXPECT_TRUE(kept.skeletons.empty());
 }
 
-TEST(Addresses, AreParsed) {
+TEST(Addresses, ParseFromText) {
   const auto udp = parse_address("udp:1118?format=bvh&fps=60");
   ASSERT_TRUE(udp);
   EXPECT_EQ(udp->transport, Transport::kUdp);

@@ -58,7 +58,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
     ASSERT_TRUE(taken) << describe(taken.error());
   }
   ASSERT_EQ(kept.skeletons.size(), 1U);
-  // Recognition knows SMPL's zero pose.
+  // Skeleton recognition knows SMPL's zero pose.
   ASSERT_EQ(kept.rests[0], format != "smplx");
   ASSERT_EQ(kept.frames.size(), static_cast<std::size_t>(frames));
   const Clip& skeleton = kept.skeletons[0];
@@ -86,7 +86,7 @@ void expect_same_world(std::string_view format, const Clip& clip, const std::vec
       // The rotation from the T-pose, independent of its axes: its axis and angle.
       const Eigen::AngleAxisd turn(
           world.rotation * rest_poses[static_cast<std::size_t>(*joint)].rotation.conjugate());
-      // The T-pose of the stream faces -y where the canonical one faces x, OpenXR's faces +y.
+      // The T-pose of the stream faces -y and the canonical one faces x; OpenXR's faces +y.
       const double to_left = format == "xrobot" ? -1.0 : 1.0;
       const Eigen::AngleAxisd quarter(to_left * 0.5 * 3.14159265358979323846,
                                       Eigen::Vector3d::UnitZ());
@@ -207,7 +207,7 @@ TEST(HumanFormats, AllRoundTrip) {
   }
 }
 
-TEST(HumanFormats, GiveTheRobotMotionOfLines) {
+TEST(HumanFormats, ProduceTheSameRobotMotionAsLines) {
   for (const char* name : {"walk", "wave"}) {
     const auto lines = followed(sample_clip(name), "lines");
     for (const char* format : {"vmc", "rokoko", "smplx", "xrobot"}) {

@@ -245,7 +245,7 @@ TEST(NatNet, AcceptsGivenCoordinates) {
   const auto decoder = natnet_decoder("&version=3.1&coordinates=local");
   KeptStream kept;
   ASSERT_TRUE(decoder->take(models({3, 1}), kept));
-  // Bones far from their positions.
+  // The bones are far from their positions.
   auto poses = local_poses();
   for (std::size_t i = 1; i < poses.size(); ++i) poses[i].translation *= 7.0;
   ASSERT_TRUE(decoder->take(frame({3, 1}, poses, 1.0), kept));

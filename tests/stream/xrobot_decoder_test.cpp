@@ -26,7 +26,7 @@ using testing::HasSubstr;
 struct TrackedJoint {
   const char* name;
   int parent;
-  Eigen::Vector3d at;  // in the T-pose that faces -z, its right side towards +x
+  Eigen::Vector3d at;  // Position in the T-pose that faces -z, with the right side towards +x.
 };
 
 // Indices of OpenXR's XrBodyJointBD.
@@ -196,7 +196,7 @@ TEST(Xrobot, RejectsFramesWithoutABody) {
     const auto taken = decoder->take(line.dump(), kept);
     return taken ? std::string() : taken.error().message;
   };
-  // Before tracking begins, all joints are at one position: not a body to remember.
+  // Before tracking begins, all joints are at one position, which must not define the body.
   EXPECT_THAT(refusal(line_of(std::vector<Pose>(24), 0)), HasSubstr("not tracked yet"));
   EXPECT_TRUE(kept.skeletons.empty());
   EXPECT_EQ(refusal(line_of(poses, 0)), "");

@@ -152,10 +152,10 @@ def measured(batch, *arguments, expected=0, **options):
     run.returncode = os.waitstatus_to_exitcode(status)
     log.seek(0)
     lines = log.read().splitlines()
-    told = [line for line in lines if line.startswith(("done", "resume"))]
+    reports = [line for line in lines if line.startswith(("done", "resume"))]
     print(f"  {' '.join(map(str, arguments))}: {time.monotonic() - start:.1f} s, peak "
           f"{usage.ru_maxrss / 1024:.0f} MB, {usage.ru_utime + usage.ru_stime:.1f} s of processor")
-    for line in told:
+    for line in reports:
         print("   ", line)
     if run.returncode != expected:
         raise AssertionError(f"exit code {run.returncode}\n" + "\n".join(lines[-5:]))

@@ -82,7 +82,7 @@ inline std::string six_motor_hands() {
 
 /// Hands like the LEAP hand: three equal fingers and a thumb, of four joints each. A finger bends,
 /// turns sideways, and bends twice more. Only the thumb has a name.
-/// @param thumb_is_named  false: none has.
+/// @param thumb_is_named  false: the thumb has no name either.
 inline std::string leap_like_hands(bool thumb_is_named = true) {
   const auto hand = [&](const std::string& side, const std::string& s) {
     const std::string bend = s.empty() ? "-1 0 0" : "1 0 0", aside = "0 0 1";

@@ -190,8 +190,8 @@ inline LayoutHumanoid qing_long_layout() {
   return robot;
 }
 
-/// Names without a meaning: the axes of the shoulders miss each other by a sixth of the upper arm,
-/// the elbows are beside the axis that turns the upper arm, and there is no wrist.
+/// The names have no meaning. The shoulder axes miss each other by a sixth of the upper arm, the
+/// elbows are offset from the axis that turns the upper arm, and there is no wrist.
 inline LayoutHumanoid offset_shoulder_layout() {
   LayoutHumanoid robot{"offset_shoulder", plain_humanoid(), {}, {}};
   robot.built.arm.joints = {
@@ -218,8 +218,8 @@ inline std::vector<BuiltJoint> ball_of_hinges(const std::string& name, const Eig
   return hinges;
 }
 
-/// A humanoid as of SMPL or SOMA: every joint, including the toes, is three hinges; the arms point
-/// sideways.
+/// A humanoid like those of SMPL or SOMA: every joint, including the toes, consists of three
+/// hinges; the arms point sideways.
 /// @param toe_ends  whether the ends of the toes are joints as well.
 inline LayoutHumanoid smpl_layout(const std::string& order = "xyz", bool toe_ends = false) {
   LayoutHumanoid robot{"smpl", {}, {}, {}};

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-TEST(MetricLabel, EveryMetricHasItsOwn) {
+TEST(MetricLabel, IsUniquePerMetric) {
   std::set<std::string_view> labels;
   for (const Metric& metric : quality_metrics()) {
     const std::string_view label = metric_label(metric.key);

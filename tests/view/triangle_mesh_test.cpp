@@ -117,7 +117,7 @@ int open_edges(const TriangleMesh& mesh) {
       std::ranges::count_if(edges, [](const auto& edge) { return edge.second == 1; }));
 }
 
-TEST(Simplified, ClosesSeamsThatRoundingLeft) {
+TEST(Simplified, ClosesSeamsCausedByRounding) {
   // A tube whose last vertices equal the first ones up to the last bits and the sign of 0.
   TriangleMesh seam;
   constexpr int kAround = 64, kAlong = 30;

@@ -200,11 +200,11 @@ class Live(unittest.TestCase):
                 time.sleep(4)
                 run(WINE, "live", "--play", clip("walk"), "--to", f"udp:{port}?format=bvh")
                 live.send_signal(signal.SIGINT)
-                _, told = live.communicate(timeout=30)
+                _, messages = live.communicate(timeout=30)
             finally:
                 live.kill()
-            self.assertEqual(live.returncode, 0, told.decode())
-            self.assertGreater(len(output.read_bytes().splitlines()), 50, told.decode())
+            self.assertEqual(live.returncode, 0, messages.decode())
+            self.assertGreater(len(output.read_bytes().splitlines()), 50, messages.decode())
 
 
 if __name__ == "__main__":

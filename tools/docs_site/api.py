@@ -93,7 +93,7 @@ def _complete_function(function: pdoc.doc.Function, names: list[str]) -> None:
     try:
         signature = inspect.signature(function.obj)
     except (TypeError, ValueError):
-        return  # of an exception or a descriptor
+        return  # A member of an exception or a descriptor.
     options = _OPTIONS.search(function.docstring)
     listed = set(re.findall(r"^    (\w+):", options["items"], re.M)) if options else set()
     kept, types_of = [], {}

@@ -23,12 +23,12 @@ ROOT = Path(__file__).resolve().parents[2]
 def build(folder: Path) -> list[str]:
     """Writes the site; returns its problems."""
     folder.mkdir()
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         site = Site(ROOT, folder)
         site.write()
         api.write(folder / "api")
-    return [str(each.message) for each in told] + site.problems + links.problems(folder)
+    return [str(each.message) for each in caught] + site.problems + links.problems(folder)
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""Notebooks: run in a kernel of their own, and as HTML."""
+"""Notebooks: run in separate kernels, and converted to HTML."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ struct SimulateArguments {
   bool json = false;   ///< Print the report as JSON.
 };
 
-/// Arguments of `retarget compare`, which checks that two motions agree.
+/// Arguments of `retarget compare`, which checks whether two motions agree.
 struct CompareArguments {
   CommonArguments common;
   RobotChoice robot;

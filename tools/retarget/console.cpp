@@ -30,7 +30,7 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-bool colours_wanted() {
+bool colours_allowed() {
   const char* no_color = std::getenv("NO_COLOR");
   return no_color == nullptr || *no_color == '\0';
 }
@@ -48,7 +48,7 @@ ExitCode exit_code(ErrorKind kind) {
 Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(is_terminal(os::kStandardError)),
-      colour_(terminal_ && colours_wanted() && terminal_takes_colours(os::kStandardError)),
+      colour_(terminal_ && colours_allowed() && terminal_takes_colours(os::kStandardError)),
       // Without a terminal, the first status line can wait.
       last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
@@ -142,7 +142,7 @@ void Console::end_progress() {
 }
 
 bool output_takes_colours() {
-  return is_terminal(os::kStandardOutput) && colours_wanted() &&
+  return is_terminal(os::kStandardOutput) && colours_allowed() &&
          terminal_takes_colours(os::kStandardOutput);
 }
 

@@ -49,8 +49,8 @@ class RecalibrationSignal {
   std::unique_ptr<Before> before_;
 };
 
-/// The words of the command line in UTF-8, the program's name first. Call it once, at the start: it
-/// also prepares the standard streams, so that bytes are written as they are.
+/// The words of the command line in UTF-8, starting with the program's name. Call it once, at the
+/// start: it also prepares the standard streams, so that bytes are written unchanged.
 [[nodiscard]] std::vector<std::string> words_of_program(int argc, char** argv);
 
 /// Whether a standard stream (0, 1, 2) is a terminal.
@@ -90,8 +90,8 @@ class Console : public Observer {
   /// Prints nothing and collects notes, which must outlive the console.
   explicit Console(ConsoleNotes& notes);
 
-  /// Writes all further messages on a thread: a reader of standard error that pauses does not delay
-  /// the caller, but misses what it does not read in time.
+  /// Writes all further messages on a thread, so that a paused reader of standard error does not
+  /// delay the caller; it misses messages that it does not read in time.
   void never_wait();
 
   /// Returns true if summary lines are printed.

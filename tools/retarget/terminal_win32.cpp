@@ -16,7 +16,7 @@
 namespace retarget::cli {
 namespace {
 
-// Windows calls handlers on a thread of their own.
+// Windows calls handlers on a separate thread.
 std::atomic<bool> interrupt_seen = false, recalibration_asked = false, takes_breaks = false;
 // Number of live guards; the first one installs the handler.
 std::atomic<int> guards = 0;
@@ -65,7 +65,7 @@ bool InterruptGuard::interrupted() {
   return interrupt_seen;
 }
 
-// There are no worker processes.
+// There are no worker processes on Windows.
 void leave_interrupts_to_parent() {}
 
 void turn_write_signals_into_errors() {}
@@ -89,7 +89,8 @@ std::vector<std::string> words_of_program(int argc, char** argv) {
   // Otherwise the C library writes a line feed as two bytes, and ends a file at Ctrl-Z.
   for (const int stream : {0, 1, 2}) ::_setmode(stream, _O_BINARY);
   ::SetConsoleOutputCP(CP_UTF8);
-  // The words of main are in the system's code page, and the C library has expanded their patterns.
+  // main receives the words in the system's code page, and the C library has expanded their
+  // patterns.
   int count = 0;
   wchar_t** const wide = ::CommandLineToArgvW(::GetCommandLineW(), &count);
   if (wide == nullptr) return {argv, argv + argc};

@@ -76,7 +76,7 @@ def wave() -> Motion:
 
 
 def stand_still() -> Motion:
-    """Quiet standing with breathing; three seconds unless told otherwise."""
+    """Quiet standing with breathing; three seconds by default."""
     feet = _feet(0.085, deg(8.0))
 
     def pose(t: float) -> Pose:
@@ -136,7 +136,7 @@ def jump() -> Motion:
 
 
 def sit() -> Motion:
-    """Six seconds: sit down on a seat 0.45 m high, stay, and stand up again; feet planted."""
+    """Six seconds: sit down on a seat 0.45 m high, sit still, and stand up again; feet planted."""
     feet = _feet(0.10, deg(10.0))
     seated = keys((0.0, 0.0), (0.4, 0.0), (1.9, 1.0), (3.9, 1.0), (5.4, 0.0), (6.0, 0.0))
     lean = keys((0.0, 0.0), (0.35, 0.0), (1.35, 1.0), (2.2, 0.0), (3.3, 0.0), (4.25, 1.08), (5.4, 0.0), (6.0, 0.0))

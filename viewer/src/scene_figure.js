@@ -100,7 +100,7 @@ export class SceneFigure {
     });
   }
 
-  /** Poses moving bodies; after the last frame they stay. @param {number} frame */
+  /** Poses moving bodies; after the last frame they do not move. @param {number} frame */
   update(frame) {
     const { frames, moving, position, rotation } = this.world;
     const shown = Math.min(frame, frames - 1);

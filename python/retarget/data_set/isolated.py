@@ -1,4 +1,4 @@
-"""Solves the clips of a folder in a process of its own: python -m retarget.data_set.isolated FILE.
+"""Solves the clips of a folder in a separate process: python -m retarget.data_set.isolated FILE.
 
 FILE is a pickle that solve.py wrote: keyword arguments of retarget.batch(). The process ends with
 its parent, and so do the workers of the batch.

@@ -103,7 +103,7 @@ class Progress:
             size += clip.bytes
         if group:
             tasks.append(group)
-        # Last, so that a clip that ends the whole run does so after the others are done.
+        # Run these last, so that a clip that ends the whole run does so after the others are done.
         tasks.extend(alone)
         return tasks
 

@@ -19,7 +19,7 @@ from retarget.data_set.isolated import ERROR
 
 WORK = ".work"
 CLIPS = "clips.json"
-# The batch's words for a clip whose own process ended.
+# The batch's message for a clip whose process ended.
 _ENDED = "the clip's process "
 
 
@@ -90,7 +90,7 @@ def interrupted(folder: Path) -> Iterable[tuple[Path, list[str]]]:
         try:
             yield work, json.loads((work / CLIPS).read_text(encoding="utf-8"))["clips"]
         except (OSError, ValueError, KeyError):
-            # It ended before a clip was begun.
+            # The process ended before it began a clip.
             yield work, []
 
 
@@ -108,7 +108,7 @@ def _place_all(request: Request, clips: list[tuple[ClipSource, int]],
     for clip, _ in clips:
         try:
             place(clip, folder, request.storage_options)
-        # File systems of fsspec raise exceptions of their own.
+        # File systems of fsspec raise their own exceptions.
         except Exception as error:
             errors[clip.name] = f"{clip.location}: {error}"
             (folder / clip.name).unlink(missing_ok=True)

@@ -54,7 +54,7 @@ def __getattr__(name: str) -> Any:
     try:
         published = importlib.import_module(_PUBLISHED)
     except ModuleNotFoundError as error:
-        if error.name != _PUBLISHED:  # it is installed, but a package that it needs is not
+        if error.name != _PUBLISHED:  # It is installed, but one of its dependencies is not.
             raise AttributeError(f"{__name__} has no {name!r}, and {_PUBLISHED} cannot be "
                                  f"imported: {error}") from error
         raise AttributeError(f"{__name__} has no {name!r}; names that retarget lacks come from "

@@ -70,7 +70,7 @@ def parts(items: Iterable[Item], size_of: Callable[[Item], int], max_bytes: int,
           max_clips: int) -> Iterator[list[Item]]:
     """Groups consecutive items; a part that would exceed a bound ends before the item.
 
-    An item that alone exceeds `max_bytes` is a part of its own.
+    An item that alone exceeds `max_bytes` is a separate part.
 
     Raises:
         UsageError: a bound below 1.

@@ -22,8 +22,8 @@ constexpr double kMinTravel = 0.5, kMaxTravel = 1.2;
 constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
     {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"cmu", 0.056444}}};
 
-// Other work that takes an option. To judge or show a motion, its source must be read and
-// understood as in the run that made it.
+// Further uses of an option. To judge or show a motion, its source must be read and interpreted as
+// in the run that made it.
 constexpr OptionUse kJudged = OptionUse::kMeasure | OptionUse::kShow | OptionUse::kShowBatch;
 constexpr OptionUse kReading =
     OptionUse::kMeasure | OptionUse::kShowBatch | OptionUse::kInspect | OptionUse::kEdit;

@@ -29,7 +29,7 @@ std::string scene_text(const std::string& text) {
   return text;
 }
 
-// Numbers separated by a character; nothing unless all are numbers.
+// Parses numbers separated by a character. Returns nothing unless all of them are valid.
 std::optional<std::vector<double>> numbers_in(std::string_view text, char separator) {
   std::vector<double> numbers;
   for (std::size_t begin = 0; begin <= text.size();) {

@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// The rows of a scene and of its changes.
+/// Option rows of a scene and its changes.
 [[nodiscard]] OptionTable scene_table(SolveOptions& options);
 
 /// Ground that rises in one direction (SolveOptions::terrain).

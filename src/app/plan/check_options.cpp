@@ -57,7 +57,7 @@ Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& o
 
 namespace {
 
-// Options that change a scene, without a scene.
+// Rejects options that change a scene if there is no scene.
 Result<void> check_without_scene(const SolveOptions& solve) {
   const bool changes = !solve.terrain_scale.empty() || !solve.object_shift.empty() ||
                        solve.object_scale != 1.0 || solve.scene_axes != SceneAxes::kHuman ||

@@ -20,8 +20,8 @@ namespace retarget {
 /// @pre the plan's options, human, part and fit are known
 void clean_source(Clip& clip, const std::string& positions, Plan& plan);
 
-/// Scales the travel of a plan's clip (scale_travel) as SolveOptions::travel or the preset says, and
-/// records the factors. A robot that does not travel leaves the clip as it is.
+/// Scales the travel of a plan's clip (scale_travel) according to SolveOptions::travel or the preset,
+/// and records the factors. Does not change the clip for a robot that does not travel.
 ///
 /// The rule of `auto` is measured with policies for the G1: 1 up to 0.7 m/s, 0.85 from 1.5 m/s. These
 /// are speeds of the robot. Legs of length L walk alike at the same Froude number v / sqrt(g L), so

@@ -27,7 +27,7 @@ std::string contacts_text(const ContactLabels& labels, const FrameRate& rate) {
   for (const Row& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      // Numbers on the right.
+      // Align numbers to the right.
       const bool is_number = i >= 3 && i < 7;
       line += is_number ? fmt::format("{:>{}}  ", row[i], widths[i])
                         : fmt::format("{:<{}}  ", row[i], widths[i]);

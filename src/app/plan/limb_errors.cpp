@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Points between which the limbs of a robot lie.
+// Points that define the limbs of a robot.
 struct LimbPlaces {
   BoneArray<int> body;  // -1: the robot has none.
   BoneArray<Vector3d> in_body;

@@ -118,7 +118,7 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
   // Properties in the file override those of its kind.
   if (clip.origin().metres_per_unit) map.facts.metres_per_unit = clip.origin().metres_per_unit;
-  const std::vector<Warning> unit_doubts = mend_clip_units(clip, map);
+  const std::vector<Warning> unit_doubts = repair_clip_units(clip, map);
   const auto doubt = let_directions_win(clip, map);
   TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
   auto& doubts = calibration.doubts;

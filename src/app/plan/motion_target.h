@@ -70,8 +70,8 @@ struct ReferenceFile {
 
 /// Makes the reference of a motion (make_reference) and writes it.
 /// @param path    from reference_path(), not empty.
-/// @param clip    as in its file.
-/// @param write   its contacts and scene.
+/// @param clip    the motion as it is written to its file.
+/// @param write   contacts and scene of the motion.
 /// @param limits  joint ranges; null: the robot's default set.
 [[nodiscard]] Result<ReferenceFile> write_reference(const std::string& path, const RobotClip& clip,
                                                     const WriteMotionOptions& write,

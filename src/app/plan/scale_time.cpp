@@ -37,7 +37,7 @@ struct FastStep {
   std::string cause;
 };
 
-// The fastest that a joint may move in a solved motion, rad/s or m/s.
+// Speed limit of a joint in a solved motion, rad/s or m/s.
 double joint_speed_limit(const Plan& plan, int joint) {
   const Robot& robot = *plan.robot.robot;
   double limit = robot.speed_limit(joint);
@@ -49,7 +49,7 @@ double joint_speed_limit(const Plan& plan, int joint) {
   return limit;
 }
 
-// By step: exact speeds of the spline between frames.
+// By step: speed ratios from the exact speeds of the spline between frames.
 // @param limit_of  speed limit of a joint
 template <typename Limit>
 std::vector<FastStep> fast_steps(const RobotClip& clip, const Limit& limit_of) {
@@ -163,7 +163,7 @@ class TimeScaleSearch {
     for (int round = 0; round < kMaxRounds && planner_.take(needs_of(motion)); ++round) {
       TRY_ASSIGN(motion, solve_now(true));
     }
-    give_back_what_does_not_help(motion);
+    restore_intervals_without_gain(motion);
     return planner_.decision();
   }
 
@@ -250,8 +250,8 @@ class TimeScaleSearch {
     return std::min(static_cast<std::size_t>(std::lround(source * plan_.rate.fps())), count - 1);
   }
 
-  // By step: how far the largest torque is beyond its limit, relative to it; empty: does not
-  // matter.
+  // By step: relative excess of the largest torque over its limit; empty if torques are not
+  // considered.
   [[nodiscard]] std::vector<double> torque_excess(const Motion& motion) const {
     std::vector<double> excess;
     if (!takes_torques(plan_, motion)) return excess;
@@ -263,7 +263,7 @@ class TimeScaleSearch {
 
   // Keeps a slowed interval only if the limbs are nearer to the human than without it, or if they
   // are as near and the torques are lower.
-  void give_back_what_does_not_help(const Motion& motion) {
+  void restore_intervals_without_gain(const Motion& motion) {
     constexpr double kGain = 0.3, kLoss = 0.2;  // Degrees.
     constexpr double kLighter = 0.5;            // Share of the torque beyond limits.
     const auto decided = planner_.decision();
@@ -286,7 +286,7 @@ class TimeScaleSearch {
       const double gain = time > 0.0 ? (before - after) / time : 0.0;
       const bool is_lighter = torque_after < kLighter * torque_before;
       if (is_torque ? is_lighter && gain >= -kLoss : gain >= (is_fit() ? kGain : -kLoss)) continue;
-      planner_.give_back(stretch.begin, stretch.end - 0.5 * kKnotTime);
+      planner_.restore(stretch.begin, stretch.end - 0.5 * kKnotTime);
     }
   }
 

@@ -148,7 +148,7 @@ ConfigTask chest_of(const ResolvedConfig& config) {
   return chest;
 }
 
-// Sets the weights of other tasks to zero. The rows must stay, because they also assign bodies.
+// Sets the weights of other tasks to zero but keeps their rows, because they also assign bodies.
 Result<void> keep_arms(const Robot& robot, ResolvedConfig& config) {
   ConfigTask chest = chest_of(config);
   chest.position_weight = chest.rotation_weight = 0.0;

@@ -30,7 +30,7 @@ void apply_preset(const SolveOptions& options, FitOptions& fit);
 [[nodiscard]] std::vector<SummaryLine> follow_lines(const LoadedRobot& robot,
                                                     const LimitSet& limits);
 
-/// The scale from the paths of the human's feet to those of the robot's.
+/// Scale factor from the human's foot paths to the robot's.
 /// Errors: the targets cannot be made (kInput, kConfig).
 /// @pre the plan's robot, human, configuration and scale are known
 [[nodiscard]] Result<double> foot_path_scale(const Clip& clip, const Plan& plan);

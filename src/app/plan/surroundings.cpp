@@ -108,14 +108,14 @@ using Eigen::Vector3d;
 constexpr double kNear = 0.25;  // Distance of a joint from a body that it touches, metres.
 constexpr double kDeep = 0.1;   // Depth of a joint inside a body that it cannot have, metres.
 constexpr double kOftenInside = 0.05;  // Share of the frames.
-constexpr double kInterval = 0.1;      // Seconds between the frames that are looked at.
+constexpr double kInterval = 0.1;      // Seconds between the checked frames.
 
 // Consistency of a scene with the human in it.
 struct SceneFit {
   double nearest = std::numeric_limits<double>::infinity();  ///< Metres, over bodies and frames.
-  double inside = 0.0;                                       ///< Share of the frames.
-  double deepest = 0.0;                                      ///< Metres.
-  std::string body;                                          ///< Of `deepest`.
+  double inside = 0.0;   ///< Share of the frames with a joint inside.
+  double deepest = 0.0;  ///< Metres.
+  std::string body;      ///< Body with the depth `deepest`.
 
   [[nodiscard]] bool is_good() const { return nearest <= kNear && inside <= kOftenInside; }
 };

@@ -60,7 +60,7 @@ bool TimePlanner::raise(PlaceNeed& need, const StepNeed& step, double pace) cons
   return true;
 }
 
-void TimePlanner::give_back(double begin, double end) {
+void TimePlanner::restore(double begin, double end) {
   for (std::size_t i = place(begin); i <= place(end); ++i) {
     for (auto& of_kind : needs_) {
       of_kind[i].is_hopeless = of_kind[i].is_hopeless || of_kind[i].first > 0.0;

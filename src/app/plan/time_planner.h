@@ -41,7 +41,7 @@ class TimePlanner {
   /// original time where slowing did not help. Returns whether the pace changed.
   bool take(const std::vector<StepNeed>& needs);
   /// Restores the original time from `begin` to `end`, because slowing does not help there.
-  void give_back(double begin, double end);
+  void restore(double begin, double end);
 
   /// The decision; nothing if there is nothing to report.
   [[nodiscard]] std::optional<TimeScale> decision();

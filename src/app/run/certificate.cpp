@@ -113,7 +113,7 @@ Result<Json> inputs_json(const MeasureRequest& request, const QualityReport& rep
   return inputs;
 }
 
-// The options of the run that made the motion, if its sidecar is there and belongs to it.
+// The options of the run that made the motion, if its sidecar exists and belongs to it.
 Result<Json> sidecar_json(const std::string& motion, const std::string& hash) {
   const std::string file = motion + ".json";
   std::error_code ignored;

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Options that differ between clips, or that count by what they refer to: the robot, its limits,
-// configuration and fit.
+// Options that differ between clips, or whose targets are hashed instead of their values: the
+// robot, its limits, configuration and fit.
 constexpr std::array<std::string_view, 12> kTakenByMeaning = {
     "motion", "smpl",      "output",     "robot",  "robot-xml", "robot-profile",
     "dof",    "ik-config", "fit-config", "window", "with",      "without"};

@@ -50,6 +50,7 @@ CsvSink::CsvSink(std::optional<OutputFile> file, ContentHasher hasher,
   const std::size_t room = kChunkFrames * robot_->zero_configuration().size();
   filling_.reserve(room);
   waiting_.reserve(room);
+  writing_.reserve(room);
   try {
     writer_ = std::thread([this] { write_chunks(); });
   } catch (const std::system_error&) {
@@ -87,18 +88,16 @@ void CsvSink::hand_over() {
 }
 
 void CsvSink::write_chunks() {
-  std::vector<double> frames;
-  frames.reserve(waiting_.capacity());
   while (true) {
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return done_ || !waiting_.empty(); });
       if (waiting_.empty()) return;
-      std::swap(frames, waiting_);
+      std::swap(writing_, waiting_);
     }
     changed_.notify_all();
-    write_frames(frames);
-    frames.clear();
+    write_frames(writing_);
+    writing_.clear();
   }
 }
 

@@ -73,6 +73,7 @@ class CsvSink {
   ContentHasher hasher_;
   int frames_ = 0;  // Written frames.
   Result<void> written_;
+  std::vector<double> writing_;  // Frames that the writing thread has taken.
 
   std::thread writer_;
   std::mutex mutex_;

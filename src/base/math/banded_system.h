@@ -32,9 +32,9 @@ class BandedSystem {
   std::vector<double> column_;  // Of the factor, below the diagonal.
 };
 
-/// Weighted least squares for a track of numbers: its values, its differences and its second
-/// differences may each have a target. The normal equations have five diagonals, so that a solution
-/// takes time in proportion to the track's length.
+/// Weighted least squares for a track of numbers: its values, first differences and second
+/// differences may each have a target. The normal equations have five diagonals, so a solution
+/// takes time proportional to the track's length.
 class PentadiagonalFit {
  public:
   explicit PentadiagonalFit(std::size_t count);
@@ -46,12 +46,12 @@ class PentadiagonalFit {
   /// Adds weight * (x[i] - 2 x[i + 1] + x[i + 2] - target)^2.
   void add_second_difference(std::size_t i, double weight, double target);
 
-  /// The track with the least sum.
+  /// Returns the track with the least sum.
   /// @pre the terms determine it: for instance, each value has a target of positive weight
   [[nodiscard]] std::vector<double> solve() const;
 
  private:
-  // diagonal i, and what couples i to i + 1 and to i + 2
+  // Entries on the diagonal i, and those that couple i to i + 1 and to i + 2.
   std::vector<double> diagonal_, next_, second_, right_;
 };
 

@@ -11,7 +11,7 @@ namespace retarget {
 }
 
 /// Replaces points of a plane by the corners of their convex hull, counterclockwise (Andrew's monotone
-/// chain). Fewer than three distinct points stay, sorted.
+/// chain). Only sorts fewer than three distinct points.
 /// @pre the points are finite
 void reduce_to_hull(std::vector<Eigen::Vector2d>& points);
 

@@ -11,7 +11,7 @@ namespace retarget {
 /// All tolerances of damped_least_squares(). The problem defines the units of damping and step
 /// size.
 struct LeastSquaresPolicy {
-  int max_steps = 50;  ///< Solved systems; steps that are rejected count.
+  int max_steps = 50;  ///< Number of solved systems, including those of rejected steps.
 
   double initial_damping = 1e-3;
   double shrink = 0.1;          ///< Factor for the damping after an accepted step.

@@ -27,7 +27,7 @@ double bound_steps(std::span<double> values, double lower, double upper, double 
   }
   double max = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    // Values that need no change stay identical to the last digit.
+    // Values that need no change keep all their digits.
     const double bounded = low[i] == high[i] ? low[i] : 0.5 * (low[i] + high[i]);
     max = std::max(max, std::abs(bounded - values[i]));
     values[i] = bounded;

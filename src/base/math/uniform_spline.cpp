@@ -20,8 +20,8 @@ constexpr double kEnough = 1e-12;
 constexpr int kMaxRounds = 2000;
 // Rounded samples may exceed a bound by this share of it.
 constexpr double kRounding = 1e-6;
-// Pieces as near to a sample beyond a bound as this are not bounded: there the spline swings around
-// the samples.
+// Pieces within this distance of a sample beyond a bound are not bounded, because the spline
+// oscillates around such samples.
 constexpr int kSwings = 2;
 
 // Weights of the four coefficients of a piece in its value.
@@ -90,7 +90,7 @@ UniformSpline::Range UniformSpline::values(int piece) const {
     if (here.value > range.greatest.value) range.greatest = here;
   };
   take(1.0);
-  // Roots of b + 2 c s + 3 d s^2, in the form that does not cancel.
+  // Roots of b + 2 c s + 3 d s^2, in the form without cancellation.
   const double root = p.c * p.c - 3.0 * p.d * p.b;
   if (root >= 0.0) {
     const double sum = -(p.c + std::copysign(std::sqrt(root), p.c));

@@ -69,7 +69,7 @@ struct ParsedNumber {
 /// Whether a token is or begins with a spelling of NaN or infinity.
 [[nodiscard]] bool is_nan_or_infinity(std::string_view token);
 
-/// The error for a token that is not a number. It names the common fault (decimal comma, NaN, a
+/// The error for a token that is not a number. It names common faults (decimal comma, NaN, a
 /// missing space, a value out of range, a NUL byte) and gives a hint.
 /// @param role  describes the number, such as `value 4 of 57 in row 2`.
 [[nodiscard]] Failure number_failure(const SourceText& source, std::size_t offset,

@@ -11,9 +11,9 @@ enum class FileKind : std::uint8_t {
   kForeign,  ///< A known type that no reader supports.
   kBvh,
   kFbx,
-  kGltf,  ///< GLB, glTF, VRM.
+  kGltf,  ///< GLB, glTF or VRM.
   kMvnx,
-  kNpz,  ///< A ZIP archive that is neither of PyTorch nor of USD.
+  kNpz,  ///< A ZIP archive of neither PyTorch nor USD.
   kTorch,
   kNpy,
   kPickle,  ///< Also a zlib stream, which joblib writes.

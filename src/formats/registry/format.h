@@ -28,12 +28,12 @@ struct HumanReadOptions {
 /// A human motion as its reader returns it: a clip, or joint positions without rotations.
 using HumanFile = std::variant<Clip, JointMotion>;
 
-/// Files with the same reader, which tells the formats of its family apart by their content. A family
-/// of human motions has read_human. Without any reader its files are only written.
+/// Files with the same reader, which distinguishes the formats of its family by their content. A
+/// family of human motions has read_human. A family without any reader is only written.
 struct FormatFamily {
-  unsigned kinds;  ///< Types of the content of its files, a bit for each FileKind; 0: a folder.
+  unsigned kinds;  ///< Content types of its files, one bit per FileKind; 0: a folder.
   /// Extensions that a batch searches for in folders, and further ones, separated by blanks.
-  /// Outputs take the first one.
+  /// Outputs use the first one.
   std::string_view endings, other_endings;
   Result<HumanFile> (*read_human)(std::string_view bytes, const std::string& file,
                                   const HumanReadOptions& options);
@@ -73,8 +73,8 @@ struct Format {
 [[nodiscard]] Result<HumanFile> read_human_file(std::string_view bytes, const std::string& file,
                                                 const HumanReadOptions& options);
 
-/// The usual extension of the outputs that this extension stands for: `.pkl` for `.joblib`; empty
-/// if no output has it.
+/// The usual extension of outputs for this extension, such as `.pkl` for `.joblib`; empty if no
+/// output has it.
 [[nodiscard]] std::string_view output_ending(std::string_view ending);
 
 /// Readers of human formats, for the table.

@@ -122,7 +122,7 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
                            "give the motion file that it was made from, such as walk.csv");
     }
     auto raw = format.family.read_robot(bytes, robot, file, options);
-    // The type explains more than the first line and column that no CSV has.
+    // The type explains more than the position of the first line that is not CSV.
     if (!raw && type.kind == FileKind::kForeign && !bytes.empty()) {
       return input_failure(file, "the file is " + std::string(type.what), std::string(type.hint));
     }

@@ -18,8 +18,8 @@ constexpr unsigned kinds_of(std::initializer_list<FileKind> kinds) {
   return bits;
 }
 
-// Readers of BVH and CSV also get content of no known type, because their messages name the line
-// and column that they cannot read.
+// Readers of BVH and CSV also receive content of unknown types, because their messages name the
+// line and column that they cannot read.
 constexpr FormatFamily kBvh = {
     kinds_of({FileKind::kBvh, FileKind::kOther, FileKind::kForeign, FileKind::kGzip}), ".bvh", "",
     read_bvh_file, nullptr};
@@ -27,7 +27,7 @@ constexpr FormatFamily kFbx = {kinds_of({FileKind::kFbx}), ".fbx", "", read_scen
 constexpr FormatFamily kGltf = {kinds_of({FileKind::kGltf}), ".glb .gltf .vrm .vrma", "",
                                 read_scene_file, nullptr};
 constexpr FormatFamily kMvnx = {kinds_of({FileKind::kMvnx}), ".mvnx", "", read_scene_file, nullptr};
-// Pickles are often robot motions, so a batch takes them as human motions only by their names.
+// Pickles are often robot motions, so a batch recognises human motions among them only by name.
 constexpr FormatFamily kArrays = {
     kinds_of({FileKind::kNpz, FileKind::kNpy, FileKind::kPickle, FileKind::kTorch}),
     ".npz .pt .npy", ".pkl .pickle .p .joblib", read_array_file, nullptr};
@@ -104,7 +104,7 @@ bool contains(std::string_view words, std::string_view word) {
   return false;
 }
 
-// Whether a batch takes the files of a format as motions of robots, or of humans.
+// Whether a batch treats the files of a format as robot motions, or as human motions.
 bool is_searched(const Format& format, bool robots) {
   return robots ? format.family.read_robot != nullptr : format.family.read_human != nullptr;
 }

@@ -154,7 +154,7 @@ Result<std::vector<std::string>> names_behind_root(const ArraySource& npz,
   return behind ? names.texts() : std::vector<std::string>();
 }
 
-// Takes the root and the joints of holosoma's rows apart.
+// Separates the root and the joints of holosoma's rows.
 Result<void> take_holosoma(const ArraySource& npz, const std::vector<std::string>& names,
                            const Robot& robot, RawMotion& raw) {
   raw.format = MotionFormat::kNpzHolosoma;

@@ -115,7 +115,7 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
   const double* slip = evidence.slip;
   const auto upper = up[0] >= up[1] ? QuaternionOrder::kXyzw : QuaternionOrder::kWxyz;
   const double highest = std::max(up[0], up[1]);
-  // a file with y up, of which the other reading may stand along z
+  // A file with y up, whose other interpretation may stand along z.
   for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {
     const auto index = static_cast<std::size_t>(order);
     const double least = std::min(slip[0], slip[1]);

@@ -296,12 +296,12 @@ class SceneSampler {
                                                      name_of(node), seconds));
       }
       if (is_mirrored(local)) return mirrored(node);
-      look_at_size(node, place, frame);
+      check_size(node, place, frame);
     }
     return {};
   }
 
-  void look_at_size(int node, const NodePlace& place, int frame) {
+  void check_size(int node, const NodePlace& place, int frame) {
     const double size = place.world_from_node.linear().norm();
     if (frame == 0) {
       sizes_.resize(scene_.nodes.size());

@@ -55,11 +55,11 @@ constexpr Place kLeftElbow = {kElbowWidth, kShoulder, 0};
 constexpr Place kLeftWrist = {kWristWidth, kShoulder, 0};
 constexpr Place kLeftFingerTip = {kFingerWidth, kShoulder, 0};
 
-// In the order of kSmplJointNames; a left joint also stands for the right one that follows it.
+// In the order of kSmplJointNames; a left joint also represents the right one that follows it.
 constexpr std::array kJoints = {kPelvis,    kLeftHip,      kSpine1,    kLeftKnee, kSpine2,
                                 kLeftAnkle, kSpine3,       kLeftFoot,  kNeck,     kLeftCollar,
                                 kHead,      kLeftShoulder, kLeftElbow, kLeftWrist};
-// In the order of SmplTip; a left tip also stands for the right one.
+// In the order of SmplTip; a left tip also represents the right one.
 constexpr std::array kTips = {kCrown, kLeftToeTip, kLeftFingerTip};
 
 // Position relative to the pelvis, metres.

@@ -138,14 +138,14 @@ class LostPoints {
   LostPoints(JointMotion& motion, int joint) : motion_(motion), joint_(joint) {
     int zeros = 0;
     for (int frame = 0; frame < motion.frame_count; ++frame) zeros += is_zero(frame) ? 1 : 0;
-    // a joint that is often at the origin belongs there
+    // A joint that is often at the origin belongs there.
     constexpr int kShare = 3;
     zeros_are_lost_ = kShare * zeros < motion.frame_count;
   }
 
-  // how many frames were lost
+  // Returns the number of lost frames.
   int bridge() {
-    constexpr int kLongest = 30;  // frames
+    constexpr int kLongest = 30;  // Frames.
     int lost = 0;
     for (int begin = 0, end = 0; begin < motion_.frame_count; begin = end) {
       end = begin + 1;

@@ -27,7 +27,7 @@ using Poses = std::vector<Pose>;
 constexpr std::size_t kMaxBytes = std::size_t{1} << 30U;
 constexpr double kMaxPlace = 1e5;  // Metres.
 
-/// Order of seven numbers: index of x, y, z, qw, qx, qy, qz.
+/// Indices of x, y, z, qw, qx, qy, qz in seven numbers.
 using Order = std::array<std::size_t, 7>;
 constexpr Order kScalarFirst = {0, 1, 2, 3, 4, 5, 6};
 constexpr Order kScalarLast = {0, 1, 2, 6, 3, 4, 5};
@@ -69,7 +69,7 @@ std::vector<double> rows_of_object(const NpyArray& array, std::size_t object) {
   return rows;
 }
 
-// The array under the first of these names that the file has; with a wrong shape, an error.
+// The array under the first of these names that the file has. Errors: a wrong shape.
 // @param object  of files with several (object_names).
 Result<std::optional<std::vector<double>>> find_table(const NpzFile& file,
                                                       std::span<const std::string_view> names,
@@ -101,7 +101,7 @@ Result<std::optional<FrameRate>> rate_of(const NpzFile& file) {
   return std::optional(frame_rate_from_fps(fps));
 }
 
-// Index of an object in the file of a robot's motion, which may have several.
+// Index of an object in a robot motion file, which may have several.
 // @param body  name; empty: the only one.
 Result<std::size_t> object_of(const NpzFile& file, const std::string& body) {
   if (!file.has("object_names")) return std::size_t{0};
@@ -203,7 +203,7 @@ Result<ObjectTrack> read_npy_track(std::string_view bytes) {
   return track;
 }
 
-// Finds the columns by their names, or takes the usual order if there are none.
+// Finds the columns by their names, or uses the usual order if there are no names.
 Result<Order> order_of(const std::vector<std::string>& names) {
   constexpr std::array<std::string_view, 7> kNames = {"x", "y", "z", "qw", "qx", "qy", "qz"};
   if (names.empty()) return kScalarFirst;
@@ -242,8 +242,8 @@ struct LabelledPart {
   std::size_t first, last;
 };
 
-// The labels say which of the 52 bodies of SMPL-X touches the object; a hand is its wrist and its
-// fingers. A file in which nothing ever touches does not have them.
+// The labels state which of the 52 bodies of SMPL-X touches the object; a hand consists of its
+// wrist and fingers. Files without any contact do not have labels.
 std::vector<StatedContact> intermimic_contacts(const std::vector<double>& table) {
   constexpr std::size_t kFirstLabel = 331;
   constexpr std::array<LabelledPart, 8> kParts = {{{"left_knee", 2, 2},

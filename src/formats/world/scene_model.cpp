@@ -134,7 +134,7 @@ class RobotCopy {
       geom->priority = model_.geom_priority[g];
       geom->margin = model_.geom_margin[g];
       geom->group = model_.geom_group[g];
-      geom->density = 0.0;  // The bodies have their masses.
+      geom->density = 0.0;  // The bodies have their own masses.
     }
   }
 
@@ -180,7 +180,7 @@ class SceneCopy {
     std::vector<mjsGeom*> geoms;
   };
 
-  // The name, with a number if the model has another element of this kind and name.
+  // Returns the name, with a number if another element of this kind in the model has it.
   std::string unique(mjtObj kind, const std::string& name) const {
     std::string found = name;
     for (int number = 2; mjs_findElement(spec_, kind, found.c_str()) != nullptr; ++number) {

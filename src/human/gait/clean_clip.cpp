@@ -154,8 +154,8 @@ class ClipCleaner {
     }
     const RootEvidence evidence = measure_root(feet);
     if (!jittery_ && !evidence.moves()) return;
-    // The drift is not the path of a body whose root translation is missing: it would cover a part
-    // of the path and hide the fault from the gates.
+    // This drift is not the path of a body whose root translation is missing: correcting it would
+    // cover a part of the path and hide the fault from the gates.
     if (!jittery_ && root_is_missing(feet, hips)) return;
     const RootDrift found = find_root_drift(feet, hips, {jittery_, jittery_ || evidence.climbs()});
     if (found.drift.empty() || (!jittery_ && !found.helps())) return;

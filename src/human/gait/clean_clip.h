@@ -18,8 +18,8 @@ struct CleanReport {
   [[nodiscard]] bool acted() const { return !notes.empty(); }
 };
 
-/// Removes the noise of video estimates and IMU suits where it is measured. Other clips stay
-/// identical.
+/// Removes the noise of video estimates and IMU suits where it is measured. Does not
+/// change other clips.
 ///
 /// The steps, in this order: interpolate frozen frames and lost joints. If half of the joints have
 /// large noise, smooth all noisy joints as strongly as their noise requires (measure_noise) and set
@@ -32,7 +32,8 @@ CleanReport clean_clip(Clip& clip, FrameRange part, const Calibration& calibrati
 
 /// Smooths the joints of a clip made from joint positions alone (ClipOrigin::unknown_rotations) if
 /// half of them have noise above 0.3 % of the body's size per frame. Then recomputes the rotations,
-/// because noisy positions make them spin about nearly straight limbs. Other clips stay identical.
+/// because noisy positions make them spin about nearly straight limbs. Does not change other
+/// clips.
 /// @return a sentence with numbers; empty if nothing changed
 std::string clean_positions(Clip& clip);
 

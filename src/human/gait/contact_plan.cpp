@@ -66,8 +66,9 @@ struct RestHeights {
   double begin, end;
 };
 constexpr RestHeights kJointRest{0.09, 0.12}, kSeatRest{0.17, 0.20}, kBackRest{0.13, 0.17};
-// Wrist of a hand that carries the whole body: while feet, knees and seat are at least kAloft above
-// the floor and the hand is still, it stands on something, be it on its fingers.
+// Height of the wrist of a hand that carries the whole body. While feet, knees and seat are at
+// least kAloft above the floor and the hand is still, it stands on something, even if only on its
+// fingers.
 constexpr RestHeights kHandstandRest{0.22, 0.25};
 constexpr double kAloft = 0.3;
 // Height in metres of the wrist of a hand that is pressed to the floor, and the speed in m/s up to
@@ -131,8 +132,8 @@ class BodyContactFinder {
     return true;
   }
 
-  // A hand that catches a fall or pushes the body off is on the floor for a moment in which it is
-  // not as slow as one that rests.
+  // A hand that catches a fall or pushes the body off is briefly on the floor, but not as slow as
+  // one that rests.
   void add_catches(std::vector<ContactPhase>& phases) const {
     const auto resting = static_cast<std::ptrdiff_t>(phases.size());
     add_runs(

@@ -23,8 +23,8 @@ constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 constexpr double kMinLevelTime = 1.0 / 6.0;  // Seconds.
 // Seconds for which a part of a drifting run must stay in place to be a raised stance.
 constexpr double kMinDriftingStance = 0.5;
-// Metres: a toe alone stands only on surfaces that are at least as high as a low stair. Bumps of a floor
-// are lower, and toes roll over them.
+// Metres: a toe alone stands only on surfaces at least as high as a low stair. Bumps of a floor are
+// lower, and toes roll over them.
 constexpr double kMinStair = 0.1;
 constexpr std::array kBothEnds{kHeelEnd, kToeEnd};
 constexpr std::array kToeOnly{kToeEnd};

@@ -180,7 +180,8 @@ void cut_phases(Phases& phases, int begin, int end) {
   phases = std::move(kept);
 }
 
-// Adds [begin, end), joined with phases on the same surface that it touches. Existing phases stay.
+// Adds [begin, end), joined with touching phases on the same surface. Existing phases do not
+// change.
 void fill_phases(Phases& phases, int begin, int end, double support) {
   Phases gaps = {{begin, end, support}};
   for (const ContactPhase& phase : phases) cut_phases(gaps, phase.begin, phase.end);

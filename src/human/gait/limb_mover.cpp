@@ -26,7 +26,7 @@ LimbMover::LimbMover(const Clip& clip, const Calibration& calibration, const Leg
 
 void LimbMover::move_end(Clip& clip, int frame, const Quaterniond& turn,
                          const Vector3d& shift) const {
-  // Shares of the leg's length. Legs may become nearly as straight as they can be.
+  // Shares of the leg's length. Legs may become almost straight.
   constexpr double kFree = 0.98, kFarthest = 0.999;
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
   forward_kinematics(clip, frame, poses);

@@ -15,7 +15,8 @@ namespace retarget {
   return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
-/// Moves an ankle or a wrist of a clip by turning the joints of its limb. The rest of the body stays.
+/// Moves an ankle or a wrist of a clip by turning the joints of its limb. The rest of the body does
+/// not move.
 class LimbMover {
  public:
   /// Learns from the whole clip how the knee or elbow bends.

@@ -130,8 +130,8 @@ class ContactMover {
     return std::max(0.0, -leg.z() - std::sqrt(reach * reach - aside * aside));
   }
 
-  // Lowers the body smoothly where standing legs could not reach the ground: the mean of the
-  // greatest excess around each frame is nowhere less than the excess itself.
+  // Lowers the body smoothly where standing legs could not reach the ground. The mean of the
+  // greatest excess around each frame is never less than the excess itself.
   void lower_to_legs() {
     HumanPoser poser(clip_, calibration_);
     HumanPose pose;
@@ -174,7 +174,7 @@ class ContactMover {
     return means;
   }
 
-  // Displacements of a hand: as given in contact, else those of the body.
+  // Displacements of a hand: as given in contact, otherwise those of the body.
   [[nodiscard]] Track hand_offsets(const std::vector<ContactMove>& moves) const {
     Track offsets = body_;
     const int fade = frames_in(kHandFade);

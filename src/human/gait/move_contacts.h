@@ -34,13 +34,13 @@ struct ContactMoves {
 
 /// Moves contacts of a human, and the human with them.
 ///
-/// Each foot moves as given while it stands, and smoothly from one stance to the next in between;
+/// Each foot moves as given while it stands, and smoothly from one stance to the next in between:
 /// in a swing to a higher stance it rises early, to a lower one it sinks late. The body moves by
-/// the mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s; it
-/// is lower, as smoothly, where standing legs would not reach the ground. Hands move as given in
-/// contact, else with the body. Two-bone inverse kinematics of legs and arms supplies the
-/// differences. A clip without moves stays identical.
-/// @param first  frames before it stay.
+/// the mean of the feet, or with the trunk while that rests on something, smoothed over 0.6 s. It
+/// is lowered, equally smoothly, where standing legs would not reach the ground. Hands move as
+/// given in contact, otherwise with the body. Two-bone inverse kinematics of legs and arms supplies
+/// the differences. A clip without moves does not change.
+/// @param first  earlier frames do not change.
 void move_contacts(Clip& clip, int first, const Calibration& calibration,
                    const ContactMoves& moves);
 
@@ -50,14 +50,15 @@ void move_contacts(Clip& clip, int first, const Calibration& calibration,
 /// @param contacts  of find_contacts, on the floor
 /// @param terrain   rise, tread, slope, and the number of steps; 0: as many as the human climbs.
 ///     Its position, direction and number of steps are set.
-/// @return where the feet move to. They land on the ground, whole feet on one step if its tread is
-///     long enough, otherwise with the toes at the next riser. Empty: the human does not walk.
+/// @return the target positions of the feet. They land on the ground, whole feet on one step if its
+///     tread is long enough, otherwise with the toes at the next riser. Empty: the human does not
+///     walk.
 [[nodiscard]] ContactMoves put_on_terrain(const std::vector<Eigen::Vector2d>& hips,
                                           const SourceFeet& feet, const ContactPlan& contacts,
                                           Terrain& terrain);
 
 /// Displacements of contacts if the scene around a human changes: a foot, hand, knee, seat or back
-/// stays at its position on its body. Positions on the floor move if the floor is scaled.
+/// keeps its position on its body. Positions on the floor move if the floor is scaled.
 /// @param before, after  the scene in the frames of the human; bodies in equal order
 /// @param static_scale   factors of static bodies about the origin
 /// @param object_scale   factor of the sizes of moving bodies

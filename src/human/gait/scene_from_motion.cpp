@@ -214,7 +214,7 @@ class RestFinder {
   std::vector<RaisedRest> rests_;
 };
 
-// Finds stances, seats and rests of hands above the floor (scene_from_motion.h), by time.
+// Finds stances, seats and hand rests above the floor (scene_from_motion.h), in the order of time.
 std::vector<RaisedRest> find_raised_rests(const RestingHuman& of) {
   return RestFinder(of).run();
 }

@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 
 // Distances and speeds for a body with legs of kUsualSourceLeg. The radius of a part is the
-// distance of its points from the skin, which no skeleton knows; the thresholds cover its error.
+// distance of its points from the skin, which skeletons do not define; the thresholds cover its
+// error.
 constexpr double kBeginDistance = 0.03, kEndDistance = 0.05;  // Metres.
 constexpr double kBeginSpeed = 0.3, kEndSpeed = 0.5;          // m/s, relative to the body.
 // A contact slides if it moves along the surface by more than this, metres, or always faster than
@@ -82,7 +83,7 @@ class SurfaceContactFinder {
   }
 
  private:
-  // The contacts that a file states. @return whether it does.
+  // Takes the contacts that a file states. @return whether it states any.
   bool take_stated(std::vector<char>& touches) const {
     for (const StatedContact& stated : world_.clip.contacts) {
       if (stated.body != body_ || stated.part != kSupportNames[part_]) continue;

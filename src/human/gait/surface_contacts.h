@@ -61,9 +61,9 @@ struct SurfacePhase {
   std::size_t part = 0;  ///< Index into kSupportBones.
   std::size_t body = 0;
   int begin = 0, end = 0;
-  bool slides = false;  ///< It moves over the surface by more than the size of a hand.
-  /// The nearest point of the surface in frames [begin, end), in the frame of the body of the scene;
-  /// metres. It stands still unless the contact slides.
+  bool slides = false;  ///< Whether it moves over the surface by more than the size of a hand.
+  /// The nearest point of the surface in frames [begin, end), in the frame of the scene's body;
+  /// metres. It is constant unless the contact slides.
   std::vector<Eigen::Vector3d> places;
 };
 
@@ -74,9 +74,9 @@ struct SurfacePhase {
                                                               const ContactOptions& options,
                                                               double frame_time);
 
-/// find_contacts() in a scene: feet stand on the ground under them, so that a foot on a step stands as
-/// one on the floor, and its phases have the height of the step. Contacts of other parts with the
-/// floor are left out where something else is under them.
+/// Runs find_contacts() in a scene: feet stand on the ground under them, so a foot on a step stands
+/// like one on the floor, and its phases have the height of the step. Contacts of other parts with
+/// the floor are left out where something else is under them.
 [[nodiscard]] ContactPlan find_contacts_on_ground(const SceneWorld& world, const SourceFeet& feet,
                                                   const ContactOptions& options = {});
 

@@ -47,7 +47,7 @@ Stance stance_of(const SourceFeet& feet, int foot, const FrameRange& frames, dou
   return stance;
 }
 
-// The part of the line along a terrain that a foot covers, metres behind the edge.
+// The part of the line along a terrain that a foot covers, in metres behind the edge.
 struct Span {
   double low = 0.0, high = 0.0;
 };
@@ -239,7 +239,7 @@ ContactMoves moves_with_scene(const SceneWorld& before, const SceneClip& after,
         break;
     }
   }
-  // Limbs that stay are kept with the others, because the body may move.
+  // Limbs without a displacement are kept with the others, because the body may move.
   const auto still = [](const std::vector<ContactMove>& of_limb) {
     return std::ranges::all_of(of_limb, stays_in_place);
   };

@@ -35,7 +35,7 @@ bool runs_along(const Eigen::Vector3d& offset, int axis) {
 
 // Returns the sides on which the toes turn farther against the foot than toes can: by more than 90
 // degrees from the T-pose, in more than one percent of the frames. A known defect of motion capture
-// data (CMU's, for example) turns them by 180 degrees; a robot's foot that follows would drag the
+// data (for example CMU's) turns them by 180 degrees; a robot's foot that followed would drag the
 // whole body along.
 std::vector<Side> sides_with_flipped_toes(const Body& body, const std::vector<JointPoses>& poses,
                                           const JointFromBone& axes) {

@@ -319,7 +319,7 @@ std::optional<Warning> check_root(Clip& clip, const Body& body) {
 
 }  // namespace
 
-std::vector<Warning> mend_clip_units(Clip& clip, const BoneMap& map) {
+std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map) {
   std::vector<Warning> warnings;
   if (!map.has(Bone::kHips) || clip.frame_count() * clip.rate().frame_time() < kMinSeconds) {
     return warnings;

@@ -36,7 +36,7 @@ std::optional<RestCandidate> candidate(const RestSearch& search, JointPoses pose
   if (!options.forward) {
     axes = body_axes(body, pose, up);
   } else if (up.cross(options.forward->direction()).norm() > 0.5) {
-    axes = told_axes(options.forward->direction(), up);
+    axes = given_axes(options.forward->direction(), up);
   }
   if (!axes) return std::nullopt;
   return RestCandidate{std::move(pose), *axes};
@@ -94,7 +94,7 @@ Result<Rest> rest_of_movement(const RestSearch& search) {
   return Rest{*std::move(start), std::move(learned.axes), kLearnedName, {}, {}};
 }
 
-Result<Rest> told_rest(const RestSearch& search) {
+Result<Rest> given_rest(const RestSearch& search) {
   const auto& [clip, map, options, body, movement] = search;
   if (options.rest == RestPose::kZero) return taken(search, zero_candidate(search), "zero pose");
   if (clip.frame_count() == 0) return input_failure({}, "no frames: there is no rest pose");
@@ -279,7 +279,7 @@ std::optional<std::pair<int, RestCandidate>> best_frame(const RestSearch& search
 
 Result<Rest> find_rest(const RestSearch& search) {
   if (search.options.tpose) return rest_of_tpose_file(search);
-  if (search.options.rest != RestPose::kAuto) return told_rest(search);
+  if (search.options.rest != RestPose::kAuto) return given_rest(search);
   std::optional<Rest> meant = meant_rest(search);
   const std::vector<ScoredRest> scored = scored_rests(search, meant);
   if (scored.empty()) return meant ? Result<Rest>(*std::move(meant)) : rest_of_movement(search);

@@ -21,7 +21,7 @@ constexpr double kMaxArmPerLeg = 0.8;
 constexpr double kMinShouldersPerTrunk = 0.4;
 constexpr double kMaxFootPerLeg = 0.35;
 // Cosines of the angle between trunk and legs: standing or lying straight, trunk across the legs,
-// and the minimum of a trunk that ever rises.
+// and the minimum of a trunk that is ever raised.
 constexpr double kStretched = 0.85, kAcross = 0.5, kRisen = 0.3;
 constexpr double kParallel = 0.7;
 // Signs that depend on poses alone. A broken or crawling human motion can show them, too.

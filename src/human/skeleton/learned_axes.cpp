@@ -26,7 +26,7 @@ constexpr double kPlainlyOff = 0.93969262078590838;
 // have a mean sine of 1, and of axes that are not learned.
 constexpr double kErrorOfStanding = 6.0, kErrorOfBuild = 10.0, kErrorOfHabit = 9.0;
 constexpr double kErrorOfHinge = 2.0, kErrorOfGuess = 40.0;
-// Maximum expected error of a hinge that overrules a rest pose.
+// Maximum expected error of a hinge that overrides a rest pose.
 constexpr double kCertain = 10.0;
 
 // Angle between the bending normal and -Z, as cosine and sine.

@@ -49,7 +49,7 @@ Matrix3d axes_along(const Vector3d& x, const Vector3d& z) {
 // World rotations of one bone, by frame.
 using TurnTrack = std::vector<Matrix3d>;
 
-// the rotations of mapped bones in all frames, from the positions of their joints
+// Rotations of mapped bones in all frames, from the positions of their joints.
 class DirectionRotations {
  public:
   DirectionRotations(const Clip& clip, const Body& body, StraightLimbs straight)
@@ -66,7 +66,7 @@ class DirectionRotations {
     }
   }
 
-  // empty: the bone is not mapped
+  // Empty: the bone is not mapped.
   [[nodiscard]] const TurnTrack& of(Bone bone) const { return tracks_[bone]; }
   [[nodiscard]] const BoneArray<TurnTrack>& tracks() const { return tracks_; }
   [[nodiscard]] const JointPoses& pose(int frame) const { return poses_[frame]; }
@@ -79,7 +79,7 @@ class DirectionRotations {
     return poses_[frame][body_.joint(to)].translation -
            poses_[frame][body_.joint(from)].translation;
   }
-  // from one bone's joint to another's, unit length
+  // Unit vector from one bone's joint to another's.
   [[nodiscard]] std::optional<Vector3d> way(int frame, Bone from, Bone to) const {
     if (!has(from) || !has(to)) return std::nullopt;
     const Vector3d found = line(frame, from, to);
@@ -102,7 +102,7 @@ class DirectionRotations {
 
   // From the hips to the first trunk joint that is not close to them.
   [[nodiscard]] Vector3d lower_spine(int frame) const {
-    constexpr double kNextTo = 0.1;  // of the trunk
+    constexpr double kNextTo = 0.1;  // Share of the trunk.
     double length = 0.0;
     for (const Bone bone : {Bone::kSpine2, Bone::kNeck, Bone::kHead}) {
       if (has(bone)) length = std::max(length, line(frame, Bone::kHips, bone).norm());
@@ -132,7 +132,7 @@ class DirectionRotations {
           tracks_[bones[i]].push_back(axes_along(along.value_or(trunk(frame)), across_body));
           continue;
         }
-        // the line across is exact here: hips turn the legs with them
+        // The line across the hips is exact here, because hips turn the legs with them.
         const Vector3d up =
             across(lower_spine(frame), across_body).value_or(across_body.unitOrthogonal());
         Matrix3d axes;
@@ -153,7 +153,7 @@ class DirectionRotations {
     return kFootThatCounts * ahead->cross(*shin);
   }
 
-  // normals of the plane in which a limb bends, upper x lower, by frame
+  // Normals of the plane in which a limb bends, upper x lower, by frame.
   [[nodiscard]] std::vector<Vector3d> bend_normals(Side side, Bone upper, Bone middle,
                                                    Bone lower) const {
     std::vector<Vector3d> bends, uppers;
@@ -198,7 +198,7 @@ class DirectionRotations {
     return normals;
   }
 
-  // knees and elbows bend about -Z
+  // Knees and elbows bend about -Z.
   void make_limb(Side side, LimbBone upper_part, LimbBone middle_part, LimbBone end_part) {
     const Bone upper = side_bone(side, upper_part), middle = side_bone(side, middle_part);
     const Bone end = side_bone(side, end_part);
@@ -247,7 +247,7 @@ class DirectionRotations {
   BoneArray<TurnTrack> tracks_;
 };
 
-// the tracks of the joints that turn bones, by joint; null: the joint turns with its parent
+// Tracks of the joints that turn bones, by joint; null: the joint turns with its parent.
 std::vector<const TurnTrack*> tracks_by_joint(const DirectionRotations& rotations,
                                               const Skeleton& skeleton, const Body& body) {
   std::vector<const TurnTrack*> tracks(skeleton.joint_count());
@@ -258,7 +258,7 @@ std::vector<const TurnTrack*> tracks_by_joint(const DirectionRotations& rotation
   return tracks;
 }
 
-// whether every bone that is mapped, and all joints between, have position channels
+// Whether every mapped bone, and all joints between them, have position channels.
 bool has_positions_of_all_bones(const Skeleton& skeleton, const BoneMap& map) {
   for (const int joint : map.joint_of_bone) {
     for (int at = joint; at > 0; at = skeleton.joint(at).parent) {
@@ -288,7 +288,7 @@ double limb_wander(const Clip& clip, const BoneMap& map) {
     if (seen.empty()) continue;
     Vector3d mean = Vector3d::Zero();
     for (const Vector3d& direction : seen) mean += direction / static_cast<double>(seen.size());
-    // for small angles the mean of unit vectors is 1 - angle^2 / 2 long
+    // For small angles, the mean of unit vectors has the length 1 - angle^2 / 2.
     wander.push_back(std::sqrt(2.0 * std::max(0.0, 1.0 - mean.norm())));
   }
   std::ranges::sort(wander, std::greater());

@@ -153,10 +153,10 @@ std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
   left -= left.dot(up) * up;
   // The negated comparison rejects NaN too.
   if (!(left.norm() > 0.2 * length)) return std::nullopt;
-  return told_axes(left.normalized().cross(up), up);
+  return given_axes(left.normalized().cross(up), up);
 }
 
-BodyFromFile told_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
+BodyFromFile given_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
   const Eigen::Vector3d ahead = (forward - forward.dot(up) * up).normalized();
   BodyFromFile axes;
   axes << ahead.transpose(), up.cross(ahead).transpose(), up.transpose();

@@ -89,7 +89,7 @@ using BodyFromFile = Eigen::Matrix3d;
                                                     const Eigen::Vector3d& up);
 
 /// As body_axes, with a given facing. `forward` must not be parallel to `up`.
-[[nodiscard]] BodyFromFile told_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up);
+[[nodiscard]] BodyFromFile given_axes(const Eigen::Vector3d& forward, const Eigen::Vector3d& up);
 
 /// Returns the axis closest to a direction.
 [[nodiscard]] SignedAxis nearest_axis(const Eigen::Vector3d& direction);

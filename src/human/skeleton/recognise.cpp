@@ -66,7 +66,7 @@ class Recogniser {
     if (accepted_) return finish();
     // The shape may give limbs that the names miss or misplace.
     const Result<void> by_shape = consider_candidate(recognise_by_shape(source_));
-    if (accepted_ && overrules_names(*accepted_)) accepted_.reset();
+    if (accepted_ && overrides_names(*accepted_)) accepted_.reset();
     if (!(accepted_ && names_mean_nothing(*accepted_))) TRY(by_names);
     if (accepted_) return finish();
     if (incomplete_.empty()) TRY(by_shape);
@@ -88,7 +88,7 @@ class Recogniser {
 
   // Whether a shape shifts a limb: if the names are meaningful but incomplete, it assigns a joint
   // whose name clearly means one bone to another bone.
-  bool overrules_names(const BoneMap& shape) const {
+  bool overrides_names(const BoneMap& shape) const {
     if (names_mean_nothing(shape)) return false;
     return std::ranges::any_of(incomplete_, [&](const BoneMap& named) {
       for (const Bone bone : kMappedBones) {

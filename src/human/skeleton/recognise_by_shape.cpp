@@ -298,7 +298,7 @@ double arms_agree(const BodySource& source, const BoneMap& map) {
 
 constexpr double kMinEvidence = 0.1;
 
-Result<void> tell_sides(const BodySource& source, BoneMap& map) {
+Result<void> find_sides(const BodySource& source, BoneMap& map) {
   const double agree = arms_agree(source, map);
   if (agree < 0.0) swap_sides(map, {kShoulder, kArm, kForeArm, kHand});
   const double left = left_is_left(source, map);
@@ -326,7 +326,7 @@ Candidate recognise_by_shape(const BodySource& source) {
   if (!head.empty()) map.joint_of_bone[Bone::kHead] = head.back();
   complete_trunk(source, map);
   if (!map.has(Bone::kHips) || !map.has(Bone::kSpine2)) return std::nullopt;
-  TRY(tell_sides(source, map));
+  TRY(find_sides(source, map));
   map.confidence = kShapeConfidence;
   map.notes.emplace_back(
       "recognised by the shape of the joint tree: the joint names are not reliable");

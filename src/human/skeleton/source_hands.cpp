@@ -198,11 +198,11 @@ bool FingerFinder::name_by_shape() {
   if (chains_.size() < 3 || chains_.size() > kFingerCount) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Chain& chain : chains_) mean += chain.way.normalized();
-  const auto oddness = [&](const Chain& chain) {
+  const auto distinctness = [&](const Chain& chain) {
     return chain.base.norm() / (chain.base + chain.way).norm() +
            chain.way.normalized().dot(mean) / static_cast<double>(chains_.size());
   };
-  const auto thumb = std::ranges::min_element(chains_, {}, oddness);
+  const auto thumb = std::ranges::min_element(chains_, {}, distinctness);
   std::swap(chains_.front(), *thumb);
   const Eigen::Vector3d from = chains_.front().base + chains_.front().way;
   std::sort(chains_.begin() + 1, chains_.end(), [&](const Chain& a, const Chain& b) {

@@ -99,8 +99,8 @@ std::optional<Unit> unit_of_body(const BodySize& size) {
       unit = unit_of_length(*size.metres_per_unit);
     }
   }
-  if (!size.told_height || size.height <= 0.0) return unit;
-  const double exact = *size.told_height / size.height;
+  if (!size.given_height || size.height <= 0.0) return unit;
+  const double exact = *size.given_height / size.height;
   const auto off = [exact](double metres) { return std::max(metres / exact, exact / metres); };
   if (unit && off(unit->metres) <= kFar) return unit;
   const auto nearest = std::ranges::min_element(

@@ -32,7 +32,7 @@ struct BodySize {
   double hip_height = 0.0;                ///< standing_hip_height, file units.
   double height = 0.0;                    ///< estimated_height, file units; 0: unknown.
   std::optional<double> metres_per_unit;  ///< Unit of this kind of file.
-  std::optional<double> told_height;      ///< Height given by the user, metres.
+  std::optional<double> given_height;     ///< Height given by the user, metres.
 };
 
 /// Determines the unit of a file. The unit of its kind applies if the hips are then at most as high
@@ -82,6 +82,6 @@ struct BodySize {
 /// Uncertain cases stay unchanged: a scale that is not a ratio of two units, and a root that does
 /// not move while the feet do.
 /// @return one warning per change or uncertain assumption
-[[nodiscard]] std::vector<Warning> mend_clip_units(Clip& clip, const BoneMap& map);
+[[nodiscard]] std::vector<Warning> repair_clip_units(Clip& clip, const BoneMap& map);
 
 }  // namespace retarget

@@ -120,8 +120,8 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
 }
 
 // Whether the lowest joint stays at height 0 along the guessed axis alone.
-bool floor_speaks_for(const Body& body, const std::vector<JointPoses>& poses,
-                      const SignedAxis& guessed, const SignedAxis& other) {
+bool floor_supports(const Body& body, const std::vector<JointPoses>& poses,
+                    const SignedAxis& guessed, const SignedAxis& other) {
   constexpr double kStill = 0.1;  // Share of a leg.
   const auto has_floor = [&](const SignedAxis& axis) {
     return is_on_floor(body, poses, axis) && floor_wander(body, poses, axis) < kStill;
@@ -271,7 +271,7 @@ class UpChooser {
   [[nodiscard]] UpChoice by_zero_pose(const Declared& zero) const {
     const double plainly = guess_.axis.negative ? kPlainlyNegative : kPlainly;
     if (guess_.certainty < kMinCertainty) {
-      const bool turned = floor_speaks_for(body_, poses_, guess_.axis, zero.axis);
+      const bool turned = floor_supports(body_, poses_, guess_.axis, zero.axis);
       const SignedAxis axis = turned ? guess_.axis : zero.axis;
       return {axis, "the body is rarely upright: " + taken_text(axis)};
     }
@@ -284,7 +284,7 @@ class UpChooser {
                           to_text(guess_.axis), to_text(zero.axis), taken_text(guess_.axis))};
     }
     const bool has_floor = is_upright ? has_floor_rather_than(guess_.axis, zero.axis)
-                                      : floor_speaks_for(body_, poses_, guess_.axis, zero.axis);
+                                      : floor_supports(body_, poses_, guess_.axis, zero.axis);
     return has_floor ? standing_against(zero) : keep(zero);
   }
 

@@ -24,7 +24,7 @@ struct UpChoice {
 };
 
 /// Chooses the up axis of a file. Priority: the file's own statement, the kind of skeleton, the
-/// zero pose, then posture. Posture alone overrules none of the others, since people lie, swim and
+/// zero pose, then posture. Posture alone overrides none of the others, since people lie, swim and
 /// do handstands. To overrule, the body must also stand on a floor (clearly_stands), the lowest
 /// joint must climb along the known axis, or the body must fall along the guessed one. The choice
 /// has a warning if evidence disagrees. Without other knowledge the motion decides, by the directions

@@ -1,4 +1,4 @@
-// Describes a motion file in text and JSON, and lists the poses of its joints and the contacts of its soles.
+// Describes a motion file as text and JSON, and lists joint poses and sole contacts.
 
 #include <algorithm>
 #include <array>

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStopDistance = 0.05;    // rad or m from the end of a range to the hard stop.
-constexpr double kSmallestRadius = 1e-4;  // Metres: MuJoCo's spheres have a radius.
+constexpr double kSmallestRadius = 1e-4;  // Metres; MuJoCo's spheres must have a positive radius.
 
 void copy(const Vector3d& from, double* to) {
   for (int k = 0; k < 3; ++k) to[k] = from[k];
@@ -31,7 +31,7 @@ void copy(const Eigen::Quaterniond& from, double* to) {
   copy(Vector3d(from.vec()), to + 1);
 }
 
-// MuJoCo wants principal axes: the eigenvectors, as a rotation.
+// MuJoCo requires principal axes: the eigenvectors, as a rotation.
 void set_inertia(const LinkInertia& inertia, mjsBody* body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia.about_com);
   Eigen::Matrix3d turn = axes.eigenvectors();
@@ -165,7 +165,7 @@ void PhysicsModel::set_positions(const std::vector<double>& robot_qpos, const Ro
 
 void PhysicsModel::set_rates(const std::vector<double>& of_tree, double* rates) const {
   std::copy_n(of_tree.begin(), 6, rates);
-  // Link i + 1 is moved by joint i.
+  // Joint i moves link i + 1.
   for (const PhysicsJoint& each : joints) {
     rates[each.dof] = of_tree[KinematicTree::dof_of(each.joint + 1)];
   }
@@ -184,7 +184,7 @@ Result<PhysicsModel> make_physics_model(const Robot& robot, double time_step) {
   spec->option.timestep = time_step;
   spec->option.integrator = mjINT_IMPLICITFAST;
   spec->option.cone = mjCONE_ELLIPTIC;
-  spec->option.impratio = 10.0;  // Feet that stick do not creep.
+  spec->option.impratio = 10.0;  // Keeps sticking feet from creeping.
   spec->option.gravity[2] = -kGravity;
   PhysicsModel physics;
   Builder(robot, spec.get()).build(physics);

@@ -9,7 +9,7 @@
 
 namespace retarget {
 
-/// Friction coefficient of the floor in the simulation: that of the metrics.
+/// Friction coefficient of the floor in the simulation, the same as in the metrics.
 inline constexpr double kFloorFriction = ContactForces::kFriction;
 
 /// A joint of a PhysicsModel.

@@ -60,7 +60,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A point is to bear if it is lower and slower than this; for a robot as large as a G1.
+// A point is planned to bear load if it is lower and slower than this; values for a robot of the
+// G1's size.
 constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
 constexpr double kLowestHeight = 0.03;  // Metres: a body whose lowest point is higher is in flight.
 constexpr double kPlannedSpeed = 0.35;  // Metres per second.
@@ -68,7 +69,7 @@ constexpr double kPlannedSpeed = 0.35;  // Metres per second.
 constexpr double kLooseHeight = 0.02, kLooseSpeed = 0.7;
 constexpr double kBorne = 0.35;  // Share of the weight that a body which does not fall needs.
 
-constexpr double kLeastHeld = 0.2;  // Share of the weight, for the zero-moment point to be defined.
+constexpr double kLeastHeld = 0.2;  // Minimum share of the weight for a zero-moment point.
 constexpr double kSoleShare = 0.8;  // Share of the support area that the motion may use.
 
 Vector6d difference(const Pose& from, const Pose& to) {

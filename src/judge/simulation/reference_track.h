@@ -17,9 +17,9 @@ namespace retarget {
 
 /// The horizontal state of the balance at one instant.
 struct BalanceSample {
-  /// Zero-moment point: where a force on the floor has the moment that the motion needs. Metres.
+  /// Zero-moment point: the point of the floor about which a force has the required moment. Metres.
   Eigen::Vector2d zmp = Eigen::Vector2d::Zero();
-  /// Points that bear, metres; none in flight.
+  /// Points that bear load, metres; none in flight.
   std::vector<Eigen::Vector2d> support;
   /// Vertical force over mass times height of the centre of mass, 1/s^2; 0 in flight.
   double pull = 0.0;
@@ -59,7 +59,7 @@ struct FootMotion {
   Pose pose;
   Vector6d velocity = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();
-  bool planned = false;        ///< Whether a point of the sole is to bear on the floor.
+  bool planned = false;        ///< Whether a point of the sole is planned to bear on the floor.
   double until_planned = 0.0;  ///< Seconds until it is; infinity if it never is.
 };
 
@@ -73,7 +73,7 @@ struct ReferenceState {
   /// Angular momentum about the centre of mass, kg m^2/s, and its rate.
   Eigen::Vector3d momentum = com, momentum_rate = com;
   std::vector<FootMotion> feet;  ///< By FootFrame.
-  std::vector<char> planned;     ///< By support point: it is to bear on the floor.
+  std::vector<char> planned;     ///< By support point: whether it is planned to bear on the floor.
 };
 
 /// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
@@ -88,7 +88,7 @@ class ReferenceTrack {
 
   [[nodiscard]] int step_count() const { return step_count_; }
   [[nodiscard]] double time_step() const { return time_step_; }
-  /// Computes a step. Steps must be asked for in order.
+  /// Computes a step. Steps must be requested in order.
   const ReferenceState& at(int step);
 
  private:

@@ -68,7 +68,7 @@ using Eigen::Vector3d;
 
 constexpr double kLongestStep = 0.002;  // Seconds.
 constexpr double kAtLimit = 0.999;      // Torque ratio.
-constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears.
+constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears load.
 constexpr double kTooFast = 1e3;        // m/s or rad/s: the simulation has diverged.
 constexpr double kBrake = 0.02;         // Share of the torque limit per rad/s, after a fall.
 
@@ -260,7 +260,7 @@ class Simulator {
   RobotClip motion_;
   SimulationReport report_;
   std::size_t sole_count_ = 0;
-  std::vector<double> torque_ratios_;  // Largest of a step.
+  std::vector<double> torque_ratios_;  // Largest torque ratios of a step.
   std::vector<Vector3d> last_points_;
   double slip_ = 0.0;
   std::size_t slip_count_ = 0;

@@ -82,7 +82,7 @@ std::optional<double> TrackingPredictor::probability(const QualityReport& report
   for (const PredictorFigure& figure : figures) {
     const std::optional<double> value = value_of(report, figure);
     if (!value) return std::nullopt;
-    // A figure that is not finite is as bad as the worst one known.
+    // A metric that is not finite is treated as the worst known value.
     const double worst = figure.coefficient < 0.0 ? figure.most : figure.least;
     double x = std::isfinite(*value) ? std::clamp(*value, figure.least, figure.most) : worst;
     for (int i = 0; i < figure.roots; ++i) x = std::sqrt(x);

@@ -20,9 +20,9 @@ constexpr std::size_t kMaxPointsOfFoot = 6, kMaxPointsInAll = 16;
 constexpr int kEdges = ForceCone::kEdges;
 constexpr double kTouching = 0.002;    // Metres above the floor.
 constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot that touches.
-constexpr double kLoadTime = 0.06;     // Seconds in which a point that has touched down is loaded.
+constexpr double kLoadTime = 0.06;     // Seconds in which a point is loaded after touchdown.
 constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
-constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot takes its shift.
+constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot adopts its shift.
 // A foot that touches the floor stands if its reference stands within kEarlyTime seconds and the body
 // is lower than its reference by kEarlyHeight; metres for a G1.
 constexpr double kEarlyTime = 0.15, kEarlyHeight = 0.01;
@@ -225,7 +225,7 @@ Vector3d WholeBodyController::step_shift(const ReferenceState& reference, mjData
   return step + gains_.offset_share * offset_;
 }
 
-// A swing foot takes up the step; a standing one keeps its shift.
+// A swing foot adopts the step; a standing one keeps its shift.
 void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
                                     mjData_* data) {
   const Vector3d step = step_shift(reference, data);

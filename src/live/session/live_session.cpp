@@ -21,7 +21,7 @@ namespace {
 constexpr double kPatience =
     0.1;                         // Seconds that a frame may be overdue before it counts as missing.
 constexpr double kTooFar = 1e5;  // Metres from the origin.
-constexpr double kSetBack = 0.04;  // Seconds; a smaller set-back of a clock is jitter.
+constexpr double kSetBack = 0.04;  // Seconds; a smaller backward step of a clock is jitter.
 
 Result<void> check_options(const Plan& plan, const LiveOptions& options) {
   LiveOptions given = options;
@@ -165,7 +165,7 @@ void LiveSession::Impl::push(const HumanFrame& frame, double now) {
   statistics_.teleports = static_cast<int>(queue_.teleports());
 }
 
-// Whether the frame continues a sender's clock that was set back a little: its predecessor counted
+// Whether the frame continues a sender's clock that was set back slightly: its predecessor counted
 // as old, and less time has passed by the stamps than by the arrivals. The human moved meanwhile.
 bool LiveSession::Impl::was_set_back(double time, double now) const {
   constexpr double kNext = 1.5;  // Intervals; consecutive frames are not further apart.

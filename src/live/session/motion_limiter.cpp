@@ -112,13 +112,13 @@ MotionLimiter::MotionLimiter(const Robot& robot, const LimitSet& limits, const F
 }
 
 void MotionLimiter::reset() {
-  begun_ = knows_goal_ = false;
+  begun_ = has_goal_ = false;
   since_.reset();
 }
 
 void MotionLimiter::set_off_slowly() {
   since_ = 0.0;
-  knows_goal_ = false;
+  has_goal_ = false;
 }
 
 double MotionLimiter::ramped(double first, double full) const {
@@ -148,7 +148,7 @@ void MotionLimiter::take(std::span<const double> wanted, double seconds) {
   }
   if (begun_) align_sign(before, Eigen::Map<Eigen::Vector4d>(now_.data() + 3));
   std::ranges::copy(wanted, goal_.begin());
-  begun_ = knows_goal_ = true;
+  begun_ = has_goal_ = true;
 }
 
 bool MotionLimiter::follow(std::span<const double> wanted, double seconds) {
@@ -163,7 +163,7 @@ bool MotionLimiter::follow(std::span<const double> wanted, double seconds) {
     limited = follow_joint(joint, wanted[joint.address], seconds) || limited;
   }
   std::ranges::copy(wanted, goal_.begin());
-  knows_goal_ = true;
+  has_goal_ = true;
   if (since_) {
     *since_ += seconds;
     if (*since_ >= bounds_.resume_s) since_.reset();
@@ -177,8 +177,8 @@ bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds)
   const double full = joint.acceleration * seconds, velocity = joint.velocity;
   // Aim at the moving target: its next position, reached with its velocity.
   const double aim =
-      knows_goal_ ? (goal - std::clamp(goal_[joint.address], joint.lower, joint.upper)) / seconds
-                  : 0.0;
+      has_goal_ ? (goal - std::clamp(goal_[joint.address], joint.lower, joint.upper)) / seconds
+                : 0.0;
   const double ahead = goal - now - aim * seconds;
   const double braked = std::sqrt(2.0 * joint.acceleration * std::abs(ahead));
   double next = aim + std::copysign(std::min(std::abs(ahead) / seconds, braked), ahead);
@@ -193,9 +193,9 @@ bool MotionLimiter::follow_joint(JointRow& joint, double wanted, double seconds)
   next = std::clamp(next, -braking_speed(now - joint.lower, joint.acceleration, seconds, shortest_),
                     braking_speed(joint.upper - now, joint.acceleration, seconds, shortest_));
   const double before = now;
-  constexpr double kThere = 1e-12;  // rad
+  constexpr double kReached = 1e-12;  // rad
   const double reached = before + next * seconds;
-  const bool limited = std::abs(reached - goal) > kThere;
+  const bool limited = std::abs(reached - goal) > kReached;
   now = limited ? std::clamp(reached, joint.lower, joint.upper) : goal;
   joint.velocity = (now - before) / seconds;
   return limited;
@@ -225,8 +225,8 @@ std::optional<Vector3d> MotionLimiter::limited_step(RootPart& part, const Vector
     if (const double length = change.norm(); length > allowed) change *= allowed / length;
     next = part.velocity + change;
   }
-  constexpr double kThere = 1e-12;  // metres, rad
-  const bool limited = (next * seconds - way).norm() > kThere;
+  constexpr double kReached = 1e-12;  // metres, rad
+  const bool limited = (next * seconds - way).norm() > kReached;
   part.velocity = limited ? next : Vector3d(way / seconds);
   if (!limited) return std::nullopt;
   return Vector3d(next * seconds);
@@ -235,7 +235,7 @@ std::optional<Vector3d> MotionLimiter::limited_step(RootPart& part, const Vector
 bool MotionLimiter::follow_position(std::span<const double> wanted, double seconds) {
   Eigen::Map<Vector3d> position(now_.data());
   const Eigen::Map<const Vector3d> goal(wanted.data());
-  const Vector3d aim = knows_goal_
+  const Vector3d aim = has_goal_
                            ? Vector3d((goal - Eigen::Map<const Vector3d>(goal_.data())) / seconds)
                            : Vector3d::Zero();
   const auto step = limited_step(position_, goal - position, aim, seconds);
@@ -252,9 +252,8 @@ bool MotionLimiter::follow_rotation(std::span<const double> wanted, double secon
   Eigen::Map<Eigen::Vector4d> rotation(now_.data() + 3);
   const Eigen::Vector4d before = rotation;
   const Quaterniond from = rotation_of(now_), to = rotation_of(wanted);
-  const Vector3d aim = knows_goal_
-                           ? Vector3d(log_so3(rotation_of(goal_).conjugate() * to) / seconds)
-                           : Vector3d::Zero();
+  const Vector3d aim = has_goal_ ? Vector3d(log_so3(rotation_of(goal_).conjugate() * to) / seconds)
+                                 : Vector3d::Zero();
   const auto step = limited_step(rotation_, log_so3(from.conjugate() * to), aim, seconds);
   if (step) {
     const Quaterniond next = (from * exp_so3(*step)).normalized();

@@ -90,7 +90,7 @@ class MotionLimiter {
   RootPart position_, rotation_;
   std::vector<double> now_, goal_;  // Current configuration and previous target.
   bool begun_ = false;
-  bool knows_goal_ = false;      // The previous target is valid, so the target's velocity is known.
+  bool has_goal_ = false;        // The previous target is valid, so the target's velocity is known.
   std::optional<double> since_;  // Seconds since an interruption.
 };
 

@@ -283,7 +283,7 @@ void Playout::see_margin(double margin, double now, double interval) {
   least_ = std::min(least_, margin);
 }
 
-// Margin above what is needed, seconds; 0 if negligible.
+// Margin beyond the required one, seconds; 0 if negligible.
 double Playout::excess(double interval, double age) const {
   constexpr double kSpare = 0.4, kLeast = 0.002;  // Intervals; seconds.
   double more = std::min(least_, least_before_);

@@ -21,7 +21,7 @@ Result<SenderFilter> SenderFilter::parse(const std::string& text) {
     filter.any = true;
     return filter;
   }
-  // parse_address would take a port alone as a local port.
+  // parse_address would interpret a port alone as a local port.
   const bool has_port = text.find(':') != std::string::npos;
   const auto address = parse_address("udp:" + text + (has_port ? "" : ":0"));
   if (!address || (has_port && address->port == 0)) {
@@ -36,10 +36,10 @@ Result<SenderFilter> SenderFilter::parse(const std::string& text) {
 }
 
 // Records a datagram from a port.
-// @return whether the port had sent another one within the last second. A program with a new port
-//     for each datagram soon repeats one by chance: a repetition among several ports that have sent
-//     only once does not count.
-bool SenderLock::has_sent_lately(std::uint16_t port, double now) {
+// @return whether the port had sent another one within the last second. A program that uses a new
+//     port per datagram soon repeats one by chance, so a repetition among several ports that
+//     have sent only once does not count.
+bool SenderLock::has_sent_recently(std::uint16_t port, double now) {
   constexpr int kMostSinglePorts = 4;
   const auto has = [&](const Port& each) { return each.datagrams > 0 && each.number == port; };
   const auto is_recent = [&](const Port& each) {
@@ -66,7 +66,7 @@ SenderLock::Verdict SenderLock::judge(const Endpoint& from, double now) {
   if (!is_free && !same && (!same_host || is_steady_)) return Verdict::kStranger;
   const bool is_new_host = sender_ && !same_host;
   // If two programs on one machine send, the first of them that sends again remains the sender.
-  is_steady_ = has_sent_lately(from.port, now) || (same && is_steady_);
+  is_steady_ = has_sent_recently(from.port, now) || (same && is_steady_);
   sender_ = from;
   latest_ = now;
   return is_new_host ? Verdict::kNewSender : Verdict::kSender;

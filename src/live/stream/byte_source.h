@@ -57,7 +57,7 @@ class SenderLock {
     double latest = 0.0;
     int datagrams = 0;  // Zero: the slot is free.
   };
-  [[nodiscard]] bool has_sent_lately(std::uint16_t port, double now);
+  [[nodiscard]] bool has_sent_recently(std::uint16_t port, double now);
 
   SenderFilter filter_;
   bool any_port_;
@@ -92,7 +92,7 @@ class SenderConnections {
   }
 
   [[nodiscard]] const Descriptor& listener() const { return listener_; }
-  /// Number of connections that did not become the sender's, or not at once.
+  /// Number of connections that did not become the sender's, or only later.
   [[nodiscard]] std::int64_t strangers() const { return strangers_; }
   /// The latest of these connections.
   [[nodiscard]] const Endpoint& latest_stranger() const { return latest_stranger_; }
@@ -118,7 +118,7 @@ class SenderConnections {
 
 /// Input that a source did not pass on.
 struct SourceStatistics {
-  std::int64_t strangers = 0;      ///< Datagrams or connections from others than the sender.
+  std::int64_t strangers = 0;      ///< Datagrams or connections of other senders.
   std::int64_t dropped_lines = 0;  ///< Lines that are too long, or too many in a datagram.
 };
 

@@ -55,7 +55,7 @@ class BonePoses {
 /// y up, z ahead. Bones of SMPL and Unity have such axes (in Unity, left-handed).
 [[nodiscard]] Pose with_z_ahead(const Pose& world_from_bone);
 
-/// Converts a pose from a Z-up to a Y-up world: x stays, z becomes y.
+/// Converts a pose from a Z-up to a Y-up world: x does not change, z becomes y.
 [[nodiscard]] Pose in_y_up_world(const Pose& world_from_bone);
 
 /// Mirrors a pose across x, for Unity's left-handed worlds. Applying it twice gives the original

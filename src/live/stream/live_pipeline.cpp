@@ -52,7 +52,7 @@ Result<void> LivePipeline::know_skeleton(Clip clip) {
   known_ = clip.shared_skeleton();
   decoder_->know_skeleton(known_);
   ++packets_.skeletons;
-  told_ = clip;
+  received_ = clip;
   if (calibrates_) return {};
   return begin_session({std::move(clip), RestPose::kAuto, false});
 }
@@ -89,7 +89,7 @@ Result<void> LivePipeline::use_decoded(double now) {
   if (decode_error_) {
     ++packets_.malformed;
     warn_once(
-        malformed_told_, "stream",
+        malformed_reported_, "stream",
         "skipping malformed packet (similar ones are not reported): " + printable(*decode_error_));
   }
   for (std::size_t i = 0; i < batch_.size() && !error_; ++i) {
@@ -109,7 +109,7 @@ Result<void> LivePipeline::use_decoded(double now) {
 void LivePipeline::pull(double until) {
   if (!session_) return;
   while (const auto frame = session_->pull(until)) take_robot_frame_(*frame);
-  tell_changes();
+  report_changes();
 }
 
 void LivePipeline::tick(double now) {
@@ -156,14 +156,14 @@ LiveStatistics LivePipeline::statistics() const {
 
 void LivePipeline::take_skeleton(const Clip& clip, bool has_rest) {
   // Senders repeat the skeleton.
-  if (session_ && told_ && same_skeleton(told_->skeleton(), clip.skeleton())) return;
+  if (session_ && received_ && same_skeleton(received_->skeleton(), clip.skeleton())) return;
   ++packets_.skeletons;
   if (refused_ && same_skeleton(refused_->skeleton(), clip.skeleton())) {
     ++packets_.refused_skeletons;
     restores_ = used_.has_value();
     return;
   }
-  told_ = clip;
+  received_ = clip;
   calibration_begin_.reset();
   poseless_.reset();
   if (calibrates_) return;
@@ -196,7 +196,7 @@ Result<void> LivePipeline::begin_session(const BodyTask& task) {
   RETARGET_TRY_ASSIGN(session_, LiveSession::make(made.plan, options_.live));
   for (const auto& [label, text] : made.plan.human.lines()) tell_(label, text);
   poser_.emplace(made.plan);
-  used_ = told_;
+  used_ = received_;
   refused_.reset();
   skeleton_packets_.accept();
   return {};
@@ -259,14 +259,14 @@ void LivePipeline::refuse(const BodyTask& task, const Error& why) {
     tell_("body", "remains unchanged: " + text);
     return;
   }
-  warn_once(refused_told_, "body",
+  warn_once(refused_reported_, "body",
             (session_ ? "remains unchanged (similar skeletons are not reported): "
                       : "waiting for a human (similar skeletons are not reported): ") +
                 text);
   if (task.is_posed) return;
   refused_ = task.clip;
   if (!used_ || waiting_) return;
-  told_ = used_;
+  received_ = used_;
   restores_ = true;
 }
 
@@ -276,7 +276,7 @@ bool LivePipeline::collects(const StreamFrame& frame) {
   if (!calibration_begin_) calibration_begin_ = now_;
   if (now_ - *calibration_begin_ < options_.calibrate_after_s) return true;
   calibrates_ = false;
-  Clip pose = told_->empty_like(told_->rate(), 1);
+  Clip pose = received_->empty_like(received_->rate(), 1);
   std::ranges::copy(frame.rotations, pose.rotations(0).begin());
   std::ranges::copy(frame.translations, pose.translations(0).begin());
   const bool begins = !session_;
@@ -289,9 +289,9 @@ bool LivePipeline::collects(const StreamFrame& frame) {
   return !session_;
 }
 
-bool LivePipeline::is_of_told_body(const StreamFrame& frame) const {
-  return told_ &&
-         frame.rotations.size() == static_cast<std::size_t>(told_->skeleton().joint_count());
+bool LivePipeline::is_of_received_body(const StreamFrame& frame) const {
+  return received_ &&
+         frame.rotations.size() == static_cast<std::size_t>(received_->skeleton().joint_count());
 }
 
 // Advances the time by the timestamps; if they jump, by one robot frame.
@@ -310,8 +310,8 @@ void LivePipeline::pass_time(double stamp) {
 }
 
 void LivePipeline::take_frame(const StreamFrame& frame) {
-  if (!is_of_told_body(frame)) {
-    if (told_) ++packets_.malformed;
+  if (!is_of_received_body(frame)) {
+    if (received_) ++packets_.malformed;
     return;
   }
   if (options_.pace == LivePace::kInput) {
@@ -323,7 +323,7 @@ void LivePipeline::take_frame(const StreamFrame& frame) {
   take_first_pose(frame);
   if (!session_ || !poser_) return;
   // A body with other joints has not been recognised yet.
-  if (!same_joints(told_->skeleton(), used_->skeleton())) return;
+  if (!same_joints(received_->skeleton(), used_->skeleton())) return;
   human_.time = frame.time;
   poser_->pose(frame.rotations, frame.translations, human_.world_from_bone);
   session_->push(human_, now_);
@@ -336,16 +336,16 @@ void LivePipeline::warn_once(bool& warned, std::string_view label, std::string_v
 
 // Reports each kind of change once per run, because streams may be intermittent; the summary counts
 // them.
-void LivePipeline::tell_changes() {
+void LivePipeline::report_changes() {
   const LiveState state = session_->state();
   if (state == LiveState::kHolding) {
-    warn_once(hold_told_, "stream", "frames are missing: holding the last pose");
+    warn_once(hold_reported_, "stream", "frames are missing: holding the last pose");
   }
   if (state == LiveState::kStanding) {
-    warn_once(stand_told_, "stream", "frames are still missing: returning to standing");
+    warn_once(stand_reported_, "stream", "frames are still missing: returning to standing");
   }
   if (session_->statistics().clock_jumps > 0) {
-    warn_once(jump_told_, "stream", "the sender's clock has jumped: following it");
+    warn_once(jump_reported_, "stream", "the sender's clock has jumped: following it");
   }
 }
 

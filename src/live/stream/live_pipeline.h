@@ -82,11 +82,11 @@ class LivePipeline final {
   void refuse(const BodyTask& task, const Error& why);
   void take_first_pose(const StreamFrame& frame);
   [[nodiscard]] bool collects(const StreamFrame& frame);
-  [[nodiscard]] bool is_of_told_body(const StreamFrame& frame) const;
+  [[nodiscard]] bool is_of_received_body(const StreamFrame& frame) const;
   void pass_time(double stamp);
   void pull(double until);
   void warn_once(bool& warned, std::string_view label, std::string_view text) const;
-  void tell_changes();
+  void report_changes();
 
   LivePipelineOptions options_;
   BodyMaker maker_;
@@ -99,7 +99,7 @@ class LivePipeline final {
   SkeletonPackets skeleton_packets_;
   bool restores_ = false;  // Restore the skeleton in use in the decoder before the next packet.
 
-  std::optional<Clip> told_;          // Skeleton of the received frames.
+  std::optional<Clip> received_;      // Skeleton of the received frames.
   std::optional<Clip> used_;          // Skeleton of the body in use.
   std::optional<Clip> refused_;       // Last refused skeleton.
   std::optional<BodyTask> waiting_;   // Latest body that is not being recognised yet.
@@ -117,8 +117,9 @@ class LivePipeline final {
   std::optional<Error> error_;
   PipelineStatistics packets_;
   HumanFrame human_;
-  bool malformed_told_ = false, hold_told_ = false, stand_told_ = false, jump_told_ = false;
-  bool refused_told_ = false;
+  bool malformed_reported_ = false, hold_reported_ = false, stand_reported_ = false,
+       jump_reported_ = false;
+  bool refused_reported_ = false;
 };
 
 }  // namespace retarget

@@ -62,7 +62,7 @@ class MvnDecoder final : public Decoder {
   Result<void> end_frame(std::uint32_t milliseconds, StreamSink& sink);
   [[nodiscard]] bool waits_for_scale(std::uint32_t milliseconds);
   Result<void> learn_from_frame(StreamSink& sink);
-  Result<void> tell(const MvnOffsets& offsets, double tolerance, StreamSink& sink);
+  Result<void> set_skeleton(const MvnOffsets& offsets, double tolerance, StreamSink& sink);
 
   std::optional<int> chosen_;
   bool datagrams_;
@@ -146,10 +146,11 @@ Result<void> MvnDecoder::take_scale(std::string_view payload, StreamSink& sink) 
   }
   // Offsets from a frame are equivalent within the compliance of MVN's joints.
   constexpr double kSameBody = 0.01;  // metres
-  return tell(offsets, kSameBody, sink);
+  return set_skeleton(offsets, kSameBody, sink);
 }
 
-Result<void> MvnDecoder::tell(const MvnOffsets& offsets, double tolerance, StreamSink& sink) {
+Result<void> MvnDecoder::set_skeleton(const MvnOffsets& offsets, double tolerance,
+                                      StreamSink& sink) {
   if (const std::string fault = mvn_body_fault(offsets); !fault.empty()) {
     return mvn_failure("the body dimensions are not those of a person: " + fault);
   }
@@ -163,7 +164,7 @@ Result<void> MvnDecoder::tell(const MvnOffsets& offsets, double tolerance, Strea
   for (std::size_t i = 0; i < kMvnSegmentCount; ++i) {
     joints.push_back({std::string(kMvnSegments[i].name), kMvnSegments[i].parent, offsets[i]});
   }
-  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitZ(), true, sink);
+  skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitZ(), true, sink);
   return {};
 }
 
@@ -251,7 +252,7 @@ Result<void> MvnDecoder::learn_from_frame(StreamSink& sink) {
         parent_from_joint(world_from_segment_, kMvnSegments[i].parent, world_from_segment_[i])
             .translation;
   }
-  return tell(offsets, 0.0, sink);
+  return set_skeleton(offsets, 0.0, sink);
 }
 
 // Encodes a clip as MVN's network streamer does: its segments if the clip has them, otherwise those

@@ -220,7 +220,7 @@ Result<void> NatNetDecoder::take_models(std::string_view payload, StreamSink& si
   streamed_ = wanted->id;
   is_local_ = chosen_local_;
   // The zero pose of Motive's skeletons is a T-pose, but that of other senders may differ.
-  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
+  skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
   return {};
 }
 
@@ -313,7 +313,7 @@ Result<void> NatNetDecoder::learn_by_order(StreamSink& sink) {
   ids_ = std::move(ids);
   streamed_ = frame_.skeleton;
   is_local_ = chosen_local_;
-  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
+  skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitY(), false, sink);
   return {};
 }
 

@@ -46,7 +46,7 @@ struct NatNetVersion {
 inline constexpr NatNetVersion kNatNetSizedSections = {4, 1};
 /// Since this version, bone descriptions contain a rotation.
 inline constexpr NatNetVersion kNatNetBoneRotations = {4, 2};
-inline constexpr std::size_t kNatNetServerName = 256;    ///< Bytes of the program name.
+inline constexpr std::size_t kNatNetServerName = 256;    ///< Size of the program name, bytes.
 inline constexpr std::uint32_t kNatNetSkeletonType = 2;  ///< Type of a skeleton description.
 
 /// Parses a version such as `4.1`; nothing if it is invalid or unsupported.
@@ -98,7 +98,7 @@ struct NatNetFrame {
 [[nodiscard]] Result<std::vector<NatNetSkeleton>> read_natnet_skeletons(std::string_view payload,
                                                                         NatNetVersion version);
 /// @param skeleton  ID of the wanted skeleton; nothing: the first one of the frame.
-/// @param frame     output; its memory is reused.
+/// @param frame     output; reuses its memory.
 [[nodiscard]] Result<void> read_natnet_frame(std::string_view payload, NatNetVersion version,
                                              std::optional<int> skeleton, NatNetFrame& frame);
 

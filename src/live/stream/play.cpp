@@ -41,7 +41,7 @@ class Player {
 
   [[nodiscard]] Encoder& encoder() { return *encoder_; }
   /// Whether receivers request the header instead of receiving it first.
-  [[nodiscard]] bool is_asked() const { return server_.has_value(); }
+  [[nodiscard]] bool answers_requests() const { return server_.has_value(); }
 
   void wait(std::chrono::steady_clock::time_point then, const std::function<bool()>& is_stopped) {
     if (server_) {
@@ -92,7 +92,7 @@ Result<int> play(const Clip& given, const PlayOptions& options,
   RETARGET_TRY_ASSIGN(const Clip clip, played_clip(given, *format, options));
   RETARGET_TRY_ASSIGN(Player player, Player::open(*format, to));
   const std::string header = player.encoder().begin(clip);
-  if (options.header && !player.is_asked()) RETARGET_TRY(player.send(header, is_stopped));
+  if (options.header && !player.answers_requests()) RETARGET_TRY(player.send(header, is_stopped));
   const auto begin = std::chrono::steady_clock::now();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const std::chrono::duration<double> time(

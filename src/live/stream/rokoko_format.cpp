@@ -287,7 +287,7 @@ Result<void> RokokoDecoder::learn_skeleton(const RokokoActor& actor, StreamSink&
         parent_from_joint(world_from_joint_, joints[i].parent, world_from_joint_[i]).translation;
   }
   actor_ = actor.name;
-  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), true, sink, actor.height);
+  skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitY(), true, sink, actor.height);
   return {};
 }
 

@@ -53,14 +53,14 @@ class Asker {
  public:
   void ask(ByteSource& source, std::string_view request, std::int64_t now) {
     constexpr std::int64_t kEvery = 250000;  // microseconds
-    if (request.empty() || (request == asked_ && now - at_ < kEvery)) return;
+    if (request.empty() || (request == last_request_ && now - at_ < kEvery)) return;
     source.send(request);
-    asked_ = request;
+    last_request_ = request;
     at_ = now;
   }
 
  private:
-  std::string asked_;
+  std::string last_request_;
   std::int64_t at_ = 0;
 };
 

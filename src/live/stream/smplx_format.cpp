@@ -75,14 +75,14 @@ Eigen::Vector3d vector_at(const std::vector<double>& numbers, std::size_t begin)
 }
 
 // A body as described by lines.
-struct ToldBody {
+struct ReceivedBody {
   std::optional<SmplRestBody> offsets;  // Body with its own bone offsets.
   std::optional<double> height;
   std::vector<double> betas;
   bool y_is_up = false;
 };
 
-Result<void> read_body(const PacketJson& line, ToldBody& body) {
+Result<void> read_body(const PacketJson& line, ReceivedBody& body) {
   constexpr std::size_t kMaxBetas = 400;
   constexpr std::size_t kOffsetNumbers = 3 * kSmplJointCount, kMostJoints = 60;
   if (const PacketJson* up = find_member(line, {"up"})) {
@@ -111,7 +111,7 @@ Result<void> read_body(const PacketJson& line, ToldBody& body) {
   return {};
 }
 
-Result<SmplRestBody> told_rest_body(const ToldBody& told) {
+Result<SmplRestBody> received_rest_body(const ReceivedBody& told) {
   if (told.offsets) {
     SmplRestBody body = *told.offsets;
     body.height = told.height.value_or(body.height);
@@ -127,15 +127,15 @@ class SmplxDecoder final : public Decoder {
  public:
   Result<void> take(std::string_view bytes, StreamSink& sink) override;
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override;
-  void restart() override { is_told_ = false; }
+  void restart() override { has_skeleton_ = false; }
 
  private:
-  Result<void> tell_skeleton(const ToldBody& told, StreamSink& sink);
+  Result<void> send_skeleton(const ReceivedBody& told, StreamSink& sink);
   Result<void> read_rotations(const PacketJson& line);
   Result<void> take_frame(const PacketJson& line, StreamSink& sink);
 
-  bool is_known_ = false;  // The skeleton comes from the user's file.
-  bool is_told_ = false;   // The body has been received.
+  bool is_known_ = false;      // The skeleton comes from the user's file.
+  bool has_skeleton_ = false;  // The body has been received.
   bool y_is_up_ = false;
   Eigen::Vector3d pelvis_ = Eigen::Vector3d::Zero();  // In the body's axes.
   std::vector<int> order_;                            // Order of the skeleton's joints.
@@ -161,27 +161,27 @@ Result<void> SmplxDecoder::take(std::string_view bytes, StreamSink& sink) {
                                            "poses", "transl", "trans"}) != nullptr;
   // A body is accepted once or from a separate line, because shape estimates change with every
   // frame.
-  if (!is_told_ || !is_frame) {
-    ToldBody told;
+  if (!has_skeleton_ || !is_frame) {
+    ReceivedBody told;
     RETARGET_TRY(read_body(line, told));
     if (is_frame) RETARGET_TRY(read_rotations(line));
     if (is_known_) {
       y_is_up_ = told.y_is_up;
-      is_told_ = true;
+      has_skeleton_ = true;
     } else {
-      RETARGET_TRY(tell_skeleton(told, sink));
+      RETARGET_TRY(send_skeleton(told, sink));
     }
   }
   return is_frame ? take_frame(line, sink) : Result<void>{};
 }
 
-Result<void> SmplxDecoder::tell_skeleton(const ToldBody& told, StreamSink& sink) {
-  RETARGET_TRY_ASSIGN(const SmplRestBody body, told_rest_body(told));
+Result<void> SmplxDecoder::send_skeleton(const ReceivedBody& told, StreamSink& sink) {
+  RETARGET_TRY_ASSIGN(const SmplRestBody body, received_rest_body(told));
   Clip clip(smpl_skeleton(body), FrameRate{}, 1);
   order_ = smpl_skeleton_order();
   pelvis_ = body.joints[0];
   y_is_up_ = told.y_is_up;
-  is_told_ = true;
+  has_skeleton_ = true;
   // The body stands upright with its soles near the floor.
   const std::vector<Eigen::Vector3d> zero(kSmplJointCount, Eigen::Vector3d::Zero());
   Eigen::Vector3d& pelvis = clip.translations(0)[0];

@@ -60,8 +60,8 @@ class Descriptor {
 /// Opens a socket that sends datagrams to an address, or is connected to it.
 [[nodiscard]] Result<Descriptor> connect_socket(const StreamAddress& address);
 
-/// Waits until one of at most 16 descriptors has input or a connection; closed descriptors never
-/// have.
+/// Waits until one of at most 16 descriptors has input or a connection. Closed descriptors are
+/// ignored.
 /// @return index of the first one; -1: none within the time.
 [[nodiscard]] int wait_for(std::span<const Descriptor* const> sources, double seconds);
 
@@ -70,15 +70,15 @@ class Descriptor {
 /// Waits for the end of begin_connection.
 /// @return 0: connected; an error number; nothing: not yet.
 [[nodiscard]] std::optional<int> finish_connection(const Descriptor& socket, double seconds);
-/// Sends the first bytes of a text by a socket. A datagram is sent as a whole.
-/// @param waits  until a full socket accepts some.
+/// Sends the first bytes of a text through a socket. A datagram is sent as a whole.
+/// @param waits  whether to wait until a full socket accepts some bytes.
 /// @return number of bytes; negative: see errno.
 [[nodiscard]] ssize_t send_bytes(const Descriptor& to, std::string_view bytes, bool waits = false);
 /// Receives from a connection without waiting.
 /// @return number of bytes; 0: the peer has closed it; negative: see errno.
 [[nodiscard]] ssize_t receive_bytes(const Descriptor& from, std::span<char> room);
-/// Reads the available input, as much as fits; empty: none. At the end of a connection or pipe,
-/// returns an empty text and sets `ended`.
+/// Reads the available input, as much as fits; empty if there is none. At the end of a connection
+/// or pipe, returns an empty text and sets `ended`.
 [[nodiscard]] std::string_view receive(const Descriptor& from, std::span<char> room, bool& ended);
 /// Sends a datagram from a bound socket; failures are ignored.
 void send_datagram(const Descriptor& from, const Endpoint& to, std::string_view bytes);
@@ -112,7 +112,7 @@ void remove_last_bytes(const Descriptor& file, std::size_t count);
 /// The system's message for an errno of these functions.
 [[nodiscard]] std::string error_text(int error_number);
 
-/// While alive, threads that this one starts receive no signals.
+/// While alive, threads that this thread starts receive no signals.
 class WithoutSignals {
  public:
   WithoutSignals();
@@ -125,7 +125,7 @@ class WithoutSignals {
   std::unique_ptr<Before> before_;
 };
 
-/// While alive, waits end within a millisecond of their time; they do everywhere but on Windows.
+/// While alive, waits end within a millisecond of their time, as they always do except on Windows.
 class ExactWaits {
  public:
   ExactWaits();

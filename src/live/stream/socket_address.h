@@ -1,10 +1,10 @@
 #pragma once
 
-/// Addresses in the form of the system's sockets. Only for the files that call these.
+/// Addresses in the form of the system's sockets. Only for files that call socket functions.
 
 #ifdef _WIN32
 #include <winsock2.h>
-// After winsock2.h.
+// Must follow winsock2.h.
 #include <ws2tcpip.h>
 #else
 #include <arpa/inet.h>
@@ -43,12 +43,12 @@ inline Endpoint endpoint(const sockaddr_in& place) {
   return {ntohl(place.sin_addr.s_addr), ntohs(place.sin_port)};
 }
 
-/// Whether an address is one of a multicast group, 224.0.0.0 to 239.255.255.255.
+/// Whether an address is a multicast address, 224.0.0.0 to 239.255.255.255.
 inline bool is_multicast(const sockaddr_in& place) {
   return endpoint(place).host >> 28U == 0xeU;
 }
 
-/// A failed call of a socket, with the message for errno.
+/// The failure of a socket call, with the message for errno.
 inline Failure socket_failure(const StreamAddress& address, const char* what,
                               std::string hint = {}) {
   return run_failure(address.text(), std::string(what) + ": " + error_text(errno), std::move(hint));

@@ -65,7 +65,7 @@ int errno_of_winsock(int error) {
   }
 }
 
-// Sets errno; the result of a call that failed.
+// Sets errno and returns the result of a failed call.
 int socket_failed() {
   errno = errno_of_winsock(::WSAGetLastError());
   return -1;
@@ -92,7 +92,7 @@ void set_option(const Descriptor& socket, int level, int name, const Value& valu
   ::setsockopt(handle_of(socket), level, name, reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// Numbers of handles have no more than 32 bits.
+// Handle numbers have at most 32 bits.
 Descriptor own_socket(SOCKET handle) {
   if (handle == INVALID_SOCKET) {
     socket_failed();
@@ -110,7 +110,7 @@ Result<Descriptor> open_socket(const StreamAddress& address) {
   Descriptor made = own_socket(::socket(AF_INET, udp ? SOCK_DGRAM : SOCK_STREAM, 0));
   if (!made.is_open()) return socket_failure(address, "cannot create a socket");
   if (udp) {
-    // Otherwise a receiver that has ended makes the next call for any other datagram fail.
+    // Otherwise, a receiver that has ended makes the next call for any other datagram fail.
     BOOL report = FALSE;
     DWORD bytes = 0;
     ::WSAIoctl(handle_of(made), kUdpConnectionReset, &report, sizeof report, nullptr, 0, &bytes,
@@ -127,7 +127,7 @@ timeval time_of(double seconds) {
   return {static_cast<long>(whole), static_cast<long>(1e6 * (seconds - whole))};
 }
 
-// Waits for one of some sockets; `writes`: until it accepts bytes.
+// Waits for one of several sockets; if `writes`, until it accepts bytes.
 bool select_sockets(fd_set& set, fd_set* failed, bool writes, double seconds) {
   timeval within = time_of(seconds);
   return ::select(0, writes ? nullptr : &set, writes ? &set : nullptr, failed, &within) > 0;
@@ -145,7 +145,7 @@ bool has_bytes(const Descriptor& file) {
   const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(file.number()));
   if (::GetFileType(handle) != FILE_TYPE_PIPE) return true;
   DWORD available = 0;
-  // Without a writer the next read finds the end.
+  // Without a writer, the next read finds the end.
   return !::PeekNamedPipe(handle, nullptr, 0, nullptr, &available, nullptr) || available > 0;
 }
 
@@ -355,7 +355,7 @@ DescriptorKind descriptor_kind(const Descriptor& descriptor) {
 
 ssize_t write_within(const Descriptor& to, DescriptorKind kind, std::string_view bytes,
                      std::chrono::milliseconds wait) {
-  // The state of a pipe is unknown on Windows: the call waits for its reader.
+  // Windows does not report the state of a pipe, so the call waits for its reader.
   constexpr std::size_t kPipeBytes = 4096;
   ssize_t count = 0;
   if (kind == DescriptorKind::kSocket) {
@@ -376,7 +376,7 @@ void remove_last_bytes(const Descriptor& file, std::size_t count) {
 }
 
 std::string error_text(int error_number) {
-  // The C library has no messages for these.
+  // The C library has no messages for these errors.
   switch (error_number) {
     case EAGAIN:
       return "Resource temporarily unavailable";

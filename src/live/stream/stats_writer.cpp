@@ -42,7 +42,7 @@ namespace {
 
 constexpr FrameBytesQueue::Bounds kWaitingLines = {4, std::size_t{64} << 10};
 
-// To a multiple of 1 / parts, the nearest number that prints as one.
+// Rounds to a multiple of 1 / parts, to the nearest number that prints as such.
 double rounded(double value, double parts) {
   return std::isfinite(value) ? std::round(value * parts) / parts : 0.0;
 }

@@ -189,7 +189,7 @@ void SkeletonPackets::see(std::string_view bytes, const PacketBatch& batch, bool
   waiting_.emplace_back(bytes);
   waiting_bytes_ += bytes.size();
   if (batch.has_skeleton()) {
-    told_ = std::exchange(waiting_, {});
+    received_ = std::exchange(waiting_, {});
     waiting_bytes_ = 0;
   } else if (waiting_bytes_ > kMostBytes) {
     forget_waiting();

@@ -175,14 +175,14 @@ class SkeletonPackets {
   /// Inspects a packet and its decoded contents.
   void see(std::string_view bytes, const PacketBatch& batch, bool malformed);
   /// Marks the last received skeleton as the one in use.
-  void accept() { kept_ = told_; }
+  void accept() { kept_ = received_; }
   /// Replays the packets of the skeleton in use to a decoder.
   void restore(Decoder& decoder) const;
   /// Discards packets that completed no skeleton.
   void forget_waiting();
 
  private:
-  std::vector<std::string> told_, kept_;
+  std::vector<std::string> received_, kept_;
   std::vector<std::string> waiting_;  // Packets without a result yet.
   std::size_t waiting_bytes_ = 0;
 };

@@ -28,12 +28,12 @@ double units_per_metre(double file_length, double metres) {
 
 }  // namespace
 
-void StreamSkeleton::tell(std::vector<StreamJoint> joints, const Eigen::Vector3d& up,
-                          bool is_rest_pose, StreamSink& sink, std::optional<double> height) {
+void StreamSkeleton::set_joints(std::vector<StreamJoint> joints, const Eigen::Vector3d& up,
+                                bool is_rest_pose, StreamSink& sink, std::optional<double> height) {
   joints_ = std::move(joints);
   // The user's file has more information about the same skeleton.
   if (use_known()) return;
-  use_told();
+  use_received();
   std::vector<Joint> skeleton;
   for (const StreamJoint& joint : joints_) {
     skeleton.push_back({joint.name, joint.parent, joint.offset, {}, every_channel()});
@@ -78,7 +78,7 @@ bool StreamSkeleton::use_known() {
   return true;
 }
 
-void StreamSkeleton::use_told() {
+void StreamSkeleton::use_received() {
   sources_.clear();
   parents_.clear();
   slots_.clear();

@@ -42,18 +42,18 @@ class StreamSkeleton {
   /// @param up            of the stream's world.
   /// @param is_rest_pose  whether the body is in a T-pose with all rotations zero.
   /// @param height        of the body, metres, if the stream contains it.
-  void tell(std::vector<StreamJoint> joints, const Eigen::Vector3d& up, bool is_rest_pose,
-            StreamSink& sink, std::optional<double> height = std::nullopt);
+  void set_joints(std::vector<StreamJoint> joints, const Eigen::Vector3d& up, bool is_rest_pose,
+                  StreamSink& sink, std::optional<double> height = std::nullopt);
   [[nodiscard]] const std::vector<StreamJoint>& joints() const { return joints_; }
   void forget() { joints_.clear(); }
 
   /// @param time              sender's time, s; NaN: none.
-  /// @param world_from_joint  in the order of the joints passed to tell().
+  /// @param world_from_joint  in the order of the joints passed to set_joints().
   void give(double time, std::span<const Pose> world_from_joint, StreamSink& sink);
 
  private:
   [[nodiscard]] bool use_known();
-  void use_told();
+  void use_received();
 
   std::shared_ptr<const Skeleton> known_;
   std::vector<StreamJoint> joints_;

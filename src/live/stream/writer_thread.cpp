@@ -103,8 +103,7 @@ bool WriterThread::State::write(std::string_view piece) {
 
 WriterThread::WriterThread(Descriptor to, FrameBytesQueue::Bounds bounds)
     : state_(std::make_shared<State>(std::move(to), bounds)) {
-  // Signals are left to the other threads. Blocking SIGPIPE turns a closed reader into an error
-  // code.
+  // Leave signals to the other threads. Blocking SIGPIPE turns a closed reader into an error code.
   const WithoutSignals guard;
   try {
     std::thread([state = state_] { state->run(); }).detach();
@@ -196,7 +195,7 @@ WriterOutput::WriterOutput(const StreamAddress& to, Descriptor file,
 }
 
 void WriterOutput::take(const RobotFrame& frame) {
-  look_at_progress();
+  check_progress();
   if (account_.is_closed()) return account_.count_dropped();
   bytes_.clear();
   writer_->append(frame, bytes_);
@@ -205,7 +204,7 @@ void WriterOutput::take(const RobotFrame& frame) {
   } else {
     account_.count_dropped();
   }
-  look_at_progress();
+  check_progress();
 }
 
 bool WriterOutput::put(std::string_view piece) {
@@ -217,7 +216,7 @@ bool WriterOutput::put(std::string_view piece) {
   return false;
 }
 
-void WriterOutput::look_at_progress() {
+void WriterOutput::check_progress() {
   const WriterThread::Progress progress = thread_.progress();
   const std::int64_t sent = std::max<std::int64_t>(0, progress.written - headers_);
   account_.count_sent(sent - account_.statistics().sent);
@@ -235,7 +234,7 @@ void WriterOutput::end(int error) {
 
 void WriterOutput::finish() {
   const bool is_whole = thread_.finish(waits_, is_stopped_);
-  look_at_progress();
+  check_progress();
   if (account_.is_closed() || is_whole) return;
   account_.count_dropped(queued_ - account_.statistics().sent);
   if (is_file_) account_.mark_incomplete();

@@ -121,7 +121,7 @@ class WriterOutput final : public FrameOutput {
 
  private:
   [[nodiscard]] bool put(std::string_view piece);
-  void look_at_progress();
+  void check_progress();
   void end(int error);
 
   std::unique_ptr<RobotFrameWriter> writer_;

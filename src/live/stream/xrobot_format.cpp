@@ -148,13 +148,13 @@ class XrobotDecoder final : public Decoder {
   void know_skeleton(const std::shared_ptr<const Skeleton>& skeleton) override {
     skeleton_.know(skeleton);
   }
-  void restart() override { is_told_ = false; }
+  void restart() override { has_skeleton_ = false; }
 
  private:
   Result<void> take_object(const PacketJson& line, StreamSink& sink);
   Result<void> learn_skeleton(StreamSink& sink);
 
-  bool is_told_ = false;
+  bool has_skeleton_ = false;
   std::array<Pose, kXrobotJointCount> world_from_joint_;
   StreamSkeleton skeleton_;
 };
@@ -185,7 +185,7 @@ Result<void> XrobotDecoder::take_object(const PacketJson& line, StreamSink& sink
     RETARGET_TRY_ASSIGN(world_from_joint_[i],
                         world_from_xrobot_joint((*joints)[i], kXrobotJoints[i].name));
   }
-  if (!is_told_) RETARGET_TRY(learn_skeleton(sink));
+  if (!has_skeleton_) RETARGET_TRY(learn_skeleton(sink));
   skeleton_.give(xrobot_time(line, body), world_from_joint_, sink);
   return {};
 }
@@ -208,8 +208,8 @@ Result<void> XrobotDecoder::learn_skeleton(StreamSink& sink) {
                                        joints[static_cast<std::size_t>(joints[i].parent)].name,
                                        joints[i].name, joints[i].offset.norm()));
   }
-  is_told_ = true;
-  skeleton_.tell(std::move(joints), Eigen::Vector3d::UnitY(), true, sink);
+  has_skeleton_ = true;
+  skeleton_.set_joints(std::move(joints), Eigen::Vector3d::UnitY(), true, sink);
   return {};
 }
 

@@ -88,8 +88,8 @@ struct LimbPairs {
                                                 const std::string& file);
 
 /// The error that a model is not a humanoid with two legs and two arms.
-/// @param found  what it is instead.
-/// @param hint  what to check; a fixed base is suggested in any case.
+/// @param found  describes the model instead.
+/// @param hint  describes possible causes; a fixed base is suggested in any case.
 [[nodiscard]] Failure no_legs_failure(const std::string& file, const std::string& found,
                                       const std::string& hint = {});
 

@@ -60,7 +60,7 @@ void BodyMirror::mirror_group(const std::vector<int>& bodies, const std::vector<
   }
 }
 
-// Mirrors two links and what they carry; parts without a counterpart keep none.
+// Mirrors two links and the bodies fixed to them; bodies without a counterpart keep none.
 void BodyMirror::mirror_links(int first, int second) {
   const auto group = [&](int link) { return tree_.rigid_group(tree_.links()[link].body); };
   mirror_group(group(first), group(second));

@@ -299,7 +299,7 @@ bool HandFinder::name_fingers() {
 // The thumb is the only branch with its name. Otherwise, it points away from the other fingers or
 // begins behind them. The others follow in order from its side.
 void HandFinder::name_by_shape() {
-  const auto oddness = [&](const Branch& branch) {
+  const auto distinctness = [&](const Branch& branch) {
     Eigen::Vector3d way = Eigen::Vector3d::Zero(), base = Eigen::Vector3d::Zero();
     for (const Branch& other : branches_) {
       if (&other == &branch) continue;
@@ -311,7 +311,7 @@ void HandFinder::name_by_shape() {
            std::max(0.0, way.dot(base - branch.base)) / branch.reach;
   };
   std::vector<double> odd;
-  for (const Branch& branch : branches_) odd.push_back(oddness(branch));
+  for (const Branch& branch : branches_) odd.push_back(distinctness(branch));
   const auto is_named = [](const Branch& branch) { return branch.named == Finger::kThumb; };
   const auto named = std::ranges::find_if(branches_, is_named);
   const bool thumb_is_named = std::ranges::count_if(branches_, is_named) == 1;

@@ -24,7 +24,6 @@ struct ShapePair {
 /// All pairs of shapes are tested except those on one body, on rigidly connected bodies, on parent
 /// and child (also across rigidly attached bodies, as in MuJoCo), and the robot's
 /// allowed_self_contact pairs.
-/// allowed_self_contact.
 class CollisionModel {
  public:
   explicit CollisionModel(const Robot& robot);

@@ -34,7 +34,7 @@ bool is_inline_height_field(mjSpec* spec, const mjsGeom& geom) {
   return geom.type == mjGEOM_HFIELD && field != nullptr && !is_named(mjs_asHField(field)->file);
 }
 
-// Deletes the geoms that need files. @return the names of the bodies that lose a geom with contacts
+// Deletes the geoms that need files. @return bodies that lose a geom with contacts, by name
 std::vector<std::string> drop_geoms(mjSpec* spec, const ModelChanges& changes) {
   std::vector<std::string> bodies;
   for (mjsElement* element : elements_of(spec, mjOBJ_GEOM)) {
@@ -138,7 +138,7 @@ ModelPtr compile(mjSpec* spec, const MessageGuard& guard, LoadedModel& loaded,
   if (said.find("inertia") == std::string::npos && said.find("mass") == std::string::npos) {
     return model;
   }
-  std::vector<std::string> bodies = mend_inertias(spec);
+  std::vector<std::string> bodies = repair_inertias(spec);
   if (bodies.empty()) return model;
   errors = guard.errors().size();
   model.reset(mj_compile(spec, nullptr));
@@ -153,7 +153,7 @@ Result<void> check_file(const std::string& path) {
   if (path == "-") return config_failure("", "a model cannot come from standard input");
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  // Reading a pipe would consume it here, and MuJoCo would then wait for ever.
+  // Reading a pipe would consume it here, and MuJoCo would then wait forever.
   if (std::filesystem::is_other(status)) {
     return config_failure(path, "a model must be a regular file");
   }
@@ -231,7 +231,7 @@ MujocoSpec parse_text(const std::string& text, const std::string& path, MessageB
   return spec;
 }
 
-// MuJoCo's complaint about a model that it read but will not compile; empty: none.
+// MuJoCo's error for a model that it read but does not compile; empty: none.
 std::string later_complaint(mjSpec* spec) {
   const mjsBody* world = mjs_findBody(spec, "world");
   for (mjsElement* element : elements_of(spec, mjOBJ_JOINT)) {
@@ -257,11 +257,11 @@ Result<MujocoSpec> parse_model(const std::string& path, std::vector<std::string>
   ModelRepair repair(path);
   constexpr int kMaxRepairs = 10;
   for (int i = 0; i < kMaxRepairs && !complaint.empty(); ++i) {
-    const auto text = repair.mend(complaint);
+    const auto text = repair.repair(complaint);
     if (!text) break;
-    if (MujocoSpec mended = parse_text(*text, path, error)) {
-      complaint = later_complaint(mended.get());
-      spec = std::move(mended);
+    if (MujocoSpec repaired = parse_text(*text, path, error)) {
+      complaint = later_complaint(repaired.get());
+      spec = std::move(repaired);
     } else {
       complaint = error.data();
     }

@@ -158,7 +158,7 @@ bool ranges_fit(const std::vector<int>& addresses, const std::vector<int>& numbe
   return true;
 }
 
-// Numbers of a configuration and of a velocity that a joint of a type has; nothing for an unknown one.
+// Number of values in a configuration and a velocity for a joint type; nothing for an unknown type.
 std::pair<int, int> joint_sizes(int type) {
   switch (type) {
     case mjJNT_FREE:
@@ -173,7 +173,7 @@ std::pair<int, int> joint_sizes(int type) {
   }
 }
 
-// @return the first wrong array; null: all are right.
+// @return the first invalid array; null: all are valid.
 const char* wrong_array(const PackedModel& model) {
 #define RETARGET_FINITE(type, name, elements, numbers) \
   if (!all_finite(model.name)) return #name;

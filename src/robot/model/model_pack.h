@@ -75,15 +75,15 @@ struct PackedModel : PackedArrays {
   LoadedModel loaded;  ///< Without its model.
 };
 
-/// Copies what a pack needs of a loaded model.
+/// Copies the parts of a loaded model that a pack needs.
 [[nodiscard]] PackedModel packed_model(std::string file, const LoadedModel& loaded);
 
 /// Formats models as a pack. Equal models give equal bytes.
 [[nodiscard]] std::string format_model_pack(const std::vector<PackedModel>& models);
 
-/// Reads a pack. Every count, index and number is checked, so that the arrays are safe to use:
-/// counts against the bytes that follow, indices against the arrays that they point into, and names
-/// for their end. Errors: kConfig.
+/// Reads a pack. Checks every count, index and name, so that the arrays are safe to use: counts
+/// against the remaining bytes, indices against the sizes of their arrays, and names for their
+/// terminating zero. Errors: kConfig.
 [[nodiscard]] Result<std::vector<PackedModel>> parse_model_pack(std::string_view bytes,
                                                                 const std::string& file);
 

@@ -102,7 +102,7 @@ std::optional<fs::path> file_of_body(const std::vector<MeshFile>& files, const s
       if (file.stem == wanted) return file.path;
     }
   }
-  // Files are sorted by name, so this keeps the last of several revisions.
+  // Files are sorted by name, so this keeps the last revision.
   std::optional<fs::path> found;
   for (const MeshFile& file : files) {
     if (file.stem.starts_with(name + "_")) found = file.path;

@@ -39,8 +39,8 @@ bool is_named(const XMLElement& element, std::string_view name) {
   return element.Name() == name;
 }
 
-// Calls `visit` for the elements below `root`, parents first. An element for which it returns false
-// is deleted. The checker of models bounds the depth.
+// Calls `visit` for the elements below `root`, parents first, and deletes those for which it
+// returns false. check_model bounds the depth.
 void visit_elements(XMLElement& root, const std::function<bool(XMLElement&)>& visit) {
   XMLElement* next = nullptr;
   for (XMLElement* each = root.FirstChildElement(); each != nullptr; each = next) {
@@ -58,7 +58,8 @@ bool parse_file(const std::string& path, tinyxml2::XMLDocument& document) {
   return text && parse_xml(text->view(), document) && document.RootElement() != nullptr;
 }
 
-// Replaces <include> elements by the contents of their files. False if a file cannot be read.
+// Replaces <include> elements with the contents of their files. Returns false if a file cannot be
+// read.
 bool expand_includes(XMLElement& element, const fs::path& root, const fs::path& folder, int depth) {
   XMLElement* next = nullptr;
   for (XMLElement* each = element.FirstChildElement(); each != nullptr; each = next) {
@@ -83,7 +84,7 @@ bool expand_includes(XMLElement& element, const fs::path& root, const fs::path& 
   return true;
 }
 
-// The first part of a message that `before` and `after` enclose.
+// Returns the first part of a message between `before` and `after`.
 std::string between(const std::string& text, std::string_view before, std::string_view after) {
   const std::size_t start = text.find(before);
   if (start == std::string::npos) return {};
@@ -92,7 +93,7 @@ std::string between(const std::string& text, std::string_view before, std::strin
   return end == std::string::npos ? std::string() : text.substr(from, end - from);
 }
 
-// Whether a body is only a coordinate frame: no joint moves it, and no inertia is given for it.
+// Whether a body is only a coordinate frame: it has neither joints nor an inertia.
 bool is_only_frame(const XMLElement& body) {
   return std::ranges::none_of(std::array{"joint", "freejoint", "inertial", "geom"},
                               [&](const char* kind) { return body.FirstChildElement(kind); });
@@ -123,7 +124,7 @@ void make_frame(XMLElement& body) {
   }
 }
 
-// A link without mass, and a joint of a URDF that holds it at the origin of its parent.
+// Whether a link has no mass.
 bool is_massless(const XMLElement& link) {
   const auto* inertial = link.FirstChildElement("inertial");
   const auto* mass = inertial == nullptr ? nullptr : inertial->FirstChildElement("mass");
@@ -175,7 +176,7 @@ bool ModelRepair::load() {
   return expand_includes(*document_.RootElement(), folder, folder, 0);
 }
 
-// Unknown attributes of sites, which equalities may refer to.
+// Removes unknown attributes of sites, which equalities may refer to.
 bool ModelRepair::drop_attribute(const std::string& complaint) {
   const std::string name = between(complaint, "unrecognized attribute: '", "'");
   if (name.empty() || between(complaint, "Element '", "'") != "site") return false;
@@ -247,8 +248,8 @@ bool ModelRepair::free_world_bodies() {
   return true;
 }
 
-// A URDF whose floating joint is below links that represent the world. The parent of the joint
-// takes the name that MuJoCo reserves for the world.
+// Handles a URDF whose floating joint is below links that represent the world: renames the parent
+// of the joint to MuJoCo's reserved name for the world.
 bool ModelRepair::free_world_links() {
   XMLElement& robot = *document_.RootElement();
   XMLElement* floating = floating_joint(robot);
@@ -292,7 +293,7 @@ bool ModelRepair::apply(const std::string& complaint) {
   return drop_attribute(complaint) || drop_sections(complaint);
 }
 
-std::optional<std::string> ModelRepair::mend(const std::string& complaint) {
+std::optional<std::string> ModelRepair::repair(const std::string& complaint) {
   if (!load() || !apply(complaint)) return std::nullopt;
   tinyxml2::XMLPrinter printer;
   document_.Print(&printer);

@@ -11,7 +11,7 @@
 
 namespace retarget {
 
-/// MuJoCo accepts a free joint only at the top of the tree; a compiler finds the joint later.
+/// MuJoCo accepts a free joint only at the top of the tree, and reports others when it compiles.
 inline constexpr const char* kNestedFreeJoint = "free joint can only be used on top level";
 
 /// Repairs the XML of a model that MuJoCo rejects for a reason other than its kinematics: sensors
@@ -24,9 +24,9 @@ class ModelRepair {
   /// @param path  a model that check_model has accepted.
   explicit ModelRepair(std::string path) : path_(std::move(path)) {}
 
-  /// Removes what MuJoCo complains about, or what may contain it.
-  /// @return the changed XML; nothing if the complaint concerns kinematics.
-  [[nodiscard]] std::optional<std::string> mend(const std::string& complaint);
+  /// Removes the part that MuJoCo rejects, or the section that may contain it.
+  /// @return the changed XML; nothing if the error concerns kinematics.
+  [[nodiscard]] std::optional<std::string> repair(const std::string& complaint);
 
   /// The removed parts, one sentence each.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
@@ -51,7 +51,7 @@ class ModelRepair {
 /// Gives bodies whose masses MuJoCo rejects (negative, not finite, an inertia without positive
 /// principal moments: dummies, rods, export errors) small ones, which do not affect kinematics.
 /// @return the names of those bodies.
-std::vector<std::string> mend_inertias(mjSpec* spec);
+std::vector<std::string> repair_inertias(mjSpec* spec);
 
 /// Removes the joints that move a model's root through the world, if one of them is a slide: those
 /// of the topmost body and of the unbranched chain below it. The robot is the subtree with the most

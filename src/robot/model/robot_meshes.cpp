@@ -220,8 +220,8 @@ bool is_model(const std::string& named) {
 Result<RobotMeshes> load_meshes(const Robot& robot, const std::string& model,
                                 const std::string& named, bool must);
 
-// The meshes that the user keeps for a robot, if there are any. A file that cannot be read costs
-// only the mesh of its body.
+// The meshes that the user installed for a robot, if any. An unreadable file affects only the mesh
+// of its body.
 std::optional<RobotMeshes> kept_meshes(const Robot& robot, const std::string& model) {
   const auto data = user_data_folder();
   const auto is_plain = [](char letter) { return letter != '/' && letter != '\\'; };

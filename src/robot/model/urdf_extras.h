@@ -12,12 +12,12 @@ namespace retarget {
 /// Whether an element belongs to xacro.
 [[nodiscard]] bool is_xacro(const tinyxml2::XMLElement& element);
 
-/// Whether a URDF needs xacro: it defines or includes macros, or has links or joints in elements of
-/// xacro.
+/// Whether a URDF needs xacro: it defines or includes macros, or has links or joints in xacro
+/// elements.
 [[nodiscard]] bool is_xacro_template(const tinyxml2::XMLElement& root);
 
-/// Returns the elements of xacro in an expanded file (not a template), by name, each once. Nothing defines
-/// them, so an expansion left them behind; MuJoCo ignores them in a URDF.
+/// Returns the names of xacro elements in an expanded file (not a template), each once. Nothing
+/// defines them, so an expansion left them behind; MuJoCo ignores them in a URDF.
 [[nodiscard]] std::vector<std::string> xacro_leftovers(const std::string& path);
 
 /// Replaces the materials of a URDF by spaces, so that positions in the text stay the same. They

@@ -1,4 +1,4 @@
-// A program that uses retarget only through its library.
+// A program that uses retarget only through another library.
 
 #include <filesystem>
 #include <iostream>

@@ -25,7 +25,7 @@ FOOT = [-0.70710678, 0.70710678, 0.0, 0.0]
 ARM = [0.5, 0.5, -0.5, -0.5]
 FOREARM = [0.70710678, 0.70710678, 0.0, 0.0]
 
-# robot body: human body, weights of position and rotation in both tables, offsets
+# Robot body: human body, weights of position and rotation in both tables, offsets.
 ROWS: dict[str, tuple[str, tuple[float, float], tuple[float, float], list[float], list[float]]] = {
     "pelvis": ("pelvis", (0, 12), (80, 6), [0.0, 0.0, 0.02], FORWARD),
     "torso_link": ("spine3", (0, 60), (2, 12), [0.0, 0.01, 0.0], FORWARD),

@@ -61,7 +61,7 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
             for name in file.files:
                 try:
                     arrays[name] = file[name]
-                except ValueError:  # Python objects, such as a gender: not needed
+                except ValueError:  # Python objects, such as a gender, are not needed.
                     continue
     except Exception as error:  # zipfile, zlib and array headers raise many kinds
         raise InputError(f"{path}: not an NPZ of SMPL-X: {error}") from None

@@ -81,18 +81,18 @@ std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind) {
   return elements;
 }
 
-std::vector<std::string> mend_inertias(mjSpec* spec) {
+std::vector<std::string> repair_inertias(mjSpec* spec) {
   constexpr double kSmall = 1e-6;
-  std::vector<std::string> mended;
+  std::vector<std::string> repaired;
   for (mjsElement* element : elements_of(spec, mjOBJ_BODY)) {
     mjsBody& body = *mjs_asBody(element);
     if (is_sound(body)) continue;
-    mended.push_back(element_name(element));
+    repaired.push_back(element_name(element));
     if (!std::isfinite(body.mass) || body.mass < 0.0) body.mass = kSmall;
     std::ranges::fill(body.fullinertia, std::numeric_limits<double>::quiet_NaN());
     std::ranges::fill(body.inertia, kSmall);
   }
-  return mended;
+  return repaired;
 }
 
 mjsBody* robot_base(mjSpec* spec) {
