@@ -148,9 +148,11 @@ def _run(ray: ModuleType, progress: Progress, tasks: deque[Task],
                 task, work = running.pop(reference)
                 tasks.extend(_result(ray, progress, reference, task, work))
     finally:
-        for reference, (_, work) in running.items():
+        for reference in running:
             ray.cancel(reference, force=True)
-            shutil.rmtree(progress.folder / WORK / work, ignore_errors=True)
+        # A worker may still have written when its lost task's folder was removed.
+        for work in (progress.folder / WORK).glob("*/"):
+            shutil.rmtree(work, ignore_errors=True)
         progress.manifest.flush()
 
 
