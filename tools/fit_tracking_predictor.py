@@ -118,15 +118,17 @@ def reference_values(tool):
     values = {}
     with tempfile.TemporaryDirectory() as folder:
         report = pathlib.Path(folder) / "report.json"
+
+        def read_report(*command):
+            subprocess.run([tool, *command, "--robot", "unitree_g1"], capture_output=True, check=True)
+            return json.loads(report.read_text())
+
         for name in REFERENCES:
-            subprocess.run([tool, "evaluate", ROOT / name, "--robot", "unitree_g1", "--dynamics", "--json", report,
-                            "--gate", "none"], stdout=subprocess.DEVNULL, check=True)
-            motion = json.loads(report.read_text())["motions"][0]
+            motion = read_report("evaluate", ROOT / name, "--dynamics", "--gate", "none", "--json", report)["motions"][0]
             values[name] = {metric: motion[metric][0] if isinstance(motion[metric], list) else motion[metric]
                             for metric, _, _ in FIGURES}
-        subprocess.run([tool, "simulate", ROOT / SIMULATED, "--robot", "unitree_g1", "--report", report],
-                       stdout=subprocess.DEVNULL, check=True)
-        values[SIMULATED]["root_error_cm"] = json.loads(report.read_text())["root_error_cm"]["mean"]
+        simulation = read_report("simulate", ROOT / SIMULATED, "--report", report)
+        values[SIMULATED]["root_error_cm"] = simulation["root_error_cm"]["mean"]
     return values
 
 

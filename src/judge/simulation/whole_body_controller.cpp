@@ -23,9 +23,6 @@ constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot
 constexpr double kLoadTime = 0.06;     // Seconds in which a point is loaded after touchdown.
 constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
 constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot adopts its shift.
-// A foot that touches the floor stands if its reference stands within kEarlyTime seconds and the body
-// is lower than its reference by kEarlyHeight; metres for a G1.
-constexpr double kEarlyTime = 0.15, kEarlyHeight = 0.01;
 constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
 
 Vector3d vector_of(const mjtNum* values) {
@@ -34,6 +31,10 @@ Vector3d vector_of(const mjtNum* values) {
 
 Eigen::Quaterniond rotation_of(const mjtNum* wxyz) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+Pose body_pose(const mjData* data, int body) {
+  return {rotation_of(data->xquat + 4L * body), vector_of(data->xpos + 3L * body)};
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robo
   }
   gains_.step_reach *= size;
   gains_.flight_reach *= size;
-  early_height_ = kEarlyHeight * size;
+  gains_.early_height *= size;
   for (const FootFrame& frame : make_foot_frames(robot)) {
     feet_.push_back({frame, frame.link + 1});
   }
@@ -147,9 +148,7 @@ void WholeBodyController::find_points(const ReferenceState& reference, double ti
   std::vector<int> near;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const PhysicsPoint& point = physics_.points[i];
-    const Pose body{rotation_of(data->xquat + 4L * point.body),
-                    vector_of(data->xpos + 3L * point.body)};
-    all[i] = body * point.in_body - point.radius * Vector3d::UnitZ();
+    all[i] = body_pose(data, point.body) * point.in_body - point.radius * Vector3d::UnitZ();
     if (all[i].z() < kTouching) near.push_back(static_cast<int>(i));
   }
   // A standing foot that tips can press down its other end again.
@@ -204,9 +203,8 @@ void WholeBodyController::build_inputs(mjData_* data) {
 }
 
 Pose WholeBodyController::pose_of(const Foot& foot, mjData_* data) const {
-  const Eigen::Quaterniond rotation = rotation_of(data->xquat + 4L * foot.body);
-  const Pose body{rotation, vector_of(data->xpos + 3L * foot.body)};
-  return {rotation, body * foot.frame.in_link};
+  const Pose body = body_pose(data, foot.body);
+  return {body.rotation, body * foot.frame.in_link};
 }
 
 bool WholeBodyController::is_down(const Foot& foot) const {
@@ -235,8 +233,8 @@ void WholeBodyController::move_feet(const ReferenceState& reference, double time
   for (std::size_t i = 0; i < feet_.size(); ++i) {
     Foot& foot = feet_[i];
     const bool down = is_down(foot), stands = down && reference.feet[i].planned;
-    const bool early =
-        down && flies && rise < -early_height_ && reference.feet[i].until_planned < kEarlyTime;
+    const bool early = down && flies && rise < -gains_.early_height &&
+                       reference.feet[i].until_planned < gains_.early_time;
     if (!early) foot.landed.reset();
     if (early && !foot.landed) foot.landed = pose_of(foot, data);
     if (stands && !foot.stands) {

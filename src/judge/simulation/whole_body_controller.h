@@ -28,6 +28,9 @@ struct ControlGains {
   double offset_share = 0.9;    ///< Share of the offset from the reference that a step keeps.
   double follow_time = 0.1;     ///< In which the body follows the standing feet, seconds.
   double flight_reach = 0.15;   ///< Largest vertical shift of the feet in flight, metres.
+  /// A foot that touches the floor in the reference's flight stands if its reference stands within
+  /// early_time, seconds, and the body is lower than its reference by early_height, metres.
+  double early_time = 0.15, early_height = 0.01;
 };
 
 /// Result of a control step.
@@ -90,7 +93,7 @@ class WholeBodyController {
   const PhysicsModel& physics_;
   const Robot& robot_;
   ControlGains gains_;
-  double weight_, lever_, early_height_;
+  double weight_, lever_;
   int joint_count_, input_count_ = 0;
   std::vector<Foot> feet_;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // Of the standing feet; horizontal, metres.
