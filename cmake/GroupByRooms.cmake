@@ -4,16 +4,27 @@
 # RETARGET_QUICK_CODE optimises fully only the modules in retarget_hot_wings, which contain the inner loops.
 set(retarget_unity_wings "base motion scene" "app view batch" "solve rig" edit formats human judge live robot)
 set(retarget_hot_wings "base motion scene" "solve rig" robot)
+set(retarget_levels -O3 -O1)
+if(RETARGET_QUICK_START)
+  # Larger units at lower levels: the same bytes, but slower runs.
+  # The largest unit comes first, because ninja starts them in this order.
+  set(retarget_unity_wings solve "human judge" "app robot" "base motion scene view" formats edit)
+  set(retarget_hot_wings "base motion scene view" solve)
+  set(retarget_levels -O1 -Og)
+endif()
+list(GET retarget_levels 0 retarget_hot_level)
+list(GET retarget_levels 1 retarget_cold_level)
 
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   if(RETARGET_QUICK_CODE)
     # Overrides the level of the build type; GCC 12 compiles a unit in three quarters of the time.
-    target_compile_options(${target} PRIVATE -O1)
+    target_compile_options(${target} PRIVATE ${retarget_cold_level})
   endif()
   foreach(wings IN LISTS retarget_unity_wings)
     string(REPLACE " " "|" pattern "${wings}")
-    string(REPLACE " " "_" name "${wings}")
+    list(FIND retarget_unity_wings "${wings}" place)
+    string(REPLACE " " "_" name "${place}_${wings}")
     set(files ${ARGN})
     list(FILTER files INCLUDE REGEX "/src/(${pattern})/")
     # The headers of Windows define many short words as macros.
@@ -28,12 +39,12 @@ function(retarget_group_by_rooms target)
       set_source_files_properties(${file} PROPERTIES UNITY_GROUP ${name}_${unit})
     endforeach()
     if(RETARGET_QUICK_CODE AND target STREQUAL retarget AND wings IN_LIST retarget_hot_wings)
-      # The precompiled headers would bring their -O1 with them.
+      # The precompiled headers would bring their own level with them.
       math(EXPR last "${units} - 1")
       foreach(unit RANGE ${last})
         set_source_files_properties(
           ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_${unit}_cxx.cxx
-          PROPERTIES COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
+          PROPERTIES COMPILE_OPTIONS ${retarget_hot_level} SKIP_PRECOMPILE_HEADERS ON)
       endforeach()
     endif()
   endforeach()

@@ -8,6 +8,7 @@
 set(retarget_libraries "")     # Libraries with their own objects; build flags apply to each.
 set(retarget_exported "")      # Targets to install.
 set(retarget_taken_rooms "")   # Modules of libraries other than the core.
+set(retarget_needed_files "")  # Files of those modules that the core has nevertheless, without src/ and .cpp.
 set(retarget_shared_links "")  # Links of the modules that a shared core includes.
 
 include(cmake/GroupByRooms.cmake)
@@ -39,6 +40,9 @@ macro(retarget_add_library name)
       list(APPEND retarget_taken_rooms ${arg_ROOMS})
     elseif(taken)
       list(FILTER sources EXCLUDE REGEX "/src/(${taken})/")
+      list(TRANSFORM retarget_needed_files REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/src/\\1.cpp"
+        OUTPUT_VARIABLE needed)
+      list(APPEND sources ${needed})
     endif()
     list(APPEND retarget_libraries ${target})
     add_library(${target} ${sources})

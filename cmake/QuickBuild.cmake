@@ -26,6 +26,6 @@ foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_live retarg
   endif()
   if(RETARGET_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # GCC collects garbage less often: a tenth of the time for 50 % more memory.
-    target_compile_options(${target} PRIVATE --param=ggc-min-expand=300)
+    target_compile_options(${target} PRIVATE --param=ggc-min-expand=$<IF:$<BOOL:${RETARGET_QUICK_START}>,1000,300>)
   endif()
 endforeach()

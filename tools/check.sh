@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs checks in addition to the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [workflows] [browser] [macos] [windows]
-#                                                     (default: all but the last three)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer] [words] [workflows] [browser] [macos] [windows] [quick]
+#                                                     (default: all but the last four)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck has no findings in the scripts
@@ -21,6 +21,8 @@
 #   windows the tool for Windows builds, and its results under Wine are those of the native tool (tools/windows.sh);
 #           not in CI
 #   browser the browser page builds, and its results are those of the native tool (tools/browser.sh); not in CI
+#   quick   the quick build (tools/demo.sh) compiles, writes the bytes of the build in build/release, if there is one,
+#           and names the commands that it lacks; not in CI
 #
 # Calls tools/setup.sh --dev to install dependencies. JOBS: the number of processes.
 set -euo pipefail
@@ -88,6 +90,18 @@ check_tidy() {
     -header-filter "^$root/(src|include/retarget|tools/retarget)/" '(/Unity/|/tools/retarget/)'
 }
 
+check_quick() {
+  local quick=build/quick/tools/retarget/retarget release=build/release/tools/retarget/retarget
+  tools/demo.sh
+  if "$quick" batch data -o build/quick/batch --robot g1 || [ $? -ne 2 ]; then
+    echo "check: quick: an absent command must be a usage error" >&2
+    return 1
+  fi
+  [ -x "$release" ] || return 0
+  "$release" --quiet --bvh data/walk.bvh --robot unitree_g1 -o build/quick/walk.csv
+  cmp build/walk.csv build/quick/walk.csv
+}
+
 check_fuzz() {
   FUZZ_SECONDS=${FUZZ_SECONDS:-10} JOBS=$jobs "$root/tools/fuzz.sh"
 }
@@ -131,7 +145,7 @@ checks=("$@")
 [ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer words workflows)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, workflows, browser, macos, windows)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer, words, workflows, browser, macos, windows, quick)" >&2
     exit 2
   fi
 done
@@ -139,7 +153,7 @@ done
 # The compiler includes the sanitizers, and the words need only Python.
 case "${checks[*]}" in
   words | workflows) ;;
-  asan | tsan | browser | macos | windows) "$root/tools/setup.sh" ;;
+  asan | tsan | browser | macos | windows | quick) "$root/tools/setup.sh" ;;
   *) "$root/tools/setup.sh" --dev ;;
 esac
 cd -- "$root"

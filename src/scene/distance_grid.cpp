@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr double kCells = 72.0;                        // Along the longest side.
 constexpr double kMaxSpacing = 0.02;                   // Metres, unless the grid becomes too large.
 constexpr double kCoarsest = 0.25;                     // Metres.
-constexpr double kMargin = 0.08;                       // Metres.
+constexpr double kGridMargin = 0.08;                   // Metres.
 constexpr double kMinMargin = 4.0, kMaxMargin = 16.0;  // Cells.
 constexpr double kMaxNodes = 2e6;
 constexpr double kMaxNodesOfAxis = 1e6;  // Limit per axis, checked before the product of all axes.
@@ -87,7 +87,7 @@ Result<GridLayout> grid_layout(const TriangleMesh& mesh) {
   }
   const double longest = std::max(box.sizes().maxCoeff(), kSmallest);
   const auto with_spacing = [&](double spacing) {
-    const double margin = std::clamp(std::ceil(kMargin / spacing), kMinMargin, kMaxMargin);
+    const double margin = std::clamp(std::ceil(kGridMargin / spacing), kMinMargin, kMaxMargin);
     GridLayout layout;
     layout.spacing = spacing;
     layout.origin = box.min() - Vector3d::Constant(margin * spacing);

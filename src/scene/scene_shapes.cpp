@@ -126,7 +126,7 @@ namespace {
 
 using Type = SceneShape::Type;
 
-constexpr int kSides = 32;
+constexpr int kRingSides = 32;
 constexpr int kArcs = 8;                 // Of a quarter circle.
 constexpr double kPlaneHalfSize = 50.0;  // Metres.
 
@@ -170,17 +170,17 @@ TriangleMesh revolved(const std::vector<Ring>& rings) {
   std::vector<int> first;
   for (const Ring& ring : rings) {
     first.push_back(static_cast<int>(mesh.vertices.size()));
-    const int count = ring.radius == 0.0 ? 1 : kSides;
+    const int count = ring.radius == 0.0 ? 1 : kRingSides;
     for (int side = 0; side < count; ++side) {
-      const auto angle = portable::sin_cos(2.0 * std::numbers::pi * side / kSides);
+      const auto angle = portable::sin_cos(2.0 * std::numbers::pi * side / kRingSides);
       mesh.vertices.emplace_back(ring.radius * angle.cosine, ring.radius * angle.sine, ring.z);
     }
   }
   const auto vertex = [&](std::size_t ring, int side) {
-    return first[ring] + (rings[ring].radius == 0.0 ? 0 : side % kSides);
+    return first[ring] + (rings[ring].radius == 0.0 ? 0 : side % kRingSides);
   };
   for (std::size_t ring = 0; ring + 1 < rings.size(); ++ring) {
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kRingSides; ++side) {
       const int a = vertex(ring, side), b = vertex(ring, side + 1);
       const int c = vertex(ring + 1, side + 1), d = vertex(ring + 1, side);
       if (a != b) mesh.triangles.push_back({a, b, c});

@@ -108,7 +108,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // This many triangles take about ten megabytes of a page.
-constexpr std::size_t kMaxSceneTriangles = 300'000;
+constexpr std::size_t kMaxPageTriangles = 300'000;
 constexpr std::size_t kMaxSceneShapes = 20'000;
 constexpr std::size_t kMaxScenePoses = 1'000'000;
 
@@ -159,7 +159,7 @@ std::string scene_excess(const SceneClip& scene) {
     const char* of = std::string_view(noun) == "pose" ? " of moving bodies" : "";
     return count_text(count, noun) + of + ", at most " + std::to_string(most) + " fit on a page";
   };
-  if (triangles > kMaxSceneTriangles) return text(triangles, "triangle", kMaxSceneTriangles);
+  if (triangles > kMaxPageTriangles) return text(triangles, "triangle", kMaxSceneTriangles);
   if (shapes > kMaxSceneShapes) return text(shapes, "shape", kMaxSceneShapes);
   if (poses > kMaxScenePoses) return text(poses, "pose", kMaxScenePoses);
   return {};

@@ -2,13 +2,13 @@
 
 #include <utility>
 #include <vector>
-#include "retarget/batch.h"
 
 #include "declare_table.h"
 #include "retarget/measure.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
+#include "rim_commands.h"
 
 namespace retarget::cli {
 namespace {
@@ -75,16 +75,6 @@ OptionTable run_command_table(RunArguments& arguments) {
       arguments.gates,
       "Exit code 1 if the motion misses a gate: default, 'METRIC<=N', a file (docs/quality.md)"));
   append(table, common_table(arguments.common));
-  return table;
-}
-
-OptionTable batch_table(BatchArguments& arguments) {
-  OptionTable table = retarget::batch_table(arguments.request, arguments.run.run);
-  table.push_back(
-      row("merge", arguments.merge, kBatchGroup, "",
-          "Join the manifests of all shards in the output folder and write the summary"));
-  table.push_back(row("no-quality", arguments.no_quality, kBatchGroup, "",
-                      "Do not measure the motions: faster, but the summary lists only failures"));
   return table;
 }
 
@@ -216,7 +206,6 @@ OptionTable view_table(ViewArguments& arguments) {
 
 std::set<std::string> advanced_option_names() {
   RunArguments run;
-  BatchArguments batch;
   EvaluateArguments evaluate;
   InspectArguments inspect;
   ConvertArguments convert;
@@ -226,9 +215,7 @@ std::set<std::string> advanced_option_names() {
   ContactsArguments contacts;
   SceneFromMotionArguments scene;
   ViewArguments view;
-  LiveArguments live;
   OptionTable all = run_command_table(run);
-  append(all, batch_table(batch));
   append(all, evaluate_table(evaluate));
   append(all, inspect_table(inspect));
   append(all, convert_table(convert));
@@ -238,7 +225,7 @@ std::set<std::string> advanced_option_names() {
   append(all, contacts_table(contacts));
   append(all, scene_from_motion_table(scene));
   append(all, view_table(view));
-  append(all, live_command_table(live));
+  append(all, rim_option_table());
   std::set<std::string> names;
   for (const Option& each : all) names.insert(each.name);
   for (const Option& each : all) {

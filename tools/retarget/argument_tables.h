@@ -12,7 +12,6 @@ namespace retarget::cli {
 /// those of a run.
 [[nodiscard]] OptionTable common_table(CommonArguments& arguments);
 [[nodiscard]] OptionTable request_table(RunArguments& arguments);
-[[nodiscard]] OptionTable batch_table(BatchArguments& arguments);
 [[nodiscard]] OptionTable evaluate_table(EvaluateArguments& arguments);
 
 [[nodiscard]] Option write_map_row(std::string& file);
@@ -24,7 +23,6 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable contacts_table(ContactsArguments& arguments);
 [[nodiscard]] OptionTable scene_from_motion_table(SceneFromMotionArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
-[[nodiscard]] OptionTable live_command_table(LiveArguments& arguments);
 
 /// Returns the names of the options that a command's short help leaves out. For subcommands (`edit
 /// trim`), shared_option_names are the options that all of them share.

@@ -23,6 +23,8 @@ namespace retarget::cli {
 [[nodiscard]] Result<void> verify(const VerifyArguments& arguments, Console& console);
 [[nodiscard]] Result<void> live(const LiveArguments& arguments, Console& console);
 [[nodiscard]] Result<void> view(const ViewArguments& arguments, Console& console);
+/// The part of `view` that makes pages of all motions of a batch, and an index page.
+[[nodiscard]] Result<void> view_gallery(const ViewArguments& arguments, Console& console);
 [[nodiscard]] Result<ExitCode> robots(const RobotsArguments& arguments, Console& console);
 
 }  // namespace retarget::cli

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <utility>
 
 #include "retarget/error.h"
 #include "retarget/os.h"
@@ -54,13 +56,13 @@ Console::Console(bool quiet)
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
 
-void Console::never_wait() {
-  if (!writer_) writer_.emplace(os::kStandardError);
+void Console::write_with(std::function<void(std::string_view)> write) {
+  write_ = std::move(write);
 }
 
 void Console::put(std::string_view text) {
-  if (writer_) {
-    writer_->write(text);
+  if (write_) {
+    write_(text);
   } else {
     std::fwrite(text.data(), 1, text.size(), stderr);
   }

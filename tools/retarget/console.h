@@ -1,7 +1,7 @@
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,7 +9,6 @@
 
 #include "retarget/error.h"
 #include "retarget/run.h"
-#include "retarget/serve.h"
 #include "retarget/solve.h"
 #include "retarget/text.h"
 
@@ -90,9 +89,8 @@ class Console : public Observer {
   /// Prints nothing and collects notes, which must outlive the console.
   explicit Console(ConsoleNotes& notes);
 
-  /// Writes all further messages on a thread, so that a paused reader of standard error does not
-  /// delay the caller; it misses messages that it does not read in time.
-  void never_wait();
+  /// Passes the text of all further messages to `write` instead of standard error.
+  void write_with(std::function<void(std::string_view)> write);
 
   /// Returns true if summary lines are printed.
   [[nodiscard]] bool is_read() const override { return !quiet_ && notes_ == nullptr; }
@@ -130,7 +128,7 @@ class Console : public Observer {
   ConsoleNotes* notes_ = nullptr;
   bool progress_shown_ = false;
   double last_progress_s_ = 0.0;
-  std::optional<MessageWriter> writer_;  // Writes the messages, if they may not wait.
+  std::function<void(std::string_view)> write_;  // Replaces standard error.
 };
 
 /// Whether standard output is a terminal that takes colours (NO_COLOR is not set).

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "arguments.h"
@@ -10,7 +12,9 @@
 #include "console.h"
 #include "retarget/file.h"
 #include "retarget/load.h"
+#include "retarget/os.h"
 #include "retarget/plan.h"
+#include "retarget/serve.h"
 #include "retarget/serve_table.h"
 #include "retarget/text.h"
 #include "retarget/try.h"
@@ -51,7 +55,9 @@ Result<void> play_clip(const LiveArguments& arguments, Console& console) {
 }  // namespace
 
 Result<void> live(const LiveArguments& arguments, Console& console) {
-  console.never_wait();
+  // A paused reader of standard error must not delay the stream; it misses what it does not read in time.
+  console.write_with([writer = std::make_shared<MessageWriter>(os::kStandardError)](
+                         std::string_view text) { writer->write(text); });
   if (arguments.list) return list_formats();
   if (!arguments.play.empty()) return play_clip(arguments, console);
   ServeRequest request = arguments.request;

@@ -5,26 +5,23 @@
 #include <array>
 #include <cstdio>
 #include <exception>
-#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "arguments.h"
+#include "command_list.h"
 #include "commands.h"
 #include "console.h"
 #include "declare.h"
 #include "declare_table.h"
-#include "edit_arguments.h"
 #include "generate.h"
 #include "help_format.h"
 #include "retarget/error.h"
-#include "retarget/option_table.h"
 #include "retarget/version.h"
+#include "rim_commands.h"
 #include "usage_errors.h"
 
 namespace retarget::cli {
@@ -104,34 +101,6 @@ std::optional<ExitCode> parse_words(CLI::App& app, const std::vector<std::string
   return std::nullopt;
 }
 
-// The commands, each with the function to call after parsing.
-class Commands {
- public:
-  template <typename Arguments, typename Value>
-  void add(const CLI::App* command, const Arguments& arguments, const CommonArguments& common,
-           Result<Value> (*command_call)(const Arguments&, Console&)) {
-    calls_.emplace_back(command, [&arguments, &common, command_call] {
-      Console console(common.quiet);
-      const Result<Value> done = command_call(arguments, console);
-      if (!done) return console.fail(done.error());
-      if constexpr (std::is_void_v<Value>) {
-        return kDone;
-      } else {
-        return *done;
-      }
-    });
-  }
-  // Calls the first command that was parsed; the default command is last.
-  [[nodiscard]] ExitCode call() const {
-    const auto parsed =
-        std::ranges::find_if(calls_, [](const auto& each) { return each.first->parsed(); });
-    return parsed->second();
-  }
-
- private:
-  std::vector<std::pair<const CLI::App*, std::function<ExitCode()>>> calls_;
-};
-
 int main_with(const std::vector<std::string>& given) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   // On Windows, CLI11 would take /names for options.
@@ -140,42 +109,22 @@ int main_with(const std::vector<std::string>& given) {
   app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
 
-  RunArguments run_of;
-  add_run_options(app, run_of);
-  add_run_words(app, run_of);
   Commands commands;
-  BatchArguments batch_of;
-  commands.add(add_batch_command(app, batch_of), batch_of, batch_of.run.common, batch);
-  InspectArguments inspect_of;
-  commands.add(add_inspect_command(app, inspect_of), inspect_of, inspect_of.run.common, inspect);
-  ContactsArguments contacts_of;
-  commands.add(add_contacts_command(app, contacts_of), contacts_of, contacts_of.run.common,
-               contacts);
-  SceneFromMotionArguments scene_of;
-  commands.add(add_scene_from_motion_command(app, scene_of), scene_of, scene_of.run.common,
-               find_scene);
-  EditArguments edit_of;
-  commands.add(add_edit_command(app, edit_of), edit_of, edit_of.common, edit);
-  EvaluateArguments evaluate_of;
-  commands.add(add_evaluate_command(app, evaluate_of), evaluate_of, evaluate_of.run.common,
-               evaluate);
-  ConvertArguments convert_of;
-  commands.add(add_convert_command(app, convert_of), convert_of, convert_of.common, convert);
-  CompareArguments compare_of;
-  commands.add(add_compare_command(app, compare_of), compare_of, compare_of.common, compare);
-  CertifyArguments certify_of;
-  commands.add(add_certify_command(app, certify_of), certify_of, certify_of.run.common, certify);
-  SimulateArguments simulate_of;
-  commands.add(add_simulate_command(app, simulate_of), simulate_of, simulate_of.common, simulate);
-  VerifyArguments verify_of;
-  commands.add(add_verify_command(app, verify_of), verify_of, verify_of.common, verify);
-  ViewArguments view_of;
-  commands.add(add_view_command(app, view_of), view_of, view_of.run.common, view);
-  LiveArguments live_of;
-  commands.add(add_live_command(app, live_of), live_of, live_of.common, live);
-  RobotsArguments robots_of;
-  commands.add(add_robots_command(app, robots_of), robots_of, robots_of.common, robots);
-  commands.add(&app, run_of, run_of.common, run);
+  commands.add(app, &add_run_command, &run);
+  add_batch(app, commands);
+  commands.add(app, &add_inspect_command, &inspect);
+  commands.add(app, &add_contacts_command, &contacts);
+  commands.add(app, &add_scene_from_motion_command, &find_scene);
+  add_edit(app, commands);
+  commands.add(app, &add_evaluate_command, &evaluate);
+  commands.add(app, &add_convert_command, &convert);
+  commands.add(app, &add_compare_command, &compare);
+  commands.add(app, &add_certify_command, &certify);
+  commands.add(app, &add_simulate_command, &simulate);
+  commands.add(app, &add_verify_command, &verify);
+  commands.add(app, &add_view_command, &view);
+  add_live(app, commands);
+  add_robots(app, commands);
 
   app.add_subcommand("help", "Help for a command: retarget help edit path");
   Generated generated;

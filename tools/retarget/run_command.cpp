@@ -1,6 +1,5 @@
 // The default command: converts one motion file to a robot's motion files.
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -9,7 +8,6 @@
 #include "arguments.h"
 #include "commands.h"
 #include "console.h"
-#include "retarget/batch.h"
 #include "retarget/check_options.h"
 #include "retarget/file.h"
 #include "retarget/measure.h"
@@ -144,20 +142,6 @@ Result<ExitCode> run(const RunArguments& given, Console& console) {
   return run_failure(arguments.run.output == "-" ? "standard output" : arguments.run.output,
                      "the motion misses a gate: " + missed_gates_text(*outcome.quality),
                      "the motion was written nevertheless");
-}
-
-// `retarget batch`: converts folders of clips to folders of motions.
-
-Result<ExitCode> batch(const BatchArguments& arguments, Console& console) {
-  BatchRequest request = arguments.request;
-  RETARGET_TRY_ASSIGN(request.data_folder, data_folder_of(arguments.run.common));
-  request.run = arguments.run.run;
-  request.of_clip = arguments.run.request;
-  request.quality = !arguments.no_quality;
-  request.begin_worker = leave_interrupts_to_parent;
-  RETARGET_TRY_ASSIGN(const std::size_t failed, arguments.merge ? merge_batch(request, console)
-                                                                : run_batch(request, console));
-  return failed > 0 ? kRunFailed : kDone;
 }
 
 }  // namespace retarget::cli

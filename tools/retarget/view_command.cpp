@@ -16,7 +16,6 @@
 #include "retarget/check_options.h"
 #include "retarget/clip.h"
 #include "retarget/file.h"
-#include "retarget/gallery.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
 #include "retarget/measure_files.h"
@@ -214,50 +213,15 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
   return {};
 }
 
-Result<void> check_gallery(const ViewArguments& arguments) {
-  const std::string& output = arguments.run.run.output;
-  if (arguments.motions.size() > 1) {
-    return usage_failure("a gallery shows one folder",
-                         "give motion files to play them side by side");
-  }
-  std::error_code ignored;
-  if (output == "-" || (fs::exists(output, ignored) && !fs::is_directory(output, ignored)) ||
-      (!fs::exists(output, ignored) && !fs::path(output).extension().empty() &&
-       output.back() != '/')) {
-    return usage_failure("a gallery must be a folder, found the output \"" + output + "\"",
-                         "give a folder, such as gallery/");
-  }
-  if (!arguments.run.run.motion.empty() || !arguments.run.png.empty() ||
-      !arguments.labels.empty()) {
-    return usage_failure("--bvh, --smpl, --png and --label apply to motions, not to a folder");
-  }
-  fs::path folder = fs::path(output).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  return check_output_folder(folder.string());
-}
-
-// Makes pages of the motions of a batch, and an index page.
-Result<void> view_batch(const ViewArguments& arguments, Console& console) {
-  RETARGET_TRY(check_gallery(arguments));
-  GalleryRequest request;
-  request.batch = arguments.motions.front();
-  request.output = arguments.run.run.output;
-  request.data_folder = DataFolder{arguments.run.common.data_dir};
-  request.robot = arguments.run.run.robot;
-  request.gates = arguments.gates;
-  request.meshes = arguments.meshes;
-  request.spelling = option_as_flag;
-  request.begin_worker = leave_interrupts_to_parent;
-  return write_gallery(request, console);
-}
-
 }  // namespace
 
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
   std::error_code ignored;
   const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
-  if (std::ranges::any_of(arguments.motions, is_folder)) return view_batch(arguments, console);
+  if (std::ranges::any_of(arguments.motions, is_folder)) {
+    return view_gallery(arguments, console);
+  }
   RETARGET_TRY(take_smpl_file(arguments.run));
   RETARGET_TRY(check_usage(arguments));
   if (arguments.run.strip == 0) arguments.run.strip = StripPictureOptions().poses;

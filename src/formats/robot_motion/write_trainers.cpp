@@ -151,7 +151,7 @@ void add_joints_behind_root(const TrackingMotion& motion, NpzWriter& npz) {
 }
 
 constexpr std::string_view kEnumModule = "protomotions.simulator.base_simulator.simulator_state";
-constexpr std::array<std::string_view, 2> kSides = {"left", "right"};
+constexpr std::array<std::string_view, 2> kSideNames = {"left", "right"};
 
 // Arrays with one row per body.
 struct BodyRows {
@@ -213,7 +213,7 @@ std::optional<std::vector<std::uint8_t>> body_contacts(const RobotClip& clip,
   std::vector<std::uint8_t> contacts(bodies.size() * static_cast<std::size_t>(known->frame_count()),
                                      0);
   for (int side = 0; side < 2; ++side) {
-    const auto foot = proto_foot(clip.robot(), bodies, kSides[static_cast<std::size_t>(side)]);
+    const auto foot = proto_foot(clip.robot(), bodies, kSideNames[static_cast<std::size_t>(side)]);
     if (!foot) return std::nullopt;
     for (int frame = 0; frame < known->frame_count(); ++frame) {
       if (known->foot_planted(frame, side)) {

@@ -67,11 +67,11 @@ double trunk_length(const BodySource& source, const BoneMap& map) {
 }
 
 // Cosine between trunk and legs over a motion.
-struct Posture {
+struct TrunkPosture {
   double highest = -1.0, median = -1.0;
 };
 
-Posture posture_of(const BodySource& source, const BoneMap& map) {
+TrunkPosture posture_of(const BodySource& source, const BoneMap& map) {
   std::vector<double> cosines;
   for (const BodyPoses::Pose& pose : source.poses.poses) {
     cosines.push_back(uprightness(pose, map));
@@ -163,7 +163,7 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
   if (has_hands && limb_length(source, map, {kArm, kForeArm, kHand}) > kMaxArmPerLeg * leg) {
     doubts.signs.emplace_back("the arms are as long as the legs");
   }
-  const Posture posture = posture_of(source, map);
+  const TrunkPosture posture = posture_of(source, map);
   const bool stands = source.poses.from_motion && posture.highest > kStretched;
   if (source.poses.from_motion && posture.median < kAcross) {
     doubts.signs.emplace_back(posture.highest > kRisen

@@ -52,13 +52,13 @@ std::vector<NamedJoint> joints_called(const BodySource& source, Bone bone) {
   return found;
 }
 
-struct LimbPart {
+struct LimbRow {
   LimbBone bone;
   bool required;
 };
-using LimbParts = std::array<LimbPart, 4>;
-constexpr LimbParts kLegParts = {{{kUpLeg, true}, {kLeg, true}, {kFoot, true}, {kToe, false}}};
-constexpr LimbParts kArmParts = {
+using LimbRows = std::array<LimbRow, 4>;
+constexpr LimbRows kLegParts = {{{kUpLeg, true}, {kLeg, true}, {kFoot, true}, {kToe, false}}};
+constexpr LimbRows kArmParts = {
     {{kShoulder, false}, {kArm, true}, {kForeArm, true}, {kHand, false}}};
 
 // A limb of one side, according to the joint names.
@@ -91,7 +91,7 @@ bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbC
          kMinUpperPerLower * source.path_length(whole.joints[2], whole.joints[3]);
 }
 
-Result<NamedLimb> find_limb(const BodySource& source, const LimbParts& limb, Side side) {
+Result<NamedLimb> find_limb(const BodySource& source, const LimbRows& limb, Side side) {
   NamedLimb found;
   for (const auto& [part, required] : limb) {
     const Bone bone = side_bone(side, part);
@@ -117,7 +117,7 @@ bool contradict(const BodySource& source, const NamedLimb& left, const NamedLimb
 
 // Finds the legs or the arms. A word has one meaning on both sides, that of the side it fits
 // better.
-Result<LimbPair> find_limbs(const BodySource& source, const LimbParts& limb) {
+Result<LimbPair> find_limbs(const BodySource& source, const LimbRows& limb) {
   LimbPair sides;
   for (const Side side : kSides) {
     TRY_ASSIGN(sides[side == Side::kLeft ? 0 : 1], find_limb(source, limb, side));

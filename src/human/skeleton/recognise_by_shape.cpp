@@ -37,7 +37,7 @@ constexpr double kShapeConfidence = 0.7;
 constexpr double kSamePlace = 0.02;
 
 // The three joints of a chain that form a limb.
-struct Limb {
+struct TracedLimb {
   std::size_t upper = 0, lower = 0, end = 0;
   double merit = 0.0;
 };
@@ -71,13 +71,13 @@ std::vector<Hub> find_hubs(const BodySource& source, const TreeReach& reach) {
 }
 
 // End of a limb within a chain: the number of its joints.
-struct LimbEnd {
+struct TracedEnd {
   std::size_t size = 0;
   bool spreads = false;  // The last joint carries fingers or several toes.
 };
 
 // A limb ends where fingers spread, else before much shorter segments.
-LimbEnd end_of_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair) {
+TracedEnd end_of_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair) {
   constexpr double kSpread = 0.5, kShortSegment = 0.6;
   for (std::size_t i = 1; i + 1 < pair.left.size(); ++i) {
     std::vector<double> ways;
@@ -107,8 +107,8 @@ constexpr LimbShape kLegShape = {1.0, 0.2, false};
 constexpr LimbShape kArmShape = {0.85, 0.46, true};
 
 // The three joints of a chain that resemble a limb most.
-Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair,
-               const LimbShape& shape) {
+TracedLimb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair,
+                     const LimbShape& shape) {
   const auto [size, spreads] = end_of_limb(source, reach, pair);
   constexpr double kRatioSpread = 0.2;
   std::vector<double> along(size, 0.0);
@@ -117,7 +117,7 @@ Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair
   std::size_t first = 0;
   const double min = kSamePlace * pair.reach;
   while (first < size && pair.lengths[0] + along[first] < min) ++first;
-  Limb best;
+  TracedLimb best;
   for (std::size_t i = first; i < size; ++i) {
     for (std::size_t j = i + 1; j < size; ++j) {
       for (std::size_t k = j + 1; k < size; ++k) {
@@ -204,8 +204,8 @@ double order_merit(const BodySource& source, const TreeReach& reach, const Shape
   merit += source.tree.neighbours(shape.torso).size() > 3 ? 1.0 : 0.0;
   merit -= source.tree.neighbours(shape.hips).size() > 3 ? 0.5 : 0.0;
   // Legs are longer than arms, and thigh and shin are closer to equal length.
-  const Limb leg = find_limb(source, reach, shape.legs, kLegShape);
-  const Limb arm = find_limb(source, reach, shape.arms, kArmShape);
+  const TracedLimb leg = find_limb(source, reach, shape.legs, kLegShape);
+  const TracedLimb arm = find_limb(source, reach, shape.arms, kArmShape);
   merit += leg.merit > arm.merit ? 0.6 : -0.6;
   // Clavicles precede the arm, and fingers spread from the hand.
   merit += arm.upper > leg.upper ? 0.4 : arm.upper < leg.upper ? -0.4 : 0.0;
@@ -255,8 +255,8 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
 
 // Maps the limbs of both pairs. Returns false if a pair contains no limb.
 bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& shape, BoneMap& map) {
-  const Limb leg = find_limb(source, reach, shape.legs, kLegShape);
-  const Limb arm = find_limb(source, reach, shape.arms, kArmShape);
+  const TracedLimb leg = find_limb(source, reach, shape.legs, kLegShape);
+  const TracedLimb arm = find_limb(source, reach, shape.arms, kArmShape);
   if (leg.merit <= 0.0 || arm.merit <= 0.0) return false;
   for (const Side side : kSides) {
     const bool left = side == Side::kLeft;

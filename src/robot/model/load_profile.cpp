@@ -50,7 +50,7 @@ const std::vector<std::string> kVariantKeys = {"description", "locked", "model",
 const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
 const std::vector<std::string> kCouplingKeys = {"joint", "ratio", "offset"};
-const std::vector<std::string> kSides = {"left", "right"};
+const std::vector<std::string> kSideNames = {"left", "right"};
 
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
@@ -304,8 +304,9 @@ class ProfileReader {
     profile_.soles_estimated = members_.flag("soles_estimated");
     for (const auto& [side, entry] : members_.object("soles").items()) {
       const std::string what = "sole " + quoted(side);
-      if (std::ranges::find(kSides, side) == kSides.end()) {
-        faults_.add(what + ": expected \"left\" or \"right\"" + faults_.suggestion(side, kSides));
+      if (std::ranges::find(kSideNames, side) == kSideNames.end()) {
+        faults_.add(what + ": expected \"left\" or \"right\"" +
+                    faults_.suggestion(side, kSideNames));
       }
       if (!entry.is_object() || !entry.contains("body") || !entry.contains("points")) {
         faults_.add(what + " must be {\"body\": name, \"points\": [[x, y, z], ...]}");
