@@ -159,7 +159,7 @@ std::string scene_excess(const SceneClip& scene) {
     const char* of = std::string_view(noun) == "pose" ? " of moving bodies" : "";
     return count_text(count, noun) + of + ", at most " + std::to_string(most) + " fit on a page";
   };
-  if (triangles > kMaxPageTriangles) return text(triangles, "triangle", kMaxSceneTriangles);
+  if (triangles > kMaxPageTriangles) return text(triangles, "triangle", kMaxPageTriangles);
   if (shapes > kMaxSceneShapes) return text(shapes, "shape", kMaxSceneShapes);
   if (poses > kMaxScenePoses) return text(poses, "pose", kMaxScenePoses);
   return {};
