@@ -39,7 +39,7 @@ std::string default_text(const Option& row) {
   return is_unset ? std::string() : to_text(value);
 }
 
-void declare(CLI::App& command, const Option& row) {
+void declare_row(CLI::App& command, const Option& row) {
   const std::string letter = row.info.letter.empty() ? "" : "-" + row.info.letter + ",";
   const std::string names = is_word(row) ? row.name : letter + option_as_flag(row.name);
   const std::string help = spell_options(row.info.help, option_as_flag);
@@ -75,7 +75,7 @@ void declare(CLI::App& command, const Option& row) {
 }  // namespace
 
 void declare(CLI::App& command, const OptionTable& rows) {
-  for (const Option& row : rows) declare(command, row);
+  for (const Option& row : rows) declare_row(command, row);
 }
 
 void refuse_empty_values(CLI::App& app) {
