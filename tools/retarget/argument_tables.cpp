@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "declare_table.h"
+#include "outer_commands.h"
 #include "retarget/measure.h"
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/run.h"
-#include "rim_commands.h"
 
 namespace retarget::cli {
 namespace {
@@ -225,7 +225,7 @@ std::set<std::string> advanced_option_names() {
   append(all, contacts_table(contacts));
   append(all, scene_from_motion_table(scene));
   append(all, view_table(view));
-  append(all, rim_option_table());
+  append(all, outer_option_table());
   std::set<std::string> names;
   for (const Option& each : all) names.insert(each.name);
   for (const Option& each : all) {

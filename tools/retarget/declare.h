@@ -10,7 +10,7 @@ namespace retarget::cli {
 /// robot; returns `app`.
 CLI::App* add_run_command(CLI::App& app, RunArguments& arguments);
 
-/// Declares each of the other commands with its options; rim_commands.h has the rest.
+/// Declares each of the other commands with its options; outer_commands.h has the rest.
 CLI::App* add_contacts_command(CLI::App& app, ContactsArguments& arguments);
 CLI::App* add_scene_from_motion_command(CLI::App& app, SceneFromMotionArguments& arguments);
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments);

@@ -19,9 +19,9 @@
 #include "declare_table.h"
 #include "generate.h"
 #include "help_format.h"
+#include "outer_commands.h"
 #include "retarget/error.h"
 #include "retarget/version.h"
-#include "rim_commands.h"
 #include "usage_errors.h"
 
 namespace retarget::cli {

@@ -107,7 +107,7 @@ bool may_be_of_human(const CLI::App& command) {
 }
 
 std::vector<Need> needs_of(const CLI::App& command) {
-  // A command that this build lacks accepts all words (quick_start/rim_commands.cpp).
+  // A command that this build lacks accepts all words (quick_start/outer_commands.cpp).
   if (command.get_allow_extras()) return {};
   const std::string& name = command.get_name();
   const bool merges = is_given(command, "--merge");

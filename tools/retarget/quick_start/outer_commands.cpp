@@ -1,6 +1,6 @@
-// Replaces ../rim_commands.cpp with RETARGET_QUICK_START, which builds only the core.
+// Replaces ../outer_commands.cpp with RETARGET_QUICK_START, which builds only the core.
 
-#include "rim_commands.h"
+#include "outer_commands.h"
 
 #include <string>
 
@@ -59,7 +59,7 @@ Result<void> view_gallery(const ViewArguments& /*arguments*/, Console& /*console
   return absent("galleries of batches");
 }
 
-OptionTable rim_option_table() {
+OptionTable outer_option_table() {
   return {};
 }
 

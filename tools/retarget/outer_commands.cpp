@@ -1,6 +1,6 @@
-// Commands of the rim: many clips, edits of motions, streams, robots.
+// Commands of outer modules: batch, edit, live, robots.
 
-#include "rim_commands.h"
+#include "outer_commands.h"
 
 #include <array>
 #include <string>
@@ -236,7 +236,7 @@ void add_robots(CLI::App& app, Commands& commands) {
   commands.add(app, &add_robots_command, &robots);
 }
 
-OptionTable rim_option_table() {
+OptionTable outer_option_table() {
   BatchArguments batch;
   LiveArguments live;
   OptionTable table = batch_table(batch);
