@@ -31,6 +31,9 @@ struct Metric {
 /// Looks up a metric by its key; nullptr if unknown.
 [[nodiscard]] const Metric* find_metric(std::string_view key);
 
+/// True for metrics that only inverse dynamics provides (`--dynamics`).
+[[nodiscard]] bool needs_dynamics(const Metric& metric);
+
 /// Keys of all metrics, for messages.
 [[nodiscard]] std::vector<std::string> metric_keys();
 
@@ -197,7 +200,9 @@ struct GateResult {
   std::string metric;
   std::optional<double> min, max;  ///< Bounds for the value, inclusive.
   std::optional<double> value;     ///< Empty: the metric was not measured.
-  bool passed = true;              ///< True if the metric was not measured.
+  /// True if the metric was not measured, except if the user named it (Gate::named); conditional
+  /// metrics may always be missing.
+  bool passed = true;
 };
 
 /// Quality of a motion. Metrics that need missing data (a source clip, soles, collision shapes,
@@ -263,6 +268,7 @@ struct Gate {
   /// Leg length (hip to knee to ankle) that the bounds refer to, metres; they scale with the leg
   /// length of the robot. Empty: the same bounds for every robot.
   std::optional<double> leg = std::nullopt;
+  bool named = false;  ///< The user named this metric, so it must be measured: `METRIC<=N`.
 };
 
 /// A set of gates, at most one per metric.
@@ -272,6 +278,8 @@ class Gates {
   void set(Gate gate);
   void clear() { gates_.clear(); }
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
+  /// True if a gate is on a metric that only inverse dynamics provides.
+  [[nodiscard]] bool need_dynamics() const;
 
   /// Sets all gates of a JSON file:
   /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`. A plain number is a

@@ -178,8 +178,7 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 /// Minimum distance to the joint limits, and joints that stay at a limit with the reason.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 
-/// A missed gate: `jumps 3 (at most 0)`.
-/// @pre its metric was measured
+/// A missed gate: `jumps 3 (at most 0)`, or `jumps (not measured)`.
 [[nodiscard]] std::string missed_text(const GateResult& gate);
 /// All missed gates of a report, separated by commas. Empty if no gate is missed.
 [[nodiscard]] std::string missed_gates_text(const QualityReport& report);

@@ -245,7 +245,8 @@ std::string reason_of(const ManifestEntry& entry) {
   std::string reason;
   for (const std::string& metric : entry.quality->missed) {
     const auto gate = std::ranges::find(entry.quality->missed_gates, metric, &GateResult::metric);
-    const bool known = gate != entry.quality->missed_gates.end() && gate->value;
+    const bool known =
+        gate != entry.quality->missed_gates.end() && (gate->value || !is_certified_figure(metric));
     const std::string text = is_certified_figure(metric) ? metric + " unknown" : metric;
     reason += (reason.empty() ? "" : "; ") + (known ? missed_text(*gate) : text);
   }

@@ -194,9 +194,10 @@ void read_bounds(const Json& json, ClipQuality& quality) {
     const Json* bounds = reader.member(key);
     const auto figure =
         std::ranges::find(quality.figures, key, [](const auto& each) { return each.first; });
-    if (bounds == nullptr || figure == quality.figures.end()) continue;
+    if (bounds == nullptr) continue;
     const EntryReader bound(*bounds);
-    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false};
+    GateResult gate{key, std::nullopt, std::nullopt, std::nullopt, false};
+    if (figure != quality.figures.end()) gate.value = figure->second;
     if (double min = 0.0; bound.member("min") != nullptr) {
       bound.read("min", min);
       gate.min = min;

@@ -153,6 +153,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     robot.request.measure = request.quality;
     if (!request.gates.empty()) {
       RETARGET_TRY_ASSIGN(robot.request.gates, changed_gates(request.gates, request.data_folder));
+      robot.request.dynamics |= robot.request.gates->need_dynamics();
     }
     RETARGET_TRY_ASSIGN(LoadedRobot loaded,
                         load_robot(robot.run.robot, {request.data_folder}, observer));

@@ -220,6 +220,18 @@ class EvaluateCommand(ToolTest):
         self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", gates, "--gate",
                                        "peak_speed=none"))
 
+    def test_a_named_gate_without_a_value_is_missed(self):
+        for named in ("limb_angle_deg<=90", "limb_angle_deg=90"):
+            result = self.evaluate(self.good, "--gate", "none", "--gate", named)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("limb_angle_deg (not measured)", result.stderr)
+            self.assertIn("no source of the motion is given", result.stdout)
+        # Gates of a file apply to whatever is measured.
+        gates = self.write("gates.json", '{"gates": {"limb_angle_deg": {"max": 90}}}')
+        self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", gates))
+        # No motion without a scene could pass gates of scenes.
+        self.assert_done(self.evaluate(self.good, "--gate", "scene_pen_1cm_pct=0"))
+
     def test_invalid_gates(self):
         self.assert_fails(self.evaluate(self.good, "--gate", "jmps=0"), 2, 'did you mean "jumps"?')
         self.assert_fails(self.evaluate(self.good, "--gate", "jumps=few"), 2, '"few"')
@@ -260,7 +272,8 @@ class EvaluateCommand(ToolTest):
             self.assertIn("torque_over_pct", motion)
         self.assertGreater(bad["plain"], 5.0)
         self.assertLess(bad["dynamics"], 0.5 * bad["plain"])
-        faults = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--dynamics",
+        # A gate on a metric of inverse dynamics measures them.
+        faults = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1",
                                "--gate", "none", "--gate", "dynamics_bad_pct=1")
         self.assertEqual(faults.returncode, 1)
         self.assertIn("force along", faults.stdout)

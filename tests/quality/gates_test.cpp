@@ -42,6 +42,30 @@ TEST(GatesTest, BoundsAreInclusive) {
   EXPECT_FALSE(report.gates[1].passed);
 }
 
+TEST(GatesTest, NamedGateMissesIfItsMetricIsNotMeasured) {
+  Gates gates;
+  gates.set({"limb_angle_deg", std::nullopt, 5.0, std::nullopt, true});
+  gates.set({"scene_pen_1cm_pct", std::nullopt, 0.3, std::nullopt, true});
+  gates.set({"jumps", std::nullopt, 0.0});
+  QualityReport report;
+  gates.judge(report);
+  ASSERT_EQ(report.gates.size(), 3u);
+  for (const GateResult& gate : report.gates) {
+    EXPECT_FALSE(gate.value) << gate.metric;
+    // The scene's metric is conditional.
+    EXPECT_EQ(gate.passed, gate.metric != "limb_angle_deg") << gate.metric;
+  }
+  EXPECT_FALSE(report.passed());
+}
+
+TEST(GatesTest, GateOnInverseDynamicsNeedsThem) {
+  Gates gates;
+  gates.set({"com_acc_p99", std::nullopt, 20.0});
+  EXPECT_FALSE(gates.need_dynamics());
+  gates.set({"torque_over_pct", std::nullopt, 0.0});
+  EXPECT_TRUE(gates.need_dynamics());
+}
+
 TEST(GatesTest, BoundsScaleWithLegLength) {
   Gates gates;
   ASSERT_TRUE(gates.add_json(

@@ -114,6 +114,7 @@ class GateChanges {
       gate = *before;
     }
     if (!is_none) (text.relation == ">=" ? gate.min : gate.max) = bound;
+    gate.named = true;
     gates_.set(std::move(gate));
     given_.insert(std::move(figure));
     return {};

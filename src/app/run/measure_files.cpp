@@ -142,9 +142,9 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
     run.options.time.fps = source_rate->fps();
   }
   Measures measures;
-  measures.dynamics = request.dynamics;
   TRY_ASSIGN(const std::string data_folder, find_data_folder(request.data_folder));
   TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder));
+  measures.dynamics = request.dynamics || measures.gates.need_dynamics();
   const std::string variant = run.robot.variant.empty() ? variant_of(request.motions) : "";
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, request.data_folder, observer));
   const auto& variants = robot.robot->profile().variants;

@@ -93,6 +93,7 @@ std::string short_name(const std::string& joint) {
 }  // namespace
 
 std::string missed_text(const GateResult& gate) {
+  if (!gate.value) return gate.metric + " (not measured)";
   // Negated comparison: NaN counts as below the bound.
   const bool too_little = gate.min && !(*gate.value >= *gate.min);
   const double bound = too_little ? *gate.min : *gate.max;
@@ -109,7 +110,7 @@ std::string missed_text(const GateResult& gate) {
 std::string missed_gates_text(const QualityReport& report) {
   std::string text;
   for (const GateResult& gate : report.gates) {
-    if (gate.value && !gate.passed) text += (text.empty() ? "" : ", ") + missed_text(gate);
+    if (!gate.passed) text += (text.empty() ? "" : ", ") + missed_text(gate);
   }
   return text;
 }
@@ -189,11 +190,7 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
   const std::string missed = missed_gates_text(report);
   long kept = 0, unmeasured = 0;
   for (const GateResult& gate : report.gates) {
-    if (!gate.value) {
-      ++unmeasured;
-    } else if (gate.passed) {
-      ++kept;
-    }
+    if (gate.passed) ++(gate.value ? kept : unmeasured);
   }
   if (!missed.empty()) lines.push_back({"missed", name + missed});
   const auto all = static_cast<long>(report.gates.size());

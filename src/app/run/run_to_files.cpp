@@ -136,7 +136,8 @@ Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& ru
                      std::ranges::any_of(request.drawings, &RunDrawing::needs_report) ||
                      request.gates.has_value() || !motion.solver_failures.empty();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
-  auto report = evaluate(motion, request.dynamics);
+  auto report =
+      evaluate(motion, request.dynamics || (request.gates && request.gates->need_dynamics()));
   if (!report && !asked) return std::optional<QualityReport>();
   if (!report) {
     if (report.error().location.file.empty()) report.error().location.file = run.output;

@@ -88,12 +88,19 @@ Result<void> Gates::add_file(const std::string& path) {
   return add_json(content.view(), path);
 }
 
+bool Gates::need_dynamics() const {
+  return std::ranges::any_of(gates_, [](const Gate& gate) {
+    const Metric* metric = find_metric(gate.metric);
+    return metric != nullptr && needs_dynamics(*metric);
+  });
+}
+
 void Gates::judge(QualityReport& report) const {
   report.gates.clear();
   for (const Metric& metric : quality_metrics()) {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
-    if (metric.is_conditional && report.find(metric.key) == nullptr) continue;
+    if (metric.is_conditional && !gate->named && report.find(metric.key) == nullptr) continue;
     GateResult result{gate->metric, gate->min, gate->max, std::nullopt, true};
     if (gate->leg && report.leg) {
       const double size = *report.leg / *gate->leg;
@@ -105,6 +112,8 @@ void Gates::judge(QualityReport& report) const {
       // Written such that NaN misses the gate.
       result.passed = (!result.min || found->value >= *result.min) &&
                       (!result.max || found->value <= *result.max);
+    } else {
+      result.passed = !gate->named || metric.is_conditional;
     }
     report.gates.push_back(result);
   }

@@ -329,6 +329,10 @@ constexpr auto kHeadlines = std::to_array<std::string_view>(
 
 }  // namespace
 
+bool needs_dynamics(const Metric& metric) {
+  return metric.source == kDynamics;
+}
+
 std::string_view group_name(MetricGroup group) {
   switch (group) {
     case MetricGroup::kLimits:

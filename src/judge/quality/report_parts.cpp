@@ -80,6 +80,7 @@ std::string frames_of(const Fault& fault) {
 
 // Details of a missed gate in addition to its faults.
 std::string detail_of(const QualityReport& report, const GateResult& gate) {
+  if (!gate.value && report.source.empty()) return "no source of the motion is given";
   if (gate.metric == "trunk_lean_error_deg" && report.trunk_lean) {
     return "on average the robot leans by " + figure_text(report.trunk_lean->robot) +
            " degrees, the human by " + figure_text(report.trunk_lean->human);
@@ -152,11 +153,7 @@ std::string gate_bound_text(const GateResult& gate) {
 ReportLine verdict_of(const QualityReport& report) {
   long kept = 0, missed = 0, unmeasured = 0;
   for (const GateResult& gate : report.gates) {
-    if (!gate.value) {
-      ++unmeasured;
-    } else {
-      ++(gate.passed ? kept : missed);
-    }
+    ++(!gate.passed ? missed : gate.value ? kept : unmeasured);
   }
   const auto all = static_cast<long>(report.gates.size());
   ReportLine line = {{report.file + ": "}};
@@ -173,8 +170,8 @@ ReportLine verdict_of(const QualityReport& report) {
 }
 
 std::string missed_text_of(const QualityReport& report, const GateResult& gate) {
-  return report.file + ": " + gate.metric + " is " + figure_text(*gate.value, gate) +
-         ", expected " + bounds_in_words(gate);
+  const std::string found = gate.value ? figure_text(*gate.value, gate) : "not measured";
+  return report.file + ": " + gate.metric + " is " + found + ", expected " + bounds_in_words(gate);
 }
 
 std::vector<std::string> places_of_gate(const QualityReport& report, const GateResult& gate) {
