@@ -24,7 +24,7 @@ struct MotionTable {
   std::vector<std::pair<std::string, std::vector<double>>> others;
 };
 
-/// Columns: root position, root quaternion xyzw and all output joints.
+/// The table of a robot's motion: root position, root quaternion x y z w and all output joints.
 [[nodiscard]] MotionTable motion_table(const RobotClip& clip);
 
 /// Reads a file without knowledge of the robot. A CSV gives its columns, by name where it has a
@@ -44,14 +44,15 @@ struct ColumnDifference {
   double largest = 0.0;           ///< Infinite if a value is NaN.
   std::size_t largest_frame = 0;  ///< Frame of the largest difference.
   std::size_t first_frame = 0;    ///< First frame beyond the tolerance.
-  std::size_t frames_beyond = 0;
+  std::size_t frames_beyond = 0;  ///< Number of frames beyond the tolerance.
 };
 
+/// Difference between two motions.
 struct MotionDifference {
   std::size_t frames_a = 0, frames_b = 0;  ///< Only the frames that both motions have are compared.
   std::size_t column_count = 0;
   double largest = 0.0;
-  std::vector<ColumnDifference> columns;  ///< Columns beyond the tolerance, the worst first.
+  std::vector<ColumnDifference> columns;  ///< Columns beyond the tolerance, worst first.
   /// True if no column is beyond the tolerance and the frame counts are equal.
   [[nodiscard]] bool agree() const { return columns.empty() && frames_a == frames_b; }
 };
@@ -61,7 +62,7 @@ struct MotionDifference {
 [[nodiscard]] Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,
                                                        double tolerance);
 
-/// A summary with the largest difference, then a line for each of the worst columns.
+/// A summary with the largest difference, then one line per column, worst first.
 [[nodiscard]] std::vector<std::string> difference_lines(const MotionDifference& difference);
 
 /// Errors (kRun): the motions do not agree; the message states the largest difference and its

@@ -21,15 +21,15 @@ struct Inspection {
   OptionSpelling spelling = option_as_field;
 };
 
-/// Returns the joints, rate, extents and the human, as JSON that is safe to print on a terminal.
+/// The joints, the rate, the extents and the human as JSON that is safe to print on a terminal.
 [[nodiscard]] std::string inspection_json(const Inspection& found);
 
-/// The same as human-readable text, wrapped to the terminal width except for joint lines. Names are
-/// as in the file, made printable.
+/// The same as human-readable text, wrapped to the terminal width except for joint lines. Names
+/// from the file are made printable.
 [[nodiscard]] std::string inspection_text(const Inspection& found);
 
-/// Returns the world poses of all joints and end sites as CSV: `frame,time`, then `.x .y .z .qx .qy
-/// .qz .qw` for each; in the file's units and axes, with the shortest numbers that parse back to
+/// The world poses of all joints and end sites as CSV: `frame,time`, then `.x .y .z .qx .qy .qz
+/// .qw` for each joint. Units and axes are the file's. Numbers are the shortest that parse back to
 /// the same doubles.
 [[nodiscard]] std::string positions_csv(const Clip& clip);
 

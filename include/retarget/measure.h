@@ -22,24 +22,24 @@
 
 namespace RETARGET_API retarget {
 
-/// Returns the gates of configs/quality/default.json.
+/// The gates of configs/quality/default.json.
 [[nodiscard]] Result<Gates> default_gates(const std::string& data_folder);
 
-/// Applies a user's changes to the default gates, in order. A text is a file of gates,
+/// Applies a user's changes to the default gates, in order. A text is the name of a gate file,
 /// `METRIC<=MAX`, `METRIC>=MIN`, `METRIC=MAX`, `METRIC=none`, `none` (no gates at all) or `default`
 /// (no change; it does not undo `none`). The first text on a metric replaces its gate; `<=` and
-/// `>=` on the same metric combine to one gate. The part of a metric's name after the last `_` may
-/// be omitted: `limb_angle`. Errors: unknown metrics and invalid numbers (kUsage), errors in a file
-/// (kConfig).
+/// `>=` on the same metric combine to one gate. The suffix after the last `_` of a metric's name
+/// may be omitted: `limb_angle` for `limb_angle_deg`. Errors: unknown metrics and invalid numbers
+/// (kUsage), errors in a file (kConfig).
 [[nodiscard]] Result<Gates> changed_gates(const std::vector<std::string>& texts,
                                           const std::string& data_folder);
 
-/// Help text for commands that describe the gate texts in full.
+/// Help text of the gate option, with all forms of a text.
 inline constexpr const char* kGateHelp =
     "Gates that extend or replace configs/quality/default.json: a file like it, 'METRIC<=MAX', "
     "'METRIC>=MIN' (in quotes), METRIC=MAX, METRIC=none, or none for no gates at all; repeatable";
 
-/// Returns the command-line option that collects these texts.
+/// The command-line option that collects these texts.
 [[nodiscard]] Option gate_row(std::vector<std::string>& texts, const std::string& help = kGateHelp);
 
 struct SceneWorld;
@@ -55,45 +55,47 @@ struct QualitySource {
   const SceneWorld* scene = nullptr;
   /// The scene around the robot; null: `scene`, scaled like the paths.
   const SceneWorld* around_robot = nullptr;
-  /// Changes to the contacts that are found in the source.
+  /// User edits that are applied to the contacts detected in the source.
   std::span<const ContactEdit> contact_edits = {};
 };
 
+/// Options of measure_quality() and add_dynamics().
 struct QualityOptions {
   /// Frame stride of self_1cm_pct and self_max_cm, which use MuJoCo's contact depths.
   int self_collision_stride = 5;
-  std::size_t faults_per_metric = 10;
+  std::size_t faults_per_metric = 10;  ///< Largest number of faults listed per metric.
 };
 
-/// Measures a motion; docs/quality.md and quality_metrics() define the metrics.
-/// @param limits  limit set for limit_pct; the report also covers all other sets of the robot.
-/// @param source  without it, metrics that need it are omitted.
-/// @pre the clip has frames
+/// Measures a motion. docs/quality.md and quality_metrics() define the metrics.
+/// @param limits  limit set of limit_pct; QualityReport::limit_sets covers all sets of the robot.
+/// @param source  null: the report omits metrics that need a source.
+/// @pre the clip has frames.
 [[nodiscard]] QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
                                             const QualitySource* source = nullptr,
                                             const QualityOptions& options = {});
 
-/// Adds the forces and torques that a motion requires, by inverse dynamics, and the part that
-/// contacts can supply. Uses no source. Omitted for a robot without mass and for fewer than three
-/// frames.
-/// @param scene  around the robot, in the frames of the motion; null: only the floor.
+/// Adds the dynamics metrics: the forces and torques that a motion requires by inverse dynamics,
+/// and the part that contacts cannot supply. Needs no source. Adds no metric for a robot without
+/// mass and for fewer than three frames.
+/// @param scene  scene around the robot, in the frames of the motion; null: only the floor.
 void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene = nullptr,
                   const QualityOptions& options = {});
 
-/// The scene of a source around the robot, with the size and the paths that a fit gives it. Null if
-/// the source has no scene, or if its limbs cannot be measured.
+/// The scene around the robot: that of the source at the scale of a fit. Null if the source has no
+/// scene or no configuration, or if the configuration yields no target of a foot.
 [[nodiscard]] std::shared_ptr<const SceneWorld> robot_world(const QualitySource& source,
                                                             const Robot& robot);
 
-/// Adds the tracking errors of the robot's fingers if the source has fingers, too (docs/hands.md).
-/// @param source  has the same frames as the motion.
+/// Adds the finger metrics if both robot and source have fingers (docs/hands.md).
+/// @param source  clip with the same frames as the motion.
+/// @param map     its bone map.
 void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
                QualityReport& report);
 
-/// Adds the failures of the solvers for a motion that has just been solved.
+/// Adds `solver_failures` to the report of a newly solved motion.
 void add_solver_failures(std::span<const SolverFailure> failures, QualityReport& report);
 
-/// The source that motions are compared with, as prepared by a plan.
+/// A source that motions are compared with, prepared from a plan.
 struct MeasuredSource {
   std::string name;  ///< File name without folder.
   FrameRate rate;
@@ -105,44 +107,45 @@ struct MeasuredSource {
   std::shared_ptr<const SceneWorld> scene, scene_with_lead_in;
   BoneMap map;
   ResolvedConfig config;
-  std::string config_file;  ///< Recorded name of the file.
+  std::string config_file;  ///< Name of the configuration's file for reports.
   ScaleRule scale = ScaleRule::kTable;
   std::optional<TravelReport> travel;      ///< As in Plan.
   std::optional<TimeScale> time_scale;     ///< As in Plan.
   std::vector<ContactEdit> contact_edits;  ///< As in Plan.
 };
 
+/// Makes the source of a plan.
 /// Errors: those of prepare_clip.
 [[nodiscard]] Result<MeasuredSource> measured_source(Plan plan);
 
-/// The metrics of a motion and the part of the source that they refer to.
+/// The metrics of a motion, and the part of the source that the motion was compared with.
 struct MotionMeasure {
   QualityReport report;      ///< Without gates.
-  bool has_lead_in = false;  ///< The motion includes the source's lead-in.
+  bool has_lead_in = false;  ///< Whether the motion includes the source's lead-in.
   int source_frames = 0;     ///< Frames of the source, counted from its start; 0: no source.
 };
 
-/// Measures a motion from a file. The motion may include the source's lead-in or not, and may be a
-/// part of it; it is compared with the source frames that its limbs match.
-/// @param motion  at the source's rate.
-/// @param source    null: none.
-/// @param dynamics  whether to add the metrics of add_dynamics.
+/// Measures a motion from a file. The motion may be with or without the source's lead-in, and may
+/// be a part of the source. It is compared with the source frames that its limbs match best.
+/// @param motion    at the source's rate.
+/// @param source    null: no source.
+/// @param dynamics  whether to add the metrics of add_dynamics().
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
                                            const MeasuredSource* source, bool dynamics = false);
 
-/// Runs retarget::evaluate, and inverse dynamics if `dynamics` is set.
+/// Like evaluate(), with the metrics of add_dynamics() if `dynamics` is set.
 [[nodiscard]] Result<QualityReport> evaluate(const Motion& motion, bool dynamics);
 
-/// Returns the command-line option that sets `dynamics`.
+/// The command-line option that sets `dynamics`.
 [[nodiscard]] Option dynamics_row(bool& dynamics);
 
 /// Style of report_text.
 struct ReportStyle {
-  bool all = false;     ///< All measured values, one per line.
-  bool colour = false;  ///< Colour the marks of gates, for a terminal.
+  bool all = false;     ///< Whether to show all measured values, one per line.
+  bool colour = false;  ///< Whether to add ANSI colour codes for a terminal.
 };
 
-/// Maximum number of lines of a short report, for one motion or several.
+/// Largest number of lines of a short report of one or a few motions.
 inline constexpr int kReportLines = 25;
 
 /// Formats reports in a style. Names of files and joints are made printable.

@@ -24,17 +24,17 @@
 // Link retarget::batch.
 namespace RETARGET_API retarget {
 
-/// Motion files to measure, and the source that they are compared with.
+/// Motion files to measure, and the source to compare them with.
 struct MeasureRequest {
   /// Robot, limits, and options for reading and interpreting the source. `motion` is the source;
   /// empty: none, and metrics that need a source are omitted.
   Run run;
-  RunRequest of_source;              ///< Whether the source is mirrored; file of its bone map.
+  RunRequest of_source;              ///< Mirroring and bone-map file of the source.
   std::string fps;                   ///< Frame rate of motions whose files have none, in frames per
                                      ///< second, or `source`; empty: the format's default.
   ReadingOptions reading;            ///< Facts that the motion files do not state.
-  std::vector<std::string> motions;  ///< Motion files; only their sidecars are read.
-  std::vector<std::string> gates;    ///< As for changed_gates().
+  std::vector<std::string> motions;  ///< Motion files; load_measures() reads only their sidecars.
+  std::vector<std::string> gates;    ///< Gate texts of changed_gates().
   bool dynamics = false;             ///< Also compute inverse dynamics metrics.
   DataFolder data_folder;
 };
@@ -49,15 +49,15 @@ struct Measures {
   std::optional<MeasuredSource> source;
   /// Without a source: the scene of the options, used as the robot's scene; null: none.
   std::shared_ptr<const Scene> scene;
-  std::vector<ObjectTrack> object_tracks;  ///< Of that scene.
+  std::vector<ObjectTrack> object_tracks;  ///< Paths of that scene's objects.
   Gates gates;
   bool dynamics = false;
 };
 
-/// Loads robot, limits, gates and source. If no variant of the robot is given, the one that the
-/// sidecars of all motions record is used.
-/// @param source_rate  rate for the source if the request has none; it does not apply to motions
-///   whose files state no rate.
+/// Loads robot, limits, gates and source. Without a given variant of the robot, uses the variant
+/// that the sidecars of all motions record.
+/// @param source_rate  rate of the source if the request has none. It does not apply to motion
+///     files without a rate.
 /// Errors: those of load_robot, changed_gates, read_and_plan, load_scene and load_object_track; an
 /// invalid rate, or tracks without a scene (kUsage).
 [[nodiscard]] Result<Measures> load_measures(
@@ -79,9 +79,9 @@ struct MeasuredMotion {
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                                   Observer& observer);
 
-/// Returns the scene of a measured motion; null if there is none. With a source, it is the robot's
-/// scene that a fit derives from the human's; motions of the same human share it. Without a source,
-/// it is the scene of the file, in the frames of the motion.
+/// The scene of a measured motion; null without a scene. With a source, it is the scene that a fit
+/// derives from the human's, and motions of the same human share it. Without a source, it is the
+/// scene of the options, in the frames of the motion.
 /// Errors: those of motion_scene and place_scene.
 [[nodiscard]] Result<std::shared_ptr<const MotionScene>> measured_scene(
     const MeasuredMotion& motion, const Measures& measures);

@@ -20,8 +20,8 @@ struct Metric {
                                 ///< ...
   std::string_view definition;  ///< Human-readable, one or two sentences.
   std::string_view source;      ///< Source of the definition.
-  /// The metric exists only right after solving, with a known scene, or for fingers that move. Its
-  /// gate is skipped in reports without it.
+  /// Whether only some reports have the metric: right after a solve, with a known scene, or with
+  /// driven fingers. Reports without the metric skip its gate.
   bool is_conditional = false;
 };
 
@@ -46,7 +46,7 @@ struct FitTermReport {
                            ///< least half a second apart.
 };
 
-/// A joint whose final motion was clamped to keep its limits.
+/// A joint whose final motion was changed to keep its position and speed limits.
 struct FitBoundReport {
   std::string joint;
   int frames = 0;        ///< Number of changed frames.
@@ -57,55 +57,56 @@ struct FitBoundReport {
 /// Solver status of a fit, for one window of a clip or summarised over the clip.
 struct FitStatus {
   int begin = 0, end = 0;  ///< Frames [begin, end).
-  /// The last step was predicted to lower the cost by at most the fraction kFitTolerance. For the
-  /// clip: every window converged.
+  /// Whether the predicted cost reduction of the last step was at most the fraction kFitTolerance.
+  /// For the clip: whether all windows converged.
   bool converged = false;
   int steps = 0;  ///< Gauss-Newton steps taken; for the clip: the maximum over the windows.
-  /// Diagonal blocks that were not positive definite (or not finite). Each cost its window a step;
-  /// the next step damps the block more.
+  /// Number of diagonal blocks that were not positive definite or not finite. Its window then skips
+  /// the step and increases the block's damping for the next step.
   int failed_blocks = 0;
   /// Predicted relative cost decrease of the last step; 1 if it failed or no step was taken. For
   /// the clip: the maximum over the windows.
   double predicted_decrease = 1.0;
   double cost_before = 0.0, cost_after = 0.0;  ///< Total cost of all terms, summed over the frames.
-  /// Frames that the term `dynamics` left unchanged because the contacts there are unknown.
+  /// Number of frames without the term `dynamics`, because their contacts are unknown.
   int distrusted_frames = 0;
-  /// The term `dynamics` did not improve the result, so the steps were repeated without it.
+  /// Whether the steps were repeated without the term `dynamics`, because it did not improve the
+  /// result.
   bool dynamics_taken_back = false;
-  /// A step had non-finite values and was rejected. For the clip: in at least one window.
+  /// Whether a step had non-finite values and was rejected. For the clip: in at least one window.
   bool failed = false;
-  /// A step with dynamics had non-finite values, so the steps were repeated without dynamics.
+  /// Whether the steps were repeated without dynamics, because a step had non-finite values.
   bool dynamics_failed = false;
 };
 
-/// Frames in which a solver met non-finite values. It rejects such a step, so the frames are
-/// finite, but they are not the requested result.
+/// Frames in which a solver rejected a step with non-finite values. The frames are finite, but may
+/// deviate from their targets.
 struct SolverFailure {
   std::string solver;      ///< `fit`, `fit with dynamics`, `left hand`, `right hand`.
   int begin = 0, end = 0;  ///< Frames [begin, end).
 };
 
-/// Relative predicted cost decrease at which a fit counts as converged; see FitStatus::converged.
+/// Largest predicted relative cost reduction of a converged fit; see FitStatus::converged.
 inline constexpr double kFitTolerance = 0.01;
 
 /// Results of a fit.
 struct FitReport {
   double floor_height = 0.0;  ///< Distance by which the targets were lowered, metres.
-  bool floor_found = false;   ///< False: the source has no standing foot; the height is a guess.
+  bool floor_found = false;   ///< False: the source's feet never stand; the height is an estimate.
   int contact_phases = 0;     ///< Number of heel and toe contact phases.
   std::vector<FitTermReport> terms;
   std::vector<FitBoundReport> bounded;
   FitStatus status;                ///< Summary over the whole clip.
   std::vector<FitStatus> windows;  ///< Windows in order, then the seams between them.
   std::vector<SolverFailure> failures;
-  /// Terms that the robot or the source does not support, with the reason; missing convergence.
+  /// Messages: omitted terms with the reason, missing convergence, recovered limbs, moved objects.
   std::vector<std::string> notes;
 };
 
-/// Factors by which the path of the source over the ground was scaled before the fit.
+/// Factors by which the horizontal path of the source was scaled before the fit.
 struct TravelReport {
   double factor = 1.0;                 ///< Mean over the path of the hips.
-  double least = 1.0, greatest = 1.0;  ///< Over the frames.
+  double least = 1.0, greatest = 1.0;  ///< Minimum and maximum over the frames.
 };
 
 /// Value of a metric for one motion.
@@ -115,17 +116,17 @@ struct MetricValue {
   std::optional<double> p95;  ///< For metrics with a mean and a 95th percentile.
 };
 
-/// How well a motion respects one set of joint limits.
+/// Comparison of a motion with one set of joint limits.
 struct LimitSetResult {
   std::string name;
   double frames_pct = 0.0;  ///< Frames with a joint beyond its range by more than 1e-6 rad or m.
   double frames_1mrad_pct = 0.0;  ///< Frames with an excess of more than 1e-3 rad or m.
   double worst_excess = 0.0;      ///< Largest excess beyond a limit, rad or m; 0: none.
   std::string joint;              ///< Joint with the largest excess; empty: none.
-  int frame = 0;
+  int frame = 0;                  ///< Frame with the largest excess.
 };
 
-/// How well a body follows its bone.
+/// Tracking error of a body.
 struct TrackingRow {
   int table = 2;  ///< Table of the configuration, 1 or 2.
   std::string body, bone;
@@ -161,26 +162,27 @@ struct TrunkLean {
 /// The joint that is at a limit in the largest number of frames.
 struct JointMostAtLimit {
   std::string joint;
-  bool at_upper = false;
-  double frames_pct = 0.0;
+  bool at_upper = false;    ///< Whether it is at the upper limit.
+  double frames_pct = 0.0;  ///< Percentage of the frames at the limit.
 };
 
-/// A joint that is at a limit in many frames, with the task that pushes it there.
+/// A joint that is at a limit in many frames, and the task that pushes it there.
 struct LimitedJoint {
   std::string joint;
-  bool at_upper = false;
-  int frames = 0;
-  double frames_pct = 0.0;
-  std::string task;             ///< Bone of the task; empty: no task pushes the joint.
-  bool rotation = false;        ///< The rotation of the task pushes; else its position.
-  double shortfall = 0.0;       ///< Remaining error of the task: degrees (rotation) or cm.
-  std::string wider_set;        ///< A limit set of the robot with a wider limit; empty: none.
-  std::optional<double> wider;  ///< How much wider, rad or m; empty: that set has no limit here.
+  bool at_upper = false;    ///< Whether it is at the upper limit.
+  int frames = 0;           ///< Number of frames at the limit.
+  double frames_pct = 0.0;  ///< Percentage of the frames at the limit.
+  std::string task;         ///< Bone of the task; empty: no task pushes the joint.
+  bool rotation = false;    ///< Whether the task's rotation pushes the joint; else its position.
+  double shortfall = 0.0;   ///< Remaining error of the task: degrees (rotation) or cm.
+  std::string wider_set;    ///< A limit set of the robot with a wider limit; empty: none.
+  std::optional<double>
+      wider;  ///< Difference of the limits, rad or m; empty: no limit in that set.
 };
 
 /// A run of consecutive bad frames.
 struct Fault {
-  std::string metric;  ///< Key of the metric it belongs to.
+  std::string metric;  ///< Key of the metric.
   std::string where;   ///< Joint, body or pair of bodies.
   int begin = 0;       ///< First frame.
   int end = 0;         ///< One past the last frame.
@@ -189,7 +191,7 @@ struct Fault {
   std::string unit;     ///< Unit of `amount`.
 };
 
-/// Number of faults of a metric; a report lists only the worst of them.
+/// Number of faults of a metric. A report lists only the worst faults.
 struct FaultTotal {
   std::string metric;
   int count = 0;
@@ -205,8 +207,8 @@ struct GateResult {
   bool passed = true;
 };
 
-/// Quality of a motion. Metrics that need missing data (a source clip, soles, collision shapes,
-/// enough frames) are omitted.
+/// Quality of a motion. It omits metrics whose data are missing: a source clip, soles, collision
+/// shapes, enough frames.
 struct QualityReport {
   std::string file;  ///< File name of the motion, without folder.
   std::string robot;
@@ -225,18 +227,19 @@ struct QualityReport {
   int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
                                      ///< with assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s.
-  /// How the soles were estimated: feet may float or sink, although their gates pass. Empty: the
-  /// soles are measured, or the robot has a fixed base.
+  /// Method by which the soles were estimated; feet may then float or sink although their gates
+  /// pass. Empty: the soles are not estimated, or the robot has a fixed base.
   std::string estimated_soles;
   std::vector<MetricValue> values;  ///< Ordered as quality_metrics().
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
   std::optional<TrunkLean> trunk_lean;  ///< Needs a source with known hips and shoulders.
-  /// The joint that is at a limit in the most frames against the demand of the human's pose, or in
-  /// all frames if the demand is unknown; empty: none.
+  /// The joint that is at a limit in the most frames in which the human's pose does not demand it.
+  /// If the demand is unknown, all frames count. Empty: no joint.
   std::optional<JointMostAtLimit> at_limit;
-  /// The same for frames in which the human's pose demands the limit; empty: none, or unknown.
+  /// The joint that is at a limit in the most frames in which the human's pose demands it. Empty:
+  /// no joint, or the demand is unknown.
   std::optional<JointMostAtLimit> beyond_range;
   SourceContacts contacts;  ///< Heel and toe contacts of the source.
   /// Joints at a limit in at least 5 % of the frames, most frames first; needs a source and a
@@ -258,15 +261,15 @@ struct QualityReport {
 [[nodiscard]] std::string report_json(std::span<const QualityReport> reports);
 
 /// Formats reports as human-readable text of about 25 lines: the verdict, missed gates with their
-/// worst frames, then the gates by group; several motions have one column each.
+/// worst frames, then the gates by group. Several motions are columns of one table.
 [[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
 
 /// Bounds for a metric, inclusive.
 struct Gate {
   std::string metric;  ///< Metric key.
   std::optional<double> min, max;
-  /// Leg length (hip to knee to ankle) that the bounds refer to, metres; they scale with the leg
-  /// length of the robot. Empty: the same bounds for every robot.
+  /// Leg length (hip to knee to ankle) that the bounds refer to, metres. The bounds scale with the
+  /// robot's leg length. Empty: the same bounds for every robot.
   std::optional<double> leg = std::nullopt;
   bool named = false;  ///< The user named this metric, so it must be measured: `METRIC<=N`.
 };

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kJolt = 12.0;    // Change of a trunk line's angle within kWithin, degrees.
 constexpr double kWithin = 0.1;   // Seconds.
-constexpr double kArmOff = 25.0;  // Angle of an upper arm, degrees.
-constexpr double kApart = 0.5;    // Seconds between two jolts.
+constexpr double kArmOff = 25.0;  // Angle error of an upper arm, degrees.
+constexpr double kApart = 0.5;    // Smallest time between two jolts, seconds.
 
 // Largest value of the segments of one kind in frames [begin, begin + count).
 double largest(std::span<const SegmentAngles> segments, bool of_arms, std::size_t begin,

@@ -8,16 +8,17 @@
 
 namespace retarget {
 
-/// Angles between a segment of the human and of the robot, by frame, degrees.
+/// Angles between a segment of the robot and the same segment of the human.
 struct SegmentAngles {
-  bool is_upper_arm = false;  ///< Otherwise a line of the trunk.
-  std::vector<double> angles;
+  bool is_upper_arm = false;   ///< False: a line of the trunk.
+  std::vector<double> angles;  ///< By frame, degrees.
 };
 
-/// Counts the times at which an upper arm that cannot reach its direction pulls the trunk along: the
-/// trunk turns away from the human, or back, abruptly. This happens when a shoulder runs into its
-/// limits on a wrong branch of the inverse kinematics. Frames in which the human lies do not count:
-/// the floor moves arms and trunk there.
+/// Measures `arm_jolts`: how often an upper arm that cannot reach its target direction turns the
+/// trunk abruptly away from the human's, or back. The cause is a shoulder at a limit, on a wrong
+/// branch of the inverse kinematics. Excludes frames in which the human lies, because the floor
+/// moves arms and trunk there.
+/// @param segments  upper arms and lines of the trunk, all with the same number of frames.
 void measure_arm_jolts(const ReportBuilder& draft, const Posture& posture,
                        std::span<const SegmentAngles> segments);
 

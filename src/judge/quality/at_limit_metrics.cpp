@@ -20,20 +20,21 @@ struct JointLimit {
   int joint = 0;  // Index into the robot's joints.
   bool upper = false;
   double bound = 0.0;
-  double reach = 0.0;  // Distance that counts as at the limit, rad or m.
+  double reach = 0.0;  // Largest distance at which a joint is at the limit, rad or m.
 
   [[nodiscard]] bool reached(double position) const {
     return (upper ? bound - position : position - bound) <= reach;
   }
 };
 
-// Head and neck joints affect no other limb.
+// Joints of head and neck are excluded, because they move no limb.
 bool is_of_the_head(const std::string& joint) {
   const std::string name = lower_case(joint);
   return name.find("head") != std::string::npos || name.find("neck") != std::string::npos;
 }
 
-// A fist presses finger joints against their limits, and a resting thumb may as well.
+// Joints of hands are excluded, because the fingers of a fist and a relaxed thumb may be at their
+// limits.
 std::set<int> joints_of_hands(const Robot& robot) {
   std::set<int> joints;
   for (const auto& hand : find_hands(robot)) {
@@ -43,9 +44,9 @@ std::set<int> joints_of_hands(const Robot& robot) {
   return joints;
 }
 
-// Ignores a limit at which the joint is in the zero configuration, as in straight knees and open
-// hands. Ignores joints without a range, which are fixed.
-std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& limits) {
+// The limits that the metrics count. Excludes limits that the joint reaches in the zero
+// configuration, such as those of straight knees, and joints without a range, which are fixed.
+std::vector<JointLimit> counted_limits(const Robot& robot, const LimitSet& limits) {
   constexpr double kNear = 0.01;       // rad
   constexpr double kNearShare = 0.01;  // Fraction of the range.
   const std::vector<double> zero = robot.zero_configuration();
@@ -66,11 +67,11 @@ std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& li
   return found;
 }
 
-// Time that a joint spends at a limit.
+// Upright frames in which a joint is at a limit.
 struct Stay {
-  int frames = 0;          // Against what the pose demands.
-  int demanded = 0;        // As the pose demands.
-  int begin = 0, end = 0;  // Longest contiguous range of the frames against the demand.
+  int frames = 0;          // Number of frames in which the human's pose does not demand it.
+  int demanded = 0;        // Number of frames in which it does.
+  int begin = 0, end = 0;  // Longest run of the former.
 };
 
 struct LimitStay {
@@ -102,7 +103,7 @@ Stay stay_at(const JointLimit& limit, const RobotClip& clip, const Posture& post
   return stay;
 }
 
-// Reports the joints that are at a limit against the demand, most frames first.
+// Reports the joints at a limit that the human's pose does not demand, most frames first.
 void report_stays(const ReportBuilder& draft, std::vector<LimitStay> stays, double frames) {
   constexpr std::size_t kNamed = 3;
   std::erase_if(stays, [](const LimitStay& each) { return each.stay.frames == 0; });
@@ -122,6 +123,7 @@ void report_stays(const ReportBuilder& draft, std::vector<LimitStay> stays, doub
   draft.set("joint_at_limit_pct", stays.empty() ? 0.0 : percent(stays.front().stay.frames, frames));
 }
 
+// Reports the joint at a limit that the human's pose demands in the most frames.
 void report_demanded(const ReportBuilder& draft, const std::vector<LimitStay>& stays,
                      double frames) {
   const auto most =
@@ -144,7 +146,7 @@ void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const
   std::vector<LimitStay> stays;
   std::set<int> counted;  // Joint indices.
   std::int64_t joint_frames = 0;
-  for (const JointLimit& limit : limits_that_count(clip.robot(), limits)) {
+  for (const JointLimit& limit : counted_limits(clip.robot(), limits)) {
     const Stay stay = stay_at(limit, clip, posture, demand, any);
     if (std::isfinite(limit.bound)) counted.insert(limit.joint);
     joint_frames += stay.frames + stay.demanded;

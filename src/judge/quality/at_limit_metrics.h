@@ -7,10 +7,11 @@
 
 namespace retarget {
 
-/// Measures in how many of the upright frames joints are at a limit, and which joint most often:
-/// against what the human's pose demands, and because of it. Adds nothing if the body is never
-/// upright.
-/// @param demand  null: unknown, so that all frames count as against it.
+/// Measures the share of the upright frames in which joints are at a limit, and finds the joint
+/// with the most such frames: separately for frames in which the human's pose demands the limit,
+/// and for the others. Adds no metric if the body is never upright.
+/// @param limits  joint ranges.
+/// @param demand  null: unknown; no frame then counts as demanded.
 void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture,
                        const JointDemand* demand);
 

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// A smaller depth is rounding error.
+// Depth up to which a penetration is a rounding error, metres.
 constexpr double kNoDepth = 1e-9;
 
 class BodyTracker {
@@ -66,8 +66,8 @@ class BodyTracker {
   void find_self_contact(int frame) {
     const auto& shapes = collisions_.shapes();
     SelfContact deepest;
-    // For pairs of round shapes, MuJoCo's depth equals the exact one. For boxes it differs.
-    // MuJoCo only handles geoms, so a shape without a geom uses the exact depth.
+    // MuJoCo's depth equals the exact one for pairs of spheres and capsules, but not for boxes.
+    // MuJoCo only has geoms, so shapes without a geom use the exact depth.
     double depth_of_round = 0.0;
     boxes_.clear();
     collisions_.near_pairs(placed_, 0.0, near_);
@@ -97,7 +97,7 @@ class BodyTracker {
   std::vector<Pose> world_from_body_;
   std::vector<RoundedShape> placed_;
   std::vector<ShapePair> near_;
-  std::vector<std::pair<int, int>> boxes_;  // Pairs of geoms.
+  std::vector<std::pair<int, int>> boxes_;  // Pairs of geoms with a box.
   BodyTracks tracks_;
 };
 

@@ -11,22 +11,22 @@
 
 namespace retarget {
 
-/// A sole point higher than this above the floor is not in contact, metres.
+/// Height above the floor from which a sole point is not in contact, metres.
 inline constexpr double kSoleHigh = 0.02;
 
-/// World positions of a sole's points in all frames, metres.
+/// Positions of a sole's points in all frames; world, metres.
 struct SoleTrack {
   const Sole* sole = nullptr;
-  std::vector<Eigen::Vector3d> points;  ///< Frame-major; the sole's points in each frame.
+  std::vector<Eigen::Vector3d> points;  ///< Frame-major, in the order of Sole::points.
 
   [[nodiscard]] std::span<const Eigen::Vector3d> at(int frame) const {
     return std::span(points).subspan(frame * sole->points.size(), sole->points.size());
   }
-  [[nodiscard]] Eigen::Vector3d middle(int frame) const;
-  [[nodiscard]] double lowest(int frame) const;
-  [[nodiscard]] double highest(int frame) const;
-  /// Whether the foot stands, judged by its sole only: its lowest point is less than kSoleHigh
-  /// above the floor, and its middle is slower than 0.25 m/s.
+  [[nodiscard]] Eigen::Vector3d middle(int frame) const;  ///< Mean of the points.
+  [[nodiscard]] double lowest(int frame) const;           ///< Height of the lowest point.
+  [[nodiscard]] double highest(int frame) const;          ///< Height of the highest point.
+  /// Whether the foot stands: its lowest sole point is less than kSoleHigh above the floor, and its
+  /// middle is slower than 0.25 m/s.
   [[nodiscard]] bool stands(int frame, double fps) const;
 };
 
@@ -35,33 +35,35 @@ struct SoleTrack {
 
 /// The lowest point in a frame and its body.
 struct Lowest {
-  double height = 0.0;  ///< World z, metres; infinity if there is none.
-  int body = 0;
+  double height = 0.0;  ///< World z, metres; infinity without points.
+  int body = 0;         ///< Index into Robot::bodies().
 };
 
 /// The deepest self-collision in a frame.
 struct SelfContact {
-  double depth = 0.0;  ///< Metres; 0: no collision.
-  int body_a = 0, body_b = 0;
+  double depth = 0.0;          ///< Penetration depth, metres; 0 without a collision.
+  int body_a = 0, body_b = 0;  ///< Indices into Robot::bodies().
 };
 
-/// Body data for the metrics of a motion, collected in one pass over the frames.
+/// Data of a robot's bodies for the metrics of a motion, collected in one pass over the frames.
 struct BodyTracks {
   std::vector<SoleTrack> soles;
-  std::vector<Lowest> lowest_sole;        ///< By frame.
-  std::vector<Lowest> lowest;             ///< By frame, of soles and collision primitives.
+  std::vector<Lowest> lowest_sole;        ///< By frame: lowest sole point.
+  std::vector<Lowest> lowest;             ///< By frame: lowest point of soles and primitives.
   std::vector<SelfContact> self_contact;  ///< By frame, exact; empty without primitives.
-  std::vector<double> sampled_depth;      ///< MuJoCo's contact depth, every stride-th frame.
-  std::vector<int> kept_bodies;
-  std::vector<Pose> world_from_kept;  ///< Frame-major.
+  std::vector<double> sampled_depth;      ///< MuJoCo's contact depth in every stride-th frame.
+  std::vector<int> kept_bodies;           ///< Bodies whose poses are stored.
+  std::vector<Pose> world_from_kept;      ///< Frame-major, one pose per kept body.
 
+  /// World pose of a kept body. @param index  into kept_bodies.
   [[nodiscard]] const Pose& kept(int frame, int index) const {
     return world_from_kept[static_cast<std::size_t>(frame) * kept_bodies.size() + index];
   }
 };
 
-/// @param kept_bodies  bodies whose poses are needed.
-/// @param stride       frame stride of sampled_depth.
+/// Collects the body data of a motion.
+/// @param kept_bodies  bodies whose poses to store.
+/// @param stride       frame stride of sampled_depth; at least 1.
 [[nodiscard]] BodyTracks track_bodies(const RobotClip& clip, std::vector<int> kept_bodies,
                                       int stride);
 

@@ -8,16 +8,17 @@
 
 namespace retarget {
 
-/// Motion and height of the bodies in contact, over all contacts of a clip.
+/// Samples of slip, drift and height over all contacts of a clip.
 struct ContactMotion {
-  std::vector<double> slips;  ///< Horizontal speed between two frames, m/s.
+  std::vector<double> slips;  ///< Horizontal speed between consecutive frames, m/s.
   std::vector<double>
       drifts;  ///< By contact: maximum horizontal distance from the median position, metres.
-  std::vector<double> heights;  ///< By frame, metres.
+  std::vector<double> heights;  ///< By contact and frame, metres; filled by the callers.
 
-  /// Adds slips and drift of one contact. Speeds above 0.1 m/s are faults.
-  /// @param places  world positions of the body in contact, by frame starting at `begin`, metres;
-  ///   at least one.
+  /// Adds the slips and the drift of one contact. Speeds above 0.1 m/s are faults.
+  /// @param places    positions of the contact by frame from `begin`, world, metres; at least one.
+  /// @param name      body or joint for the faults.
+  /// @param slipping  receives the faults.
   void add(const std::vector<Eigen::Vector3d>& places, int begin, double fps,
            const std::string& name, FaultList& slipping);
 };

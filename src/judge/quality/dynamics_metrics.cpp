@@ -15,7 +15,8 @@
 namespace retarget {
 namespace {
 
-// The largest unexplained component: a force along a world axis, or a torque.
+// Name and amount of the larger unexplained part of a sample: the force, named by its largest world
+// component, or the horizontal torque.
 std::pair<std::string, double> missing(const DynamicsSample& sample) {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
   const Eigen::Vector3d& force = sample.unexplained_force;
@@ -28,7 +29,7 @@ std::pair<std::string, double> missing(const DynamicsSample& sample) {
   return {"force along " + sign + std::string(kAxes[static_cast<std::size_t>(axis)]), force.norm()};
 }
 
-// Finite values of a series; samples without a finite value count as bad elsewhere.
+// The finite values of a quantity. Non-finite samples are bad (DynamicsSample::is_bad()).
 struct Series {
   std::vector<double> values;
 

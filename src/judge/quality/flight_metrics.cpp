@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFreeFallShare = 0.4;
 
-// Height of the lower end of the lower foot above its standing height.
+// Smallest height of an ankle or a toe above its standing height, metres.
 double clearance(const HumanClip& human, const ContactPlan& contacts, int frame) {
   double min = HUGE_VAL;
   const auto look = [&](Bone bone, double standing) {
@@ -118,7 +118,7 @@ void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
   int hovering = 0;
   for (int frame = 0; frame < frames; ++frame) {
     const auto& [height, body] = tracks.lowest[static_cast<std::size_t>(frame)];
-    if (!std::isfinite(height)) return;  // No part of the robot can touch the floor.
+    if (!std::isfinite(height)) return;  // The robot has neither soles nor primitives.
     if (in_flight[static_cast<std::size_t>(frame)] != 0) continue;
     const bool on_scene = frame < static_cast<int>(touches_scene.size()) &&
                           touches_scene[static_cast<std::size_t>(frame)] != 0;

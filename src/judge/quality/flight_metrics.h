@@ -17,35 +17,35 @@ struct SourceFlight {
   double peak = 0.0;       ///< Maximum height of the lower foot above its standing height, metres.
 };
 
-/// Finds the flights of a human: no toe and no ankle is within ContactOptions::begin_height
-/// (scaled) of its standing height for ContactOptions::shortest, while the hips rise and fall as in
-/// free fall. The second condition excludes feet that are lifted while another body part is
-/// supported.
+/// Finds the flights of a human. A flight is an interval of at least ContactOptions::shortest in
+/// which all toes and ankles are more than ContactOptions::begin_height (scaled) above their
+/// standing heights, and the hips move as in free fall. The second condition excludes lifted feet
+/// while another body part carries the body.
 ///
-/// With T the duration of the flight and z the height of the hips, free fall raises z above the
-/// straight line between its ends by g T^2 / 8. Two fifths of that are required, because the hips
-/// are not the centre of mass.
+/// In free fall of duration T, the height of the hips exceeds the straight line between its end
+/// points by up to g T^2 / 8. The test requires two fifths of this, because the hips are not the
 /// centre of mass.
+/// @param frames  number of frames to search.
 [[nodiscard]] std::vector<SourceFlight> find_flights(const HumanClip& human,
                                                      const ContactPlan& contacts, int frames,
                                                      const ContactOptions& options = {});
 
-/// Measures the height of the robot's soles during the source's flights.
-/// @param scale  of the robot's foot paths relative to the source's.
+/// Measures the peak height of the robot's soles in the source's flights.
+/// @param scale  scale from the source's to the robot's foot paths.
 void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
                      const std::vector<SourceFlight>& flights, double scale);
 
-/// Height of the lowest part of the source above the height at which such a part supports a body:
-/// feet above their standing heights; knees, elbows, hands, seat and back above the heights at
-/// which they rest. Metres, at least 0.
+/// Clearance of the lowest part of the source, metres; at least 0. The clearance of a foot is its
+/// height above its standing height; that of knees, elbows, hands, seat and back is their height
+/// above the height at which they rest on the floor.
 [[nodiscard]] double source_clearance(const SourceFeet& source, const ContactPlan& contacts,
                                       int frame);
 
 /// Measures in how many frames the robot hovers: its lowest point is more than 2 cm above the
-/// source's clearance times the scale, while the source is not in flight.
-/// @param touches_scene  by frame: the robot touches a body of its scene and does not hover; empty:
-///     no scene.
-/// @param scale  of the robot's foot paths relative to the source's.
+/// source's clearance times `scale`, while the source is not in flight.
+/// @param touches_scene  by frame: whether the robot touches a body of its scene, and therefore
+///     does not hover; empty: no scene.
+/// @param scale          scale from the source's to the robot's foot paths.
 void measure_hovering(const ReportBuilder& draft, const BodyTracks& tracks,
                       const SourceFeet& source, const ContactPlan& contacts,
                       const std::vector<SourceFlight>& flights,

@@ -15,14 +15,16 @@
 namespace retarget {
 namespace {
 
-constexpr double kDeep = 0.01;  // Metres; penetration of the floor or of itself.
+constexpr double kDeep = 0.01;  // Penetration depth that a metric counts, metres.
 constexpr double kHigh = kSoleHigh;
 
 const std::string& name_of(const ReportBuilder& draft, int body) {
   return draft.clip.robot().bodies()[body].name;
 }
 
-// Measures percentage of frames, maximum depth and faults of a list of lowest points.
+// Measures the percentage of penetrating frames, the maximum depth and the faults.
+// @param lowest          lowest point by frame.
+// @param share, deepest  keys of the two metrics.
 void measure_depth(const ReportBuilder& draft, const std::vector<Lowest>& lowest,
                    std::string_view share, std::string_view deepest) {
   FaultList faults(share, "m");
@@ -80,11 +82,12 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
   faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
-// Motion of the soles over all contacts of a clip.
+// Motion and agreement of the soles over all contacts of a clip.
 struct ContactFigures {
   ContactMotion motion;
-  int in_contact = 0, kept = 0, agreed = 0, asked = 0;  // Counted over feet and frames.
-  std::vector<char> floating;                           // By frame.
+  // Numbers of feet and frames: all; source in contact; also robot in contact; both equal.
+  int all = 0, in_contact = 0, kept = 0, agreed = 0;
+  std::vector<char> floating;  // By frame: source in contact and robot above the floor.
 };
 
 void add_phase(const ReportBuilder& draft, const SoleTrack& track, const ContactPhase& phase,
@@ -98,7 +101,8 @@ void add_phase(const ReportBuilder& draft, const SoleTrack& track, const Contact
                      name_of(draft, track.sole->body), slipping);
 }
 
-// The phases of a source foot on the floor; heights are defined relative to it.
+// The contact phases of a source foot on the floor. Raised stances are excluded, because heights
+// are measured from the floor.
 std::vector<ContactPhase> phases_of(const std::array<std::vector<ContactPhase>, 2>& phases,
                                     const SoleTrack& track) {
   return on_floor(phases[track.sole->side == "left" ? 0 : 1]);
@@ -109,12 +113,12 @@ std::vector<ContactPhase> while_upright(const std::vector<ContactPhase>& phases,
                                         const Posture& posture) {
   std::vector<ContactPhase> parts;
   for (const ContactPhase& phase : phases) {
-    bool goes_on = false;
+    bool was_upright = false;
     for (int frame = phase.begin; frame < phase.end; ++frame) {
-      const bool counts = posture.is_upright(frame);
-      if (counts && !goes_on) parts.push_back({frame, frame, phase.support});
-      if (counts) parts.back().end = frame + 1;
-      goes_on = counts;
+      const bool upright = posture.is_upright(frame);
+      if (upright && !was_upright) parts.push_back({frame, frame, phase.support});
+      if (upright) parts.back().end = frame + 1;
+      was_upright = upright;
     }
   }
   return parts;
@@ -134,7 +138,7 @@ void add_foot(const ReportBuilder& draft, const BodyTracks& tracks, const SoleTr
   }
   for (int frame = 0; frame < frames; ++frame) {
     const bool stood = track.stands(frame, draft.clip.rate().fps());
-    ++figures.asked;
+    ++figures.all;
     if (in_contact[frame] != 0) ++figures.in_contact;
     if (in_contact[frame] != 0 && stood) ++figures.kept;
     if ((in_contact[frame] != 0) == stood) ++figures.agreed;
@@ -173,7 +177,7 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
   for (const SoleTrack& track : tracks.soles) {
     add_foot(draft, tracks, track, phases_of(contacts.phases, track), figures, slipping);
   }
-  if (figures.asked == 0) return;
+  if (figures.all == 0) return;
   int afloat = 0;
   for (int frame = 0; frame < frames; ++frame) {
     if (figures.floating[frame] == 0) continue;
@@ -181,7 +185,7 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
     floating.add(name_of(draft, tracks.lowest[frame].body), frame, tracks.lowest[frame].height);
   }
   draft.set("float_planted_pct", percent(afloat, draft.clip.frame_count()));
-  draft.set("contact_agreement_pct", percent(figures.agreed, figures.asked));
+  draft.set("contact_agreement_pct", percent(figures.agreed, figures.all));
   floating.move_to(draft.report, draft.options.faults_per_metric);
   if (figures.motion.slips.empty()) return;
   draft.set("contact_pct", percent(figures.in_contact, 2.0 * draft.clip.frame_count()));

@@ -7,11 +7,12 @@
 
 namespace retarget {
 
-/// Measures floor penetration, floating, slip of flat feet and self-collision; needs no source.
+/// Measures floor penetration, floating, slip of flat feet and self-collision. Uses no source.
 void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks);
 
-/// Measures the robot's feet while the source's feet are in contact with the floor.
-/// @param frames  number of frames of both.
+/// Measures slip, drift, height and agreement of the robot's foot contacts while the source's feet
+/// are in contact with the floor.
+/// @param frames  number of frames that motion and source share.
 void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
                       const ContactPlan& contacts, int frames);
 

@@ -109,7 +109,7 @@ void Gates::judge(QualityReport& report) const {
     }
     if (const MetricValue* found = report.find(metric.key)) {
       result.value = found->value;
-      // Written such that NaN misses the gate.
+      // Both comparisons are false for NaN, which therefore misses the gate.
       result.passed = (!result.min || found->value >= *result.min) &&
                       (!result.max || found->value <= *result.max);
     } else {

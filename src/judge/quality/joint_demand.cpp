@@ -11,14 +11,15 @@ namespace retarget {
 JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
                          int frames)
     : clip_(clip), human_(source.human), frames_(frames), spans_(clip.robot().joints().size()) {
-  // The lines of the trunk, not its bones, determine how far a waist should bend; they need limbs.
+  // TrunkRule::kLines, because the lines of the trunk, not its bones, determine how far a waist
+  // should bend. The rule requires limb scaling.
   const auto targets_of = [&](ScaleRule scale) {
     return make_targets(*human_, poses_of(*human_), clip.robot(), *source.config, scale,
                         TrunkRule::kLines, &limits);
   };
   auto targets = targets_of(ScaleRule::kLimbs);
   if (!targets) targets = targets_of(source.scale);
-  // There are no targets if the body lacks bones that the configuration needs.
+  // Without the bones that the configuration requires, there are no targets.
   if (!targets) return;
   targets_ = std::move(*targets);
   std::vector<Target> turned;

@@ -12,19 +12,20 @@
 
 namespace retarget {
 
-/// Finds the positions of single joints that the human's pose demands. Each turns the next body
-/// with a target, relative to the body with a target before it, as their targets are turned to each
-/// other. Errors elsewhere in the body, such as a pelvis that leans wrongly, therefore have
-/// no influence.
+/// Estimates the joint positions that the human's pose demands. The demand on a joint is the
+/// rotation about its axis that gives the next bodies with a target the same rotation relative to
+/// the previous body with a target as their targets have. Errors in other parts of the body, such
+/// as a leaning pelvis, therefore have no effect.
 class JointDemand {
  public:
-  /// @param source  with a configuration, at least as long as `frames`; refers to it.
+  /// Keeps references to the clip and to the source's human.
+  /// @param source  has a configuration and at least `frames` frames.
   JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
               int frames);
 
-  /// Returns whether the pose demands a position beyond the current one, or nearly the current one.
+  /// Whether the pose demands a position beyond the current one, or less than 0.02 rad before it.
   /// False if no target depends on the joint or the frame has no source.
-  /// @param upper  whether beyond means greater.
+  /// @param upper  whether `beyond` means greater.
   [[nodiscard]] bool reaches(int frame, int joint, bool upper) const;
 
  private:
@@ -32,7 +33,8 @@ class JointDemand {
     int body = 0;
     int index = 0;  // Index of the pose in the built targets.
   };
-  // The bodies between which a joint turns.
+  // The targets between which a joint turns: the last one towards the root, and the next ones
+  // outwards.
   struct Span {
     Target before;
     std::vector<Target> beyond;

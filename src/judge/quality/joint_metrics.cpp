@@ -20,17 +20,18 @@
 namespace retarget {
 namespace {
 
-// Tolerance for numbers printed with six digits, rad or m.
+// Tolerance for files whose numbers have six digits, rad or m.
 constexpr double kTolerance = 1e-6;
 constexpr double kMilliradian = 1e-3;
-constexpr double kJump = 0.5;
-constexpr double kFast = 3.0 * std::numbers::pi;
+constexpr double kJump = 0.5;                     // Step of a joint, rad or m.
+constexpr double kFast = 3.0 * std::numbers::pi;  // Speed of a joint, rad/s or m/s.
 
 double excess_of(const LimitSet& limits, int joint, double position) {
   return std::max(limits.lower[joint] - position, position - limits.upper[joint]);
 }
 
-LimitSetResult hold_against(const LimitSet& limits, const RobotClip& clip, FaultList* faults) {
+// @param faults  receives the joints beyond their limits; may be null.
+LimitSetResult compare_with(const LimitSet& limits, const RobotClip& clip, FaultList* faults) {
   const Robot& robot = clip.robot();
   LimitSetResult result;
   result.name = limits.name;
@@ -61,7 +62,7 @@ LimitSetResult hold_against(const LimitSet& limits, const RobotClip& clip, Fault
 
 void measure_limits(const ReportBuilder& draft, const LimitSet& limits) {
   FaultList faults("limit_pct", "rad");
-  const LimitSetResult chosen = hold_against(limits, draft.clip, &faults);
+  const LimitSetResult chosen = compare_with(limits, draft.clip, &faults);
   draft.set("limit_pct", chosen.frames_pct);
   draft.set("limit_max_rad", chosen.worst_excess);
   faults.move_to(draft.report, draft.options.faults_per_metric);
@@ -71,7 +72,7 @@ void measure_limits(const ReportBuilder& draft, const LimitSet& limits) {
   const Robot& robot = draft.clip.robot();
   const auto add = [&](const LimitSet& set) {
     if (std::ranges::find(sets, set.name, &LimitSetResult::name) == sets.end()) {
-      sets.push_back(hold_against(set, draft.clip, nullptr));
+      sets.push_back(compare_with(set, draft.clip, nullptr));
     }
   };
   for (const LimitSet& set : robot.profile().limit_sets) add(set);
@@ -149,7 +150,7 @@ void measure_accelerations(const ReportBuilder& draft) {
     double of_frame = 0.0;
     for (const int j : robot.output_joints()) {
       const int at = robot.joints()[j].qpos_address;
-      // Subtract two steps, as numpy.diff does.
+      // The difference of two steps has the same rounding as numpy.diff.
       const double first = clip.qpos(frame + 1)[at] - clip.qpos(frame)[at];
       const double second = clip.qpos(frame + 2)[at] - clip.qpos(frame + 1)[at];
       const double acceleration = (second - first) * fps * fps;
@@ -183,10 +184,11 @@ void measure_root_jerk(const ReportBuilder& draft) {
   draft.set("root_jerk_p99", percentile(std::move(jerks), 99.0));
 }
 
-// Finds physically impossible jumps: a frame from another pose, or a sudden reversal of the facing.
+// Counts physically impossible steps of the root, such as a frame from another pose or a sudden
+// reversal of the facing.
 void measure_root_jumps(const ReportBuilder& draft) {
-  constexpr double kMaxListed = 10.0;    // m/s
-  constexpr double kMaxTurnRate = 20.0;  // rad/s
+  constexpr double kMaxRootSpeed = 10.0;  // m/s
+  constexpr double kMaxTurnRate = 20.0;   // rad/s
   const RobotClip& clip = draft.clip;
   const double fps = clip.rate().fps();
   FaultList moving("root_jumps", "m/s"), turning("root_jumps", "rad/s");
@@ -196,9 +198,9 @@ void measure_root_jumps(const ReportBuilder& draft) {
     const double speed = (now.translation - before.translation).norm() * fps;
     const Eigen::Quaterniond step = before.rotation.conjugate() * now.rotation;
     const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w())) * fps;
-    if (speed <= kMaxListed && turn <= kMaxTurnRate) continue;
+    if (speed <= kMaxRootSpeed && turn <= kMaxTurnRate) continue;
     ++jumps;
-    if (speed > kMaxListed) moving.add("root", frame, speed);
+    if (speed > kMaxRootSpeed) moving.add("root", frame, speed);
     if (turn > kMaxTurnRate) turning.add("root", frame, turn);
   }
   draft.set("root_jumps", jumps);
@@ -220,8 +222,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// In m/s^2, of the cubic spline through the points. Accelerations are linear between frames, so the
-// maximum is at a frame.
+// Lengths of the accelerations of the cubic spline through the points, by frame, m/s^2. The
+// acceleration is linear between frames, so its maximum is at a frame.
 std::vector<double> accelerations_of(std::span<const Vector3d> points, double fps) {
   const std::vector<Vector3d> steps = steps_between(points);
   const std::vector<Vector3d> velocities = spline_velocities(steps);

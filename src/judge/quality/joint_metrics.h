@@ -5,7 +5,9 @@
 
 namespace retarget {
 
-/// Measures limits, speeds, jumps and accelerations of the output joints, and the root's jerk.
+/// Measures limits, speeds, jumps and accelerations of the output joints, and jerk and jumps of the
+/// root.
+/// @param limits  limit set of limit_pct; the other sets of the robot go to limit_sets.
 void measure_joints(const ReportBuilder& draft, const LimitSet& limits);
 
 /// Measures the accelerations of the root and, for a robot with mass, of the centre of mass.

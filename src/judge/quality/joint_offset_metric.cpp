@@ -17,9 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Sums over limbs of one rank and over frames for one joint.
+// Sums for one joint over the limbs of one rank and over frames.
 struct OffsetSum {
-  double toward = 0.0, moved = 0.0;
+  double toward = 0.0;  // Of u_j . w; u_j . u is 0.
+  double moved = 0.0;   // Of u_j . u_j.
 };
 using OffsetSums = std::array<OffsetSum, LimbDirections::kRanks>;
 
@@ -46,7 +47,7 @@ class OffsetMeter {
   }
 
  private:
-  // Excludes joints at a limit, whose deviation is not an offset.
+  // Excludes joints at a limit, because the limit causes their deviation.
   void find_free_joints(std::span<const double> qpos) {
     constexpr double kAtLimit = 0.02;  // rad
     free_joints_.clear();
@@ -75,7 +76,7 @@ class OffsetMeter {
     }
   }
 
-  // In m/rad; zero if the joint does not move the limb end.
+  // Velocity of a limb end per joint velocity, m/rad; zero if the joint does not move the end.
   [[nodiscard]] Vector3d velocity_of(const LimbEnd& end, int joint) const {
     const KinematicTree& tree = robot_.tree();
     const int link = tree.link_of_joint(joint);
@@ -92,14 +93,15 @@ class OffsetMeter {
   std::vector<OffsetSums> sums_;  // By joint.
 };
 
-// Uses the first limbs that the joint moves. The forearms' threshold is higher so that they
-// determine only elbows: shoulders twist bent forearms to turn hands as well as to aim them.
+// Uses the limbs of the first rank that the joint moves; empty if they do not determine the offset.
+// Thresholds are for the mean of u_j . u_j per frame. The threshold of the forearms is higher, so
+// that they determine only elbows: shoulders twist bent forearms to turn the hands, too.
 std::optional<double> offset_from(const OffsetSums& sums, int frames) {
-  constexpr double kMoves = 0.1;  // Squared motion of unit vectors per frame.
-  constexpr std::array kTells = {0.5, 0.5, 0.8};
+  constexpr double kMoves = 0.1;
+  constexpr std::array kDetermines = {0.5, 0.5, 0.8};
   for (std::size_t rank = 0; rank < sums.size(); ++rank) {
     const auto& [toward, moved] = sums[rank];
-    if (moved > kTells[rank] * frames) return -toward / moved;
+    if (moved > kDetermines[rank] * frames) return -toward / moved;
     if (moved > kMoves * frames) return std::nullopt;
   }
   return std::nullopt;

@@ -20,20 +20,20 @@
 
 namespace retarget {
 
-// Compares limbs, hands and trunk of a robot with the human's.
+// The part of TrackingMeasure that compares limbs, hands and trunk of a robot with the human's.
 
 namespace {
 
 using Eigen::Vector3d;
 
-// Angle in degrees. A robot limb of zero length has no direction and counts as a right angle.
+// Angle between two limbs, degrees. A robot limb without length has no direction; its angle is 90.
 double limb_angle(const Vector3d& of_human, const Vector3d& of_robot) {
   constexpr double kNoLength = 0.02;  // Fraction of the human limb's length.
   if (of_robot.norm() < kNoLength * of_human.norm()) return 90.0;
   return kDegreesPerRadian * angle_between(of_human, of_robot);
 }
 
-// Rank as in LimbDirections.
+// LimbDirections::rank of a segment.
 int rank_of(const LimbSegment& segment) {
   const Bone from = segment.from[0];
   if (from != segment.from[1] || side_of(from) != side_of(segment.to[0])) return 0;
@@ -50,8 +50,8 @@ bool is_of_legs(const LimbSegment& segment) {
   });
 }
 
-// A waist that is turned by a constant angle takes the arms with it, and these determine most of the
-// yaw that aligns the whole body. So lines of the trunk are compared relative to the hips.
+// Aligns the lines of the trunk by the yaw of the hips. The yaw of the whole body depends mostly on
+// the arms, which a constant rotation of the waist also rotates, and would hide that rotation.
 void align_trunk_by_hips(std::vector<LimbDirections>& limbs) {
   YawFit yaw;
   for (const LimbDirections& limb : limbs) {
@@ -69,7 +69,7 @@ void align_trunk_by_hips(std::vector<LimbDirections>& limbs) {
 
 }  // namespace
 
-// Returns nothing if a bone of the limb is not tracked.
+// Empty if a bone of the limb is not tracked.
 std::optional<LimbDirections> TrackingMeasure::directions_of(const LimbSegment& segment,
                                                              const RobotLimbs* limbs) const {
   BoneArray<const TrackedRow*> rows{nullptr};
@@ -101,7 +101,7 @@ std::optional<LimbDirections> TrackingMeasure::directions_of(const LimbSegment& 
   return found;
 }
 
-// Axes of the hands that follow the human's.
+// The axes of the hands with a rotation target, as limbs.
 std::vector<LimbDirections> TrackingMeasure::hand_directions() const {
   std::vector<LimbDirections> found;
   for (const Bone bone : {Bone::kLeftHand, Bone::kRightHand}) {
@@ -138,7 +138,7 @@ std::vector<double> TrackingMeasure::limb_angles(const LimbDirections& limb) con
   return angles;
 }
 
-// NaN if the body is never upright.
+// Mean over the upright frames; NaN if the body is never upright.
 double TrackingMeasure::mean_while_upright(const std::vector<double>& values) const {
   std::vector<double> counted;
   for (int frame = 0; frame < frames_; ++frame) {
@@ -148,7 +148,7 @@ double TrackingMeasure::mean_while_upright(const std::vector<double>& values) co
 }
 
 void TrackingMeasure::measure_limbs() const {
-  // Measure between joint centres if the robot's tree defines them, else between body origins.
+  // Limbs extend between joint centres if the robot's tree defines them, else between body origins.
   const Robot& robot = draft_.clip.robot();
   const auto limbs = robot.fixed_base() ? robot_arms(robot, config_) : robot_limbs(robot, config_);
   std::vector<LimbDirections> directions;
@@ -178,8 +178,8 @@ void TrackingMeasure::measure_limbs() const {
   measure_joint_offsets(draft_, limits_, directions, hand_directions());
 }
 
-// Returns nothing if a hip or a shoulder is not tracked. As for limbs, uses body origins if the
-// tree does not define the joint centres.
+// Empty if a hip or a shoulder is not tracked. Like measure_limbs(), uses body origins if the tree
+// does not define the joint centres.
 std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
   const auto limbs = robot_limbs(draft_.clip.robot(), config_);
   TrunkBodies trunk;

@@ -30,7 +30,8 @@
 namespace retarget {
 namespace {
 
-// Rise of a foot's target per metre of rise of the human foot.
+// Scale from the human's to the robot's foot paths: rise of a foot's target per metre of rise of
+// the human's foot. Empty without a foot target.
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
   const HumanClip& human = *source.human;
   const HumanPoseSource poses = poses_of(human);
@@ -67,7 +68,7 @@ LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int fr
   return joint;
 }
 
-// Finds joints that stay at a limit, and the tasks that push them there.
+// Finds joints that are at a limit in many frames, and the tasks that push them there.
 void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
                          const QualitySource& source) {
   constexpr double kMinShare = 0.05;
@@ -76,7 +77,7 @@ void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
   const HumanPoseSource poses = poses_of(human);
   const auto targets = make_targets(human, poses, draft.clip.robot(), *source.config, source.scale,
                                     TrunkRule::kLines, &limits);
-  // There are no targets if the body lacks bones that the configuration needs.
+  // Without the bones that the configuration requires, there are no targets.
   if (!targets) return;
   for (const JointAtLimit& found :
        joints_at_limits(draft.clip, *source.config, *targets, poses, limits, kMinShare)) {
@@ -85,7 +86,8 @@ void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
   }
 }
 
-// Measures a robot with a fixed base: the human is placed in front of it, and there is no floor.
+// Measures a robot with a fixed base against the human in its base frame (HeldBase). It has no
+// floor.
 void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
                   const LimitSet& limits) {
   const int frames = std::min(draft.clip.frame_count(), source.human->frame_count);
@@ -97,13 +99,13 @@ void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const Qu
   measure_tracking(draft, tracks, held, limits, upright_posture(draft.clip.frame_count()), frames);
 }
 
-// Measures the robot's contacts with the floor against those of its source.
+// Compares the robot's contacts with floor and scene with those of its source.
 void measure_on_floor(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const Posture& posture, int frames) {
   const HumanClip& human = *source.human;
   const bool tracked = source.config != nullptr;
   const SourceFeet feet(human, frames);
-  // Find contacts in the compared frames only.
+  // The source may be longer; only the frames of the motion matter.
   ContactPlan contacts =
       source.scene == nullptr ? find_contacts(feet) : find_contacts_on_ground(*source.scene, feet);
   edit_contacts(source.contact_edits, feet, contacts);

@@ -300,8 +300,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kCertificate, true},
 });
 
-// A group includes the metrics from this key up to the next group's key, so that a metric added
-// next to similar ones needs no entry.
+// A group contains the metrics from this key up to the next group's key. New metrics next to
+// similar ones therefore need no entry.
 struct GroupStart {
   std::string_view key;
   MetricGroup group;

@@ -31,7 +31,7 @@ inline constexpr std::array kMetricGroups = {MetricGroup::kLimits,     MetricGro
 /// The group of a metric of quality_metrics().
 [[nodiscard]] MetricGroup group_of(const Metric& metric);
 
-/// Whether a short report shows a metric that has no gate.
+/// Whether a short report also shows the metric without a gate.
 [[nodiscard]] bool is_headline(const Metric& metric);
 
 }  // namespace retarget

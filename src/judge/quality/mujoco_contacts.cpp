@@ -24,11 +24,11 @@ double MujocoContacts::depth(std::span<const double> qpos,
   double deepest = 0.0;
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
-    const bool asked = std::ranges::any_of(geoms, [&contact](const std::pair<int, int>& pair) {
+    const bool listed = std::ranges::any_of(geoms, [&contact](const std::pair<int, int>& pair) {
       return pair == std::pair(contact.geom[0], contact.geom[1]) ||
              pair == std::pair(contact.geom[1], contact.geom[0]);
     });
-    if (asked) deepest = std::max(deepest, -contact.dist);
+    if (listed) deepest = std::max(deepest, -contact.dist);
   }
   return deepest;
 }

@@ -12,8 +12,8 @@ namespace retarget {
 
 /// Computes MuJoCo's contacts between the geoms of a robot.
 ///
-/// For a contact with a box, MuJoCo's depth is not always the minimum translation that separates
-/// the shapes, because it only searches a few points for the deepest one. The report has these
+/// For a contact with a box, MuJoCo's depth is not always the shortest translation that separates
+/// the shapes, because MuJoCo searches only a few points for the deepest one. Reports contain these
 /// depths in addition to the exact ones, for comparison with evaluations in MuJoCo.
 class MujocoContacts {
  public:
@@ -22,7 +22,7 @@ class MujocoContacts {
   MujocoContacts(const MujocoContacts&) = delete;
   MujocoContacts& operator=(const MujocoContacts&) = delete;
 
-  /// Depth of the deepest contact between these pairs of geoms, metres; 0 without contact.
+  /// Depth of the deepest contact between the given pairs of geoms, metres; 0 without contact.
   [[nodiscard]] double depth(std::span<const double> qpos,
                              std::span<const std::pair<int, int>> geoms);
 

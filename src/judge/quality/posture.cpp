@@ -12,11 +12,12 @@
 namespace retarget {
 namespace {
 
-// A person who bends to the floor has higher hips, and one who sits has a more upright trunk. On
-// hands and knees, the hips are at 0.6 of the leg length.
-constexpr double kLyingUpright = 0.5;  // Cosine of 60 degrees.
-constexpr double kLowHips = 0.75;      // Fraction of thigh and shank.
-constexpr double kGettingUp = 0.5;     // Seconds before and after.
+// Both conditions must hold in a frame in which the body lies or crawls: a person who bends to the
+// floor has higher hips, and a person who sits has a more upright trunk. On hands and knees, the
+// hips are at 0.6 of the leg length.
+constexpr double kLyingUpright = 0.5;  // Largest cosine of the trunk's lean: 60 degrees.
+constexpr double kLowHips = 0.75;      // Largest height of the hips, fraction of the leg length.
+constexpr double kGettingUp = 0.5;     // Seconds before and after such a frame.
 
 }  // namespace
 

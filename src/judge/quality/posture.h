@@ -9,29 +9,31 @@
 
 namespace retarget {
 
-/// Posture of the source's body, by frame of a motion.
+/// Posture of the source's body in the frames of a motion.
 struct Posture {
-  /// By frame: included in metrics of standing bodies. Excludes frames in which the body lies or
-  /// crawls and those within half a second, during which it is getting down or up.
+  /// By frame: whether the body is upright. Metrics of standing bodies use only these frames.
+  /// Frames less than half a second from one in which the body lies or crawls are not upright,
+  /// because the body is getting down or up.
   std::vector<char> upright;
-  /// Percentage of the source's frames in which the body lies or crawls. Nothing for bodies without
-  /// a trunk or a leg, whose posture is unknown; they count as upright.
+  /// Percentage of the source's frames in which the body lies or crawls. Empty for bodies without a
+  /// trunk or a leg, whose posture is unknown; all their frames are upright.
   std::optional<double> lying_pct;
 
   [[nodiscard]] bool is_upright(int frame) const {
     return upright[static_cast<std::size_t>(frame)] != 0;
   }
-  /// Whether the body is upright in any of the first frames.
+  /// Whether the body is upright in at least one of the first `frames` frames.
   [[nodiscard]] bool ever_upright(int frames) const {
     return std::find(upright.begin(), upright.begin() + frames, 1) != upright.begin() + frames;
   }
 };
 
+/// Finds the posture from trunk and hips of the human.
 /// @param frames         number of frames of the motion.
-/// @param source_frames  number of these that the source covers; the rest counts as upright.
+/// @param source_frames  number of these frames that the source covers; the rest is upright.
 [[nodiscard]] Posture find_posture(const HumanClip& human, int frames, int source_frames);
 
-/// Posture of a motion whose source is unknown.
+/// Posture of a motion without a known source: upright in all frames.
 [[nodiscard]] Posture upright_posture(int frames);
 
 }  // namespace retarget

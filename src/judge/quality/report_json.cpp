@@ -224,7 +224,7 @@ std::string report_json(std::span<const QualityReport> reports) {
     json["metrics"][std::string(metric.key)] = {
         {"unit", metric.unit}, {"definition", metric.definition}, {"source", metric.source}};
   }
-  // Names that are not valid UTF-8 must not throw.
+  // `replace`, because names may be invalid UTF-8, for which dump() would throw.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

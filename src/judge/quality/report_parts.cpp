@@ -9,7 +9,7 @@
 namespace retarget {
 
 void FaultList::add(const std::string& where, int frame, double amount) {
-  // NaN has no order; treat it as the worst value.
+  // NaN cannot be sorted. It is the worst value.
   if (std::isnan(amount)) amount = std::numeric_limits<double>::infinity();
   const auto last = last_run_.find(where);
   if (last != last_run_.end() && runs_[last->second].end >= frame) {
@@ -57,7 +57,7 @@ int decimals_of(double value) {
   return size >= 1000.0 ? 0 : size >= 100.0 ? 1 : size >= 1.0 ? 2 : 4;
 }
 
-// Three significant digits, for bounds scaled by a robot's leg length.
+// Formats a bound with about three significant digits; bounds scaled by a leg length have more.
 std::string rounded(double bound) {
   const double size = std::abs(bound);
   return number_text(bound, size >= 100.0  ? 0
@@ -67,7 +67,7 @@ std::string rounded(double bound) {
                                            : 4);
 }
 
-std::string bounds_in_words(const GateResult& gate) {
+std::string bounds_phrase(const GateResult& gate) {
   if (gate.min && gate.max) return rounded(*gate.min) + " to " + rounded(*gate.max);
   return gate.max ? "at most " + rounded(*gate.max) : "at least " + rounded(*gate.min);
 }
@@ -78,7 +78,7 @@ std::string frames_of(const Fault& fault) {
          ", worst " + std::to_string(fault.worst_frame);
 }
 
-// Details of a missed gate in addition to its faults.
+// A detail of a missed gate that its faults do not contain; may be empty.
 std::string detail_of(const QualityReport& report, const GateResult& gate) {
   if (!gate.value && report.source.empty()) return "no source of the motion is given";
   if (gate.metric == "trunk_lean_error_deg" && report.trunk_lean) {
@@ -171,7 +171,7 @@ ReportLine verdict_of(const QualityReport& report) {
 
 std::string missed_text_of(const QualityReport& report, const GateResult& gate) {
   const std::string found = gate.value ? figure_text(*gate.value, gate) : "not measured";
-  return report.file + ": " + gate.metric + " is " + found + ", expected " + bounds_in_words(gate);
+  return report.file + ": " + gate.metric + " is " + found + ", expected " + bounds_phrase(gate);
 }
 
 std::vector<std::string> places_of_gate(const QualityReport& report, const GateResult& gate) {

@@ -16,12 +16,13 @@ namespace retarget {
 inline constexpr double kInCm = 100.0;  ///< Centimetres per metre.
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
-/// A report under construction. Each group of metrics adds its values under their keys.
+/// A report under construction. The measure_...() functions add their values to it.
 struct ReportBuilder {
   const RobotClip& clip;
   const QualityOptions& options;
   QualityReport& report;
 
+  /// Adds the value of a metric. @pre the key is that of a metric.
   void set(std::string_view key, double value, std::optional<double> p95 = std::nullopt) const {
     report.values.push_back({find_metric(key), value, p95});
   }
@@ -32,15 +33,17 @@ struct ReportBuilder {
   return whole > 0.0 ? 100.0 * part / whole : 0.0;
 }
 
-/// Groups faults into runs of consecutive frames, separately for each joint or body.
+/// Groups the faults of a metric into runs of consecutive frames, separately for each joint or
+/// body.
 class FaultList {
  public:
   FaultList(std::string_view metric, std::string_view unit) : metric_(metric), unit_(unit) {}
 
-  /// @pre frames of the same `where` are added in increasing order
+  /// Adds a bad frame of a joint or body. NaN becomes infinity.
+  /// @pre frames of the same `where` are added in increasing order.
   void add(const std::string& where, int frame, double amount);
-  /// Appends the `max` worst runs, worst first, earliest first among equals, and the total number
-  /// of runs.
+  /// Appends the `max` worst runs and the total number of runs to the report. The worst run is
+  /// first; among equals, the earliest.
   void move_to(QualityReport& report, std::size_t max);
 
  private:
@@ -49,8 +52,7 @@ class FaultList {
   std::map<std::string, std::size_t> last_run_;  // By `where`.
 };
 
-/// Parts of human-readable reports.
-
+/// Colour of a text in a human-readable report.
 enum class ReportTone : unsigned char { kPlain, kGood, kBad, kFaint };
 
 /// Text in one colour.
@@ -60,19 +62,20 @@ struct ReportPiece {
 };
 using ReportLine = std::vector<ReportPiece>;
 
-/// Renders the lines with printable names and, if wanted, in colour.
+/// Joins the lines to a text with printable names.
+/// @param colour  whether to add ANSI colour codes.
 [[nodiscard]] std::string rendered(const std::vector<ReportLine>& lines, bool colour);
 
-/// Formats a value with four significant digits, or with more if needed to show that it misses a
-/// bound.
+/// Formats a value with two decimals, or fewer for large and more for small values. A value that
+/// misses a gate gets as many decimals as needed to differ from the bound.
 [[nodiscard]] std::string figure_text(double value);
 [[nodiscard]] std::string figure_text(double value, const GateResult& gate);
 
 /// The gate on a metric; nullptr if it has none.
 [[nodiscard]] const GateResult* gate_on(const QualityReport& report, std::string_view key);
 
-/// `+` for a passed gate, `x` for a missed one, `-` for one without a value, a blank for metrics
-/// without a gate.
+/// `+` for a passed gate, `x` for a missed gate, `-` for a gate without a value, a blank without a
+/// gate.
 [[nodiscard]] ReportPiece gate_mark(const GateResult* gate);
 
 /// Text such as `<=40`, `>=1`, `-0.3..0.3`.
@@ -84,7 +87,7 @@ using ReportLine = std::vector<ReportPiece>;
 /// Text such as `walk.csv: jumps is 2, expected at most 0`.
 [[nodiscard]] std::string missed_text_of(const QualityReport& report, const GateResult& gate);
 
-/// Locations and frames of a missed gate, worst first, at most three.
+/// Locations and frames at which a gate is missed, worst first, at most three.
 [[nodiscard]] std::vector<std::string> places_of_gate(const QualityReport& report,
                                                       const GateResult& gate);
 

@@ -26,7 +26,7 @@ void append(Lines& lines, Lines more) {
   for (ReportLine& line : more) lines.push_back(std::move(line));
 }
 
-// A metric's mark, value and bound. @pre it was measured
+// A metric's mark, value and bound. @pre the report contains the metric.
 ReportLine cell_of(const QualityReport& report, const Metric& metric) {
   const GateResult* gate = gate_on(report, metric.key);
   const double value = report.find(metric.key)->value;
@@ -93,8 +93,8 @@ std::vector<MissedGate> missed_gates(std::span<const QualityReport> reports) {
   return missed;
 }
 
-// Missed gates and where they were missed, in a limited number of lines: all gates first, then the
-// worst place of each, then the second.
+// Missed gates with the locations at which they are missed, in at most `room` lines. All gates have
+// priority over the worst location of every gate, and these over the second worst.
 Lines missed_lines(std::span<const QualityReport> reports, int room) {
   constexpr std::size_t kPlaces = 3;
   const std::vector<MissedGate> missed = missed_gates(reports);
@@ -125,8 +125,8 @@ Lines missed_lines(std::span<const QualityReport> reports, int room) {
   return lines;
 }
 
-// Properties that gates do not measure: estimated soles may be misplaced, and a robot whose range
-// is smaller than the pose is not at fault.
+// Notes on properties that no gate measures: estimated soles may be misplaced, and a joint may be
+// at a limit because the human's pose is beyond its range.
 Lines notes_on(const QualityReport& report) {
   constexpr double kOften = 10.0;  // Percent of the frames.
   Lines notes;
@@ -165,8 +165,8 @@ Lines short_lines(const QualityReport& report) {
   return lines;
 }
 
-// Compares several motions: missed gates, then headline values, then other gates as far as there is
-// room.
+// Compares several motions: metrics with missed gates, then headline metrics, then other metrics
+// with gates while lines are left.
 Lines side_by_side(std::span<const QualityReport> reports) {
   const auto rank = [reports](const Metric& metric) {
     bool is_gate = false;
@@ -182,7 +182,7 @@ Lines side_by_side(std::span<const QualityReport> reports) {
   std::vector<const Metric*> metrics = metrics_by_group(reports);
   const bool has_gates = std::ranges::any_of(
       reports, [](const QualityReport& report) { return !report.gates.empty(); });
-  // Each of many motions needs a separate line.
+  // Every motion has a line for its verdict, so reports of many motions are longer.
   constexpr int kLinesOfMany = 15;
   const int all_lines = std::max(kReportLines, kLinesOfMany + static_cast<int>(verdicts.size()));
   // One line for the title, one for the legend.
@@ -210,7 +210,7 @@ Lines side_by_side(std::span<const QualityReport> reports) {
   return lines;
 }
 
-// Lists all values.
+// Shows all values.
 Lines long_lines(std::span<const QualityReport> reports) {
   Lines lines;
   for (const QualityReport& report : reports) {
@@ -246,7 +246,7 @@ namespace {
 
 using Table = std::vector<std::vector<ReportPiece>>;
 
-// The mark of a gate takes two columns, even without a gate.
+// A value and the mark of its gate, which is a column even without a gate.
 std::vector<ReportPiece> cells_of(const QualityReport& report, const Metric& metric, bool units) {
   const GateResult* gate = gate_on(report, metric.key);
   const MetricValue* found = report.find(metric.key);
@@ -263,7 +263,7 @@ std::string bound_of(std::span<const QualityReport> reports, const Metric& metri
   return {};
 }
 
-// Pads columns to a common width; the first three are left-aligned.
+// Pads the cells of a column to a common width. The first three columns are left-aligned.
 std::vector<ReportLine> aligned(const Table& table) {
   constexpr std::size_t kFlushLeft = 3;
   std::vector<std::size_t> widths;

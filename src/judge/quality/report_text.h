@@ -10,9 +10,9 @@ namespace retarget {
 /// All metrics with a value in any report, by group, then in report order.
 [[nodiscard]] std::vector<const Metric*> metrics_by_group(std::span<const QualityReport> reports);
 
-/// Returns a header line, then one row per metric: its group, its name, its unit or its bound, and
-/// one value per motion with the mark of its gate.
-/// @param units  show units instead of bounds, and values with their 95th percentiles.
+/// A table with a header line, then one row per metric: its group, its name, its unit or its bound,
+/// and one value per motion with the mark of its gate.
+/// @param units  whether to show units instead of bounds, and also 95th percentiles.
 [[nodiscard]] std::vector<ReportLine> metric_table(std::span<const QualityReport> reports,
                                                    std::span<const Metric* const> metrics,
                                                    bool units);

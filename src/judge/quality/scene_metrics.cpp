@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPenetration = 0.01;  // Metres.
-constexpr double kKept = 0.03;         // Metres from the surface.
-constexpr double kTouch = 0.02;        // Metres; a robot's part that is nearer touches.
+constexpr double kPenetration = 0.01;  // Depth that a metric counts, metres.
+constexpr double kKept = 0.03;         // Distance up to which a contact is kept, metres.
+constexpr double kTouch = 0.02;        // Distance up to which a part of the robot touches, metres.
 constexpr int kLateness = 2;           // Frames by which a contact may be early or late.
 
 // A point of a collision shape or of a sole, in the frame of its link.
@@ -29,7 +29,7 @@ struct Probe {
   double radius = 0.0;
 };
 
-// Points on a lattice through the core of a shape, at distances of at most `spacing`.
+// Adds a grid of points in the core of a shape, at most `spacing` apart.
 void add_probes(const RoundedShape& shape, double spacing, std::vector<Probe>& probes) {
   std::array<int, 3> counts{1, 1, 1};
   for (int axis = 0; axis < shape.axis_count; ++axis) {
@@ -44,7 +44,7 @@ void add_probes(const RoundedShape& shape, double spacing, std::vector<Probe>& p
   for (int i = 0; i < counts[0]; ++i) {
     for (int j = 0; j < counts[1]; ++j) {
       for (int k = 0; k < counts[2]; ++k) {
-        // Of a box only the surface matters.
+        // Inner points of a box are not needed.
         if (shape.axis_count == 3 && inner(0, i) && inner(1, j) && inner(2, k)) continue;
         probes.push_back({shape.centre + along(0, i) + along(1, j) + along(2, k), shape.radius});
       }
@@ -102,7 +102,7 @@ class SceneMeter {
       add_probes(placed(rounded(shape), at.link_from_body), kSpacing,
                  probes_[static_cast<std::size_t>(at.link)]);
     }
-    // The soles of a robot stand for the shapes of its feet, which may extend below them.
+    // For feet, sole points replace the points of shapes, which may extend below the sole.
     std::vector<char> has_sole(probes_.size(), 0);
     for (const Sole& sole : robot_.profile().soles) {
       const KinematicTree::Attachment& at = robot_.tree().attachment(sole.body);
@@ -192,7 +192,9 @@ class SceneMeter {
     last_places_ = std::move(places);
   }
 
-  // Speed over the surface, m/s. @param step  in the frame of the body. @param normal  world.
+  // Speed along the surface, m/s.
+  // @param step    displacement since the last frame, in the frame of the scene's body, metres.
+  // @param normal  surface normal, world.
   [[nodiscard]] double slip_of(int frame, std::size_t body, const Vector3d& step,
                                const Vector3d& normal) const {
     const Vector3d in_world = world_.clip.pose(frame, body).rotation * step;
@@ -208,7 +210,7 @@ class SceneMeter {
     }
   }
 
-  // Feet that stand on bodies of the scene.
+  // Measures the feet while the source's feet stand on bodies of the scene.
   void measure_feet() {
     for (const Sole& sole : robot_.profile().soles) {
       const std::size_t side = sole.side == "left" ? 0 : 1;
@@ -232,7 +234,7 @@ class SceneMeter {
     }
   }
 
-  // Whether any frame within kLateness has a contact.
+  // Whether a frame at most kLateness away has a contact.
   [[nodiscard]] static bool near(const std::vector<char>& touches, std::size_t frame) {
     const auto from = frame >= kLateness ? frame - kLateness : 0;
     const auto to = std::min(touches.size(), frame + kLateness + 1);
@@ -241,7 +243,7 @@ class SceneMeter {
                        [](char touch) { return touch != 0; });
   }
 
-  // Share of the contacts in `of` that `in` has as well; percent.
+  // Percentage of the contacts in `of` that `in` also contains.
   [[nodiscard]] static double found_in(const std::vector<std::vector<char>>& of,
                                        const std::vector<std::vector<char>>& in) {
     double all = 0.0, found = 0.0;
@@ -275,18 +277,18 @@ class SceneMeter {
   const ReportBuilder& draft_;
   const Robot& robot_;
   const SceneSource& source_;
-  SceneWorld world_;  // The robot's.
+  SceneWorld world_;  // Scene around the robot.
   std::vector<SupportBody> supports_;
   int frames_ = 0;
   TreeState state_;
   std::vector<std::vector<Probe>> probes_;  // By link.
   std::vector<double> spheres_;             // By link: reach of its probes, metres.
   std::vector<SurfacePhase> phases_;
-  // By support body and body of the scene, then by frame.
+  // By pair of support body and scene body (index()), then by frame.
   std::vector<std::vector<char>> human_touches_, robot_touches_, sticks_;
   std::vector<Vector3d> last_places_;
   std::vector<double> gaps_, slips_;
-  std::vector<char> touches_;  // By frame: any part of the robot.
+  std::vector<char> touches_;  // By frame: whether a part of the robot touches the scene.
   double deepest_ = 0.0, deep_frames_ = 0.0, kept_ = 0.0;
   FaultList deep_, away_, slipping_;
 };

@@ -31,7 +31,8 @@ std::vector<Vector3d> turning(const std::vector<Vector3d>& directions, double fp
   return rates;
 }
 
-// Correlation of the robot's rates with the human's `lag` frames earlier, where both exist.
+// Correlation of the robot's rates with the human's rates `lag` frames earlier, over the frames
+// that both have.
 double correlation(const Rates& robot, const Rates& human, int lag) {
   double both = 0.0, of_robot = 0.0, of_human = 0.0;
   for (std::size_t limb = 0; limb < robot.size(); ++limb) {
@@ -58,8 +59,8 @@ double mean_rate(const Rates& rates) {
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-// The highest peak; among nearly equal peaks the one nearest to 0, because periodic motion has
-// several.
+// The lag of the highest peak. Among nearly equal peaks, which periodic motions have, the lag
+// nearest to 0.
 int best_lag(const std::vector<double>& correlations, int reach) {
   constexpr double kNearlyAsHigh = 0.02;
   const auto at = [&](int lag) { return correlations[static_cast<std::size_t>(lag + reach)]; };
@@ -73,7 +74,7 @@ int best_lag(const std::vector<double>& correlations, int reach) {
   return at(reach) >= at(-reach) ? reach : -reach;
 }
 
-// Vertical movement between two frequencies, root mean square.
+// Root mean square of the vertical motion between two frequencies, metres.
 double band_rms(std::span<const Eigen::Vector3d> points, double low, double high, double fps) {
   constexpr double kPeriods = 2.0;  // Half width of the filters, in periods of the cutoff.
   const auto filtered = [&](double hertz) {
@@ -138,7 +139,7 @@ std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,
 std::optional<double> bounce_kept(std::span<const Eigen::Vector3d> found,
                                   std::span<const Eigen::Vector3d> wanted, double fps) {
   constexpr double kLow = 2.5, kHigh = 8.0;  // Hz
-  constexpr double kLeast = 0.001;           // Metres; less is noise of capturing.
+  constexpr double kLeast = 0.001;           // Noise level of motion capture, metres.
   constexpr double kSeconds = 1.0;
   const std::size_t frames = std::min(found.size(), wanted.size());
   if (static_cast<double>(frames) < kSeconds * fps || fps < 2.5 * kHigh) return std::nullopt;
@@ -148,7 +149,7 @@ std::optional<double> bounce_kept(std::span<const Eigen::Vector3d> found,
 }
 
 void measure_source_slide(const ReportBuilder& draft, const HumanClip& human, int frames) {
-  // Long enough that capture noise has little influence.
+  // Long enough that the noise of motion capture has little effect.
   constexpr double kStepSeconds = 1.0 / 30.0;
   const double fps = human.rate.fps();
   const int step = std::max(1, static_cast<int>(std::lround(kStepSeconds * fps)));

@@ -43,7 +43,7 @@ class SupportMeter {
 
   void finish() {
     const auto frames = static_cast<double>(motion_.heights.size());
-    // Without support on the floor, slip and height are zero.
+    // Slip, drift and height are 0 if no part rests on the floor.
     if (motion_.heights.empty()) motion_.heights = motion_.drifts = {0.0};
     if (motion_.slips.empty()) motion_.slips = {0.0};
     draft_.set("support_pct", percent(frames, draft_.clip.frame_count()));

@@ -9,7 +9,7 @@ namespace retarget {
 
 /// Measures slip, drift and height of the robot's knees, elbows, hands, seat and back while those
 /// of the source rest on the floor; 0 if they never do. Slip and drift are relative to the slide of
-/// the source (SlideTracker). Adds nothing for a robot without shapes there.
+/// the source (SlideTracker). Adds no metric for a robot without collision shapes on these parts.
 /// @param scale  scale from the source's to the robot's foot paths.
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
                       const SourceFeet& source, const ContactPlan& contacts, double scale);

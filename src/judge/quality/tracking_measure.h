@@ -23,16 +23,16 @@
 
 namespace retarget {
 
-/// A row of a configuration whose bone exists, so that it can be measured.
+/// A row of a retargeting configuration whose bone the source has.
 struct TrackedRow {
   const ConfigTask* task = nullptr;
-  int table = 0;  ///< 0 or 1.
-  int body = 0;   ///< Index among the kept bodies.
+  int table = 0;  ///< Index of the table, 0 or 1.
+  int body = 0;   ///< Index into BodyTracks::kept_bodies.
   Bone bone = Bone::kHips;
-  double scale = 1.0;
+  double scale = 1.0;  ///< Scale of the bone's position relative to the root.
 };
 
-/// Measures how a robot follows its source: bodies, limbs, trunk and root.
+/// Measures how closely a robot's bodies, limbs, trunk and root follow its source.
 class TrackingMeasure {
  public:
   TrackingMeasure(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
@@ -73,13 +73,14 @@ class TrackingMeasure {
   [[nodiscard]] const Pose& bone_pose(int frame, Bone bone) const {
     return human_.frame(frame)[bone];
   }
-  // Position of the body relative to the root: actual, and as desired by its bone.
+  // Position of the body relative to the root, world axes, metres.
   [[nodiscard]] Eigen::Vector3d have(int frame, const TrackedRow& row) const {
     return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
   }
   [[nodiscard]] const Pose& limb_target(int frame, const TrackedRow& row) const {
     return limb_targets_[static_cast<std::size_t>(frame)][row.bone];
   }
+  // Target of have(), before the yaw robot_from_human_.
   [[nodiscard]] Eigen::Vector3d want(int frame, const TrackedRow& row) const {
     if (!limb_targets_.empty()) return limb_target(frame, row).translation;
     return row.scale * (bone_pose(frame, row.bone).translation -
@@ -93,7 +94,7 @@ class TrackingMeasure {
   [[nodiscard]] bool has_position(const TrackedRow& row) const {
     return row.task->position_weight > 0.0 && row.bone != config_.root_bone;
   }
-  // Index of the table used for evaluation: the second, or the first if there is no second.
+  // Index of the table that the metrics use: the second, or the first if there is no second.
   [[nodiscard]] int judged_table() const {
     return std::ranges::any_of(rows_, [](const TrackedRow& row) { return row.table == 1; }) ? 1 : 0;
   }
@@ -115,12 +116,12 @@ class TrackingMeasure {
   const LimitSet& limits_;
   const Posture& posture_;
   const int frames_;
-  const double leg_;  // Leg length of the human.
+  const double leg_;  // Leg length of the human, metres.
   std::vector<TrackedRow> rows_;
-  std::vector<HumanPose> limb_targets_;     // By frame, from the root; empty: not by limbs.
-  std::vector<Eigen::Vector3d> root_path_;  // Target path by frame.
-  int root_body_ = 0;
-  Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // a yaw
+  std::vector<HumanPose> limb_targets_;  // By frame, relative to the root; empty: no limb scaling.
+  std::vector<Eigen::Vector3d> root_path_;  // Target positions of the root by frame.
+  int root_body_ = 0;                       // Index into BodyTracks::kept_bodies.
+  Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // A constant yaw.
 };
 
 }  // namespace retarget

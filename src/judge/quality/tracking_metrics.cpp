@@ -51,11 +51,12 @@ void TrackingMeasure::collect_root_path(double ratio) {
   }
 }
 
-// With scaling by limbs, a target is not proportional to its bone's position relative to the root.
+// With limb scaling, the position of a target is not a multiple of its bone's position, so these
+// targets come from TargetBuilder.
 void TrackingMeasure::collect_limb_targets() {
   const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), config_,
                                     ScaleRule::kLimbs, TrunkRule::kLines);
-  // If limbs cannot be measured, keep scaling by height.
+  // Without measurable limbs, the targets remain scaled by height.
   if (!targets) return;
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
   limb_targets_.resize(static_cast<std::size_t>(frames_));
@@ -73,7 +74,7 @@ void TrackingMeasure::collect_limb_targets() {
   }
 }
 
-// Finds the yaw that best aligns bones and bodies, because some data sets rotate the whole motion.
+// Finds the constant yaw that best aligns bones and bodies. Some data sets rotate the whole motion.
 void TrackingMeasure::find_yaw() {
   YawFit yaw;
   for (const TrackedRow& row : rows_) {
@@ -139,7 +140,8 @@ void TrackingMeasure::measure_rows() const {
   }
 }
 
-// The first row of a bone. A foot follows either of two bones, so both are tried.
+// The first row of a bone, or null. Configurations map a foot to one of two bones, so both are
+// tried.
 const TrackedRow* TrackingMeasure::row_of(Bone bone) const {
   const auto found = std::ranges::find(rows_, bone, &TrackedRow::bone);
   if (found != rows_.end()) return &*found;

@@ -11,15 +11,14 @@
 
 namespace retarget {
 
-/// The bodies whose poses measure_tracking needs: those of the tables and the root, without
+/// The bodies whose poses measure_tracking() uses: the root and the bodies of the tables, without
 /// duplicates.
 [[nodiscard]] std::vector<int> tracked_bodies(const ResolvedConfig& config);
 
-/// Measures how the bodies follow their bones row by row, the limbs the human's limbs, and the root
-/// its path.
-/// @param tracks  contains the poses of tracked_bodies.
-/// @param limits  limits of the joints.
-/// @param frames  number of frames of both.
+/// Measures the tracking errors of bodies (by row of the configuration), limbs, trunk and root.
+/// @param tracks  contains the poses of tracked_bodies().
+/// @param limits  joint ranges.
+/// @param frames  number of frames that motion and source share.
 void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,
                       const QualitySource& source, const LimitSet& limits, const Posture& posture,
                       int frames);

@@ -9,19 +9,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The pressure on a sole.
+// A contact force on a sole; axes of the foot's link.
 struct SoleForce {
   Vector3d normal;  // Of the sole.
-  Vector3d force;
+  Vector3d force;   // Newtons.
 };
 
-// Moves a point along the sole until the force on it has at most the torque `limit` about an axis.
+// Moves a point along the sole until the torque of the force about an axis is at most `limit`.
 Vector3d within_torque(const Vector3d& anchor, const Vector3d& axis, const SoleForce& sole,
                        double limit, const Vector3d& point) {
   const Vector3d across = sole.force.cross(axis);
   const Vector3d along = across - across.dot(sole.normal) * sole.normal;
   const double per_way = along.squaredNorm();
-  constexpr double kNoLever = 0.1;  // Joints that turn about the force need no torque.
+  // A joint axis that is nearly parallel to the force has no lever arm, so no torque is required.
+  constexpr double kNoLever = 0.1;
   if (!(per_way >= kNoLever * sole.force.squaredNorm())) return point;
   const double torque = (point - anchor).dot(across);
   if (std::abs(torque) <= limit) return point;
@@ -33,7 +34,7 @@ Vector3d within_torque(const Vector3d& anchor, const Vector3d& axis, const SoleF
 Vector3d within_ankle_reach(const KinematicTree& tree, std::span<const double> torque_limits,
                             int foot, const Vector3d& normal, const Vector3d& force,
                             const Vector3d& point) {
-  constexpr double kNear = 0.1;  // Metres between two axes of one ankle.
+  constexpr double kNear = 0.1;  // Largest distance between the two axes of an ankle, metres.
   const KinematicTree::Link& link = tree.links()[static_cast<std::size_t>(foot)];
   Vector3d moved = point;
   if (link.slides || foot == 0) return moved;

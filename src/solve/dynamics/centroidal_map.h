@@ -8,16 +8,17 @@
 
 namespace retarget {
 
-/// Maps the velocities of a robot's degrees of freedom to the velocity of its centre of mass and
-/// the angular momentum about it: the Jacobian of the centre of mass, and the angular part of the
-/// centroidal momentum matrix (Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot",
-/// 2013). Ignores rotors. Owns its scratch memory; update() does not allocate.
+/// The Jacobian of a robot's centre of mass, and the angular part of its centroidal momentum matrix
+/// (Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot", 2013). It maps the velocities
+/// of the degrees of freedom to the velocity of the centre of mass and to the angular momentum
+/// about it. Ignores rotors. Owns its scratch memory; update() does not allocate.
 class CentroidalMap {
  public:
   using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
   CentroidalMap(const KinematicTree& tree, const Inertias& inertias);
 
+  /// Computes com() and rows() for a pose.
   void update(const TreeState& state);
 
   [[nodiscard]] const Eigen::Vector3d& com() const { return com_; }  ///< World, metres.
@@ -26,10 +27,10 @@ class CentroidalMap {
   [[nodiscard]] const Rows& rows() const { return rows_; }
 
  private:
-  // A link and everything that it carries, relative to the base's origin.
+  // Composite body of a link and its descendants, about the base's origin, world axes.
   struct Carried {
     double mass;
-    Eigen::Vector3d first_moment;
+    Eigen::Vector3d first_moment;  // Mass times centre of mass.
     Eigen::Matrix3d inertia;
   };
 

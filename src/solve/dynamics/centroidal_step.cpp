@@ -12,17 +12,17 @@ namespace retarget {
 namespace {
 
 constexpr std::size_t kFrameSize = 6;
-constexpr std::size_t kBand = 3 * kFrameSize;  // The diagonal and the entries left of it.
+constexpr std::size_t kBand = 3 * kFrameSize;  // Entries of a row up to the diagonal.
 constexpr std::size_t kFixed = 2;              // Number of coefficients fixed at 0 at either end.
-constexpr double kRho = 1.0 / (0.02 * 0.02);   // Weight per squared share of body weight.
+constexpr double kRho = 1.0 / (0.02 * 0.02);   // Residual 1 at an unexplained 2 % of the weight.
 
-// Ratio of the gradient of the squared norm beyond the dead zone to that of the full squared norm.
+// Ratio of the gradient of the cost with a dead zone to its gradient without one.
 double pull_share(const Vector6d& rest, double dead_zone) {
   const double norm = rest.norm();
   return norm > dead_zone ? 1.0 - dead_zone / norm : 0.0;
 }
 
-// Replaces `needed` by weighted means; the weights fall to 0 at `reach` frames on either side.
+// Replaces `needed` by triangular means, whose weights fall to 0 at a distance of `reach` frames.
 void average_needed(std::vector<CentroidalFrame>& frames, double reach) {
   const auto count = static_cast<int>(frames.size());
   // Number of frames on either side with non-zero weight.
@@ -56,10 +56,11 @@ Vector6d CentroidalStep::second(const std::vector<Vector6d>& b, std::size_t t) {
 void CentroidalStep::begin(const std::vector<CentroidalFrame>& frames,
                            const CentroidalScale& scale) {
   scale_ = scale;
-  // Torque per weight and length, up to the factor 1 / g.
+  // The unit of torque, W l, divided by g.
   const double inertia = scale.mass * scale.length;
   const double dt2 = scale.frame_time * scale.frame_time;
-  // Positions are weighted relative to 0.1 l, and the angular coordinate relative to 0.048 m l^2.
+  // The residual is 1 at a displacement of 0.1 l, and at 0.048 m l^2 of the angular
+  // quasi-coordinate.
   const double place = 1.0 / (0.1 * scale.length);
   const double turn = 1.0 / (0.048 * scale.mass * scale.length * scale.length);
   constexpr double kAcceleration = 0.1;  // Per (m/s^2)^2.
@@ -73,13 +74,12 @@ void CentroidalStep::begin(const std::vector<CentroidalFrame>& frames,
   }
   coupling_.assign(frames.size(), Matrix6d::Zero());
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    // The force acts at the moved centre of mass: the torque changes by x cross F, with F in
-    // weights.
+    // The wrench refers to the displaced centre of mass, so its torque changes by x cross F.
     coupling_[t].bottomLeftCorner<3, 3>() = -skew(frames[t].needed.head<3>()) / scale.length;
   }
 }
 
-// Returns half the cost and keeps the intermediate results for assemble().
+// Returns the cost (half the weighted squares) and keeps intermediate results for assemble().
 double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
                                 const std::vector<Vector6d>& b) {
   double cost = 0.0;
@@ -90,7 +90,7 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
         frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
     double missing = 0.0;
     if (ConeProjector::explains(frame.cone, wrench, frame.dead_zone)) {
-      rest_[t].setZero();  // Without effect, like every wrench inside the dead zone.
+      rest_[t].setZero();  // A wrench inside the dead zone has no cost.
     } else {
       rest_[t] = projector_.project(frame.cone, wrench);
       // std::max would hide NaN.
@@ -105,7 +105,8 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
   return cost;
 }
 
-// Assembles the banded Gauss-Newton Hessian and the gradient at the point of the last evaluate().
+// Assembles the banded Gauss-Newton Hessian and the negative gradient at the iterate of the last
+// evaluate().
 void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
                               const std::vector<Vector6d>& b) {
   system_.begin(frames.size() * kFrameSize, kBand);
@@ -118,7 +119,7 @@ void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
     }
     const Matrix6d side = per_second + coupling_[t] / 6.0;
     const Matrix6d middle = -2.0 * per_second + 4.0 * coupling_[t] / 6.0;
-    // Up to the ridge, the complement is a projector.
+    // The complement is a projector (up to ConeProjector's ridge), so its square is itself.
     const Matrix6d side_part = rho * complement_[t] * side;
     const Matrix6d middle_part = rho * complement_[t] * middle;
     const Matrix6d side_side = side.transpose() * side_part;
@@ -136,7 +137,8 @@ void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
   }
 }
 
-// Adds the terms of single variables to the diagonal, and assembles the gradient.
+// Adds the position and acceleration terms, which couple only equal components, to the Hessian, and
+// adds all terms of a frame to the negative gradient.
 void CentroidalStep::add_diagonals(std::size_t frame, const Vector6d& side_pull,
                                    const Vector6d& middle_pull, const Vector6d& moved,
                                    const std::vector<Vector6d>& b) {
@@ -172,7 +174,7 @@ void CentroidalStep::add_block(std::size_t row, std::size_t column, const Matrix
   }
 }
 
-// The problem over the coefficients b.
+// The least-squares problem in the coefficients b, for damped_least_squares().
 struct CentroidalStep::Descent {
   CentroidalStep& step;
   std::vector<CentroidalFrame>& frames;
@@ -218,7 +220,7 @@ std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames
   begin(frames, scale);
   rest_.resize(count);
   complement_.resize(count);
-  // A line search takes the place of damping: a step without effect ends the descent.
+  // A line search replaces the damping. The descent ends at a step that no length makes successful.
   const LeastSquaresPolicy policy{.max_steps = iterations,
                                   .initial_damping = 0.0,
                                   .min_increased = 1.0,

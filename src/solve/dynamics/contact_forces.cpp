@@ -17,12 +17,12 @@ using Eigen::Vector3d;
 
 constexpr int kEdges = ForceCone::kEdges;
 constexpr int kUnknowns = kEdges * static_cast<int>(ContactForces::kMaxPoints);
-// Weight of a force, per body weight: makes the problem strictly convex.
+// Weight of a force per body weight. It makes the problem strictly convex.
 constexpr double kForceWeight = 0.003;
-// Share of a limit up to which a torque has no excess; below 1, so that a torque which can stay
-// within its limit does so despite the other weights.
+// Share of a limit beyond which a torque has an excess. Below 1, so that a torque that can stay
+// within its limit does so despite the other terms.
 constexpr double kWithin = 0.98;
-// Weight of the wrench that the forces keep, relative to that of an excess as large as the limit.
+// Weight of a change of the wrench by the body weight, relative to an excess as large as the limit.
 constexpr double kKeep = 100.0;
 
 }  // namespace
@@ -123,8 +123,9 @@ void ContactForces::build_system(const InverseDynamics& dynamics) {
   }
 }
 
-// The problem of relieve_joints() in the amounts of the edges: it has the squared excesses over the
-// limits as a one-sided term. Each semismooth Newton step is a quadratic program over the pyramids.
+// The problem of relieve_joints() in the edge amounts, for damped_least_squares(). The squared
+// excesses over the limits are one-sided terms. Each semismooth Newton step is a quadratic program
+// with non-negative amounts.
 struct ContactForces::Relief {
   ContactForces& of;
   double length = 1.0;  // Of the last trial.
@@ -146,9 +147,9 @@ struct ContactForces::Relief {
   void reject() {}
 };
 
-// Distributes the forces again if a joint exceeds its limit.
+// Redistributes the forces if a joint exceeds its limit.
 void ContactForces::relieve_joints(const InverseDynamics& dynamics) {
-  // Stalls at the first step that lowers the cost at none of its lengths.
+  // Ends at the first step that lowers the cost at none of its trial lengths.
   constexpr LeastSquaresPolicy kPolicy{.max_steps = 12,
                                        .initial_damping = 0.0,
                                        .min_increased = 1.0,
@@ -194,7 +195,7 @@ void ContactForces::read_ratios(const InverseDynamics& dynamics) {
   }
 }
 
-// Builds the part of the relief that does not depend on the excess: the forces keep their wrench.
+// Builds the terms that do not depend on the excess; the largest keeps the wrench of the forces.
 void ContactForces::build_relief() {
   constexpr double kKept = kKeep * kKeep, kJoint = kJointWeight * kJointWeight;
   kept_hessian_.setIdentity(amounts_.size(), amounts_.size());
@@ -205,7 +206,7 @@ void ContactForces::build_relief() {
   kept_gradient_.noalias() -= kJoint * loading_.transpose() * unloaded_;
 }
 
-// Adds the rows of the joints that exceed their limits under relieved_.
+// Adds the rows of the joints that exceed their limits at the iterate relieved_.
 void ContactForces::add_excess() {
   hessian_ = kept_hessian_;
   gradient_ = kept_gradient_;
@@ -219,7 +220,7 @@ void ContactForces::add_excess() {
   }
 }
 
-// Half the squares, without constants.
+// Half the sum of squares, without constants.
 double ContactForces::relief_cost(const Eigen::VectorXd& amounts) const {
   const Eigen::ArrayXd excess = ((unloaded_ - loading_ * amounts).array().abs() - kWithin).max(0.0);
   return amounts.dot(0.5 * kept_hessian_ * amounts + kept_gradient_) + 0.5 * excess.square().sum();

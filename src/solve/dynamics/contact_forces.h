@@ -10,33 +10,35 @@
 
 namespace retarget {
 
-/// Finds forces at support points that come closest to the wrench that a movement needs. The forces
-/// lie within friction pyramids with four edges inside the friction cone. Solves a non-negative
-/// least-squares problem: the residuals are the needed wrench about the centre of mass (torques
-/// divided by a lever) and, with a small weight that selects among equal solutions, the joint
-/// torques relative to their limits. If a joint then exceeds its limit, the forces are distributed
-/// again: with the same sum and moment, they leave the least squared excess. Owns its scratch
-/// memory.
+/// Computes the contact forces at support points whose wrench comes closest to the wrench that a
+/// motion requires. The forces lie within friction pyramids with four edges inside the friction
+/// cone. The solver is non-negative least squares. Its residuals are the unexplained wrench about
+/// the centre of mass (torques divided by a lever) and, with a small weight that selects among
+/// equal solutions, the joint torques relative to their limits. If a joint then exceeds its limit,
+/// a second solve redistributes the forces: it keeps their wrench and minimises the squared excess
+/// over the limits. Owns its scratch memory.
 class ContactForces {
  public:
   static constexpr std::size_t kMaxPoints = 20;
-  static constexpr double kFriction = 0.8;
-  static constexpr double kLever = 0.3;         ///< Metres, for a G1: a torque of weight times
-                                                ///< lever counts as the weight.
-  static constexpr double kJointWeight = 0.02;  ///< Weight of a joint torque at its limit.
+  static constexpr double kFriction = 0.8;  ///< Friction coefficient.
+  static constexpr double kLever = 0.3;     ///< Lever for a G1, metres: a torque of weight times
+                                            ///< lever has the same residual as the weight.
+  static constexpr double kJointWeight = 0.02;  ///< Residual of a joint torque at its limit.
 
   /// @param torque_limits  by link of the tree, N m (N for slides); infinity if unknown.
-  /// @param weight         of the robot, N.
+  /// @param weight         weight of the robot, N.
   /// @param lever          length by which torques are divided, metres.
   ContactForces(const KinematicTree& tree, std::span<const double> torque_limits, double weight,
                 double lever = kLever);
 
-  /// @param points  support points, at most kMaxPoints.
-  /// @param places  contact points.
+  /// Computes the contact forces of a motion at an instant.
+  /// @param points  support points in contact, at most kMaxPoints.
+  /// @param places  positions and normals of these contacts.
   void solve(const InverseDynamics& dynamics, const TreeState& state,
              std::span<const SupportPoint* const> points, std::span<const ContactPlace> places);
 
-  /// The wrench that no force explains, about the centre of mass: N, N m.
+  /// The part of the required wrench that the contact forces do not supply, about the centre of
+  /// mass: N, N m.
   [[nodiscard]] const Wrench& unexplained() const { return unexplained_; }
   /// Forces at the points, world, N.
   [[nodiscard]] std::span<const Eigen::Vector3d> forces() const { return forces_; }
@@ -63,14 +65,15 @@ class ContactForces {
   double weight_, lever_;
   std::size_t count_ = 0;
   std::vector<Eigen::Vector3d> levers_;  // Vectors from the centre of mass to the points.
-  std::vector<Eigen::Matrix<double, 3, 4>> edges_;  // By point: of its friction pyramid.
+  std::vector<Eigen::Matrix<double, 3, 4>> edges_;  // By point: edges of its friction pyramid.
   std::vector<RowsOfJoints> jacobians_;  // By point: joint torque per unit of force, rows by link.
-  std::vector<RowsOfJoints> scaled_jacobians_;  // In units of limits and body weight.
+  std::vector<RowsOfJoints> scaled_jacobians_;  // Residual of a joint per body weight of force.
   Eigen::VectorXd scale_, scaled_torques_;      // By link.
   Eigen::MatrixXd hessian_;
   Eigen::VectorXd gradient_, lower_, upper_, amounts_;
   BoxQp qp_;
-  // Ratios of the joint torques to the limits: unloaded_ - loading_ * amounts, rows by link.
+  // The ratios of the joint torques to their limits are unloaded_ - loading_ * amounts, rows by
+  // link.
   Eigen::VectorXd unloaded_;
   Eigen::MatrixXd loading_;
   Eigen::MatrixXd supply_;  // Wrench per amount, in units of the weight; rows: force, torque.

@@ -9,13 +9,13 @@
 namespace retarget {
 namespace {
 
-// Added to the squared amounts to keep the problem strictly convex.
+// Weight of the squared amounts. It makes the problem strictly convex.
 constexpr double kRidge = 1e-6;
 
 }  // namespace
 
 Eigen::Matrix<double, 3, 4> friction_pyramid(double friction, const Eigen::Vector3d& normal) {
-  // The tangents of a floor are x and y.
+  // For a horizontal surface, the tangents are x and y.
   constexpr double kSteep = 0.9;
   const Eigen::Vector3d aside =
       std::abs(normal.x()) < kSteep ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
@@ -48,9 +48,8 @@ class ConeProjector::System {
   }
   double gradient(int i, const Eigen::VectorXd& x) { return projector_.gradient(i, x); }
   [[nodiscard]] double gradient_scale() const {
-    // With the multipliers' tolerance of 1e-14, an edge that would reduce the missing wrench by
-    // less than 1e-5 of it stays unused. Otherwise the ridge would spread every force over all
-    // edges.
+    // With the multipliers' tolerance of 1e-14, an edge that would reduce the residual by less than
+    // 1e-5 of the wrench stays unused. Otherwise the ridge would spread each force over all edges.
     constexpr double kSmall = 1e9;
     return kSmall * std::max(1.0, projector_.wrench_.norm());
   }
@@ -98,7 +97,7 @@ bool ConeProjector::minimise(const std::vector<BoundSide>& sides, Eigen::VectorX
   return true;
 }
 
-// Cholesky factorization of the Gram matrix of the bearing edges; usually two to six.
+// Cholesky factorisation of the Gram matrix of the bearing edges. There are usually two to six.
 bool ConeProjector::factorise() {
   for (std::size_t a = 0; a < bearing_.size(); ++a) {
     double* const row = factor_.data() + a * ForceCone::kMaxEdges;
@@ -162,7 +161,7 @@ bool ConeProjector::explains(const ForceCone& cone, const Vector6d& wrench, doub
 
 Matrix6d ConeProjector::complement() {
   Matrix6d complement = Matrix6d::Identity();
-  // With the factor L: 1 - E (L L')^-1 E' = 1 - sum over the rows of L^-1 E'.
+  // With the Cholesky factor L: 1 - E (L L')^-1 E' = 1 - sum of r r' over the rows r of L^-1 E'.
   if (bearing_.empty() || !factorise()) return complement;
   for (std::size_t a = 0; a < bearing_.size(); ++a) {
     const double* const row = factor_.data() + a * ForceCone::kMaxEdges;

@@ -9,14 +9,15 @@
 
 namespace retarget {
 
-/// Edges of a pyramid inside the friction cone, one per column; their components along the normal
-/// are 1.
-/// @param normal  of the surface, unit length.
+/// Edges of a pyramid inside the friction cone, one per column. Each has a normal component of 1.
+/// @param friction  friction coefficient.
+/// @param normal    surface normal, unit length.
 [[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(
     double friction, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
 
-/// The wrenches about a point that friction pyramids at some support points can exert: the cone
-/// spanned by their edges. Forces come first, then torques, in units chosen by the caller.
+/// The contact wrench cone: the wrenches about a reference point that contact forces inside the
+/// friction pyramids of some support points can exert. A wrench contains the force, then the
+/// torque, in units that the caller chooses.
 class ForceCone {
  public:
   static constexpr int kEdges = 4;  ///< Edges of a pyramid inside the friction cone.
@@ -24,10 +25,13 @@ class ForceCone {
   static constexpr int kMaxEdges = kEdges * kMaxPoints;
 
   ForceCone() { sides_.fill(BoundSide::kLower); }
-  /// Removes all points. Keeps the active set of the last projection as the start of the next.
+  /// Removes all points. Keeps the active set of the last projection as a warm start for the next.
   void clear() { count_ = 0; }
-  /// @param lever  vector from the reference point of the torques, in the torques' unit of length.
-  /// @param normal  of the surface, unit length.
+  /// Adds a contact; ignored if the cone already has kMaxPoints.
+  /// @param lever     vector from the reference point to the contact, in the unit of length of the
+  ///     torques.
+  /// @param friction  friction coefficient.
+  /// @param normal    surface normal, unit length.
   void add_point(const Eigen::Vector3d& lever, double friction,
                  const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
   [[nodiscard]] bool empty() const { return count_ == 0; }
@@ -37,26 +41,26 @@ class ForceCone {
   friend class ConeProjector;
   Eigen::Matrix<double, 6, kMaxEdges> edges_;
   int count_ = 0;
-  // Edges without force in the last projection; the next one starts with them. The other edges have
-  // amounts, which are not negative.
+  // Active set of the last projection, a warm start for the next: edges at kLower bear no force.
+  // The amounts are those of the free edges.
   std::array<BoundSide, kMaxEdges> sides_{};
   std::array<double, kMaxEdges> amounts_{};
 };
 
-/// Projects wrenches onto cones: non-negative least squares in the amounts of the edges. Owns its
-/// scratch memory.
+/// Projects wrenches onto cones by non-negative least squares in the edge amounts. Owns its scratch
+/// memory.
 class ConeProjector {
  public:
   ConeProjector();
 
-  /// @return the wrench minus the nearest point of the cone. Not finite if the wrench or an edge is
-  ///     not.
+  /// @return the residual: the wrench minus the nearest point of the cone. Not finite if the wrench
+  ///     or an edge is not finite.
   Vector6d project(ForceCone& cone, const Vector6d& wrench);
-  /// Whether the amounts of the cone's last projection leave at most `rest` of the wrench. If so, the
-  /// cone's nearest point is not farther; if not, it may be nearer.
+  /// Whether the edge amounts of the cone's last projection leave a residual of at most `rest`. A
+  /// cheap sufficient test: if it fails, a new projection may still have a smaller residual.
   [[nodiscard]] static bool explains(const ForceCone& cone, const Vector6d& wrench, double rest);
-  /// For the last projection: the projector onto the complement of the bearing edges' span. It is
-  /// the derivative of the residual with respect to the wrench.
+  /// Derivative of the last projection's residual with respect to the wrench: the projector onto
+  /// the orthogonal complement of the bearing edges.
   [[nodiscard]] Matrix6d complement();
 
  private:
@@ -69,7 +73,7 @@ class ConeProjector {
   const ForceCone* cone_ = nullptr;
   Vector6d wrench_, rest_;
   bool rest_is_known_ = false;
-  std::vector<int> bearing_;
+  std::vector<int> bearing_;  // Edges with a non-zero amount.
   std::array<double, static_cast<std::size_t>(ForceCone::kMaxEdges) * ForceCone::kMaxEdges>
       factor_{};  // Rows of the lower triangle.
   std::array<double, ForceCone::kMaxEdges> right_{};

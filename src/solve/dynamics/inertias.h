@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// Inertia of a point mass at r about the origin, kg m^2.
+/// Inertia about the origin of a point mass (kg) at r (metres), kg m^2.
 [[nodiscard]] inline Eigen::Matrix3d point_inertia(double mass, const Eigen::Vector3d& r) {
   return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
 }
@@ -27,7 +27,7 @@ struct Inertias {
   /// Inertia that a joint's rotor adds to its own acceleration, by link, kg m^2 (kg for slides); 0
   /// for the base. From the profile, else from the model's `armature`.
   std::vector<double> rotors;
-  double mass = 0.0;  ///< Of all links, kilograms.
+  double mass = 0.0;  ///< Total mass, kilograms.
 };
 
 [[nodiscard]] Inertias make_inertias(const Robot& robot);

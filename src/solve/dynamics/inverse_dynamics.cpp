@@ -84,7 +84,7 @@ void InverseDynamics::move_links(const TreeState& state, std::span<const double>
   }
 }
 
-// Computes the wrench that each link needs by itself, and the sums over all links.
+// Computes the wrench that each link alone requires, and the sums over all links.
 void InverseDynamics::weigh_links(const TreeState& state) {
   com_.setZero();
   for (std::size_t i = 0; i < motions_.size(); ++i) {

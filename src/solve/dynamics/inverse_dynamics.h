@@ -16,34 +16,35 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
 
-/// Returns the zero-moment point: the point of a horizontal plane where the force of the wrench has no
-/// horizontal moment. World frame, metres.
-/// @param needed  about the centre of mass; its force points upwards.
-/// @param height  of the centre of mass above the plane, metres.
+/// The zero-moment point: the point of a horizontal plane about which the wrench has no horizontal
+/// moment. World x and y, metres.
+/// @param needed  wrench about the centre of mass; its force points upwards.
+/// @param com     centre of mass, world, metres.
+/// @param height  height of the centre of mass above the plane, metres.
 [[nodiscard]] Eigen::Vector2d zero_moment_point(const Wrench& needed, const Eigen::Vector3d& com,
                                                 double height);
 
-/// A force that a link exerts on something that it carries.
+/// A force that a link exerts on an object that it carries.
 struct LinkLoad {
   int link = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World, metres.
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();     ///< On the load, world, N.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     ///< On the object, world, N.
 };
 
-/// Computes the forces that a movement needs, without contacts, by the recursive Newton-Euler
-/// algorithm (Featherstone, "Rigid Body Dynamics Algorithms", chapter 5) in world axes. Owns its
-/// scratch memory; compute() does not allocate. Tree and inertias must outlive this object and stay
-/// at their addresses.
+/// Inverse dynamics without contacts, by the recursive Newton-Euler algorithm (Featherstone, "Rigid
+/// Body Dynamics Algorithms", chapter 5) in world axes. Owns its scratch memory; compute() does not
+/// allocate. Keeps pointers to the tree and the inertias.
 class InverseDynamics {
  public:
   explicit InverseDynamics(const KinematicTree& tree, const Inertias& inertias);
 
+  /// Computes the required forces of a motion state; the other members then refer to it.
   /// @param state         pose of the robot.
   /// @param velocity      by degree of freedom of the tree, per second: 0-2 linear velocity of the
   ///     base's origin in the world, 3-5 angular velocity in the base's own axes, then joint
   ///     velocities.
   /// @param acceleration  time derivatives of the velocities.
-  /// @param loads         what the links carry.
+  /// @param loads         forces on carried objects.
   void compute(const TreeState& state, std::span<const double> velocity,
                std::span<const double> acceleration, std::span<const LinkLoad> loads = {});
 
@@ -57,8 +58,8 @@ class InverseDynamics {
   [[nodiscard]] Eigen::Vector3d com_acceleration() const;
   /// Velocity of the centre of mass, world, m/s.
   [[nodiscard]] const Eigen::Vector3d& com_velocity() const { return com_velocity_; }
-  /// The external wrench that the movement needs, about the centre of mass: m (c'' + g), the rate of
-  /// the angular momentum, and the wrench of the loads. Ignores the spin of rotors.
+  /// The external wrench that the motion requires, about the centre of mass: m (c'' + g), the rate
+  /// of the angular momentum, and the wrench of the loads. Ignores the angular momentum of rotors.
   [[nodiscard]] const Wrench& needed() const { return needed_; }
   /// World velocity of a point that moves with a link, m/s.
   [[nodiscard]] Eigen::Vector3d velocity_of(int link, const Eigen::Vector3d& point,
@@ -81,8 +82,7 @@ class InverseDynamics {
   const KinematicTree* tree_;
   const Inertias* inertias_;
   std::vector<LinkMotion> motions_;
-  std::vector<Wrench> wrenches_;  // On a link and everything that it carries, about the link's
-                                  // origin.
+  std::vector<Wrench> wrenches_;  // On a link and its descendants, about the link's origin.
   std::vector<double> forces_;
   Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d com_velocity_ = com_;

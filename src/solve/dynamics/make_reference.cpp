@@ -28,14 +28,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Contacts are searched at this rate at least, so that they hardly depend on the reference's.
+// Lowest sampling rate of contact detection, Hz, so that contacts hardly depend on the rate of the
+// reference.
 constexpr double kContactRate = 120.0;
 
 void put(std::vector<double>& values, const Vector3d& vector) {
   values.insert(values.end(), vector.data(), vector.data() + 3);
 }
 
-// The torque of a sample that is farthest beyond the limit of its joint.
+// The largest torque of a joint beyond its limit.
 struct WorstTorque {
   double ratio = 1.0;
   ReferenceLimit entry;
@@ -77,14 +78,14 @@ class ReferenceMaker {
   }
 
  private:
-  // Number of points of time at which contacts are searched.
+  // Number of instants at which contacts are detected.
   [[nodiscard]] std::size_t fine_count() const {
     return (result_.samples - 1) * static_cast<std::size_t>(finer_) + 1;
   }
 
   Result<void> check_memory() const {
     const std::size_t joints = robot_.output_joints().size();
-    // All points may become columns.
+    // In the worst case, every support point becomes a contact column.
     const std::size_t row = 8 * (60 + 4 * joints) + 49 * points_.size();
     const std::size_t fine = 26 * points_.size() * static_cast<std::size_t>(finer_);
     const double bytes = static_cast<double>(result_.samples) * static_cast<double>(row + fine);
@@ -112,7 +113,7 @@ class ReferenceMaker {
     result_.beyond = spline_.beyond();
   }
 
-  // Moves the robot to a time, in fractions of a sample: part `within` of `finer_`.
+  // Moves the robot to the instant `within` / `finer_` of a sample period after a sample.
   void place(std::size_t sample, int within) {
     const SampleTime time = times_.at(WideFrames{sample} * finer_ + within);
     // The last sample may lie slightly after the last frame.
@@ -123,7 +124,7 @@ class ReferenceMaker {
     state_.update(motion_.qpos);
   }
 
-  // The frame of the scene that is nearest to a point of time.
+  // The frame of the scene that is nearest to an instant.
   [[nodiscard]] int scene_frame(std::size_t fine) const {
     const SampleTime time = times_.at(WideFrames{fine});
     return std::min(time.frame + (time.share >= 0.5 ? 1 : 0), clip_.frame_count() - 1);
@@ -145,7 +146,7 @@ class ReferenceMaker {
     name_contacts();
   }
 
-  // Columns for the points that touch something.
+  // Makes columns for the points that are in contact in at least one sample.
   void name_contacts() {
     std::vector<char> touches(points_.size(), 0);
     for (std::size_t i = 0; i < result_.samples; ++i) {
@@ -284,8 +285,8 @@ class ReferenceMaker {
   const ReferenceOptions& options_;
   const LimitSet& limits_;
   ReferenceSpline spline_;
-  int finer_;          // Points of time per sample at which contacts are searched.
-  SampleTimes times_;  // Of these points.
+  int finer_;          // Instants of contact detection per sample.
+  SampleTimes times_;  // Times of these instants.
   Inertias inertias_;
   std::vector<SupportPoint> points_;
   std::optional<SceneSupports> scene_;
@@ -297,7 +298,7 @@ class ReferenceMaker {
   ContactForces contacts_;
   std::vector<WorstTorque> worst_;  // By link.
   std::optional<SupportTracks> tracks_;
-  std::vector<int> column_;  // By point; -1: it touches nothing.
+  std::vector<int> column_;  // By support point; -1: never in contact.
   MotionReference result_;
   // Scratch memory.
   std::vector<int> chosen_;

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSamplesPerSecond = 120.0;
-// Minimum required force, as a share of the weight, for ZMP and friction to be defined.
+// Smallest required vertical force for which ZMP and friction are defined, share of the weight.
 constexpr double kMinHeld = 0.2;
 constexpr double kBadForce = 0.1;    // Share of the weight.
 constexpr double kBadTorque = 0.03;  // Metres x weight, for a robot as large as a G1.
@@ -178,7 +178,7 @@ class Analyser {
   std::vector<const SupportPoint*> supports_;
   std::vector<ContactPlace> places_;
   std::vector<LinkLoad> loads_;
-  bool on_floor_ = true;  // Whether only the floor supports.
+  bool on_floor_ = true;  // Whether all contacts are with the floor.
   std::vector<Eigen::Vector2d> polygon_;
 };
 

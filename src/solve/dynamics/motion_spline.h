@@ -10,37 +10,38 @@
 
 namespace retarget {
 
-/// A configuration with its first two derivatives, in the degrees of freedom of Robot::tree().
+/// A configuration with its first two time derivatives, in the degrees of freedom of Robot::tree().
 struct MotionState {
-  /// A state at rest.
+  /// A configuration with zero velocity and acceleration.
   MotionState(const KinematicTree& tree, std::vector<double> at);
   explicit MotionState(const Robot& robot)
       : MotionState(robot.tree(), robot.zero_configuration()) {}
 
-  std::vector<double> qpos;  ///< In the layout of Robot.
+  std::vector<double> qpos;  ///< Laid out as in RobotClip.
   /// Per second: linear velocity of the root in the world, angular velocity in its own axes, joint
   /// velocities.
   std::vector<double> velocity;
   std::vector<double> acceleration;  ///< Time derivatives of `velocity`, per second squared.
 };
 
-/// Sets the root's rotation and its derivatives from a spline with `fps` samples per second.
+/// Sets the root's rotation and its time derivatives from a spline with `fps` samples per second.
 void set_root_rotation(const RotationState& turn, double fps, MotionState& state);
 
 /// Interpolates a motion with continuous accelerations: cubic splines with not-a-knot ends for the
 /// root's position and the joints, and a RotationSpline for the root's rotation.
 class MotionSpline {
  public:
-  /// @param frames  contiguous, each in the layout of Robot, at least one. The memory must outlive
-  ///     the spline.
+  /// @param frames  at least one contiguous frame, laid out as in RobotClip. The memory must
+  ///     outlive the spline.
   MotionSpline(const KinematicTree& tree, std::span<const double> frames, int frame_size,
                double fps);
   /// Keeps a reference to the clip's memory.
   /// @pre the clip has frames.
   explicit MotionSpline(const RobotClip& clip);
 
-  /// @param index  first frame of the piece, less than the last frame (0 for a single frame).
-  /// @param s      fraction of the piece, in [0, 1].
+  /// Evaluates the spline between two frames.
+  /// @param index  first frame of the piece, before the last frame (0 for a single frame).
+  /// @param s      position within the piece, in [0, 1].
   void sample(int index, double s, MotionState& state) const;
 
  private:
@@ -52,7 +53,7 @@ class MotionSpline {
   std::size_t frame_size_;
   int frame_count_;
   double fps_;
-  std::vector<int> addresses_;      // Addresses in qpos: 0-2, then by link.
+  std::vector<int> addresses_;      // Addresses in qpos: root position, then joints by link.
   std::vector<double> velocities_;  // Frame-major, by address; change per frame.
   RotationSpline rotation_;
 };

@@ -9,7 +9,7 @@
 namespace retarget {
 namespace {
 
-// Changes and excesses below this do not matter, rad, m, and relative to a speed limit.
+// Changes and excesses up to this size are not reported: rad, m, or relative to a speed limit.
 constexpr double kNothing = 1e-9;
 
 std::vector<double> column_of(const RobotClip& clip, int address) {

@@ -10,20 +10,22 @@
 
 namespace retarget {
 
-/// The C2 spline through a motion that keeps the limits of its joints between frames.
+/// A C2 spline through a motion whose joints also keep their limits between frames.
 class ReferenceSpline {
  public:
   /// @param limits  joint ranges of the robot.
   /// @pre the clip has frames.
   ReferenceSpline(const RobotClip& clip, const LimitSet& limits);
 
-  /// @param index  first frame of the piece, less than the last frame (0 for a single frame).
-  /// @param s      fraction of the piece, in [0, 1].
+  /// Evaluates the spline between two frames.
+  /// @param index  first frame of the piece, before the last frame (0 for a single frame).
+  /// @param s      position within the piece, in [0, 1].
   void sample(int index, double s, MotionState& state) const;
 
+  /// Joints whose spline was changed to keep its limits.
   [[nodiscard]] const std::vector<ReferenceCorrection>& corrections() const { return corrections_; }
-  /// Positions and speeds that remain beyond limits because frames are, or because the correction
-  /// did not succeed.
+  /// Positions and speeds that remain beyond limits, because a frame itself is beyond them or the
+  /// correction failed.
   [[nodiscard]] const std::vector<ReferenceLimit>& beyond() const { return beyond_; }
 
  private:
@@ -32,7 +34,7 @@ class ReferenceSpline {
                      const std::string& joint);
 
   double fps_;
-  std::vector<int> addresses_;          // In qpos: 0-2, then by link.
+  std::vector<int> addresses_;          // Addresses in qpos: root position, then joints by link.
   std::vector<UniformSpline> scalars_;  // By address.
   RotationSpline rotation_;
   std::vector<ReferenceCorrection> corrections_;

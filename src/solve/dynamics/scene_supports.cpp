@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Heights above the ground at which a body begins to be lifted and is lifted, metres.
+// Heights above the ground at which `lifted` is 0 and 1, metres.
 constexpr double kRests = 0.01, kLifted = 0.04;
-// Time over which velocities and accelerations of bodies are measured, seconds: tracks are recorded,
-// and second differences of single frames would be noise.
+// Step of the finite differences for the velocities and accelerations of bodies, seconds. Second
+// differences of consecutive frames would amplify the noise of recorded tracks.
 constexpr double kSpan = 0.05;
 
 }  // namespace
@@ -56,7 +56,7 @@ SceneSupports::BodyMotion SceneSupports::motion_of(int frame, std::size_t body) 
   const BodyMass mass = body_mass(world_.clip.scene->bodies[body]);
   Vector3d acceleration = Vector3d::Zero();
   if (world_.clip.frame_count > 2 * half) {
-    // At the ends of the clip, the nearest span within it counts.
+    // Near the ends of the clip, uses the nearest frame with frames on both sides.
     const int middle = std::clamp(frame, half, world_.clip.frame_count - 1 - half);
     const Pose &before = world_.clip.pose(middle - half, body),
                &at = world_.clip.pose(middle, body), &after = world_.clip.pose(middle + half, body);
@@ -78,7 +78,7 @@ SceneSupports::BodyMotion SceneSupports::motion_of(int frame, std::size_t body) 
 std::optional<std::size_t> SceneSupports::touched(int frame, const Vector3d& centre, double radius,
                                                   const Vector3d& velocity, double height,
                                                   double speed) const {
-  constexpr double kHeld = 0.5;  // A body that is lifted farther supports nothing.
+  constexpr double kHeld = 0.5;  // Degree of `lifted` above which a body supports nothing.
   const int at = inside(frame);
   std::optional<std::size_t> nearest;
   double least = height;
@@ -109,7 +109,7 @@ void SceneSupports::find_loads(int frame, const std::vector<SupportPoint>& point
                                const TreeState& state, double reach,
                                std::vector<LinkLoad>& loads) const {
   loads.clear();
-  std::vector<double> distances;  // By load of one body.
+  std::vector<double> distances;  // By load of the current body.
   const int at = inside(frame);
   for (std::size_t body = 0; body < world_.body_count(); ++body) {
     const BodyMotion* moves = motion(at, body);

@@ -93,8 +93,8 @@ std::vector<int> joints_to(const KinematicTree& tree, int link) {
   return joints;
 }
 
-// Leg length (hip to knee to ankle), metres; 0 if the joints are not a leg. The shank is the last
-// long segment between consecutive joints; the knee is the joint at its upper end.
+// Leg length (hip to knee to ankle), metres; 0 if the joints do not form a leg. The shank is the
+// last long segment between consecutive joints, and the knee is the joint at its upper end.
 double leg_length(const TreeState& state, const std::vector<int>& joints) {
   constexpr double kLong = 0.6;  // Share of the longest segment.
   const auto way = [&](std::size_t i) {

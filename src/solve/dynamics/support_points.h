@@ -9,42 +9,43 @@
 
 namespace retarget {
 
-/// A point of a robot that may touch the floor: a point of a sole, or of another collision shape.
+/// A point of a robot that may touch the floor: a point of a sole or of another collision shape.
 struct SupportPoint {
-  int link = 0;  ///< Link of Robot::tree().
-  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();
-  double radius = 0.0;  ///< Distance of the surface below the point, metres.
-  bool of_sole = false;
+  int link = 0;                                       ///< Link of Robot::tree().
+  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();  ///< Position in the link frame, metres.
+  double radius = 0.0;   ///< Radius of the sphere around the point, metres; 0 for points of soles.
+  bool of_sole = false;  ///< Whether the point belongs to a sole.
 };
 
-/// A position at which a surface may push a robot, and the direction of the push without friction.
+/// Position and surface normal of a contact.
 struct ContactPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World, metres.
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< World axes, unit length.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< Towards the robot; world, unit length.
 };
 
-/// The points of the soles, followed by the ends of capsules, spheres and the corners of boxes of
-/// all bodies without a sole.
+/// The points of all soles, then those of the collision shapes of bodies without a sole: ends of
+/// capsules, centres of spheres, corners of boxes.
 [[nodiscard]] std::vector<SupportPoint> make_support_points(const Robot& robot);
 
-/// The lowest point of its surface, world, metres.
+/// The lowest point of the sphere around a support point, world, metres.
 [[nodiscard]] Eigen::Vector3d lowest_of(const SupportPoint& point, const TreeState& state);
 
-/// Reduces a selection to at most `most` points: the outermost ones in equally spaced horizontal
-/// directions. The others lie approximately between them.
-/// @param chosen  indices into `points`; receives the remaining ones in ascending order.
+/// Reduces a selection to at most `most` points: the outermost points in `most` equally spaced
+/// horizontal directions. The other points lie approximately inside their convex hull.
+/// @param points  world, metres.
+/// @param chosen  indices into `points`; reduced, in ascending order.
 void keep_outermost(std::span<const Eigen::Vector3d> points, std::size_t most,
                     std::vector<int>& chosen);
 
-/// Signed distance of a point inside the convex hull of some points to the hull's edge, metres;
-/// negative outside. For one or two points, which enclose nothing, minus the distance to them.
+/// Distance of a point from the edge of the convex hull of `points`, metres; positive inside,
+/// negative outside. One or two points have no inside.
 /// @param points  at least one; modified.
 [[nodiscard]] double margin_in_hull(const Eigen::Vector2d& point,
                                     std::vector<Eigen::Vector2d>& points);
 
-/// Size of a robot: its leg length (hip to knee to ankle) relative to a G1's. Rounded to a
-/// hundredth, so that the last digits of a model have no influence. Derived from the joints that
-/// carry its soles; 1 if it has none.
+/// Size of a robot: ratio of its leg length (hip to knee to ankle) to a G1's. Rounded to a
+/// hundredth, so that the last digits of a model have no effect. Measured along the joints from the
+/// base to a sole; 1 if the robot has no soles.
 [[nodiscard]] double body_size(const Robot& robot);
 
 }  // namespace retarget

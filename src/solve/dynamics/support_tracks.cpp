@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Values for a robot as large as a G1.
+// Thresholds for a robot of a G1's size.
 constexpr double kContactHeight = 0.02;    // Metres.
 constexpr double kContactSpeed = 0.5;      // Metres per second.
-constexpr double kNeighbour = 1.0 / 30.0;  // Seconds.
+constexpr double kNeighbour = 1.0 / 30.0;  // Extension of a contact on either side, seconds.
 
 }  // namespace
 
@@ -84,7 +84,7 @@ void SupportTracks::list_contacts(std::size_t sample, std::vector<int>& chosen) 
   keep_outermost(at(sample), ContactForces::kMaxPoints, chosen);
 }
 
-// A contact counts a little before and after as well.
+// Marks a contact at a sample and at the samples at most kNeighbour before and after it.
 void SupportTracks::mark(std::size_t sample, std::size_t point, Surface surface) {
   const std::size_t count = points_->size();
   const auto reach = static_cast<std::size_t>(std::lround(kNeighbour * rate_));

@@ -13,12 +13,12 @@ namespace retarget {
 ///
 ///     C_t x_(t-1) + H_t x_t + C_(t+1) x_(t+1) = b_t.
 ///
-/// Eliminates from the first block to the last, S_t = H_t - C_t S_(t-1)^-1 C_t, then substitutes
-/// backwards. Keeps every S_t^-1.
+/// Block elimination from the first block to the last, S_t = H_t - C_t S_(t-1)^-1 C_t, then back
+/// substitution. It stores -S_t^-1, because C S^-1 C only scales rows and columns of the inverse.
 class BlockChain {
  public:
   /// @param size  number of rows of a block, > 0.
-  /// @param wide  use AVX2; the results are identical.
+  /// @param wide  use AVX2; results are identical to those without.
   explicit BlockChain(int size, bool wide = has_avx2());
 
   /// Starts a system of `blocks` blocks.

@@ -18,32 +18,32 @@
 namespace retarget {
 namespace {
 
-constexpr double kLookEvery = 0.1;                    // Seconds between two looks at the limbs.
-constexpr int kLooks = 3;                             // Looks that an error must last.
-constexpr double kAstrayBranch = 0.3490658503988659;  // 20 degrees, for all tracked bones.
-// Shares that may remain for a change to pay off: of the tracking cost of the limb and of its
-// error, summed over the changed frames.
+constexpr double kSampleTime = 0.1;                   // Seconds between two samples of the costs.
+constexpr int kMinSamples = 3;                        // Samples that a large error must last.
+constexpr double kAstrayBranch = 0.3490658503988659;  // Rotation error of a bone: 20 degrees.
+// Largest shares of the limb's tracking cost and of its error that may remain after a change, both
+// summed over the changed frames.
 constexpr double kLessOnLimb = 0.7;
 constexpr double kLessError = 0.9;
 
-// Tracking costs of the limbs, sampled at regular intervals ("looks").
-class LimbLooks {
+// Tracking costs of the limbs, sampled at regular intervals.
+class LimbCostSamples {
  public:
-  LimbLooks(const FitModel& model, const FitClip& clip, const std::vector<FitLimb>& limbs)
+  LimbCostSamples(const FitModel& model, const FitClip& clip, const std::vector<FitLimb>& limbs)
       : model_(model),
         clip_(clip),
         pose_(model.tree),
-        every_(std::max(1, static_cast<int>(std::lround(kLookEvery / clip.frame_time)))),
+        every_(std::max(1, static_cast<int>(std::lround(kSampleTime / clip.frame_time)))),
         count_((clip.frame_count + every_ - 1) / every_) {
     for (const FitLimb& limb : limbs) {
       solvers_.emplace_back(model, limb);
       costs_.emplace_back(at(count_));
     }
-    look(0, clip.frame_count);
+    update(0, clip.frame_count);
   }
 
-  /// Samples frames [begin, end) again after they changed.
-  void look(int begin, int end) {
+  // Samples frames [begin, end) again after they changed.
+  void update(int begin, int end) {
     for (int i = index_from(begin); i * every_ < end; ++i) {
       pose_.update(clip_.frame(i * every_, model_.configuration_size));
       const FrameGoals goals = clip_.goals(i * every_, model_.tasks.size());
@@ -55,95 +55,97 @@ class LimbLooks {
 
   [[nodiscard]] const std::vector<double>& costs(std::size_t limb) const { return costs_[limb]; }
   [[nodiscard]] int frame(int index) const { return index * every_; }
-  /// The first look at or after this frame.
+  // Index of the first sample at or after this frame.
   [[nodiscard]] int index_from(int frame) const { return (frame + every_ - 1) / every_; }
 
  private:
   const FitModel& model_;
   const FitClip& clip_;
   TreeState pose_;
-  int every_;  // Frames between two looks.
+  int every_;  // Frames between two samples.
   int count_;
   std::vector<LimbSolver> solvers_;
-  std::vector<std::vector<double>> costs_;  // By limb and look.
+  std::vector<std::vector<double>> costs_;  // By limb and sample.
 };
 
-// Looks [begin, end) at which a limb is astray.
-struct AstrayLooks {
+// Samples [begin, end) in which a limb is astray.
+struct AstraySamples {
   int begin = 0, end = 0;
 };
 
-std::optional<AstrayLooks> next_astray(const std::vector<double>& costs, double astray, int from) {
+// The first interval at or after sample `from` in which the costs exceed `astray`.
+std::optional<AstraySamples> next_astray(const std::vector<double>& costs, double astray,
+                                         int from) {
   constexpr int kMost = 50;  // A longer interval is split; the next call finds its remainder.
   const auto count = static_cast<int>(costs.size());
   for (int begin = from; begin < count; ++begin) {
-    AstrayLooks found{begin, begin};
+    AstraySamples found{begin, begin};
     const int last = std::min(count, begin + kMost);
     while (found.end < last && costs[at(found.end)] > astray) ++found.end;
-    if (found.end - begin >= std::min(kLooks, count)) return found;
+    if (found.end - begin >= std::min(kMinSamples, count)) return found;
     begin = found.end;
   }
   return std::nullopt;
 }
 
-// Moves limbs of a clip to other branches and reverts changes that do not pay off.
+// Moves limbs of a clip to other branches and reverts changes that do not lower the cost enough.
 class BranchChanger {
  public:
   BranchChanger(const FitModel& model, const FitOptions& options, FitClip& clip,
-                const std::function<bool()>& keep_going, LimbLooks& looks, BranchRecovery& result)
+                const std::function<bool()>& keep_going, LimbCostSamples& samples,
+                BranchRecovery& result)
       : model_(model),
         options_(options),
         clip_(clip),
         keep_going_(keep_going),
-        looks_(looks),
+        samples_(samples),
         result_(result) {}
 
   void recover(const FitLimb& limb, const std::vector<double>& costs);
 
  private:
-  [[nodiscard]] int worst_look(const AstrayLooks& looks, BranchFinder& finder) const;
+  [[nodiscard]] int worst_sample(const AstraySamples& astray, BranchFinder& finder) const;
   bool take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder);
 
   const FitModel& model_;
   const FitOptions& options_;
   FitClip& clip_;
   const std::function<bool()>& keep_going_;
-  LimbLooks& looks_;
+  LimbCostSamples& samples_;
   BranchRecovery& result_;
 };
 
-// The look with the largest cost that remains after solving the limb from its current
-// configuration.
-int BranchChanger::worst_look(const AstrayLooks& looks, BranchFinder& finder) const {
-  int worst = looks.begin;
+// The sample with the largest BranchFinder::stuck_cost().
+int BranchChanger::worst_sample(const AstraySamples& astray, BranchFinder& finder) const {
+  int worst = astray.begin;
   double most = 0.0;
-  for (int look = looks.begin; look < looks.end; ++look) {
-    const double stuck = finder.stuck_cost(looks_.frame(look));
+  for (int i = astray.begin; i < astray.end; ++i) {
+    const double stuck = finder.stuck_cost(samples_.frame(i));
     if (stuck <= most) continue;
     most = stuck;
-    worst = look;
+    worst = i;
   }
   return worst;
 }
 
-// If no other branch is found, the limb cannot do better. The wait until the next search doubles
-// each time.
+// After a search without success, the limb probably cannot follow its targets better. The interval
+// to the next search therefore doubles each time.
 void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& costs) {
-  constexpr int kFirstWait = 5, kMaxWait = 320;  // Looks.
+  constexpr int kFirstWait = 5, kMaxWait = 320;  // Samples.
   const double astray = astray_cost(model_, limb);
   if (!(astray > 0.0)) return;
   std::optional<BranchFinder> finder;
   int wait = kFirstWait;
   for (auto found = next_astray(costs, astray, 0); found && !result_.stopped;) {
     if (!finder) finder.emplace(model_, options_, clip_, limb);
-    const int worst = worst_look(*found, *finder);
-    const int frame = looks_.frame(worst);
+    const int worst = worst_sample(*found, *finder);
+    const int frame = samples_.frame(worst);
     const auto other = finder->other_configuration(frame, 0.5 * astray);
     const auto branch = other ? finder->follow(frame, *other) : std::nullopt;
     int next = std::max(found->end, worst + wait);
     if (branch && take(limb, *branch, *finder)) {
       wait = kFirstWait;
-      next = std::max(worst + 1, looks_.index_from(branch->end));
+      next = std::max(worst + 1, samples_.index_from(branch->end));
     } else {
       wait = std::min(2 * wait, kMaxWait);
     }
@@ -178,7 +180,7 @@ bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFi
     }
   }
   result_.conclude(trial, changed);
-  if (changed) looks_.look(trial.window().begin, trial.window().end);
+  if (changed) samples_.update(trial.window().begin, trial.window().end);
   return changed.has_value();
 }
 
@@ -195,11 +197,11 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
                                 const std::function<bool()>& keep_going) {
   BranchRecovery result;
   const std::vector<FitLimb> limbs = find_limbs(model);
-  LimbLooks looks(model, clip, limbs);
-  BranchChanger changer(model, options, clip, keep_going, looks, result);
+  LimbCostSamples samples(model, clip, limbs);
+  BranchChanger changer(model, options, clip, keep_going, samples, result);
   for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {
     const auto first = static_cast<std::ptrdiff_t>(result.limbs.size());
-    changer.recover(limbs[i], looks.costs(i));
+    changer.recover(limbs[i], samples.costs(i));
     if (limbs[i].is_arm && !result.stopped) {
       straighten_arm(model, options, clip, limbs[i], keep_going, result);
     }

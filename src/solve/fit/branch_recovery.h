@@ -14,7 +14,7 @@
 
 namespace retarget {
 
-/// A limb that was moved to another branch, i.e. another solution of its inverse kinematics.
+/// A limb that moved to another branch: another solution of its inverse kinematics.
 struct RecoveredLimb {
   std::string limb;                            ///< For example `left arm`.
   int begin = 0, end = 0;                      ///< Frames [begin, end).
@@ -25,24 +25,25 @@ struct RecoveredLimb {
 /// The changes made to a clip.
 struct BranchRecovery {
   std::vector<RecoveredLimb> limbs;  ///< Grouped by limb, in order of time.
-  bool stopped = false;              ///< The caller stopped the search; the clip is partly
-                                     ///< processed.
-  /// Frames in which a solver step was not finite; these frames are left unchanged.
+  bool stopped = false;              ///< Whether the caller stopped the search; the rest of the
+                                     ///< clip is then unprocessed.
+  /// Frames in which a solver step was not finite; they stay unchanged.
   std::vector<SolverFailure> failures;
 
-  /// Records the outcome of a trial.
-  /// @param changed  nothing: the change did not pay off; reverts the clip.
+  /// Records the result of a trial.
+  /// @param changed  the accepted change; empty: rejects the change and reverts the clip.
   void conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed);
   /// One sentence per recovered limb.
   [[nodiscard]] std::vector<std::string> notes() const;
 };
 
-/// Tracking cost of a limb whose bones are all 20 degrees off. A limb with a higher cost is astray.
+/// Tracking cost of a limb whose bones all have a rotation error of 20 degrees. A limb with a
+/// higher cost is "astray".
 [[nodiscard]] double astray_cost(const FitModel& model, const FitLimb& limb);
 
-/// Searches a fitted clip for arms and legs on the wrong branch and moves them to another branch if
-/// that clearly lowers the total cost of all terms; then straightens arms (docs/fit.md). All other frames stay bitwise
-/// unchanged.
+/// Searches a fitted clip for arms and legs on a wrong branch and moves them to another branch if
+/// that clearly lowers the cost of all terms; then calls straighten_arm() for arms (docs/fit.md).
+/// All other frames stay bitwise unchanged.
 /// @param keep_going  called periodically; returning false stops the search.
 [[nodiscard]] BranchRecovery recover_branches(const FitModel& model, const FitOptions& options,
                                               FitClip& clip,

@@ -26,8 +26,8 @@ constexpr int kBase = KinematicTree::kBaseDofs;
 
 // Constant damping on the diagonal: joints and root rotation; root position.
 constexpr double kDamping = 1.0, kPositionDamping = 100.0;
-// Adaptive damping per frame, relative to the diagonal. It grows when a step raised the frame's
-// cost. With a faster decay, frames oscillate between two states.
+// Adaptive damping per frame, relative to the diagonal. It grows if a step raised the frame's cost.
+// With a faster decay, frames oscillate between two states.
 constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7, kMaxDamping = 2.0,
                  kMinDamping = 1e-3;
 constexpr double kCostRise = 1.02, kCostNoise = 0.1;
@@ -35,10 +35,11 @@ constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
 constexpr int kPairsEvery = 4;         // Steps between two updates of the near pairs.
 constexpr double kPairsWithin = 0.04;  // Metres.
-// Initial share of the weight of contact anchors. An anchor is the mean position of the feet that
-// it holds; at full weight, neither would move.
+// Initial share of the anchor weight. An anchor is the mean position of the foot end that it holds,
+// so at full weight neither would move.
 constexpr double kFirstHold = 0.12;
-// Metres, including the self-collision margin. Deeper overlaps make a motion unusable on a robot.
+// Penetration, including the self-collision margin, that makes a motion unusable on a robot;
+// metres.
 constexpr double kDeepOverlap = 0.015;
 
 // The solver of one window.
@@ -92,7 +93,7 @@ class WindowFitter final : public MovingFit {
   FitWindow window_;
   FitClip& clip_;
   int dofs_;
-  bool before_, after_;  // Whether a fixed frame precedes or follows the window.
+  bool before_, after_;  // Whether a fixed frame precedes the window, or follows it.
   FrameTerms terms_;
   std::optional<FitDynamics> dynamics_;
   bool with_dynamics_ = false;  // Whether the current step includes the dynamics terms.
@@ -108,8 +109,8 @@ class WindowFitter final : public MovingFit {
   std::vector<double> applied_;                       // Change applied to the current frame, by
                                                       // dof.
   double anchor_hold_ = 1.0;
-  double worst_overlap_ = 0.0;  // Largest over all frames of the last step, including the margin;
-                                // square metres.
+  double worst_overlap_ = 0.0;  // Largest sum of squared penetrations of a frame in the last step,
+                                // including the margin; square metres.
   ContactPlaces places_;
   FitStatus status_;
 };
@@ -159,7 +160,7 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
 // state and runs these steps without dynamics.
 void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& keep_going) {
   constexpr double kWorse = 1.02, kNoise = 1e-3;  // A ratio; a share of the robot's weight.
-  // If the forces of a body are distrusted most of the time, unknown supports carry it.
+  // Share of frames with distrusted contacts above which unknown supports must carry the body.
   constexpr double kMostlyDistrusted = 0.75;
   const auto take_last_steps = [&] {
     return steps(first_step, options_.iterations, keep_going) && finish(keep_going);
@@ -187,7 +188,7 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   restore(before);
   take_last_steps();
   status_.distrusted_frames = 0;
-  // A window that fails without dynamics as well is not their fault.
+  // If the window also fails without dynamics, they are not the cause.
   status_.dynamics_failed = failed && !status_.failed;
   status_.dynamics_taken_back = !failed;
 }
@@ -230,7 +231,7 @@ WindowFitter::Before WindowFitter::state() const {
   const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
   Before before{{begin, end},     {},     damping_, cost_, held_.sides(),
                 places_.pushes(), pairs_, status_};
-  // The other anchors belong to windows that may run concurrently.
+  // A concurrent window may be writing the other anchors.
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
     if (owns(i)) before.anchors.push_back(clip_.anchors[i]);
   }
@@ -274,8 +275,9 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
 }
 
-// Returns the predicted decrease as a share of the cost. Returns nothing if a block is not positive
-// definite; that frame then gets the maximum damping in the next step.
+// Assembles and factorises the blocks of all frames.
+// @return the predicted cost decrease as a share of the cost. Empty if a block is not positive
+//     definite; its frame then gets the maximum damping in the next step.
 std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_pairs) {
   double cost = 0.0, decrease = 0.0;
   worst_overlap_ = 0.0;
@@ -285,8 +287,7 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
     const bool finite = is_finite(t, cost);
     status_.failed = status_.failed || !finite;
     const bool positive = finite && chain_.eliminate(t);
-    // Accumulates b' H^-1 b block by block, from each block's reduced right side and partial
-    // solution.
+    // Sums b' H^-1 b over the blocks, from the reduced right-hand sides and partial solutions.
     for (int i = 0; positive && i < dofs_; ++i) {
       decrease += chain_.right(t)[i] * chain_.solution(t)[at(i)];
     }
@@ -298,7 +299,8 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
   return cost > 0.0 ? decrease / cost : 0.0;
 }
 
-// @return the cost of the frame, including the step to the next frame.
+// Assembles the block of a frame.
+// @return the frame's cost, including that of the step to the next frame.
 double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
   pose_.update(clip_.frame(frame, model_.configuration_size));
@@ -317,20 +319,19 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   worst_overlap_ =
       std::max(worst_overlap_, costs[kTermSelfCollision] / square(options_.self_collision_weight));
   if (move_anchors) places_.push_apart(window_, frame, terms_.foot_overlap());
-  // The contact anchors and their weight change between steps, so their cost does not
-  // measure the step.
+  // Damping depends on the cost without the anchor term: anchors and their weight change between
+  // steps, so their cost does not show whether the step was too long.
   double cost = -costs[kTermContactPlace];
   for (const double part : costs) cost += part;
-  // With dynamics, frames may leave their targets to satisfy the forces; this does not mean that
-  // the step was too long.
+  // With dynamics, frames may leave their targets so that contacts can supply the forces. That
+  // does not show that the step was too long either.
   if (with_dynamics_) cost -= costs[kTermPosition] + costs[kTermRotation];
   adapt_damping(t, cost);
   for (int i = 0; i < dofs_; ++i) {
     double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
     diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
   }
-  // The goals of the dynamics rows change in every step, so their cost is excluded from the damping
-  // as well.
+  // Added after adapt_damping(), because the goals of the dynamics rows change in every step.
   double asked = 0.0;
   if (with_dynamics_) asked = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
@@ -343,8 +344,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   return std::accumulate(costs.begin(), costs.end(), asked);
 }
 
-// Checks the system of a frame. The diagonal suffices for the Hessian: each diagonal entry is a sum
-// of squares and is not finite if any entry of its row is not.
+// Checks a frame's cost, gradient and Hessian diagonal. The diagonal suffices: its entries are sums
+// of squares, which are not finite if an entry of the row is not.
 bool WindowFitter::is_finite(int t, double cost) {
   const double* const h = chain_.block(t);
   const double* const g = chain_.right(t);
@@ -374,7 +375,7 @@ void WindowFitter::adapt_damping(int t, double cost) {
   cost_[at(t)] = cost;
 }
 
-// Adds the terms of the steps to this frame and from it.
+// Adds the terms of the step to this frame and of the step from it.
 void WindowFitter::add_steps(int frame, double* h, double* g) {
   std::swap(steps_before_, steps_after_);
   const bool from = frame > window_.begin || before_;
@@ -442,7 +443,7 @@ void WindowFitter::move(int begin, int forgotten) {
   take(cost_, 1e300);
   held_.move(gone, size);
   take(ages_, 0);
-  // Rotating instead of erasing keeps the memory of the lists.
+  // Rotating instead of erasing keeps the lists' memory.
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);
   for (std::size_t i = kept; i < size; ++i) pairs_[i].clear();

@@ -13,7 +13,8 @@ void ContactPlaces::resize() {
   pushes_.assign(clip_.anchors.size(), Eigen::Vector2d::Zero());
 }
 
-// Carriers have lower indices than the links that they carry.
+// The highest link index of the window's contacts. Ancestors have lower indices, so that forward
+// kinematics up to this link suffices.
 int ContactPlaces::last_link(const FitWindow& window) const {
   int last = 0;
   for (const PlantedPhase& phase : clip_.feet.phases) {

@@ -10,8 +10,8 @@
 
 namespace retarget {
 
-/// Chooses where the contacts of a window stand: each at the mean position of its foot end or body
-/// over the frames of the contact. Writes only the anchors of contacts that lie inside the window.
+/// Computes the anchors of a window's contact phases: the mean position of the foot end or body
+/// over the frames of the contact. Writes only the anchors of phases that lie inside the window.
 class ContactPlaces {
  public:
   ContactPlaces(const FitModel& model, FitClip& clip)
@@ -21,15 +21,15 @@ class ContactPlaces {
 
   /// Resets all pushes. Call it after the contacts of the clip have changed.
   void resize();
-  /// Places the window's contacts according to its current frames, and adds the pushes collected
-  /// since the last call.
+  /// Sets the anchors of the window's contacts from its current frames, and adds the pushes since
+  /// the last call.
   void place(const FitWindow& window);
-  /// Pushes the anchors of two overlapping feet apart. The mean positions alone would separate too
-  /// slowly, because the frames in which one foot stands alone hold them back.
+  /// Pushes the anchors of two overlapping feet apart. The mean positions separate too slowly,
+  /// because they also average frames in which only one foot is in contact.
   void push_apart(const FitWindow& window, int frame, const FootOverlap& overlap);
 
-  /// Displacements for the next place(), metres, by contact. This is the only state kept between
-  /// calls.
+  /// Displacements that the next place() adds, by contact phase; world x and y, metres. They are
+  /// the only state between calls.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& pushes() const { return pushes_; }
   void set_pushes(const std::vector<Eigen::Vector2d>& pushes) { pushes_ = pushes; }
 

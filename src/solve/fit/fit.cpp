@@ -46,7 +46,7 @@ PathScales path_scales(const TargetBuilder& targets) {
   HumanPose low, high, all;
   for (Pose& pose : all) pose.translation.z() = 1.0;
   int foot = targets.target_of(Bone::kLeftFootMod);
-  // A model with one leg uses the foot that it has.
+  // A model with one leg may have only a right foot.
   const Bone foot_bone = foot < 0 ? Bone::kRightFootMod : Bone::kLeftFootMod;
   foot = targets.target_of(foot_bone);
   std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
@@ -55,8 +55,8 @@ PathScales path_scales(const TargetBuilder& targets) {
   const auto rise = [&](int target) {
     return (raised[at(target)].translation - at_rest[at(target)].translation).z();
   };
-  // Raising all bones raises the feet by the root's scale; raising only the foot gives its own
-  // scale.
+  // Raising all bones by one metre raises each target by the root's scale. Raising only the foot
+  // bone raises its target by the foot's own scale.
   PathScales scales{rise(0), rise(0)};
   // A fixed base does not travel.
   if (foot >= 0 && !targets.base_is_held()) {
@@ -165,10 +165,10 @@ class Fit {
   FitModel model_;
   FitClip clip_;
   SourceFeet feet_;
-  std::vector<Eigen::Vector3d> path_;  // By frame: offset added to the published targets.
+  std::vector<Eigen::Vector3d> path_;  // By frame: offset added to the first stage's targets.
 };
 
-// Notes why foot terms are missing.
+// Reports why the fit omits foot terms.
 void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
   if (robot.fixed_base()) {
     report.notes.emplace_back("fixed base: no feet, no floor");
@@ -182,13 +182,14 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
   }
 }
 
-// Notes why the dynamics term is missing.
+// Reports why the fit omits the dynamics term.
 void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
   if (!options.dynamics || FitDynamics::possible(model)) return;
   report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
 }
 
-// @return true if all targets are finite and small enough to compute with.
+// Reads the human's poses and makes the targets of all frames.
+// @return true if all targets are finite and small enough for the computation.
 bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
   constexpr double kTooLarge = 1e50;  // Metres.
   const PathScales scales = path_scales(made.targets);
@@ -205,7 +206,7 @@ bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets&
     poser.pose(frame, bones);
     made.targets.build(bones, world_from_target);
     feet_.add(bones);
-    // The whole robot moves at the scale of its feet, so that standing feet stay in place.
+    // The root travels at the scale of the feet. Otherwise standing feet would slip.
     path_.emplace_back((scales.foot - scales.root) * bones[config_.root_bone].translation);
     for (const FitTask& task : model_.tasks) {
       const Pose& pose = world_from_target[at(task.target)];
@@ -220,7 +221,7 @@ bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets&
   return usable;
 }
 
-// Height of the soles of standing feet, from the targets; metres.
+// Height of the floor, metres: of the robot's soles when its feet are at their standing targets.
 double Fit::floor_height(const StandingHeights& standing, double scale) const {
   double sum = 0.0;
   int count = 0;
@@ -228,7 +229,8 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
     const FitTask& task = model_.tasks[k];
     if (task.foot < 0) continue;
     const int side = source_foot(model_.feet[at(task.foot)]);
-    // The target is the scaled ankle plus the configuration's offset.
+    // A foot's target height is the scaled ankle height plus an offset of the configuration. The
+    // offset depends on the foot's rotation, hence the median.
     std::vector<double> offsets;
     offsets.reserve(at(clip_.frame_count));
     for (int frame = 0; frame < clip_.frame_count; ++frame) {
@@ -242,8 +244,8 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
   return count == 0 ? 0.0 : sum / count;
 }
 
-// Runs the first stage and the windows concurrently. A window starts once all frames that it reads
-// have their start.
+// Runs the first stage and the windows concurrently. A window starts once the first stage has
+// solved all frames that the window reads.
 Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   const FitWindows plan = plan_windows(clip_, options_);
   const int threads = options_.threads > 0 ? options_.threads
@@ -272,7 +274,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   return {};
 }
 
-// Solves once more, with the contacts with the scene where the first solve has them.
+// Solves again and holds each sticking scene contact at its mean position in the first solve.
 Result<void> Fit::hold_scene_contacts(const FitWindows& plan, int threads) {
   if (!clip_.scene) return {};
   auto held = std::make_shared<FitScene>(*clip_.scene);
@@ -281,7 +283,7 @@ Result<void> Fit::hold_scene_contacts(const FitWindows& plan, int threads) {
   return solve_again(plan, threads);
 }
 
-// Moves the objects with the hands that hold them, and solves with these paths.
+// Moves the objects with the hands that hold them, and solves again with the new object paths.
 Result<void> Fit::follow_hands_of_robot(const FitWindows& plan, int threads, FitResult& result) {
   if (!clip_.scene || run_.object_motion != ObjectMotion::kFitted) return {};
   auto followed = std::make_shared<FitScene>(*clip_.scene);
@@ -304,7 +306,7 @@ Result<void> Fit::solve_again(const FitWindows& plan, int threads) {
   return {};
 }
 
-// No step with a non-finite value is applied, so frames can only be non-finite from the start.
+// The fit applies no step with a non-finite value, so only the first stage can yield such values.
 Result<void> Fit::check_finite() const {
   const auto bad = std::ranges::find_if(clip_.qpos, [](double x) { return !std::isfinite(x); });
   if (bad == clip_.qpos.end()) return {};
@@ -313,6 +315,7 @@ Result<void> Fit::check_finite() const {
       config_.file, fmt::format("frame {}: the fit leads to values that are not finite", frame));
 }
 
+// Moves limbs off wrong branches of their inverse kinematics.
 Result<void> Fit::recover_limbs(FitReport& report) {
   if (!run_.recover_limbs) return {};
   const BranchRecovery recovery = recover_branches(
@@ -323,6 +326,7 @@ Result<void> Fit::recover_limbs(FitReport& report) {
   return {};
 }
 
+// Holds the joints without a target at the positions in run_.held.
 void Fit::hold_joints() {
   if (run_.held.empty()) return;
   for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
@@ -333,6 +337,7 @@ void Fit::hold_joints() {
   }
 }
 
+// Projects each joint's positions onto its position and speed limits.
 void Fit::keep_bounds(FitReport& report) {
   constexpr double kNoChange = 1e-4;  // Smaller changes are not reported; rad or m.
   std::vector<double> before, now(at(clip_.frame_count));
@@ -422,7 +427,8 @@ Result<FitResult> Fit::run() {
   }
   MadeTargets made{targets, info.rate, {}};
   if (!read_source(info, poser, made)) {
-    // The first stage names the frame in its error. It accepts larger positions than this one.
+    // The error of the first stage names the frame. Only if the first stage accepts the positions
+    // does the general error below apply.
     TRY(solve_frames(source_, calibration_, robot_, config_, first_limits(*robot_, limits_),
                      run_.retarget));
     return input_failure(source_.name(), "target positions are too large or not finite",

@@ -29,29 +29,31 @@ struct FitResult {
   FitReport report;
   ContactPlan contacts;              ///< Of the source.
   long steps = 0;                    ///< IK steps of the first stage.
-  std::optional<SolvedScene> scene;  ///< Set if the fit had a scene.
+  std::optional<SolvedScene> scene;  ///< Set if the fit used a scene.
 };
 
 /// Run parameters of a fit.
 struct FitRun {
   SolveFramesOptions
       retarget;  ///< Options of the first stage; the fit replaces settle and frame_solved.
-  /// Called periodically with the share of the work done, possibly from another thread. Returning
-  /// false stops the run with ErrorKind::kInterrupted.
+  /// Called periodically on the calling thread with the completed share of the work, 0 to 1.
+  /// Returning false stops the run with ErrorKind::kInterrupted.
   std::function<bool(double done)> keep_going;
-  /// Configuration of the joints that follow no target, such as fingers. The fit holds them there,
-  /// so that self-collision sees them where they will be. Empty: the robot's zero configuration.
+  /// A qpos that supplies the positions of joints without a target, such as fingers. The fit holds
+  /// these joints there, so that the self-collision term uses their final positions. Empty: the
+  /// robot's zero configuration.
   std::vector<double> held;
-  /// Whether limbs on the wrong branch are moved to another one.
+  /// Whether limbs on a wrong branch of their inverse kinematics move to another branch.
   bool recover_limbs = true;
-  /// The scene around the human in the frames of the clip; null: only the floor. Without feet in
-  /// the source or the robot it is ignored.
+  /// The scene around the human, one pose per frame of the clip; null: only the floor. The fit
+  /// ignores it if the source or the robot has no feet.
   const SceneWorld* scene = nullptr;
-  ObjectMotion object_motion = ObjectMotion::kGiven;
-  /// Whether joints keep their speed limits, FitOptions::max_joint_speed and ::max_joint_step. False
-  /// shows how fast the human's movement would be.
+  ObjectMotion object_motion = ObjectMotion::kGiven;  ///< Paths of the scene's moving objects.
+  /// Whether the fit enforces the joint speed limits, FitOptions::max_joint_speed and
+  /// FitOptions::max_joint_step. If false, the result shows the speeds that the human's motion
+  /// requires.
   bool limit_speeds = true;
-  /// Changes to the contacts that are found in the source.
+  /// User edits that are applied to the contacts detected in the source.
   std::span<const ContactEdit> contact_edits = {};
 };
 
@@ -60,17 +62,18 @@ struct FitRun {
 /// 0. Finds the floor height of the source and the contacts of heels and toes, and shifts the
 ///    targets so that planted soles lie on the floor.
 /// 1. Runs the two-pass method, starting from a settled first frame.
-/// 2. Takes damped Gauss-Newton steps over all frames: tracking, smoothness, planted feet that do
-///    not slide, nothing below the floor, no self-collision.
-/// 3. Brings the result inside the limits.
+/// 2. Takes damped Gauss-Newton steps over all frames. The cost penalises tracking errors,
+///    accelerations, slip of planted feet, floor penetration and self-collision.
+/// 3. Projects the joint positions onto the position and speed limits.
 ///
-/// For the values rounded to FitOptions::decimals digits, the result is always finite, its
-/// quaternions are unit and sign-continuous, all joints are inside `limits`, and no joint exceeds
-/// its speed limit, FitOptions::max_joint_speed or FitOptions::max_joint_step. The report lists
-/// where step 3 changed the motion. A robot without soles or collision shapes is solved without
-/// those terms.
+/// After rounding to FitOptions::decimals digits, all values are finite, quaternions have unit
+/// length and continuous signs, all joints are inside `limits`, and no joint exceeds its speed
+/// limit, FitOptions::max_joint_speed or FitOptions::max_joint_step. The report lists the joints
+/// that step 3 changed. Without soles or collision shapes, the robot's fit omits their terms.
 ///
-/// Errors: as solve_frames().
+/// Errors: those of solve_frames(); ErrorKind::kInput if the targets are too large or not finite;
+/// ErrorKind::kConfig if the first stage yields non-finite values; ErrorKind::kInterrupted if
+/// `keep_going` returned false.
 [[nodiscard]] Result<FitResult> fit(const Clip& clip, const Calibration& calibration,
                                     const std::shared_ptr<const Robot>& robot,
                                     const ResolvedConfig& config, const LimitSet& limits,

@@ -11,16 +11,17 @@
 
 namespace retarget {
 
-/// The working data of a fit.
+/// The goals and the current solution of a fit.
 struct FitClip {
-  double frame_time = 1.0 / 30.0;
+  double frame_time = 1.0 / 30.0;  ///< Seconds.
   int frame_count = 0;
   std::vector<TaskTarget> targets;  ///< Frame-major, one per task of the model.
   FootPlan feet;
-  std::vector<Eigen::Vector2d> anchors;   ///< By contact phase.
+  std::vector<Eigen::Vector2d> anchors;   ///< By contact phase; world x and y, metres.
   std::vector<double> qpos;               ///< Frame-major, laid out as in RobotClip.
   std::shared_ptr<const FitScene> scene;  ///< Null: none.
 
+  /// Configuration of frame `t`. @param size  FitModel::configuration_size.
   [[nodiscard]] std::span<double> frame(int t, int size) {
     return {qpos.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(size),
             static_cast<std::size_t>(size)};
@@ -45,10 +46,10 @@ struct FitClip {
 /// Frames that are solved together.
 struct FitWindow {
   int begin = 0, end = 0;   ///< Frames [begin, end).
-  bool fixed_ends = false;  ///< The frames before and after stay fixed and enter the cost.
+  bool fixed_ends = false;  ///< The adjacent frames are fixed, and the steps to them have a cost.
   int context = 0;          ///< Number of fixed frames on either side used for smoothing.
 
-  /// Whether the window contains the whole contact. Only then may it move the contact's anchor.
+  /// Whether the window contains the whole contact phase. Only then may it move the phase's anchor.
   [[nodiscard]] bool owns(const PlantedPhase& phase) const {
     return phase.begin >= begin && phase.end <= end;
   }

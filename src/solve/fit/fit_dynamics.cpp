@@ -11,20 +11,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Unit of length for torques, for a G1; scaled by leg length. Metres.
+// Length that makes torques comparable with forces, for a G1; metres. It scales with the leg
+// length.
 constexpr double kLength = 0.3;
-constexpr double kUsualMass = 35.0;  // Kilograms.
-// Links that are nearer to a lifted body carry it, for a G1; metres.
+constexpr double kUsualMass = 35.0;  // Mass of a G1, kilograms.
+// Distance from a lifted body within which links carry it, for a G1; metres.
 constexpr double kCarryReach = 0.04;
-// Share of an ankle's torque limit with which the fit plans where ankles are overloaded. The rest covers
-// what the plan does not model: the foot's own movement, and that the robot follows the plan in part.
-// (An ankle that counts as overloaded below its limit costs slip on robots with strong ankles: the G1's
-// dance1_subject2 slips by 1.07 mm/s from 80 % on, by 0.98 at the limit.)
+// Share of an ankle's torque limit that the fit plans with in frames with overloaded ankles. The
+// rest covers the foot's own motion and the difference between the robot's motion and the plan. An
+// ankle is overloaded only above its full limit: with a threshold of 80 %, the G1's foot slip in
+// dance1_subject2 rises from 0.98 to 1.07 mm/s.
 constexpr double kAnkleShare = 0.7;
-// Dead zone of the missing wrench where ankles limit the pressure, share of the weight.
+// Dead zone of the unexplained wrench where ankle torques limit the pressure, share of the weight.
 constexpr double kAnkleDeadZone = 0.004;
 
-// By frame: mean over the frames at most `reach` away.
+// By frame: mean over the frames at a distance of at most `reach`. @param sum  zero.
 template <typename T>
 std::vector<T> means_around(const std::vector<T>& values, int reach, T sum) {
   const auto count = static_cast<int>(values.size());
@@ -83,7 +84,7 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
   }
 }
 
-// Soles shrink towards their middle.
+// Moves the contact points of each sole towards its middle by the share sole_shrink.
 void FitDynamics::shrink_soles() {
   for (const FitFoot& foot : model_.feet) {
     const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
@@ -134,7 +135,7 @@ double FitDynamics::missing_share() const {
 }
 
 bool FitDynamics::plan(const FitClip& clip) {
-  constexpr int kFirstSteps = 4, kLaterSteps = 2;  // Of the centroidal step.
+  constexpr int kFirstSteps = 4, kLaterSteps = 2;  // Iterations of the centroidal step.
   if (planned_) {
     read_frames(clip);
     find_overloaded_ankles();
@@ -157,8 +158,7 @@ int FitDynamics::distrusted_frames() const {
 
 // Computes the wrenches, the contacts and the unexplained wrench of the current clip.
 void FitDynamics::read_frames(const FitClip& clip) {
-  // Reads no farther than the smoothing context, because frames beyond it may belong to another
-  // seam.
+  // Reads no frame beyond the smoothing context, because a concurrent seam may change it.
   constexpr int kContext = 10;
   const int beside = window_.fixed_ends ? std::min(kContext, window_.context) : 0;
   const int first = std::max(window_.begin - beside, 0);
@@ -179,12 +179,13 @@ void FitDynamics::read_frames(const FitClip& clip) {
     first_com_ = com_;
     lend_contacts();
   }
-  // Before begin(), overload_ is 0: trust concerns the contacts, not the strength of the ankles.
+  // In begin(), overload_ is still 0, because trust must not depend on the strength of the ankles.
   for (int t = 0; t < count_; ++t) fill_cone(t, &FitContactPlace::to_reach, overload_[at(t)]);
   step_.find_unexplained(frames_, scale_);
 }
 
-// How much more wrench is missing if no ankle exceeds its limit, in units of the weight.
+// @return the additional unexplained wrench if no ankle may exceed its torque limit, in body
+//     weights.
 double FitDynamics::beyond_ankles(int t) {
   const auto stays = [](const FitContactPlace& place) { return place.to_limit.isZero(0.0); };
   if (std::ranges::all_of(contact_places_[at(t)], stays)) return 0.0;
@@ -196,11 +197,11 @@ double FitDynamics::beyond_ankles(int t) {
   return std::sqrt(std::max(0.0, with_limits - missing(0.0)));
 }
 
-// Finds the frames in which the wrench needs more torque than the ankles have, and limits the
-// pressure on the soles there and close by. Frames that were found before stay limited.
+// Finds the frames in which the wrench requires more torque than the ankles have, and limits the
+// pressure on the soles in these frames and in frames nearby. Earlier limits stay in force.
 void FitDynamics::find_overloaded_ankles() {
   constexpr double kReach = 0.1;   // Seconds.
-  constexpr double kFully = 0.01;  // Share of the weight.
+  constexpr double kFully = 0.01;  // Unexplained share of the weight at which the limit is full.
   const int reach = frames_within(kReach);
   std::vector<double> found(overload_.size(), 0.0);
   for (int t = 0; t < count_; ++t) {
@@ -248,7 +249,7 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   find_reach(t);
 }
 
-// Finds where the ankles can hold the current load on the soles.
+// Finds the points of the soles at which the ankle torques can balance the current load.
 void FitDynamics::find_reach(int t) {
   const Vector3d force = inverse_.needed().force;
   constexpr double kLeast = 0.05;  // Of the weight.
@@ -273,10 +274,11 @@ void FitDynamics::find_reach(int t) {
   }
 }
 
-// Share of the force that a foot bears: all of it if it stands alone. Two feet share it like a beam
-// with the zero-moment point between them.
+// Share of the contact force on a foot: 1 if only this foot has contacts. Two feet share the force
+// like the supports of a beam that is loaded at the zero-moment point.
 double FitDynamics::load_on(int t, int foot) const {
-  constexpr double kMore = 0.1, kLeast = 0.2;  // The centres of pressure are not in the middle.
+  // Bounds for an uncertain estimate: the centres of pressure are not in the middle of the feet.
+  constexpr double kMore = 0.1, kLeast = 0.2;
   Vector3d own = Vector3d::Zero(), other = own;
   int own_count = 0, other_count = 0;
   for (const FitContactPlace& place : contact_places_[at(t)]) {
@@ -309,8 +311,8 @@ bool FitDynamics::touches(const SupportPoint& point, double height, double speed
   return place.z() < height && inverse_.velocity_of(point.link, place, pose_).norm() < speed;
 }
 
-// Collects the planned foot ends and all points of feet or other bodies that are slow and near the
-// floor or a body of the scene.
+// Collects the points of planned foot ends, and all slow points of the robot near the floor or near
+// a body of the scene.
 void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<FitContact>& contacts) {
   constexpr double kSoleHeight = 0.012, kBodyHeight = 0.02, kSpeed = 0.35;
   constexpr double kLooseHeight = 0.04, kLooseSpeed = 1.5, kHeld = 0.35;
@@ -318,7 +320,7 @@ void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<FitConta
   add_feet(t, clip, kSoleHeight, kSpeed, contacts);
   add_bodies(kBodyHeight, kSpeed, contacts);
   add_touched_bodies(t, kBodyHeight, kSpeed, contacts);
-  // A body that is not falling must be supported, so this looser search accepts faster, higher
+  // A body that is not falling must have a support, so this search accepts faster and higher
   // points.
   if (contacts.empty() && frames_[at(t)].needed.z() > kHeld) {
     add_feet(t, clip, kLooseHeight, kLooseSpeed, contacts);
@@ -367,8 +369,8 @@ void FitDynamics::add_bodies(double height, double speed, std::vector<FitContact
   }
 }
 
-// Adds the points on bodies of the scene. Planned ends of feet are there already, with the normal of
-// a floor.
+// Adds the points that touch bodies of the scene. Points of planned foot ends are already contacts,
+// with the floor's normal.
 void FitDynamics::add_touched_bodies(int t, double height, double speed,
                                      std::vector<FitContact>& contacts) const {
   if (!scene_) return;
@@ -381,9 +383,8 @@ void FitDynamics::add_touched_bodies(int t, double height, double speed,
   }
 }
 
-// A contact may supply forces up to 1/30 s before and after its frames, as in the metric, because
-// contacts begin and end between frames. A frame without contacts takes those of the nearest frame
-// in reach.
+// Gives a frame without contacts those of the nearest frame at most 1/30 s away, because contacts
+// begin and end between frames. The metric `unexplained` does the same.
 void FitDynamics::lend_contacts() {
   const int reach = frames_within(1.0 / 30.0);
   std::vector<char> empty;
@@ -400,9 +401,9 @@ void FitDynamics::lend_contacts() {
   }
 }
 
-// Where ankles limit the pressure, the dead zone is smaller: 6 % of the weight at the length of a
-// hip's width can be more than half of what an ankle holds.
-// @param towards  the points of the soles move by `share` of this way.
+// Sets the friction cones and the dead zone of a frame. The dead zone is smaller where ankles limit
+// the pressure, because the usual one can exceed half of an ankle's torque limit.
+// @param towards  displacement of the contact points, scaled by `share`.
 void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double share) {
   CentroidalFrame& frame = frames_[at(t)];
   frame.cone.clear();
@@ -413,9 +414,10 @@ void FitDynamics::fill_cone(int t, Vector3d FitContactPlace::*towards, double sh
   frame.dead_zone = std::lerp(CentroidalFrame::kDeadZone, kAnkleDeadZone, share);
 }
 
-// A human's movement is physically possible. A brief lack of force is due to the differences
-// between robot and human; a lasting one is due to an unknown contact (a box, a hand on a wall).
-// Neither must change the motion.
+// Sets each frame's trust from the mean unexplained wrench around it. A human's motion is
+// physically possible. A brief unexplained wrench is due to differences between robot and human,
+// and the fit can remove it. A lasting one is due to an unknown contact, such as a box or a hand on
+// a wall, and must not change the motion.
 void FitDynamics::find_trust() {
   constexpr double kReach = 0.3;                   // Seconds.
   constexpr double kDoubtful = 0.1, kWrong = 0.3;  // Mean unexplained wrench, share of body weight.
@@ -430,8 +432,8 @@ int FitDynamics::frames_within(double seconds) const {
   return std::max(1, static_cast<int>(std::lround(seconds / scale_.frame_time)));
 }
 
-// Shortens the next step where the last one left more unexplained than before. Fast motions would
-// otherwise diverge.
+// Shortens the step of frames around which the last step increased the unexplained wrench. Without
+// this, fast motions diverge.
 void FitDynamics::restrain(std::vector<Vector6d>& moves) {
   constexpr double kWorse = 1.02, kNoise = 1e-5, kShorter = 0.4, kReach = 0.3;  // kReach: s.
   std::vector<double> now;
@@ -446,7 +448,7 @@ void FitDynamics::restrain(std::vector<Vector6d>& moves) {
     for (std::size_t t = 0; t < now.size(); ++t) {
       if (after[t] > kWorse * before[t] + kNoise) share[t] = kShorter;
     }
-    // Averages over the same time, so that the shorter steps cause no jump.
+    // Averages the factors over the same time, so that they have no jumps.
     share = means_around(share, reach, 0.0);
     for (std::size_t t = 0; t < now.size(); ++t) share_[t] *= share[t];
   }

@@ -18,25 +18,25 @@
 
 namespace retarget {
 
-/// A point of the robot that a surface may push.
+/// A point of the robot on which a surface may exert a contact force.
 struct FitContact {
   SupportPoint point;
-  std::optional<std::size_t> body;  ///< Of the scene; empty: the floor.
-  int foot = -1;                    ///< Index into FitModel::feet; -1: not a planned sole.
+  std::optional<std::size_t> body;  ///< Index of the scene's body; empty: the floor.
+  int foot = -1;  ///< Index into FitModel::feet; -1: other links, or on a body of the scene.
 };
 
-/// Where a surface pushes a contact.
+/// Point of application of a contact force in a frame.
 struct FitContactPlace : ContactPlace {
-  int foot = -1;  ///< Index into FitModel::feet; -1: not a planned sole.
-  /// From the point to the nearest one where the ankle needs no more than its limit, and no more than
-  /// the fit plans with; world axes, metres.
+  int foot = -1;  ///< Index into FitModel::feet; -1: other links, or on a body of the scene.
+  /// Displacements to the nearest points at which the ankle torque is within its limit (to_limit)
+  /// and within the share of it that the fit plans with (to_reach); world axes, metres.
   Eigen::Vector3d to_limit = Eigen::Vector3d::Zero(), to_reach = to_limit;
 };
 
-/// The dynamics part of a fit's last steps, for one window. Where the contacts cannot supply the
-/// forces of the movement, it moves the centre of mass and the angular momentum as little as
-/// necessary (CentroidalStep) and adds six rows per frame that make the robot follow
-/// (docs/dynamics.md).
+/// The dynamics terms in the last steps of a fit, for one window. Where the contacts cannot supply
+/// the required forces, it changes the paths of the centre of mass and of the angular
+/// quasi-coordinate as little as necessary (CentroidalStep). Six rows per frame make the robot
+/// follow these paths (docs/dynamics.md).
 class FitDynamics {
  public:
   FitDynamics(const FitModel& model, const FitOptions& options, const FitWindow& window,
@@ -47,24 +47,28 @@ class FitDynamics {
     return model.inertias.mass > 0.0 && !model.feet.empty();
   }
 
-  /// Finds the contacts and how far they can be trusted. Call it first.
-  /// @return measure(clip); NaN if the movement is too large to compute with.
+  /// Detects the contacts of the clip and estimates how far they explain its forces (trust). Call
+  /// it first.
+  /// @return measure(clip); NaN if values are too large for the computation.
   double begin(const FitClip& clip);
-  /// Whether the contacts cannot supply the forces of some frame. Call it after begin().
+  /// Whether there is a frame in which the contacts cannot supply the required forces. Call it
+  /// after begin().
   [[nodiscard]] bool is_needed() const;
-  /// Mean over the frames of the wrench that the contacts cannot supply for the current clip, in
-  /// body weights. Each frame counts at most 1, scaled by the trust in its contacts.
+  /// Mean over the frames of the unexplained wrench of the current clip, in body weights. The value
+  /// of a frame is at most 1 and is scaled by the trust in its contacts.
   double measure(const FitClip& clip);
-  /// Number of frames that stay unchanged because their contacts are unknown.
+  /// Number of frames without trust: their contacts are unknown, so the dynamics terms are off.
   [[nodiscard]] int distrusted_frames() const;
-  /// Computes how the current clip should change. Call it before each step that uses dynamics.
+  /// Computes the goals of the rows from the current clip. Call it before each step that uses
+  /// dynamics.
   /// @return false if a value is not finite.
   [[nodiscard]] bool plan(const FitClip& clip);
-  /// Adds the rows of a frame to the system of a step.
+  /// Adds the rows of a frame to the linear system of a step.
   /// @param gradient, hessian  as in FrameTerms::assemble.
   /// @return the cost of the rows.
   double add_rows(int frame, const TreeState& pose, double* gradient, double* hessian, int stride);
-  /// Reports the change that a step applied to a frame, by degree of freedom.
+  /// Updates the angular quasi-coordinate after a step.
+  /// @param step  the change that the step applied to the frame, by degree of freedom.
   void moved(int frame, std::span<const double> step);
 
  private:
@@ -107,18 +111,20 @@ class FitDynamics {
   std::vector<std::vector<FitContact>> contacts_;
   std::vector<std::vector<FitContactPlace>> contact_places_;
   std::optional<SceneSupports> scene_;
-  SolePoints sole_contacts_;                   // Points of the soles that may bear the robot.
+  SolePoints sole_contacts_;                   // Contact points of the shrunk soles.
   std::vector<Eigen::Vector3d> sole_normals_;  // By foot, in the axes of its link.
-  // By link, N m: torque that the fit plans with where ankles are overloaded.
+  // By link, N m: largest torque in frames with overloaded ankles.
   std::vector<double> ankle_torques_;
   ConeProjector projector_;
-  std::vector<double> overload_;      // By frame, 0 to 1: how much ankles limit the pressure.
-  std::vector<SupportPoint> points_;  // That may touch bodies of the scene.
-  std::vector<LinkLoad> loads_;
-  std::vector<Eigen::Vector3d> com_, first_com_;
-  std::vector<Vector6d> goals_;  // Centre of mass, world, metres; rotation still to be made.
-  std::vector<double> rest_before_, share_;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // All frames side by side.
+  std::vector<double> overload_;      // By frame, 0 to 1: share of to_reach that applies.
+  std::vector<SupportPoint> points_;  // Points that may touch bodies of the scene.
+  std::vector<LinkLoad> loads_;       // Lifted objects, in the current frame.
+  std::vector<Eigen::Vector3d> com_, first_com_;  // Now and in begin(); world, metres.
+  // Goal of the centre of mass (world, metres) and remaining change of the angular
+  // quasi-coordinate.
+  std::vector<Vector6d> goals_;
+  std::vector<double> rest_before_, share_;             // By frame; see restrain().
+  Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // Angular rows, frame after frame.
   bool begun_ = false, planned_ = false;
   std::vector<Eigen::Vector3d> places_;
   std::vector<int> chosen_;

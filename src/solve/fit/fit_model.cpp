@@ -42,7 +42,7 @@ class ModelMaker {
   void group_pairs();
   [[nodiscard]] int link_of_bone(Bone bone) const;
   [[nodiscard]] int body_above(int link) const;
-  /// The link itself, or the nearest link above it that can move.
+  /// The link itself if its joint can move, else its nearest ancestor whose joint can.
   [[nodiscard]] int carrier(int link) const;
   [[nodiscard]] int parent(int link) const { return model_.tree.links()[link].parent; }
   [[nodiscard]] const KinematicTree::Attachment& attachment(int body) const {
@@ -116,7 +116,8 @@ void ModelMaker::add_smoothness() {
   mark(right, left, link_of_bone(Bone::kRightForeArm));
 }
 
-// A task that the retargeting configuration weights less than usual also counts less here.
+// Factor for the tracking weight of a task that the retargeting configuration weights less than
+// usual.
 double importance(double weight, double usual) {
   return weight > 0.0 ? std::sqrt(std::min(1.0, weight / usual)) : 0.0;
 }
@@ -124,7 +125,7 @@ double importance(double weight, double usual) {
 // Tracking weights of one kind of bone.
 struct Tracking {
   double position, rotation;
-  double usual_position, usual_rotation;  // Configuration weights that correspond to these.
+  double usual_position, usual_rotation;  // Configuration weights at which these apply in full.
 };
 
 Tracking tracking_of(Bone bone, const TrackingWeights& w) {
@@ -202,8 +203,8 @@ void ModelMaker::add_feet() {
   }
 }
 
-// A box is rounded by half its thinnest side, but at most by this much (metres), because rounding
-// cuts off its edges.
+// Largest radius by which a box is rounded, metres; rounding cuts off its edges. Thin boxes are
+// rounded by half their smallest side.
 constexpr double kMaxRounding = 0.008;
 
 // Holds fingers and other joints that carry neither a task's body nor a sole at the robot's zero
@@ -259,7 +260,8 @@ void ModelMaker::add_foot_shapes() {
   }
 }
 
-// The link that carries the body above the link's own body; a body may have several joints.
+// The link of the parent of the link's body. It may differ from the parent link, because a body may
+// have several joints.
 int ModelMaker::body_above(int link) const {
   return attachment(robot_.bodies()[model_.tree.links()[link].body].parent).link;
 }
@@ -273,8 +275,8 @@ int ModelMaker::carrier(int link) const {
   return link;
 }
 
-// Collects all pairs of shapes except pairs within one link, pairs of tree neighbours, and pairs
-// whose contact the profile allows.
+// Collects all pairs of shapes except those within one link, those of a body and its parent, and
+// those whose contact the profile allows.
 void ModelMaker::add_pairs() {
   std::set<std::pair<int, int>> allowed;
   for (const auto& [a, b] : robot_.profile().allowed_self_contact) {
@@ -297,8 +299,8 @@ void ModelMaker::add_pairs() {
   }
 }
 
-// Groups the pairs by link pair and bounds each link's shapes by a sphere, because most links are
-// far apart.
+// Groups the pairs by link pair and bounds each link's shapes by a sphere. Most links are far
+// apart, so that a test of two spheres skips a whole group.
 void ModelMaker::group_pairs() {
   const auto links = [&](const FitPair& pair) {
     return std::pair(model_.shapes[pair.a].link, model_.shapes[pair.b].link);

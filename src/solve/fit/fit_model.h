@@ -34,10 +34,10 @@ struct FitTask {
   double rotation_weight = 0.0;                         ///< Per radian.
   int foot = -1;                                        ///< Index into FitModel::feet if the body
                                                         ///< is a foot; else -1.
-  std::string body;
+  std::string body;                                     ///< Name of the body.
 };
 
-/// Target position of a task's body (world, metres) and target rotation of its link.
+/// Target position of a task's body (world frame, metres) and target rotation of its link.
 struct TaskTarget {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
@@ -53,11 +53,11 @@ struct FloorPoint {
 struct FitFoot {
   /// One end of a sole: heel or toe.
   struct End {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Middle of the corners; contacts pin this
-                                                       ///< point.
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the middle line.
-    std::vector<Eigen::Vector3d> points;               ///< All points of this end.
-    double half_width = 0.0;                           ///< Distance from the middle line to the
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Mean of the corners; a contact holds
+                                                       ///< this point.
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the centre line.
+    std::vector<Eigen::Vector3d> points;               ///< All sole points of this end.
+    double half_width = 0.0;                           ///< Distance from the centre line to the
                                                        ///< corners.
     std::vector<FloorPoint> shape_points;  ///< Points of the foot's shapes nearer to this end.
   };
@@ -68,7 +68,7 @@ struct FitFoot {
                                                         ///< to its length.
   double body_height = 0.0;                             ///< Height of the body's origin above the
                                                         ///< sole.
-  int body = 0;
+  int body = 0;                                         ///< Index into Robot::bodies().
 };
 
 /// A collision shape in its link's frame.
@@ -76,7 +76,7 @@ struct FitShape : RoundedShape {
   int link = 0;
 };
 
-/// Two shapes that must stay apart; indices into FitModel::shapes.
+/// Two shapes that must not collide; indices into FitModel::shapes.
 struct FitPair {
   int a = 0, b = 0;
 };
@@ -93,8 +93,8 @@ struct BoundingSphere {
   double radius = 0.0;
 };
 
-/// Everything that a fit takes from robot, configuration and options; the same for every frame.
-/// Immutable. Indices of links and degrees of freedom refer to the tree.
+/// The data of a fit that depend only on robot, configuration and options. Constant during a fit.
+/// Indices of links and degrees of freedom refer to the tree.
 struct FitModel {
   KinematicTree tree;  ///< Contains all joints.
   /// Limits by degree of freedom; infinite for a moving root, 0 for a fixed base.
@@ -105,18 +105,18 @@ struct FitModel {
   std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
   std::vector<FitTask> tasks;
   std::vector<FitFoot> feet;
-  std::vector<SupportBody> supports;                  ///< Other bodies that may support the robot.
+  std::vector<SupportBody> supports;                  ///< Other bodies that may carry the robot.
   std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
   std::vector<double> floor_reach;  ///< By link: largest distance of a floor point from the link's
                                     ///< origin, metres.
   std::vector<char> is_foot;        ///< By link.
-  std::vector<int> foot_of_link;    ///< Index of the foot that the link is or carries next; -1 if
-                                    ///< none.
+  std::vector<int> foot_of_link;    ///< Index of the foot that is this link or a child of it; -1 if
+                                    ///< there is none.
   std::vector<FitShape> shapes;
   std::vector<FitPair> pairs;  ///< Sorted by links.
   std::vector<FitPairGroup> pair_groups;
   std::vector<BoundingSphere> link_spheres;  ///< By link.
-  int configuration_size = 0;
+  int configuration_size = 0;                ///< Number of values of a qpos.
   Inertias inertias;
   double leg = kUsualLeg;  ///< Hip to knee to ankle, metres; the G1's if unknown.
 
@@ -128,9 +128,9 @@ struct SourceSides {
   bool left = true, right = true;
 };
 
-/// @param target_of_bone  index of a bone's target; -1 if none.
-/// @param sides           robot feet on the other sides do not follow the human and are excluded
-///     from the model.
+/// @param target_of_bone  index of each bone's target; -1 if the bone has none.
+/// @param sides           sides on which the source has a foot. The model excludes the robot's
+///     other feet, because they have nothing to follow.
 [[nodiscard]] FitModel make_fit_model(const Robot& robot, const ResolvedConfig& config,
                                       const LimitSet& limits, const BoneArray<int>& target_of_bone,
                                       const FitOptions& options, const SourceSides& sides = {});

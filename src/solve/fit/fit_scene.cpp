@@ -13,17 +13,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Half-width of the band in which the penetration term sets in, metres.
+// Half-width of the band over which the penetration term's curvature grows to its full value,
+// metres.
 constexpr double kSceneBand = 0.003;
 // Depth by which a foot's shapes may extend below its sole, metres.
 constexpr double kFootShapeDepth = 0.005;
-// Depth at which the term sets in for soles, which stand on surfaces, metres.
+// Tolerated penetration of soles, which stand on surfaces, metres.
 constexpr double kSoleDepth = 0.002;
 // Largest number of spheres along one axis of a shape.
 constexpr int kMostAlongAxis = 6;
 
-// Covers a shape with spheres: along its axes at distances of at most a radius. A box has spheres of
-// its smallest half size inside, and its corners.
+// Covers a shape with a grid of spheres along its axes, about one radius apart. The spheres of a
+// box have its smallest half size as their radius; its corners are added as points.
 void cover(const FitShape& shape, std::vector<FloorPoint>& points) {
   const int axes = shape.axis_count;
   double radius = shape.radius;
@@ -62,8 +63,9 @@ void cover(const FitShape& shape, std::vector<FloorPoint>& points) {
   }
 }
 
-// Adds the residual r of a point's coordinate along a direction n. @param from_root  the vector d
-// from the root's origin to the point; its Jacobian is n.(v + w x d).
+// Adds the residual r of a point's coordinate along a direction n. Its rate is n.(v + w x d), as in
+// FrameTerms::add_row.
+// @param from_root  the vector d from the root's origin to the point.
 void add_row(Composite& sum, const Vector3d& direction, const Vector3d& from_root, double weight,
              double residual) {
   const Vector3d turning = from_root.cross(direction);
@@ -74,8 +76,8 @@ void add_row(Composite& sum, const Vector3d& direction, const Vector3d& from_roo
   sum.torque += weight * residual * turning;
 }
 
-// Adds the goals of the frames of a contact, and of the frames before and after it in which the
-// robot approaches and leaves the surface as its human does.
+// Makes the goals for the frames of a contact, and for the frames before and after it, in which the
+// robot approaches and leaves the surface like its human.
 class GoalPlanner {
  public:
   GoalPlanner(const FitModel& model, std::span<const TaskTarget> targets,
@@ -126,11 +128,12 @@ class GoalPlanner {
  private:
   static constexpr double kBlendTime = 0.25;  // Seconds.
 
-  // The direction in a hand's link that faces an object while the human's hand holds it, on average;
-  // zero for other parts and static bodies, if the hand turns, or for a robot without a wrist. A hand
-  // that supports a climber may lie as the robot's arm needs it.
+  // Mean direction, in the frame of a hand's link, from the human's hand to the object that it
+  // holds. Zero if the hand turns relative to the object, if the robot has no wrist, and for other
+  // body parts. Also zero for static bodies, so that a climber's hands may turn as the robot's arms
+  // require.
   [[nodiscard]] Vector3d facing_of(const SurfacePhase& phase, int support, double size) const {
-    constexpr double kTurns = 0.9;  // Length of the mean; 1: the hand does not turn.
+    constexpr double kTurns = 0.9;  // Length of the mean direction; 1 if the hand does not turn.
     const Bone bone = kSupportBones[phase.part];
     const bool holds = bone == Bone::kLeftHand || bone == Bone::kRightHand;
     if (!holds || !world_.moves(phase.body)) return Vector3d::Zero();
@@ -152,7 +155,8 @@ class GoalPlanner {
     return sum / length;
   }
 
-  // Whether two joints turn the hand relative to the forearm, as a direction needs.
+  // Whether at least two joints turn the hand relative to the forearm; a direction has two degrees
+  // of freedom.
   [[nodiscard]] bool has_wrist(int hand, Bone bone) const {
     const Bone forearm = bone == Bone::kLeftHand ? Bone::kLeftForeArm : Bone::kRightForeArm;
     const auto task = std::ranges::find(model_.tasks, forearm, &FitTask::bone);
@@ -164,7 +168,7 @@ class GoalPlanner {
     return joints >= 2;
   }
 
-  // Moves the goal by how far the human's part is from where it touches.
+  // Moves the goal by the scaled displacement of the human's part from its contact position.
   void approach(const SurfacePhase& phase, int frame, int inside, SceneGoal& goal) const {
     const auto nearest = parts_.nearest(human_world_, frame, phase.part, phase.body);
     const auto touching = parts_.nearest(human_world_, inside, phase.part, phase.body);
@@ -177,7 +181,7 @@ class GoalPlanner {
     goal.place += scale_ * (world_.clip.pose(frame, phase.body).rotation * moved);
   }
 
-  // Of two contacts of a part with a body the stronger one counts.
+  // Keeps only the goal with the larger share if contacts of the same part and body overlap.
   static void merge(const SceneGoal& goal, std::vector<SceneGoal>& goals) {
     for (SceneGoal& other : goals) {
       if (other.support != goal.support || other.body != goal.body) continue;
@@ -197,19 +201,19 @@ class GoalPlanner {
   std::vector<std::vector<SceneGoal>> by_frame_;
 };
 
-// Turns the side of a hand that faced the surface towards it.
+// Turns the hand so that its facing direction points against the surface normal.
 double add_facing(const FitOptions& options, const SceneGoal& goal, const TreeState& pose, int link,
                   Composite& composite) {
   if (goal.facing.isZero(0.0)) return 0.0;
   const double weight = square(goal.share * options.scene_palm_weight);
   const Vector3d facing = pose.world_from_link[at(link)].rotation * goal.facing;
-  // The rotation from the opposite of the normal to this direction.
+  // Rotation from the negative normal to the facing direction; its length is the sine of the angle.
   const Vector3d error = facing.cross(goal.normal);
   const Vector3d first = goal.normal.unitOrthogonal();
   double cost = 0.0;
   for (const Vector3d& axis : {first, Vector3d(goal.normal.cross(first))}) {
     const double residual = axis.dot(error);
-    // Derivative of the residual by the rotation of the link.
+    // Derivative of the residual with respect to a rotation of the link.
     const Vector3d turning = axis.dot(facing) * goal.normal - facing.dot(goal.normal) * axis;
     composite.angular += weight * turning * turning.transpose();
     composite.torque += weight * residual * turning;
@@ -228,7 +232,7 @@ double add_contact(const FitModel& model, const FitOptions& options, const FitSc
   const double normal_weight = square(goal.share * options.scene_contact_weight);
   add_row(composites[at(touch.link)], touch.normal, touch.place - origin, normal_weight, apart);
   double cost = normal_weight * square(apart);
-  // Along the surface: the middle of the body over the place.
+  // The middle of the body must be over the contact point, so these rows are tangential.
   const Vector3d middle = body.world_middle(pose);
   const Vector3d off = middle - goal.place;
   const double place_weight =
@@ -242,7 +246,8 @@ double add_contact(const FitModel& model, const FitOptions& options, const FitSc
   return cost + add_facing(options, goal, pose, body.link, composites[at(body.link)]);
 }
 
-// @param margin  distance that the sphere keeps, metres.
+// Pushes a sphere of a link out of a body.
+// @param margin  required distance between sphere and body, metres.
 double keep_outside(const FitScene& scene, int frame, std::size_t scene_body,
                     const FloorPoint& point, const Pose& world_from_link, const Vector3d& origin,
                     double margin, double weight, Composite& composite) {
@@ -257,8 +262,8 @@ double keep_outside(const FitScene& scene, int frame, std::size_t scene_body,
 }  // namespace
 
 FitOptions smoother_in_scene(FitOptions options) {
-  // Measured on two climbs and a carried box (docs/world.md): a third of the accelerations, with as
-  // many contacts kept.
+  // On two climbs and with a carried box, this divides the accelerations by three and keeps as many
+  // contacts (docs/world.md).
   constexpr double kJoints = 2.5;
   options.smoothness_leg *= kJoints;
   options.smoothness_arm *= kJoints;
@@ -277,7 +282,7 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
   for (const FitFoot& foot : model.feet) {
     for (const FitFoot::End& end : foot.ends) {
       for (const Vector3d& point : end.points) {
-        // Together with the margin of a foot: the sole may penetrate by kSoleDepth.
+        // With the margin of feet, -kFootShapeDepth, the sole may penetrate by kSoleDepth.
         scene.points[at(foot.link)].push_back({point, kFootShapeDepth - kSoleDepth});
       }
     }
@@ -308,7 +313,7 @@ FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene) {
   struct Place {
     Vector3d goals = Vector3d::Zero(),
-             robot = Vector3d::Zero();  // Sums, frame of the scene's body.
+             robot = Vector3d::Zero();  // Sums of positions, in the frame of the scene's body.
     int frames = 0;
   };
   std::vector<Place> places;

@@ -18,26 +18,28 @@ namespace retarget {
 /// A support body that touches, approaches or leaves a surface of the scene in a frame.
 struct SceneGoal {
   int support = 0;                                    ///< Index into FitModel::supports.
-  int body = 0;                                       ///< Of the scene.
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< Point of the surface, world, metres.
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Of the surface there, world.
-  double distance = 0.0;  ///< From the surface, metres; not 0 before and after the contact.
+  int body = 0;                                       ///< Index of the scene's body.
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< Point on the surface, world, metres.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Outward surface normal there, world.
+  double distance = 0.0;  ///< Desired distance from the surface, metres; positive only before and
+                          ///< after the contact.
   double share = 0.0;     ///< Factor for the weights, 0 to 1.
   int phase = -1;         ///< Index of the contact.
-  bool sticks = false;    ///< The contact does not slide.
-  bool held = false;      ///< `place` is that of the robot (hold_contacts).
-  /// For hands, the direction that faces the surface, in the link's frame; zero: none.
+  bool sticks = false;    ///< Whether the contact does not slide.
+  bool held = false;      ///< Whether `place` is the robot's contact position (hold_contacts()).
+  /// For hands: direction in the link's frame that must face the surface; zero: no goal.
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
 };
 
-/// The world of a robot: the scaled scene, the points of the robot that must stay outside of it, and
-/// the contacts with it. Immutable during a fit.
+/// The scaled scene around a robot, the points of the robot that must stay outside its bodies, and
+/// the contacts with them. Constant during a solve.
 struct FitScene {
-  SceneWorld world;                             ///< Frames of the fit, robot's world.
+  SceneWorld world;                             ///< At the robot's scale, in the clip's frames.
   std::vector<std::vector<FloorPoint>> points;  ///< Spheres that cover the shapes, by link.
-  std::vector<BoundingSphere> spheres;          ///< By link, around its points.
-  std::vector<SceneGoal> goals;                 ///< By frame.
-  std::vector<std::uint32_t> first_goal;        ///< One per frame and one behind the last.
+  std::vector<BoundingSphere> spheres;          ///< Around the points of each link.
+  std::vector<SceneGoal> goals;                 ///< Goals of all frames in order.
+  std::vector<std::uint32_t> first_goal;        ///< Index of each frame's first goal, then the
+                                                ///< number of goals.
 
   [[nodiscard]] std::span<const SceneGoal> goals_of(int frame) const {
     const auto begin = first_goal[static_cast<std::size_t>(frame)];
@@ -45,22 +47,23 @@ struct FitScene {
   }
 };
 
-/// Raises the smoothness of joints and of the root's position. Hands and feet that reach surfaces which
-/// a robot of other proportions meets elsewhere than its human would otherwise arrive with jolts.
+/// Increases the smoothness weights of the joints. A robot with other proportions than its human
+/// reaches surfaces in other poses, and would touch them with jolts.
 [[nodiscard]] FitOptions smoother_in_scene(FitOptions options);
 
-/// Makes a robot's world from that of its human.
-/// @param scale  from the human's to the robot's paths, and size of static bodies.
+/// Makes the scene around a robot from that around its human.
+/// @param phases   contacts of the human with the scene.
+/// @param scale    scale from the human's to the robot's paths, and of static bodies.
 /// @param targets  frame-major, one per task of the model.
 [[nodiscard]] FitScene make_fit_scene(const FitModel& model, const SceneWorld& human_world,
                                       const SurfaceParts& parts,
                                       std::span<const SurfacePhase> phases, double scale,
                                       double frame_time, std::span<const TaskTarget> targets);
 
-/// Moves the positions of sticking contacts to their means in a solved clip, and holds them there. The
-/// first solve follows the human's positions only loosely, because robots have other arms; the
-/// second one holds these positions.
-/// @param qpos  frame-major, laid out as in RobotClip.
+/// Moves the goal of each sticking contact to the robot's mean position in a solved clip, and marks
+/// it as held. The first solve follows the human's contact positions only loosely, because the
+/// robot's arms have other lengths. The second solve holds the robot's own positions.
+/// @param qpos  the solved clip, frame-major, laid out as in RobotClip.
 /// @return whether there is any such contact.
 bool hold_contacts(const FitModel& model, std::span<const double> qpos, FitScene& scene);
 
@@ -69,8 +72,8 @@ struct SceneCosts {
   double contact = 0.0, penetration = 0.0;
 };
 
-/// Adds the forms of a frame's scene terms to those of the links: contacts touch their surfaces, and
-/// nothing penetrates any.
+/// Adds a frame's scene terms: contacts touch their surfaces, and no link penetrates a body.
+/// @param composites  by link; the terms' Hessians and gradients are added to them.
 SceneCosts add_scene_terms(const FitModel& model, const FitOptions& options, const FitScene& scene,
                            int frame, const TreeState& pose, std::span<Composite> composites);
 

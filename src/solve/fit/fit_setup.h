@@ -8,27 +8,28 @@
 
 namespace retarget {
 
-/// Preparation shared by fits of whole clips and of streams (src/live).
+// Preparation shared by fits of whole clips and of streams (src/solve/online).
 
-/// Scales of the root's and the feet's paths, measured from the response of the targets to raised
-/// bones.
+/// Ratios of the robot's to the human's displacement, for the root and for the feet.
 struct PathScales {
   double root = 1.0, foot = 1.0;
 };
+/// Measures how far the targets rise when the human's bones rise by one metre.
 [[nodiscard]] PathScales path_scales(const TargetBuilder& targets);
 
-/// The limits of the first stage. If the robot has a narrower limit set for the published method,
-/// that set applies: with fewer ways to bend, the frame-by-frame solver stays on the human-like
-/// branch.
+/// The joint limits of the first stage: the intersection of `limits` with the robot's limit set for
+/// the published method, where it is not empty. Narrower ranges keep the frame-by-frame solver on
+/// the human-like branch.
 [[nodiscard]] LimitSet first_limits(const Robot& robot, const LimitSet& limits);
 
-/// Adapts the weights to the leg length (hip to knee to ankle, metres). Weights per metre are tuned
-/// for the G1. A robot half as large moves its limbs half as far for the same angles, so its
-/// weights double. The weights of contacts, floor and overlaps never decrease, because those errors
-/// matter in metres.
+/// Scales the weights per metre, which are tuned for a G1, to a robot's size. A robot half as large
+/// moves its limbs half as far for the same angles, so its weights double. The weights of contact,
+/// floor and collision terms never decrease, because the size of these errors in metres matters.
+/// @param leg  length from hip to knee to ankle, metres.
 [[nodiscard]] FitOptions sized_options(FitOptions options, double leg);
 
-/// The options for a robot. A fixed base disables all floor and foot terms, and dynamics.
+/// The options without the terms that do not apply to the robot: a fixed base disables the floor
+/// and foot terms and the dynamics.
 [[nodiscard]] FitOptions options_for(const Robot& robot, FitOptions options);
 
 /// The sides on which the source has the bones that contact detection needs.

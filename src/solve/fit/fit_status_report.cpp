@@ -36,7 +36,7 @@ std::string not_converged(const FitStatus& window) {
       steps, frames, number_text(100.0 * window.predicted_decrease, 1));
 }
 
-// Notes the windows in which dynamics were reverted.
+// Reports the windows in which the fit reverted the dynamics.
 void note_taken_back(const std::vector<FitStatus>& parts, FitReport& report) {
   for (const FitStatus& part : parts) {
     if (!part.dynamics_taken_back) continue;
@@ -46,7 +46,7 @@ void note_taken_back(const std::vector<FitStatus>& parts, FitReport& report) {
   }
 }
 
-// Adds the windows in which a step failed; the motion's verdict reports them.
+// Adds the windows in which a step failed; the metric solver_failures counts them.
 void add_failures(const std::vector<FitStatus>& parts, FitReport& report) {
   for (const FitStatus& part : parts) {
     if (part.failed) report.failures.push_back({"fit", part.begin, part.end});
@@ -57,10 +57,10 @@ void add_failures(const std::vector<FitStatus>& parts, FitReport& report) {
 }
 
 void note_distrust(FitReport& report) {
-  constexpr double kWorthTelling = 0.02;
+  constexpr double kReportedShare = 0.02;
   const FitStatus& all = report.status;
   const double share = static_cast<double>(all.distrusted_frames) / (all.end - all.begin);
-  if (share < kWorthTelling) return;
+  if (share < kReportedShare) return;
   report.notes.push_back(
       fmt::format("dynamics: contacts unknown in {} % of the frames (hands on an object, steps, a "
                   "wall?); they remain unchanged",
@@ -87,7 +87,7 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
     all.dynamics_failed = all.dynamics_failed || part.dynamics_failed;
     all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
   }
-  // Windows come first and cover all frames; seams overlap them and are skipped.
+  // The windows come first and cover all frames. The condition skips the seams, which overlap them.
   int counted = 0;
   for (const FitStatus& part : parts) {
     if (part.begin != counted) continue;

@@ -8,14 +8,15 @@
 
 namespace retarget {
 
-/// Reports the final status of every window and of the whole clip, and adds notes.
-/// @param parts          windows, then seams.
-/// @param before, after  costs by frame.
+/// Writes the final status of each window and of the whole clip to the report, with notes and
+/// failures.
+/// @param parts          statuses of the windows, then of the seams.
+/// @param before, after  costs of the start and of the result, by frame.
 void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
                    const std::vector<TermCosts>& after, FitReport& report);
 
-/// Reports the mean cost of each term before and after, and its worst frames.
-/// @param before, after  costs by frame.
+/// Writes the mean cost of each term before and after the fit, and its worst frames, to the report.
+/// @param before, after  costs of the start and of the result, by frame.
 void report_terms(const FitClip& clip, const std::vector<TermCosts>& before,
                   const std::vector<TermCosts>& after, FitReport& report);
 

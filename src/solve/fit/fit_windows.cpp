@@ -35,7 +35,7 @@ int best_cut(const std::vector<int>& counts, int frame, int max_away) {
   return best;
 }
 
-// Number of leading frames that include the window and all contacts that it cuts.
+// Number of leading frames that contain the window and all contacts that it cuts.
 int needed_for(const FitWindow& window, const std::vector<PlantedPhase>& phases) {
   int needed = window.end;
   for (const PlantedPhase& phase : phases) {
@@ -47,7 +47,7 @@ int needed_for(const FitWindow& window, const std::vector<PlantedPhase>& phases)
 }  // namespace
 
 FitWindows plan_windows(const FitClip& clip, const FitOptions& options) {
-  constexpr double kMovable = 0.25;  // Share of a window by which a border may move.
+  constexpr double kMovable = 0.25;  // Share of a window's length by which a border may move.
   FitWindows plan;
   const int frames = clip.frame_count;
   const double per_window = std::max(2.0, options.window / clip.frame_time);
@@ -63,7 +63,7 @@ FitWindows plan_windows(const FitClip& clip, const FitOptions& options) {
   }
   const int half =
       std::min(static_cast<int>(std::lround(options.seam / clip.frame_time)), frames / count / 8);
-  // The context frames of a seam must not belong to another seam.
+  // Limits the context so that a seam reads no frame that another seam changes.
   const int context = std::clamp(smoothing_context(clip.frame_time), 0,
                                  std::max(0, (frames / count / 2 - 2 * half) / 2 - 1));
   for (int i = 1; i < count && half > 0; ++i) {

@@ -10,27 +10,26 @@
 namespace retarget {
 namespace {
 
-// Height of the foot's unit up vector. Below kLyingFoot, clearance has no weight; above kLyingFoot
-// + kUprightRange, it has its full weight.
+// Thresholds for the vertical component of the foot's unit up vector. Below kLyingFoot, the
+// clearance weight is 0; it reaches its full value at kLyingFoot + kUprightRange.
 constexpr double kLyingFoot = 0.2, kUprightRange = 0.35;
-// A foot whose lower end is at least this far above its standing height does not lie, metres.
+// Height of the lower foot end above its standing height from which a foot does not lie, metres.
 constexpr double kLyingReach = 0.12;
-// Half-width of a sole, metres: when a foot leans on its edge, its middle line rises by this times
-// the slope.
+// Half-width of a sole, metres. The centre line of a foot that leans on its edge rises by this
+// times the lateral slope.
 constexpr double kHalfWidth = 0.03;
 
-// Increases the clearance weights in flight. While all feet are in the air, only their clearances
-// determine how high the body flies. For each foot, the lower end decides: the robot's foot is
-// shorter or longer than the source's, so both clearances of a tucked foot cannot be met. A phase
-// that lasts too long stands on something; a body that does not fall freely lies or sits. Neither
-// counts as flight.
+// Increases the clearance weights in flight. While all feet are off the ground, only their
+// clearances determine the height of the body. The increase is largest for the lower end of a foot,
+// because a robot's foot has another length than the source's and cannot meet both clearances of a
+// tucked foot. An interval that lasts too long is not a flight, because the body must have another
+// support. Neither is one without free fall, because the body lies or sits.
 void stress_flights(const SourceFeet& source, FootPlan& plan) {
   constexpr double kAloft = 0.02, kWholly = 0.05;  // Metres.
   constexpr double kMaxFlightTime = 1.0;           // Seconds.
   constexpr double kFreeFallShare = 0.25;
   constexpr double kImportance = 5.0;
-  // Metres. An end that is higher than the other by this much gets no extra weight.
-  constexpr double kLowerEnd = 0.05;
+  constexpr double kLowerEnd = 0.05;  // Height above the lower end without extra weight, metres.
   const auto feet = static_cast<std::size_t>(plan.foot_count);
   const int frames = source.frame_count();
   const auto at_frame = [&](int frame) {
@@ -67,14 +66,14 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
-// Plans the phases of support bodies.
+// Plans the goals of support bodies.
 class SupportPlanner {
  public:
   SupportPlanner(const SourceFeet& source, const ContactPlan& contacts, double scale)
       : source_(source), floor_(floor_height(contacts)), size_(contacts.scale), scale_(scale) {}
 
-  // Adds a contact. Before and after it the body moves as its source does, and the weights are
-  // blended, so that it does not jump to its anchor or off it.
+  // Adds a contact. In the frames before and after the contact, the goal moves like the source and
+  // its weight is blended in and out, so that the body neither jumps to its anchor nor off it.
   void add(const ContactPhase& contact, std::size_t body, std::size_t support, int frames,
            FootPlan& plan) const {
     const int blend = blend_frames(source_.support(contact.begin, support).z());
@@ -105,8 +104,8 @@ class SupportPlanner {
   }
 
  private:
-  // A joint that is high for a resting part stands on a hand's fingers; the whole body of a robot
-  // with shorter hands then has to come down.
+  // A joint that is high for a resting part rests on the fingers of a hand. A robot with shorter
+  // hands must lower its whole body, which takes longer.
   [[nodiscard]] int blend_frames(double joint_height) const {
     constexpr double kHigh = 0.18;                                  // Metres.
     constexpr double kBlendTime = 0.1, kLongBlendTime = 1.0 / 6.0;  // Seconds.
@@ -193,7 +192,7 @@ void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       for (const int end : {kHeelEnd, kToeEnd}) {
         FootEndGoal goal;
         goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end)));
-        // A known sole gives the height of its middle line directly.
+        // The height of a known sole already includes the lateral slope.
         if (!foot.heel) goal.clearance += kHalfWidth * scale * std::abs(foot.side);
         goal.importance = std::sqrt(upright);
         plan.ends.push_back(goal);

@@ -13,9 +13,9 @@
 
 namespace retarget {
 
-/// A phase in which one foot end, or another supporting body, stays in place.
+/// A phase in which one foot end, or another support body, is held at an anchor.
 struct PlantedPhase {
-  int begin = 0, end = 0;  ///< Frames [begin, end) in which the phase has an effect.
+  int begin = 0, end = 0;  ///< Frames [begin, end) with goals of this phase.
   int foot = 0;            ///< Index of the robot's foot; -1 for a SupportBody.
   int foot_end = kHeelEnd;
   int support = -1;  ///< Index of the SupportBody; -1 for a foot.
@@ -38,15 +38,15 @@ struct FootPlan {
 
   [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
-  /// Empty if nothing was planned.
+  /// Empty before plan_feet().
   [[nodiscard]] std::span<const double> lying_of(int frame) const;
   [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
   /// Allocates memory for a plan of `frames` frames.
   void reserve(int frames, std::size_t feet, std::size_t bodies);
-  /// Whether anything is in contact in this frame.
+  /// Whether a foot end or a support body is in contact in this frame.
   [[nodiscard]] bool plants(int frame) const;
-  /// Calls visit(phase index, slide since the beginning of the contact) for everything in contact
-  /// in this frame.
+  /// Calls visit(phase index, slide since the beginning of the contact) for each foot end and
+  /// support body that is in contact in this frame.
   template <typename Visit>
   void for_each_planted(int frame, const Visit& visit) const {
     for (const FootEndGoal& goal : ends_of(frame)) {
@@ -70,17 +70,19 @@ struct FootPlan {
 [[nodiscard]] Eigen::Vector2d planted_place(const FitModel& model, const PlantedPhase& phase,
                                             const TreeState& pose);
 
-/// The contact detection thresholds from a fit's options.
+/// The thresholds of contact detection in a fit's options.
 [[nodiscard]] ContactOptions contact_options(const FitOptions& options);
 
-/// Plans the goals of the robot's feet: the contacts of the source, and clearances between them.
+/// Plans the goals of the robot's feet: contacts in the contact phases of the source, clearances
+/// otherwise.
 /// @param source_feet  source foot of each robot foot: 0 left, 1 right.
 /// @param scale        scale from the source's to the robot's foot paths.
 /// @param plan         overwritten; its memory is reused.
 void plan_feet(const SourceFeet& source, const ContactPlan& contacts,
                std::span<const int> source_feet, double scale, FootPlan& plan);
 
-/// Adds the phases in which the source rests on body parts that correspond to these support bodies.
+/// Adds the phases in which the source rests on the body parts of these support bodies. Call it
+/// after plan_feet().
 /// @param scale  scale from the source's to the robot's foot paths.
 void plan_supports(const SourceFeet& source, const ContactPlan& contacts,
                    std::span<const SupportBody> supports, int frames, double scale, FootPlan& plan);

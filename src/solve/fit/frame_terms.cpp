@@ -16,11 +16,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Up to this slope, a foot's middle line counts as its lowest line; beyond it, its edge does.
+// Lateral slope of a foot up to which its centre line is its lowest line; beyond it, an edge is.
 constexpr double kLevelLean = 0.1;
 // Depth by which a foot's shapes may extend below its sole, metres.
 constexpr double kShapeBelowSole = 0.005;
-// Half-width of the band around the floor margin in which the floor term sets in, metres.
+// Half-width of the band around the floor margin over which the floor term's curvature grows to its
+// full value, metres.
 constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
 
 ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitShape& b) {
@@ -30,8 +31,8 @@ ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitSha
   return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
 }
 
-// Degree to which a foot lies on the floor, 0 to 1; nonzero only for a foot in contact of which
-// neither end has a prescribed height.
+// Degree to which a foot lies on the floor, 0 to 1. It is non-zero only if the foot is in contact
+// and the contact prescribes the height of neither end.
 double lying_share(const FrameGoals& goals, std::size_t foot) {
   const auto ends = goals.ends.subspan(2 * foot, 2);
   const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
@@ -68,9 +69,9 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
   row_dofs_.reserve(row_.size());
 }
 
-// Adds the residual r of world coordinate `axis` of a point of a link. Its Jacobian is
-// n.(v + w x d), where d is `from_root`, the vector from the root's origin to the point, and v and
-// w are the linear and angular velocity.
+// Adds the residual r of world coordinate `axis` of a point of a link. Its rate is n.(v + w x d),
+// where n is the axis, d is `from_root`, the vector from the root's origin to the point, w is the
+// link's angular velocity, and v is the velocity of the link's point at the root's origin.
 void FrameTerms::add_row(int link, int axis, const Vector3d& from_root, double weight,
                          double residual) {
   const int next = (axis + 1) % 3, last = (axis + 2) % 3;
@@ -135,7 +136,7 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
     costs[kTermContactPlace] += weight * error.squaredNorm();
   }
   if (level) {
-    // A foot on its edge stands on its corners.
+    // A foot on its edge touches the surface with its corners.
     const Vector3d sideways = rotation * foot.sideways;
     Vector3d stands = low;
     double error = low.z();
@@ -143,7 +144,7 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
       stands -= std::copysign(end.half_width, sideways.z()) * sideways;
       error = stands.z() + kLevelLean * end.half_width;
     }
-    // Where a shape extends beyond the sole, it touches first when the foot rolls.
+    // A shape that extends beyond the sole touches first when the foot rolls.
     for (const FloorPoint& point : end.shape_points) {
       const Vector3d touching = place(point.position);
       const double height = touching.z() - point.radius + kShapeBelowSole;
@@ -176,8 +177,8 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   }
 }
 
-// A kneeling foot touches the floor with its instep or toes, so the lowest point of a lying foot is
-// pulled to the floor.
+// Pulls the lowest point of a lying foot to the floor. It may be the instep or the toes, as in
+// kneeling.
 void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const FrameGoals& goals,
                                 TermCosts& costs) {
   const double lying = lying_share(goals, f);
@@ -211,7 +212,7 @@ void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCo
   }
 }
 
-// Pulls the lowest point of each support body to the floor and holds the body in place.
+// Pulls the lowest point of each support body to the floor and holds the body at its anchor.
 void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   const Vector3d& origin = pose.origin();
   for (std::size_t i = 0; i < goals.supports.size(); ++i) {
@@ -259,8 +260,8 @@ void FrameTerms::add_floor(const TreeState& pose, const FrameGoals& goals, TermC
   }
 }
 
-// The row covers the two chains below the common carrier of the two links. Without a Hessian, only
-// the cost is added.
+// The row's non-zero entries belong to the two chains between the links and their last common
+// ancestor. Without a Hessian, adds only the cost.
 void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
                           double* hessian, int stride, TermCosts& costs) {
   const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
@@ -353,8 +354,8 @@ void add_limit_margins(const FitModel& model, const FitOptions& options,
     costs[kTermLimits] += 0.5 * weight * square(depth);
     if (hessian == nullptr) continue;
     gradient[i] += (below < above ? -0.5 : 0.5) * weight * depth;
-    // Twice the curvature: with the exact one, a step from outside the margin jumps across it to
-    // the limit, and the next step back.
+    // Twice the curvature. With the exact one, steps alternate between the limit and the outside of
+    // the margin.
     hessian[static_cast<std::ptrdiff_t>(i) * (stride + 1)] += weight;
   }
 }

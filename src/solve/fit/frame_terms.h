@@ -43,46 +43,47 @@ struct FootEndGoal {
   double clearance = 0.0;   ///< Height above the floor, metres.
   double importance = 1.0;  ///< Factor for the clearance weight; larger in flight, 0 for a lying
                             ///< foot.
-  int phase = -1;           ///< Contact phase; -1 if none.
+  int phase = -1;           ///< Index of the contact phase; -1 if not in contact.
   bool level = false;       ///< Whether the contact also prescribes the height.
   double support = 0.0;     ///< Height of the contact surface, metres; 0: the floor.
 };
 
 /// The goal of a support body in a frame.
 struct SupportGoal {
-  int phase = -1;  ///< Contact phase; -1 if none.
-  /// Where the body is held, relative to the phase's anchor: it slides with its source. World x and
-  /// y, metres.
+  int phase = -1;  ///< Index of the contact phase; -1 if not in contact.
+  /// Target position relative to the phase's anchor: the distance that the source has slid. World x
+  /// and y, metres.
   Eigen::Vector2d slide = Eigen::Vector2d::Zero();
   double share = 0.0;  ///< Factor for the weights, 0 to 1; below 1 before and after the contact.
 };
 
 /// The goals of a frame.
 struct FrameGoals {
-  std::span<const TaskTarget> targets;  ///< By task.
-  std::span<const FootEndGoal> ends;    ///< Two per foot: heel, toe.
-  std::span<const double> upright;      ///< By foot, 0 to 1; 0 for feet that lie or kneel.
-  std::span<const Eigen::Vector2d>
-      anchors;                            ///< Held positions, one per contact phase, world x and y,
-                                          ///< metres.
-  double anchor_hold = 1.0;               ///< Factor for the weight of the anchors.
-  std::span<const SupportGoal> supports;  ///< By SupportBody; may be empty.
+  std::span<const TaskTarget> targets;       ///< By task.
+  std::span<const FootEndGoal> ends;         ///< Two per foot: heel, toe.
+  std::span<const double> upright;           ///< By foot, 0 to 1; 0 for feet that lie or kneel.
+  std::span<const Eigen::Vector2d> anchors;  ///< By contact phase: position to hold, world x and y,
+                                             ///< metres.
+  double anchor_hold = 1.0;                  ///< Factor for the weight of the anchors.
+  std::span<const SupportGoal> supports;     ///< By SupportBody; may be empty.
   std::span<const double> lying;    ///< By foot, 0 to 1; 1 for feet that lie on the floor. May be
                                     ///< empty.
-  const FitScene* scene = nullptr;  ///< Null: none.
-  int frame = 0;                    ///< Of the scene.
+  const FitScene* scene = nullptr;  ///< Null: no scene.
+  int frame = 0;                    ///< Frame of the scene.
 };
 
-/// Squared-error weights of a task's position along the world axes. The height of an upright foot
-/// is left to the clearances of heel and toe.
+/// Squared weights of a task's position error along the world axes. For an upright foot, the weight
+/// of the height is 0: the clearances of heel and toe determine it.
 [[nodiscard]] Eigen::Vector3d position_weights(const FitTask& task, const FrameGoals& goals);
-/// Squared-error weight of a task's rotation. A lying foot takes its rotation from the floor: few
-/// ankles reach the human's, and the error would lift knees off the floor.
+/// Squared weight of a task's rotation error. It is smaller for a lying foot, whose rotation the
+/// floor determines: few ankles reach the human's rotation, and the error would lift the knees off
+/// the floor.
 [[nodiscard]] double squared_rotation_weight(const FitTask& task, const FrameGoals& goals);
-/// Rotation vector from the target rotation of a link to its actual rotation, world axes, radians.
+/// Rotation vector from the target rotation of a link to its current rotation, world axes, radians.
 [[nodiscard]] Eigen::Vector3d rotation_error(const Pose& world_from_link, const TaskTarget& target);
 
-/// Half-width of the band around the self-collision margin in which the term sets in, metres.
+/// Half-width of the band around the self-collision margin over which the term's curvature grows to
+/// its full value, metres (OneSidedRow).
 inline constexpr double kOverlapBand = 0.002;
 
 /// The deepest overlap between two feet.
@@ -92,14 +93,15 @@ struct FootOverlap {
   Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< Moving foot a along it separates the feet.
 };
 
-/// Cost, gradient and Gauss-Newton Hessian of the terms that depend on a single frame. Owns its
-/// scratch memory.
+/// Cost, gradient and Gauss-Newton Hessian of the terms that depend on a single frame, all three
+/// without the factor 2 of the squares' derivatives: cost = sum (w r)^2, gradient = J' w^2 r,
+/// Hessian = J' w^2 J. Owns its scratch memory.
 class FrameTerms {
  public:
   FrameTerms(const FitModel& model, const FitOptions& options);
 
   /// Assembles one frame.
-  /// @param pairs     indices of the model's shape pairs that may be near.
+  /// @param pairs     indices of the model's shape pairs that may be near each other.
   /// @param gradient  dof_count() values, overwritten.
   /// @param hessian   rows of `stride` values; the whole lower triangle is overwritten.
   /// @param costs     the costs are added to it.
@@ -144,8 +146,9 @@ class FrameTerms {
   FootOverlap foot_overlap_;
 };
 
-/// Adds the cost of joints near their limits to an assembled frame: it grows from zero at 5 % of the
-/// range before a limit to limit_margin_weight^2 / 2 at the limit.
+/// Adds the cost of joints near their limits to an assembled frame. The cost of a joint is zero at
+/// a distance of 5 % of its range from a limit, and grows quadratically to limit_margin_weight^2 /
+/// 2 at the limit.
 /// @param qpos     configuration of the frame.
 /// @param hessian  null: adds only the cost.
 void add_limit_margins(const FitModel& model, const FitOptions& options,

@@ -12,16 +12,17 @@
 
 namespace retarget {
 
-/// The variables of a window that are held at their limits. A step does not move them; one is
-/// released if the solved step pulls it back inside, because the gradient before the step does not
-/// decide. ActiveSet uses the same rule, but its loop would factorise the whole clip again for each
-/// of the many bounds that change. Here each step is one round.
+/// The active bounds of a window: variables that are held at a joint limit. A step does not move
+/// them. After a step, a variable is released if the gradient at the solution of the step points
+/// back into its range; the gradient before the step has no such meaning. ActiveSet uses the same
+/// rule, but iterates until the set is stable. Here, a step is one such iteration, because each one
+/// factorises the whole window and many bounds change.
 class HeldLimits {
  public:
   /// @param frames  number of frames in the window.
   HeldLimits(const FitModel& model, std::size_t frames);
 
-  /// State that the steps change, by frame and degree of freedom.
+  /// The only state that outlives a step, by frame and degree of freedom.
   [[nodiscard]] const std::vector<BoundSide>& sides() const { return sides_; }
   void set_sides(std::vector<BoundSide> sides) { sides_ = std::move(sides); }
   [[nodiscard]] bool is_held(int frame, int dof) const {
@@ -34,15 +35,16 @@ class HeldLimits {
 
   /// Call it before each step.
   void begin_step();
-  /// Takes the held variables of a frame out of its system, and keeps their rows for release().
-  /// Frames count from the window's first one. Entries that an earlier held variable has already
-  /// cleared do not count.
-  /// @param hessian   rows of `stride` values; the lower triangle.
-  /// @param coupling  to the frame before, diagonal.
-  /// @param before, after  the terms of the steps to and from the frame; empty: there is none.
+  /// Removes the held variables of a frame from its system, and keeps their rows for release().
+  /// A row lacks the columns of variables with a lower index that are also held; their steps are 0.
+  /// @param frame          relative to the window's first frame.
+  /// @param hessian        rows of `stride` values; the lower triangle.
+  /// @param coupling       diagonal of the block that couples the frame with the previous one.
+  /// @param before, after terms of the steps to and from the frame; empty if the window has no such
+  ///     step.
   void hold(int frame, double* hessian, double* gradient, int stride, double* coupling,
             std::span<const StepTerm> before, std::span<const StepTerm> after);
-  /// Releases the variables that the solved step pulls inside.
+  /// Releases the variables that the solution pulls back into their ranges.
   void release(const BlockChain& chain);
 
  private:

@@ -10,10 +10,10 @@
 namespace retarget {
 namespace {
 
-// The speed term sets in slightly below the limit, so that the limit is rarely reached.
+// Share of a speed limit at which the speed term sets in. Motions then rarely reach the limit.
 constexpr double kLimitShare = 0.9;
-// Share of the weight of the root's position if it has no target to follow: the term then
-// penalises the accelerations themselves.
+// Factor for the smoothness weight of the root's position if there is no RootReference: the term
+// then penalises the accelerations themselves.
 constexpr double kWithoutReference = 0.4;
 
 // The change from one configuration to the next, by degree of freedom: root translation in metres,

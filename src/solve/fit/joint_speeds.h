@@ -11,27 +11,29 @@
 
 namespace retarget {
 
-/// The cost of a step from one frame to the next, for one degree of freedom. Half of it is
-/// weight/2 (change of the step)^2 + force (change of the step).
+/// Quadratic model of half the cost of a step from one frame to the next, for one degree of
+/// freedom: weight/2 d^2 + force d + constant, where d is the change of the step.
 struct StepTerm {
   double weight = 0.0;
   double force = 0.0;
 };
 
-/// The cost terms that couple neighbouring frames. Each degree of freedom is coupled only with
-/// itself:
+/// The smoothness and speed terms, which couple consecutive frames. They couple no two degrees of
+/// freedom:
 ///
-///     (w / dt)^2 |v - s|^2    v the step, s the smoothed step: argmin |v - s|^2 + (T/dt)^2 |D s|^2
-///     (u / dt)^2 max(0, |v| - limit dt)^2
+///     (w / dt)^2 |v - s|^2                   smoothness
+///     (u / dt)^2 max(0, |v| - limit dt)^2    speed
 ///
-/// For the root position, v in the first term is the step minus smoothness_root_reference times
-/// RootReference's, so that only accelerations that the target does not have cost anything.
+/// v is the sequence of steps between frames, s the smoothed sequence that minimises
+/// |v - s|^2 + (T / dt)^2 |D s|^2, and D takes differences of consecutive entries. For the root
+/// position, the first term subtracts smoothness_root_reference times RootReference::step() from v,
+/// so that only deviations from the target's accelerations have a cost.
 ///
-/// s is recomputed before every iteration. With L = D'D and l = (T/dt)^2, eliminating s turns the
-/// first term into (w / dt)^2 v' l L (1 + l L)^-1 v; for small T this penalises accelerations with
-/// the weight (w T)^2. Its exact second derivative couples more distant frames. No eigenvalue of L
-/// exceeds 4, so (w / dt)^2 4 l / (1 + 4 l) times the identity bounds it from above. That bound
-/// couples only neighbours and makes every step lower the cost.
+/// update() recomputes s before every iteration. With L = D'D and l = (T / dt)^2, eliminating s
+/// turns the first term into (w / dt)^2 v' l L (1 + l L)^-1 v. For small T, this penalises
+/// accelerations with the weight (w T)^2. Its matrix couples distant frames. No eigenvalue of L
+/// exceeds 4, so (w / dt)^2 4 l / (1 + 4 l) times the identity is an upper bound of the matrix. The
+/// bound couples only consecutive frames, and with it every step lowers the cost (majorisation).
 class JointSpeeds {
  public:
   JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time);
@@ -49,12 +51,12 @@ class JointSpeeds {
   }
 
   RootReference root_;
-  double root_share_;                  // Of the reference.
+  double root_share_;                  // Factor for the reference's steps.
   std::vector<double> smooth_weight_;  // (w / dt)^2, by dof.
   std::vector<double> soft_step_;      // By dof: step at which the speed term sets in.
   double speed_weight_;                // (u / dt)^2.
   double smoothing_;                   // (T / dt)^2.
-  double stiffness_;                   // Largest share of the weight that remains after smoothing.
+  double stiffness_;                   // 4 l / (1 + 4 l).
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
 };

@@ -12,16 +12,18 @@
 namespace retarget {
 namespace {
 
-constexpr int kSeeds = 24;
-constexpr double kBetter = 0.5;  // Share of the cost.
-// Largest joint speed when the limb changes branches, rad/s.
+constexpr int kSeeds = 24;  // Number of start configurations of a search.
+constexpr double kBetter =
+    0.5;  // Share of stuck_cost() that another configuration must not exceed.
+// Largest joint speed in a change of branches, rad/s.
 constexpr double kBlendingSpeed = 7.0;
-constexpr double kMeet = 0.02;      // Branches closer than this are the same; rad.
-constexpr double kLookAhead = 3.0;  // Seconds searched beyond the best frame to end at.
-constexpr double kEndsEvery = 0.1;  // Seconds between candidate frames to end at.
+constexpr double kMeet = 0.02;      // Largest joint difference of equal branches, rad.
+constexpr double kLookAhead = 3.0;  // Search range beyond the best end of a branch, seconds.
+constexpr double kEndsEvery = 0.1;  // Interval between candidate ends of a branch, seconds.
 
-// The i-th element of the van der Corput sequence in base `base`, in [0, 1).
-double scattered(int i, int base) {
+// The i-th element of the van der Corput sequence in base `base`, in [0, 1). One prime base per
+// joint gives a Halton sequence of start configurations.
+double van_der_corput(int i, int base) {
   double number = 0.0, digit = 1.0;
   for (; i > 0; i /= base) {
     digit /= base;
@@ -30,7 +32,7 @@ double scattered(int i, int base) {
   return number;
 }
 
-// Share of the other branch in frame `index` of a path that leaves the branch after `frames`
+// Blending weight of the other branch in frame `index` of a path that leaves it after `frames`
 // frames.
 double share_of_other(int index, int frames, int blended) {
   if (blended == 0) return index < frames ? 1.0 : 0.0;
@@ -101,7 +103,7 @@ std::optional<LimbJoints> BranchFinder::other_configuration(int frame, double le
     for (std::size_t i = 0; i < count(); ++i) {
       const double lower = std::max(limits.lower[i], -kTurn);
       const double upper = std::max(lower, std::min(limits.upper[i], kTurn));
-      joints[i] = lower + scattered(seed, kPrimes[i]) * (upper - lower);
+      joints[i] = lower + van_der_corput(seed, kPrimes[i]) * (upper - lower);
     }
     frame_.place(joints);
     const double left = frame_.solve(limits);
@@ -121,7 +123,7 @@ std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
   std::vector<Step> steps;
   LimbJoints last = joints;
   double gain = 0.0, best_gain = 0.0;
-  // Allowed loss beyond the best gain: the cost of one second of frames like the first one.
+  // Tolerated loss after the best gain: the cost of one second of frames like the first one.
   double hopeless = 0.0;
   int best = 0;
   for (int t = frame; t >= 0 && t < clip_.frame_count; t += direction) {
@@ -158,7 +160,7 @@ LimbJoints BranchFinder::blended(const Step& step, double share) const {
   return joints;
 }
 
-// Extra cost of the blended frames compared with a jump between the branches.
+// Additional cost of the blended frames, compared with a jump between the branches.
 double BranchFinder::blending_cost(int frame, int direction, const std::vector<Step>& steps,
                                    const Reach& reach) {
   double cost = 0.0;
@@ -176,8 +178,8 @@ BranchFinder::Reach BranchFinder::best_reach(int frame, int direction,
   const auto size = static_cast<int>(steps.size());
   const int every = std::max(1, static_cast<int>(std::lround(kEndsEvery / clip_.frame_time)));
   Reach best{0, 0, -1e300};
-  // Staying on the branch to the end of the clip must keep this share of the best gain. Otherwise
-  // it would be a way to avoid the cost of changing back.
+  // Share of the best gain that a branch up to the end of the clip must have. A smaller gain would
+  // only come from avoiding the cost of changing back.
   constexpr double kKept = 0.5;
   double gain = 0.0, most = 0.0;
   for (int frames = 1; frames <= size; ++frames) {
@@ -193,7 +195,7 @@ BranchFinder::Reach BranchFinder::best_reach(int frame, int direction,
     }
     if (frames % every != 0 && frames < size) continue;
     Reach reach{frames, 0, gain};
-    constexpr double kSteepest = 0.75;  // Half of the steepest slope of smooth_step.
+    constexpr double kSteepest = 0.75;  // Half of the largest slope of smooth_step().
     const double turn = farthest(step.own, step.other);
     if (turn >= kMeet) {
       reach.blended =

@@ -13,17 +13,17 @@
 
 namespace retarget {
 
-/// A limb that follows another branch in some frames of a clip.
+/// A path of a limb on another branch of its inverse kinematics, in an interval of a clip.
 struct LimbBranch {
   int begin = 0, end = 0;          ///< Frames [begin, end) that change.
   std::vector<LimbJoints> joints;  ///< By frame.
 };
 
-/// Moves a limb of the clip to a branch.
+/// Writes the joint positions of the branch into the clip.
 void put_limb(const FitModel& model, const FitLimb& limb, const LimbBranch& branch, FitClip& clip);
 
-/// Searches for other branches of a limb: configurations far from the current one that small steps
-/// do not reach, and in which the limb follows its targets better (docs/fit.md).
+/// Searches for other branches of a limb's inverse kinematics: configurations that small steps from
+/// the current one do not reach, and in which the limb follows its targets better (docs/fit.md).
 ///
 /// Keeps references to its arguments and reads the current state of the clip.
 class BranchFinder {
@@ -34,15 +34,16 @@ class BranchFinder {
   /// Tracking cost of the limb in a frame.
   [[nodiscard]] double cost(int frame);
 
-  /// Tracking cost that remains after solving the limb alone from its current configuration.
+  /// Tracking cost of the local minimum that a solve of the limb alone reaches from the current
+  /// configuration.
   [[nodiscard]] double stuck_cost(int frame);
 
-  /// Finds another configuration of the limb for a frame. Its cost is less than half of
-  /// stuck_cost() and at least `least` lower. Returns nothing if there is none.
+  /// Searches for a configuration of the limb in a frame whose tracking cost is less than half of
+  /// stuck_cost() and at least `least` below it. Empty if the search finds none.
   [[nodiscard]] std::optional<LimbJoints> other_configuration(int frame, double least);
 
-  /// Follows a configuration from its frame in both directions and leaves it on either side where
-  /// the gain is largest. Returns nothing if no choice lowers the cost.
+  /// Follows the branch of a configuration from its frame in both directions. On either side,
+  /// leaves it where that lowers the cost most. Empty if no branch lowers the cost.
   [[nodiscard]] std::optional<LimbBranch> follow(int frame, const LimbJoints& joints);
 
  private:
@@ -53,9 +54,9 @@ class BranchFinder {
   };
   // Extent of the branch in one direction, and its gain.
   struct Reach {
-    int frames = 0;   // Number of frames on the other branch.
-    int blended = 0;  // Number of blended frames on either side of its end.
-    double gain = 0.0;
+    int frames = 0;     // Number of frames on the other branch.
+    int blended = 0;    // Number of blended frames on either side of its end.
+    double gain = 0.0;  // Cost reduction.
   };
 
   [[nodiscard]] double frame_cost();

@@ -15,9 +15,9 @@
 namespace retarget {
 namespace {
 
-constexpr double kAround = 0.6;   // Seconds of a path before and after the frames that are off.
-constexpr double kLongest = 4.0;  // Seconds. Longer intervals are no detours.
-constexpr double kTwisted = 0.17453292519943295;  // 10 degrees.
+constexpr double kAround = 0.6;  // Seconds of a path before and after the frames with large errors.
+constexpr double kLongest = 4.0;                  // Longest interval that is searched, seconds.
+constexpr double kTwisted = 0.17453292519943295;  // Rotation error of the trunk: 10 degrees.
 
 struct Interval {
   int begin = 0, end = 0;
@@ -71,10 +71,10 @@ class ArmStraightener {
   LimbFrame frame_;
   LimbPathFinder finder_;
   std::optional<std::size_t> trunk_task_;  // The task of the body that carries the arm.
-  std::optional<FitModel> without_arm_;    // Made when it is needed.
+  std::optional<FitModel> without_arm_;    // The model without the arm's weights; made on demand.
 };
 
-// The frames in which the arm is off, with those around them.
+// The frames in which the arm is astray (astray_cost()), with a margin on either side.
 std::vector<Interval> ArmStraightener::intervals() {
   const double off = astray_cost(model_, arm_);
   std::vector<Interval> found;
@@ -105,8 +105,8 @@ bool ArmStraightener::is_trunk_twisted(const Interval& interval) {
   return false;
 }
 
-// An arm off its target pulls the trunk along, and other branches may be out of reach from there. So
-// this solves the window without the arm, and then gives the arm its joints back.
+// An arm far from its targets also rotates the trunk, which can put other branches out of reach.
+// Therefore solves the window without the arm's tasks, then restores the arm's joint positions.
 bool ArmStraightener::release_trunk(WindowTrial& trial) {
   if (!without_arm_) {
     without_arm_ = model_;

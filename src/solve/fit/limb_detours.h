@@ -11,15 +11,16 @@
 
 namespace retarget {
 
-/// The part of a limb that decides on the branch: the joints that carry its upper and lower bones,
-/// and the tasks of these bones. A wrist follows any branch.
+/// The part of a limb that determines its branch: the joints that carry its upper and lower bones,
+/// and the tasks of these bones. The wrist can follow any branch.
 [[nodiscard]] FitLimb without_hand(const FitModel& model, const FitLimb& limb);
 
-/// Searches a fitted clip for short intervals in which an arm is far off its targets, because its
-/// shoulder ran into its limits or cannot turn around in time near a singularity, and moves the arm
-/// to the best path over all branches (LimbPathFinder) if that clearly lowers the cost of all terms.
-/// All other frames stay bitwise unchanged.
-/// @param result  gets the changes and failures.
+/// Searches a fitted clip for short intervals in which an arm is far from its targets because its
+/// shoulder is at a limit or cannot turn fast enough near a singularity. Moves the arm to the best
+/// path over all branches (LimbPathFinder) if that clearly lowers the cost of all terms. All other
+/// frames stay bitwise unchanged.
+/// @param keep_going  called periodically; returning false stops the search.
+/// @param result      receives the changes and failures.
 void straighten_arm(const FitModel& model, const FitOptions& options, FitClip& clip,
                     const FitLimb& arm, const std::function<bool()>& keep_going,
                     BranchRecovery& result);

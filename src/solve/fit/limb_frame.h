@@ -10,16 +10,16 @@
 
 namespace retarget {
 
-/// One frame of a clip in which a limb can be moved and solved. The clip itself stays unchanged.
+/// A copy of one frame of a clip, in which a limb can be moved and solved.
 ///
 /// Keeps references to its arguments.
 class LimbFrame {
  public:
   LimbFrame(const FitModel& model, const FitClip& clip, const FitLimb& limb);
 
-  /// Takes the configuration of a frame of the clip, in its current state.
+  /// Copies the current configuration of a frame of the clip.
   void set(int frame);
-  /// Moves the limb.
+  /// Sets the joint positions of the limb.
   void place(const LimbJoints& joints);
   /// Solves the limb inside `range`. @return the remaining tracking cost.
   double solve(const LimbRange& range);
@@ -32,7 +32,7 @@ class LimbFrame {
   [[nodiscard]] const TreeState& pose() const { return pose_; }
 
   [[nodiscard]] const LimbRange& limits() const { return solver_.limits(); }
-  /// The joint limits, no farther than `step` from `joints`; rad or m.
+  /// The part of the joint limits at a distance of at most `step` from `joints`; rad or m.
   [[nodiscard]] LimbRange within_reach(const LimbJoints& joints, double step) const;
 
  private:
@@ -40,8 +40,8 @@ class LimbFrame {
   const FitClip& clip_;
   const FitLimb& limb_;
   LimbSolver solver_;
-  TreeState pose_;            // Pose of qpos_.
-  std::vector<double> qpos_;  // Configuration of the frame; only the limb is changed.
+  TreeState pose_;            // Forward kinematics of qpos_.
+  std::vector<double> qpos_;  // The frame's configuration with the limb's current positions.
   int frame_ = 0;
 };
 

@@ -10,11 +10,11 @@
 namespace retarget {
 namespace {
 
-constexpr double kSpacing = 0.14;          // Of the grid of the first joint, rad.
+constexpr double kSpacing = 0.14;          // Largest spacing of the first joint's grid, rad.
 constexpr double kLayerTime = 1.0 / 30.0;  // Seconds between two layers.
-// Weight of the speed of a joint, per rad/s; it stands for the cost of smoothness.
+// Weight of a joint's speed, per rad/s; it approximates the smoothness term.
 constexpr double kMoveWeight = 0.2;
-// Weight of the excess over the largest speed that the clip may contain, per rad/s.
+// Weight of the excess over a joint's maximum speed, per rad/s.
 constexpr double kTooFastWeight = 30.0;
 constexpr double kClearlyBetter = 0.8;  // Share of the cost of the current path.
 
@@ -50,9 +50,9 @@ LimbPathFinder::Node LimbPathFinder::solved(const LimbJoints& start, int index, 
   return {.joints = frame_.joints(), .tracking = frames * cost};
 }
 
-// A layer consists of the own configuration; for each position of the first joint, the best
-// configuration; and for each position, the best one within reach of the layer before. Without the
-// last, no path could lag behind targets that are faster than the joints.
+// A layer contains the current configuration and, for each position of the first joint, the best
+// configuration and the best one within reach of the previous layer. The latter allow a path to lag
+// behind targets that are faster than the joints.
 LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before, int frames) {
   const Node own = own_node(frame, frames);
   Layer layer(1 + 2 * at(positions_), own);
@@ -62,14 +62,15 @@ LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before
                        positions_ - 1)
           : 0;
   const auto best_at = [&](int k) -> Node& { return layer[at(1 + k)]; };
-  // Starts from the neighbour nearer to the own configuration, so that the grid stays continuous.
+  // Each solve starts from the neighbour nearer to the current configuration, so that neighbours
+  // stay on the same branch.
   const auto solve_at = [&](int k, const LimbJoints& start) {
     best_at(k) = solved(start, k, frame_.limits(), frames);
   };
   solve_at(nearest, own.joints);
   for (int k = nearest + 1; k < positions_; ++k) solve_at(k, best_at(k - 1).joints);
   for (int k = nearest - 1; k >= 0; --k) solve_at(k, best_at(k + 1).joints);
-  // Within reach means without the speeds that the fit penalises.
+  // Reach at the largest speed without a cost in the fit.
   const double reach = options_.soft_joint_speed * frames * frame_time_;
   const bool is_full = before.size() == layer.size();
   for (int k = 0; k < positions_; ++k) {

@@ -12,8 +12,8 @@
 
 namespace retarget {
 
-/// Finds the best path of a limb through an interval, over all branches of its inverse kinematics:
-/// dynamic programming over the position of the limb's first joint (docs/fit.md).
+/// Finds the best path of a limb in an interval over all branches of its inverse kinematics, by
+/// dynamic programming over a grid of positions of the limb's first joint (docs/fit.md).
 ///
 /// Keeps references to its arguments and reads the current state of the clip.
 class LimbPathFinder {
@@ -21,15 +21,15 @@ class LimbPathFinder {
   LimbPathFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
                  const FitLimb& limb);
 
-  /// Searches for a path that starts and ends with the current configurations of frames `begin` and
-  /// `end` - 1. Returns nothing if no path is clearly better than the current one.
+  /// Searches for a path from the current configuration of frame `begin` to that of frame `end` -
+  /// 1. Empty if no path is clearly better than the current one.
   [[nodiscard]] std::optional<LimbBranch> find(int begin, int end);
 
  private:
   // A configuration of the limb in a frame, and the best path to it.
   struct Node {
     LimbJoints joints{};
-    double tracking = 0.0;  // Tracking cost of the frames that the node stands for.
+    double tracking = 0.0;  // Tracking cost, times the number of frames since the last layer.
     double total = 0.0;     // Cost of the best path up to this node.
     int before = 0;         // Index of the previous node on this path.
   };
@@ -50,7 +50,7 @@ class LimbPathFinder {
   LimbFrame frame_;
   std::vector<double> max_speed_;        // By joint, rad/s or m/s.
   double lowest_ = 0.0, spacing_ = 0.0;  // Grid of the first joint, rad.
-  int positions_ = 1;                    // Number of its points.
+  int positions_ = 1;                    // Number of grid points.
 };
 
 }  // namespace retarget

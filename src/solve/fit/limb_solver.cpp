@@ -22,7 +22,7 @@ bool is_of_arm(LimbBone part) {
          part == LimbBone::kHand;
 }
 
-// Collects the chain from the last body that follows one of the limb's bones up to the first link
+// Collects the chain from the outermost body with a task of this limb inwards, up to the first link
 // that also carries other tasks.
 FitLimb find_limb(const FitModel& model, Side side, bool arm) {
   FitLimb limb;
@@ -91,7 +91,8 @@ double LimbSolver::cost(const TreeState& pose, const FrameGoals& goals) const {
 
 namespace {
 
-// The problem of a limb in one frame. Its point is in `pose` and `qpos`.
+// The least-squares problem of a limb in one frame, for damped_least_squares(). `pose` and `qpos`
+// hold the current iterate.
 class LimbDescent {
  public:
   LimbDescent(const LimbSolver& solver, const FitModel& model, const FitLimb& limb,
@@ -159,7 +160,7 @@ void LimbDescent::linearise() {
 }
 
 std::optional<double> LimbDescent::solve(double damping) {
-  constexpr double kConstant = 1.0;  // Damping in addition to that relative to the diagonal.
+  constexpr double kConstant = 1.0;  // Damping in addition to the damping relative to the diagonal.
   for (int i = 0; i < count(); ++i) joints_[i] = joint_value(model_, limb_.links[at(i)], qpos_);
   damped_ = hessian_;
   damped_.diagonal() *= 1.0 + damping;
@@ -170,7 +171,8 @@ std::optional<double> LimbDescent::solve(double damping) {
   return step_.allFinite() ? step_.cwiseAbs().maxCoeff() : NAN;
 }
 
-// Holds joints at a limit that the gradient would move beyond it: one round of an active set.
+// Fixes joints that are at a limit and that the gradient would move beyond it: one iteration of an
+// active-set method.
 void LimbDescent::hold_limits() {
   for (int i = 0; i < count(); ++i) {
     const bool below = joints_[i] <= range_.lower[at(i)] && held_[i] > 0.0;

@@ -11,7 +11,7 @@
 
 namespace retarget {
 
-/// An arm or a leg: a chain of joints and the tasks that only this chain serves.
+/// An arm or a leg: a chain of joints, and the tasks whose bodies only this chain moves.
 struct FitLimb {
   std::string name;  ///< For example `left arm`.
   bool is_arm = false;
@@ -31,8 +31,7 @@ struct LimbRange {
   LimbJoints lower{}, upper{};
 };
 
-/// The arms and legs of a model that follow something, without limbs of more than kMaxLimbJoints
-/// joints.
+/// The arms and legs of a model that have tasks, except limbs with more than kMaxLimbJoints joints.
 [[nodiscard]] std::vector<FitLimb> find_limbs(const FitModel& model);
 
 /// The position of a limb's joint in a configuration.
@@ -41,7 +40,7 @@ struct LimbRange {
       model.tree.links()[static_cast<std::size_t>(link)].qpos_address)];
 }
 
-/// Solves for one limb while the rest of the robot stays fixed. Does not allocate.
+/// Inverse kinematics of one limb, with the rest of the robot fixed. Does not allocate.
 class LimbSolver {
  public:
   /// Keeps references to both arguments.
@@ -50,13 +49,13 @@ class LimbSolver {
   /// The joint limits.
   [[nodiscard]] const LimbRange& limits() const { return limits_; }
 
-  /// Tracking cost of the limb, as in FrameTerms.
+  /// Tracking cost of the limb: the position and rotation terms of FrameTerms for its tasks, but
+  /// with the full rotation weight for lying feet.
   [[nodiscard]] double cost(const TreeState& pose, const FrameGoals& goals) const;
 
-  /// Takes damped Gauss-Newton steps inside `range` until they lower the tracking cost only a
-  /// little.
-  /// @param pose, qpos  start and result; `pose` must be the pose of `qpos`.
-  /// @return the remaining cost. If it is not finite, no step was taken.
+  /// Takes damped Gauss-Newton steps inside `range` until the tracking cost has converged.
+  /// @param pose, qpos  start, then result; `pose` must be the forward kinematics of `qpos`.
+  /// @return the remaining cost. If it is not finite, the configuration is unchanged.
   double solve(const FrameGoals& goals, const LimbRange& range, TreeState& pose,
                std::span<double> qpos) const;
 

@@ -9,7 +9,8 @@
 namespace retarget {
 namespace {
 
-// Metres. Distances of nearly parallel shapes are approximations, which can be this much too large.
+// Error by which the distance of nearly parallel shapes can be too large, metres; shape_distance()
+// approximates it.
 constexpr double kSlack = 0.003;
 constexpr double kUnknown = -std::numeric_limits<double>::infinity();
 
@@ -23,9 +24,9 @@ NearPairs::NearPairs(const FitModel& model)
       placed_(model.shapes.size()),
       placed_in_(model.shapes.size(), 0) {}
 
-// A point of a link's shapes moves at most as far as the centre of the bounding sphere, plus the
-// chord of the rotation times the radius. Paths are relative to the base, because a common motion
-// brings nothing nearer.
+// Adds the motion since the last pose to the paths. A point of a link's shapes moves at most as far
+// as the centre of the bounding sphere, plus the chord of the rotation times the radius. Paths are
+// relative to the base, because a common motion changes no distance.
 void NearPairs::follow(const TreeState& pose) {
   const Pose base_from_world = pose.world_from_link[0].inverse();
   for (std::size_t link = 0; link < paths_.size(); ++link) {

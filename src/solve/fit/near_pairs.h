@@ -10,11 +10,12 @@
 
 namespace retarget {
 
-/// Finds the pairs of shapes of a robot that are near each other, in one pose after the other.
+/// Finds the pairs of a robot's shapes that are near each other, in a sequence of poses.
 ///
-/// Remembers how far apart a pair was and how far its links have moved since, so it measures only
-/// the pairs that may have come near (conservative advancement). The order of the poses affects the
-/// time and not the result. Does not allocate per pose. Keeps a reference to the model.
+/// It keeps the last distance of each pair and a bound on the motion of its links since then, and
+/// measures only pairs that may have become near (conservative advancement). The order of the poses
+/// affects the time, but not the result. Does not allocate per pose. Keeps a reference to the
+/// model.
 class NearPairs {
  public:
   explicit NearPairs(const FitModel& model);
@@ -25,7 +26,7 @@ class NearPairs {
 
  private:
   struct LinkPath {
-    Eigen::Vector3d centre;       // Of the bounding sphere, base frame.
+    Eigen::Vector3d centre;       // Centre of the bounding sphere, base frame.
     Eigen::Quaterniond rotation;  // Base from link.
     double length = 0.0;          // Bound on the path of every point of the link's shapes, metres.
   };
@@ -38,10 +39,10 @@ class NearPairs {
   std::vector<LinkPath> paths_;  // By link.
   bool started_ = false;
   double within_ = -1.0;
-  // The path of both links up to which they are not near: by pair, and of all pairs of a group.
+  // Sum of the two links' path lengths up to which the shapes are not near: by pair, and by group.
   std::vector<double> far_until_, group_far_until_;
   std::vector<RoundedShape> placed_;      // By shape.
-  std::vector<std::uint64_t> placed_in_;  // By shape: the pose of `placed_`.
+  std::vector<std::uint64_t> placed_in_;  // By shape: number of the pose of `placed_`.
   std::uint64_t pose_count_ = 0;
 };
 

@@ -17,10 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Displacement of an object's centre of mass, metres, and its rotation vector; world axes.
+// Displacement of an object's centre of mass (metres), then rotation vector (radians); world axes.
 using Move = Vector6d;
 
-// Follows one object.
+// Computes the displacements of one object.
 class ObjectFollower {
  public:
   ObjectFollower(const FitModel& model, std::size_t body, double frame_time, FitScene& scene)
@@ -32,7 +32,7 @@ class ObjectFollower {
         found_(at(scene.world.clip.frame_count)),
         moves_(found_.size(), Move::Zero()) {}
 
-  // Finds where the parts that hold the object pull it in one frame.
+  // Solves for the displacement that brings the object to the parts that hold it in a frame.
   void read(int frame, const TreeState& pose) {
     Matrix6d hessian = Matrix6d::Zero();
     Move gradient = Move::Zero();
@@ -54,7 +54,7 @@ class ObjectFollower {
       ++parts;
     }
     if (parts == 0) return;
-    // One part alone does not turn the object.
+    // Regularises the rotation, which a single part does not determine.
     constexpr double kNoTurn = 0.02;  // Square metres.
     hessian.bottomRightCorner<3, 3>().diagonal().array() += kNoTurn * parts;
     found_[at(frame)] = hessian.ldlt().solve(gradient);
@@ -106,9 +106,10 @@ class ObjectFollower {
   }
 
  private:
-  static constexpr double kSmoothing = 0.067;  // Seconds; half of the span of a mean.
+  static constexpr double kSmoothing = 0.067;  // Half width of the moving average, seconds.
 
-  // Between contacts the motion changes linearly; before and after them it stays.
+  // Fills the frames without contacts: linearly between contacts, constantly before the first and
+  // after the last one.
   void interpolate() {
     std::optional<std::size_t> last;
     for (std::size_t t = 0; t < found_.size(); ++t) {
@@ -127,8 +128,8 @@ class ObjectFollower {
     for (std::size_t k = *last + 1; k < moves_.size(); ++k) moves_[k] = moves_[*last];
   }
 
-  // The frames in which the object lies on its ground, and its move there. It does not slide, so its
-  // move is that of the lifts before and after.
+  // The frames in which the object lies on its ground, and its displacement. It does not slide, so
+  // the displacement is the mean of those at the adjacent lifts.
   [[nodiscard]] std::vector<std::pair<std::size_t, Move>> find_rests() const {
     std::vector<std::pair<std::size_t, Move>> rests;
     for (std::size_t begin = 0; begin < moves_.size();) {
@@ -139,7 +140,7 @@ class ObjectFollower {
         int ends = 0;
         if (begin > 0) sum += moves_[begin - 1], ++ends;
         if (end < moves_.size()) sum += moves_[end], ++ends;
-        // An object that is never lifted stays where it is.
+        // The displacement of an object that is never lifted is zero.
         if (ends > 0) sum /= ends;
         sum[2] = sum[3] = sum[4] = 0.0;
         for (std::size_t t = begin; t < end; ++t) rests.emplace_back(t, sum);

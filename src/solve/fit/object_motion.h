@@ -9,16 +9,17 @@
 
 namespace retarget {
 
-/// Displacement of an object.
+/// Displacement of an object from its original path.
 struct ObjectMove {
-  std::string body;
-  double farthest = 0.0;  ///< Of its centre of mass, metres.
+  std::string body;       ///< Name of the object.
+  double farthest = 0.0;  ///< Largest displacement of its centre of mass, metres.
 };
 
-/// Moves the objects of a solved clip with the parts of the robot that hold them: by the rigid
-/// motion that brings their surfaces to these parts, and back to where parts are held
-/// (hold_contacts). At rest, an object only shifts and turns on its ground; between contacts the
-/// motion is interpolated. The goals of the scene move with the objects.
+/// Moves the objects of a solved clip with the parts of the robot that hold them. In each frame,
+/// the rigid displacement is the least-squares solution that brings the surface to these parts and
+/// the held contact positions (hold_contacts()) to their middles. An object at rest only shifts and
+/// turns on its ground. Between contacts, the displacement is interpolated. The scene's goals move
+/// with the objects.
 /// @param qpos  frame-major, laid out as in RobotClip.
 /// @return the objects that are held in at least one frame.
 std::vector<ObjectMove> follow_hands(const FitModel& model, std::span<const double> qpos,

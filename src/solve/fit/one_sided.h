@@ -2,21 +2,21 @@
 
 namespace retarget {
 
-/// A one-sided residual in a least-squares problem: half the gradient of its cost is weight *
-/// residual along its Jacobian; half its curvature is weight.
+/// The contribution of an inequality to a least-squares problem. With the Jacobian J of its value,
+/// half the gradient of the cost is J' * weight * residual, and half the Hessian is J' * weight *
+/// J.
 struct OneSidedRow {
   double weight = 0.0;
   double residual = 0.0;
   double cost = 0.0;
 };
 
-/// The squared violation of value >= 0, smoothed: its curvature grows linearly from 0 to its full
-/// value over [-band, band].
+/// The smoothed squared violation of value >= 0. Its curvature grows linearly from 0 at `band` to
+/// its full value at -band. Below -band, its gradient equals that of the square.
 ///
-/// With a jump in the curvature, the last bit of a value would decide how stiff the next step is.
-/// Start poses are lifted until their lowest point is exactly at 0, so rounding alone led to
-/// results that differed by millimetres. Below -band, the gradient equals the gradient of the
-/// square.
+/// With a jump in the curvature, the last bit of a value would change the stiffness of the next
+/// step. Start poses are lifted until their lowest point is exactly at 0, so that rounding errors
+/// alone changed results by millimetres.
 /// @return all zeros for values >= `band`.
 inline OneSidedRow one_sided(double value, double band) {
   const double inside = band - value;

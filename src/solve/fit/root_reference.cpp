@@ -11,9 +11,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHorizontalCutoff = 3.5, kVerticalCutoff = 6.0;  // Hz, half amplitude.
+constexpr double kHorizontalCutoff = 3.5, kVerticalCutoff = 6.0;  // Hz, at half amplitude.
 constexpr double kPeriods = 1.5;   // Half width of the filters, in periods of the cutoff.
-constexpr double kKaiserBeta = 5;  // Stop band below 0.4 %.
+constexpr double kKaiserBeta = 5;  // Stop-band gain below 0.4 %.
 
 std::vector<double> taps_of(double cutoff, double frame_time) {
   const double cycles = std::min(0.5, cutoff * frame_time);
@@ -21,7 +21,7 @@ std::vector<double> taps_of(double cutoff, double frame_time) {
   return design_low_pass(cycles, half_width, kKaiserBeta);
 }
 
-// Index of a step of a track that is mirrored at both ends.
+// Index of a displacement in a sequence that is mirrored at both ends.
 int mirrored(int index, int count) {
   if (index < 0) index = -1 - index;
   if (index >= count) index = 2 * count - 1 - index;

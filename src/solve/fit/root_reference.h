@@ -8,15 +8,16 @@
 
 namespace retarget {
 
-/// The accelerations that the root may have without cost: those of its low-passed target. A
-/// smoothness term on accelerations alone flattens the bounce of the human's hips; one on the
-/// difference to these accelerations keeps it and still removes tremor.
+/// The low-passed path of the root's target. The smoothness term penalises only the deviation of
+/// the root's acceleration from that of this path. A term on the acceleration itself would flatten
+/// the vertical oscillation of the human's hips; the deviation preserves it and still removes
+/// tremor.
 ///
-/// The target is that of the root link or, if the root has none, that of the hips: the root of some
-/// robots is the torso.
+/// The target is that of the root link. If the root has no target, as on robots whose root is the
+/// torso, it is that of the hips.
 ///
-/// The horizontal target has a lower cutoff than the vertical one: hips bounce once per step
-/// and sway once per two steps.
+/// The cutoff is lower for the horizontal path than for the vertical one, because hips oscillate
+/// vertically once per step and laterally once per two steps.
 class RootReference {
  public:
   RootReference(const FitModel& model, double frame_time);
@@ -24,8 +25,9 @@ class RootReference {
   /// False if neither the root nor the hips have a target.
   [[nodiscard]] bool exists() const { return task_ >= 0; }
 
-  /// Step of the filtered target from `frame` to the next frame, metres, world. The target's steps
-  /// are mirrored at the ends of the clip, so a constant velocity passes unchanged.
+  /// Displacement of the filtered target from `frame` to the next frame, world, metres. The
+  /// displacements are mirrored at the ends of the clip, so that a constant velocity stays
+  /// constant.
   /// @pre exists() and frame + 1 < clip.frame_count
   [[nodiscard]] Eigen::Vector3d step(const FitClip& clip, int frame) const;
 

@@ -9,20 +9,21 @@
 
 namespace retarget {
 
-/// Height of the robot's lowest point (soles and shapes), metres, if it is below the floor; else 0.
+/// Height of the robot's lowest point (soles and shapes), metres; 0 if no point is below the floor.
 [[nodiscard]] double lowest_below_floor(const FitModel& model, const TreeState& pose);
 
-/// Receives the start configurations of a clip's frames in order, as the first stage solves them.
-/// Raises the root until nothing is below the floor. At the last frame of each contact, sets its
-/// anchor to the mean position over its frames.
+/// Receives the frames of the first stage in order and makes the start configurations of the fit.
+/// Raises the root until no point is below the floor. At the last frame of a contact, sets the
+/// contact's anchor to the mean position over its frames.
 class StartFrames {
  public:
   /// @param path  by frame: offset added to the root's position, metres.
-  /// @param lift  whether to raise the root.
+  /// @param lift  whether to raise the root if a point is below the floor.
   StartFrames(const FitModel& model, std::span<const Eigen::Vector3d> path, bool lift,
               FitClip& clip);
 
-  /// Writes the configuration of a frame and adds it to the anchors of its contacts.
+  /// Writes the start configuration of a frame and adds the frame to the anchors of its contacts.
+  /// @param qpos  the frame's solution of the first stage.
   void take(int frame, std::span<const double> qpos);
 
  private:

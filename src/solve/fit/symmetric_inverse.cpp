@@ -11,7 +11,7 @@ namespace {
 constexpr int kBlock = kInverseBlock;
 using Block = std::array<std::array<double, kBlock>, kBlock>;
 
-// Inverts a small symmetric positive definite matrix by unblocked sweeps.
+// Inverts a pivot block by unblocked sweeps. @return false if it is not positive definite.
 RETARGET_INLINE bool invert(Block& d) {
   for (int k = 0; k < kBlock; ++k) {
     const double pivot = d[k][k];
@@ -41,8 +41,8 @@ RETARGET_INLINE void transpose(const double* __restrict from, int from_stride,
   }
 }
 
-// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count), a
-// multiple of kBlock. Inner loops of constant length vectorise without remainders.
+// Subtracts the product of the pivot columns and rows from rows i and i + 1, columns [0, count).
+// `count` is a multiple of kBlock: inner loops of constant length vectorise without remainders.
 RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restrict row1,
                                       const double* __restrict b, const double* __restrict r, int i,
                                       int size, int count) {
@@ -67,7 +67,7 @@ RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
       for (int q = 0; q <= p; ++q) d[p][q] = d[q][p] = a[(k + p) * size + k + q];
     }
     if (!invert(d)) return false;
-    // Copies the pivot rows; `r` receives them multiplied by the inverse of the pivot block.
+    // `b` receives the pivot rows; `r` receives them multiplied by the inverse of the pivot block.
     for (int p = 0; p < kBlock; ++p) {
       double* const row = b + p * size;
       const double* const from = a + (k + p) * size;

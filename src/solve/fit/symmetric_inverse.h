@@ -9,15 +9,15 @@ inline constexpr int kInverseBlock = 4;
 /// at a time (Goodnight, "A tutorial on the SWEEP operator", 1979): the sweeps touch only one
 /// triangle and run along rows, so compilers vectorise them.
 ///
-/// @param a        size x size, rows contiguous, 16-byte aligned. The lower triangle is read; both
-///     are written.
+/// @param a        size x size, row-major, 16-byte aligned. Reads the lower triangle and writes
+///     both.
 /// @param size     a multiple of kInverseBlock.
 /// @param scratch  2 * kInverseBlock * size values.
 /// @param wide     use AVX2; requires has_avx2().
 /// @return false if a pivot block is not positive definite; `a` is then unusable.
 ///
-/// Every element results from the same operations in the same order, so results are identical with
-/// and without AVX2.
+/// Every element results from the same operations in the same order with and without AVX2, so both
+/// give identical results.
 [[nodiscard]] bool negative_inverse(double* a, int size, double* scratch, bool wide);
 
 }  // namespace retarget

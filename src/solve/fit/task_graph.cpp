@@ -13,7 +13,7 @@ TaskGraph::TaskGraph(std::vector<Task> tasks, int threads)
     try {
       others_.emplace_back([this] { run(); });
     } catch (const std::system_error&) {
-      // If the system provides no further threads, the caller's thread does the work.
+      // The system provides no further thread. The existing threads and the caller's run the tasks.
       break;
     }
   }
@@ -47,7 +47,7 @@ bool TaskGraph::stopped() const {
   return stop_;
 }
 
-// @return the first task that can start; the number of tasks if there is none.
+// @return the first task that can start; the number of tasks if no task can.
 std::size_t TaskGraph::next() const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (begun_[i] == 0 && tasks_[i].waits <= 0) return i;

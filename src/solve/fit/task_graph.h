@@ -20,18 +20,18 @@ class TaskGraph {
     std::vector<std::size_t> then = {};  ///< Tasks that this task releases when it finishes.
   };
 
-  /// Starts at once on all threads except the caller's.
-  /// @param threads  number of threads, including the caller's; fewer if the system provides no
-  ///     more.
+  /// Starts tasks immediately, on all threads except the caller's.
+  /// @param threads  number of threads including the caller's. The graph uses fewer if the system
+  ///     provides no more.
   TaskGraph(std::vector<Task> tasks, int threads);
   /// Calls stop() and waits for the threads.
   ~TaskGraph();
   TaskGraph(const TaskGraph&) = delete;
   TaskGraph& operator=(const TaskGraph&) = delete;
 
-  /// Marks one dependency of a task as fulfilled.
+  /// Decrements the number of releases for which a task waits.
   void release(std::size_t task);
-  /// Runs tasks on the caller's thread too, until all are finished or the graph is stopped.
+  /// Also runs tasks on the caller's thread, until all are finished or the graph is stopped.
   /// @return true if all tasks are finished.
   bool finish();
   /// Prevents any further task from starting.

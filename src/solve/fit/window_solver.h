@@ -27,12 +27,13 @@ class WindowSolver {
   WindowSolver(const FitModel& model, const FitOptions& options, const FitWindows& plan,
                FitClip& clip, int threads);
 
-  /// Call it when the first `count` frames have their start.
+  /// Starts the windows that need no more than the first `count` frames. Call it when the first
+  /// stage has solved these frames.
   void starts_are_there(int count);
-  /// Helps on the caller's thread until everything is solved.
-  /// @param keep_going  called on the caller's thread with the share of the work done; returning
-  ///     false stops the solver.
-  /// @return true if everything is solved.
+  /// Solves on the caller's thread, too, until all windows and seams are solved.
+  /// @param keep_going  called on the caller's thread with the completed share of the work, 0 to 1;
+  ///     returning false stops the solver.
+  /// @return true if all windows and seams are solved.
   bool finish(const std::function<bool(double done)>& keep_going);
 
   /// By frame: cost of the start, evaluated within the frame's window.
@@ -53,11 +54,11 @@ class WindowSolver {
   int threads_;
   std::vector<TermCosts> costs_before_;
   std::vector<FitStatus> statuses_;
-  std::size_t released_ = 0;  // Number of windows that may start.
+  std::size_t released_ = 0;  // Number of windows whose input is complete.
   std::thread::id caller_ = std::this_thread::get_id();
   std::function<bool(double)> keep_going_;  // Used only on the caller's thread.
-  std::atomic<std::int64_t> done_ = 0;      // Number of frames processed, once per iteration.
-  std::int64_t all_;
+  std::atomic<std::int64_t> done_ = 0;      // Sum over all steps of their number of frames.
+  std::int64_t all_;                        // Value of done_ at the end, without extra steps.
   // Declared last, because its threads use all members above.
   TaskGraph tasks_;
 };

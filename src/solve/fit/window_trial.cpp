@@ -12,7 +12,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kMargin = 0.5;   // Seconds solved again on either side.
+constexpr double kMargin = 0.5;   // Seconds before and after the change that are also solved.
 constexpr double kOverlap = 1.5;  // Seconds of overlap between parts.
 
 }  // namespace
@@ -52,7 +52,7 @@ std::span<const double> WindowTrial::before(int frame) const {
 }
 
 double WindowTrial::cost() const {
-  // The window also changes the smoothed steps of the frames before and after it.
+  // The window's frames also affect the smoothed steps of the frames before and after it.
   const int beside = window_.context + 1;
   const FitWindow all{std::max(0, window_.begin - beside),
                       std::min(clip_.frame_count, window_.end + beside), true, window_.context};
@@ -65,7 +65,8 @@ double WindowTrial::cost() const {
 
 bool WindowTrial::pays_off() {
   constexpr double kLessInAll = 0.97;  // Share of the cost that may remain.
-  // Forces that a faster limb may need in addition: a ratio; a share of the robot's weight.
+  // Tolerated increase of the unexplained wrench, because a faster limb needs larger forces: a
+  // ratio; a share of the robot's weight.
   constexpr double kMoreForce = 1.2, kForceNoise = 0.03;
   if (!(cost() < kLessInAll * cost_before_)) return false;
   return !dynamics_ || dynamics_->measure(clip_) <= kMoreForce * unexplained_before_ + kForceNoise;

@@ -14,7 +14,8 @@
 
 namespace retarget {
 
-/// Solves a part of a fitted clip again after a change, and reverts both if they do not pay off.
+/// Solves a part of a fitted clip again after a change by the caller, and reverts both if they do
+/// not lower the cost enough.
 ///
 /// Keeps references to its arguments.
 class WindowTrial {
@@ -22,14 +23,14 @@ class WindowTrial {
   WindowTrial(const WindowTrial&) = delete;
   WindowTrial& operator=(const WindowTrial&) = delete;
 
-  /// @param begin, end  the frames [begin, end) that are to change. Half a second on either side is
-  ///     solved with them.
+  /// @param begin, end  frames [begin, end) that the caller will change. The window extends half a
+  ///     second beyond them on either side.
   WindowTrial(const FitModel& model, const FitOptions& options, FitClip& clip,
               const std::function<bool()>& keep_going, int begin, int end);
 
   [[nodiscard]] const FitWindow& window() const { return window_; }
   /// Whether the cost of all terms is clearly lower than at construction and, with dynamics, the
-  /// contacts supply the forces about as well as before.
+  /// wrench that the contacts cannot supply is not much larger.
   [[nodiscard]] bool pays_off();
   /// Configuration of a frame of the window at construction.
   [[nodiscard]] std::span<const double> before(int frame) const;
@@ -38,7 +39,7 @@ class WindowTrial {
   /// stays bounded.
   /// @return false if keep_going stopped it or a step was not finite.
   bool solve();
-  /// The same with another model or other options.
+  /// The same as solve(), with another model and other options.
   bool solve(const FitModel& model, const FitOptions& options);
 
   /// Restores the clip as it was at construction.
