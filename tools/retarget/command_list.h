@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <ranges>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -38,8 +37,8 @@ class Commands {
 
   /// Calls the last command that was parsed: the default command, which comes first, always is.
   [[nodiscard]] ExitCode call() const {
-    const auto parsed = std::ranges::find_if(calls_ | std::views::reverse,
-                                             [](const auto& each) { return each.first->parsed(); });
+    const auto parsed = std::find_if(calls_.rbegin(), calls_.rend(),
+                                     [](const auto& each) { return each.first->parsed(); });
     return parsed->second();
   }
 
