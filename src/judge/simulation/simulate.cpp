@@ -31,8 +31,8 @@ MeanAndP95 summary_of(const std::vector<double>& values) {
   return {mean(values), percentile(values, 95.0)};
 }
 
-// Compares a simulated motion with its reference and fills the tracking errors of the report.
-// @param frames  number of frames to use, from the first.
+// Sets the tracking errors of the report.
+// @param frames  number of frames to compare, from the first.
 void set_errors(const RobotClip& reference, const RobotClip& simulated, int frames,
                 SimulationReport& report) {
   const Robot& robot = reference.robot();
@@ -66,11 +66,11 @@ void set_errors(const RobotClip& reference, const RobotClip& simulated, int fram
 
 using Eigen::Vector3d;
 
-constexpr double kLongestStep = 0.002;  // Seconds.
-constexpr double kAtLimit = 0.999;      // Torque ratio.
-constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears load.
-constexpr double kTooFast = 1e3;        // m/s or rad/s: the simulation has diverged.
-constexpr double kBrake = 0.02;         // Share of the torque limit per rad/s, after a fall.
+constexpr double kLongestStep = 0.002;  // Largest time step, seconds.
+constexpr double kAtLimit = 0.999;      // Torque ratio above which a torque is at its limit.
+constexpr double kOnFloor = 0.0005;     // Height up to which a sole point is on the floor, metres.
+constexpr double kTooFast = 1e3;        // Speed of a diverged simulation, m/s or rad/s.
+constexpr double kBrake = 0.02;         // Joint damping after a fall, share of the limit per rad/s.
 
 Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
@@ -116,7 +116,7 @@ class Simulator {
     const ReferenceState& start = track_.at(0);
     physics_.set_positions(start.motion.qpos, robot_, data_->qpos);
     physics_.set_rates(start.motion.velocity, data_->qvel);
-    // The body moves as a whole with the velocity that its balance needs.
+    // The whole body starts with the velocity of the balancing shift.
     for (int k = 0; k < 2; ++k) data_->qvel[k] += start.shift_velocity[k];
     report_.robot = robot_.name();
     report_.frames = clip_.frame_count();
@@ -127,7 +127,8 @@ class Simulator {
         physics_.joints, [](const PhysicsJoint& j) { return std::isfinite(j.limit); });
   }
 
-  // The first half of mj_step, without its checks, whose warnings MuJoCo prints.
+  // The first half of mj_step. Replaces its checks, for which MuJoCo prints warnings.
+  // @return false if the simulation has diverged.
   bool evaluate() {
     const mjModel* model = physics_.model.get();
     for (int i = 0; i < model->nq; ++i) {
@@ -176,7 +177,7 @@ class Simulator {
     }
   }
 
-  // Sole points come first.
+  // Adds the speeds of the sole points on the floor; sole points are the first physics points.
   void measure_slip() {
     const bool is_first = last_points_.empty();
     last_points_.resize(sole_count_);
@@ -229,7 +230,7 @@ class Simulator {
     }
   }
 
-  // Fills the frames after a state that is not finite.
+  // Repeats the last recorded frame after the simulation has diverged.
   void hold_from(int step) {
     const int first = (step + steps_per_frame_ - 1) / steps_per_frame_;
     for (int frame = std::max(1, first); frame < motion_.frame_count(); ++frame) {
@@ -260,7 +261,7 @@ class Simulator {
   RobotClip motion_;
   SimulationReport report_;
   std::size_t sole_count_ = 0;
-  std::vector<double> torque_ratios_;  // Largest torque ratios of a step.
+  std::vector<double> torque_ratios_;  // By step: largest ratio of a torque to its limit.
   std::vector<Vector3d> last_points_;
   double slip_ = 0.0;
   std::size_t slip_count_ = 0;
