@@ -36,26 +36,26 @@ MeanAndP95 summary_of(const std::vector<double>& values) {
 void set_errors(const RobotClip& reference, const RobotClip& simulated, int frames,
                 SimulationReport& report) {
   const Robot& robot = reference.robot();
-  TreeState wanted(robot.tree()), is(robot.tree());
+  TreeState expected(robot.tree()), actual(robot.tree());
   std::vector<double> joints, root, turn, bodies;
   for (int frame = 0; frame < frames; ++frame) {
     const auto a = reference.qpos(frame);
     const auto b = simulated.qpos(frame);
-    wanted.update(a);
-    is.update(b);
-    root.push_back(100.0 * (is.origin() - wanted.origin()).norm());
-    turn.push_back(kDegrees * log_so3(is.world_from_link[0].rotation *
-                                      wanted.world_from_link[0].rotation.conjugate())
+    expected.update(a);
+    actual.update(b);
+    root.push_back(100.0 * (actual.origin() - expected.origin()).norm());
+    turn.push_back(kDegrees * log_so3(actual.world_from_link[0].rotation *
+                                      expected.world_from_link[0].rotation.conjugate())
                                   .norm());
     for (const int j : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[j];
       if (joint.type != RobotJoint::Type::kHinge) continue;
       joints.push_back(kDegrees * std::abs(b[joint.qpos_address] - a[joint.qpos_address]));
     }
-    for (std::size_t i = 0; i < is.world_from_link.size(); ++i) {
+    for (std::size_t i = 0; i < actual.world_from_link.size(); ++i) {
       bodies.push_back(
           100.0 *
-          (is.world_from_link[i].translation - wanted.world_from_link[i].translation).norm());
+          (actual.world_from_link[i].translation - expected.world_from_link[i].translation).norm());
     }
   }
   report.joint_deg = summary_of(joints);
@@ -196,14 +196,16 @@ class Simulator {
   }
 
   void check_fall(int step, const ReferenceState& reference) {
-    const std::vector<double>& wanted = reference.motion.qpos;
-    const Vector3d off(data_->qpos[0] - wanted[0], data_->qpos[1] - wanted[1],
-                       data_->qpos[2] - wanted[2]);
+    const std::vector<double>& reference_qpos = reference.motion.qpos;
+    const Vector3d off(data_->qpos[0] - reference_qpos[0], data_->qpos[1] - reference_qpos[1],
+                       data_->qpos[2] - reference_qpos[2]);
     const Vector3d up = Vector3d::UnitZ();
-    const Vector3d is_up = quaternion_at(data_->qpos + 3).conjugate() * up;
-    const Vector3d wanted_up =
-        Eigen::Quaterniond(wanted[3], wanted[4], wanted[5], wanted[6]).conjugate() * up;
-    const double tilt = angle_between(is_up, wanted_up) * 180.0 / std::numbers::pi;
+    const Vector3d current_up = quaternion_at(data_->qpos + 3).conjugate() * up;
+    const Vector3d reference_up = Eigen::Quaterniond(reference_qpos[3], reference_qpos[4],
+                                                     reference_qpos[5], reference_qpos[6])
+                                      .conjugate() *
+                                  up;
+    const double tilt = angle_between(current_up, reference_up) * 180.0 / std::numbers::pi;
     if (-off.z() > kFallHeight * size_) return fall(step, "height");
     if (tilt > kFallTilt) return fall(step, "tilt");
     if (off.head<2>().norm() > kLostDistance * size_) return fall(step, "distance");

@@ -48,11 +48,11 @@ class WholeBodyController::Tasks {
     inputs_ = inputs;
     count_ = 0;
   }
-  template <typename Rows, typename Wanted>
-  void add(const Rows& rows, const Wanted& wanted, double weight) {
+  template <typename Rows, typename Desired>
+  void add(const Rows& rows, const Desired& desired, double weight) {
     const Eigen::Index n = rows.rows();
     rows_.block(count_, 0, n, inputs_) = weight * rows;
-    right_.segment(count_, n) = weight * wanted;
+    right_.segment(count_, n) = weight * desired;
     count_ += n;
   }
   [[nodiscard]] auto rows() const { return rows_.topLeftCorner(count_, inputs_); }
@@ -279,10 +279,10 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
     const double inertia = physics_.mass * lever_ * lever_;
     moment.middleCols(at, kEdges) = skew(places_[p] - com) * pyramid / inertia;
   }
-  const Vector3d wanted = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
-                          gains_.com_stiffness * (reference.com + offset_ - com) +
-                          gains_.com_damping * (reference.com_velocity - velocity);
-  tasks_->add(force, wanted, gains_.com_weight);
+  const Vector3d desired = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
+                           gains_.com_stiffness * (reference.com + offset_ - com) +
+                           gains_.com_damping * (reference.com_velocity - velocity);
+  tasks_->add(force, desired, gains_.com_weight);
   const Vector3d rate =
       (reference.momentum_rate + gains_.spin_damping * (reference.momentum - spin)) /
       (physics_.mass * lever_ * lever_);
@@ -290,14 +290,15 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
 }
 
 void WholeBodyController::add_root(const ReferenceState&, mjData_* data) {
-  const Eigen::Quaterniond is = rotation_of(data->qpos + 3);
-  const Eigen::Quaterniond is_from_wanted =
-      is.conjugate() * rotation_of(wanted_positions_.data() + 3);
-  const Vector3d rate = is_from_wanted * wanted_rates_.segment<3>(3) - vector_of(data->qvel + 3);
-  const Vector3d wanted = is_from_wanted * wanted_accelerations_.segment<3>(3) +
-                          gains_.root_stiffness * log_so3(is_from_wanted) +
-                          gains_.root_damping * rate - free_.segment<3>(3);
-  tasks_->add(response_.topRows(input_count_).middleCols(3, 3).transpose(), wanted,
+  const Eigen::Quaterniond current = rotation_of(data->qpos + 3);
+  const Eigen::Quaterniond current_from_desired =
+      current.conjugate() * rotation_of(wanted_positions_.data() + 3);
+  const Vector3d rate =
+      current_from_desired * wanted_rates_.segment<3>(3) - vector_of(data->qvel + 3);
+  const Vector3d desired = current_from_desired * wanted_accelerations_.segment<3>(3) +
+                           gains_.root_stiffness * log_so3(current_from_desired) +
+                           gains_.root_damping * rate - free_.segment<3>(3);
+  tasks_->add(response_.topRows(input_count_).middleCols(3, 3).transpose(), desired,
               gains_.root_weight);
 }
 
@@ -319,21 +320,22 @@ void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* dat
     Vector6d error;
     error << goal.translation - pose.translation,
         log_so3(goal.rotation * pose.rotation.conjugate());
-    const Vector6d wanted = moves * to.acceleration + gains_.foot_stiffness * error +
-                            gains_.foot_damping * (moves * to.velocity - jacobian * rates) -
-                            drift * rates - jacobian * free_;
-    tasks_->add(jacobian * response_.topRows(input_count_).transpose(), wanted, gains_.foot_weight);
+    const Vector6d desired = moves * to.acceleration + gains_.foot_stiffness * error +
+                             gains_.foot_damping * (moves * to.velocity - jacobian * rates) -
+                             drift * rates - jacobian * free_;
+    tasks_->add(jacobian * response_.topRows(input_count_).transpose(), desired,
+                gains_.foot_weight);
   }
 }
 
 void WholeBodyController::add_joints(const ReferenceState&, mjData_* data) {
   const auto n = static_cast<Eigen::Index>(joint_count_);
   const Eigen::Map<const Eigen::VectorXd> positions(data->qpos + 7, n), rates(data->qvel + 6, n);
-  const Eigen::VectorXd wanted = wanted_accelerations_.tail(n) +
-                                 gains_.joint_stiffness * (wanted_positions_.tail(n) - positions) +
-                                 gains_.joint_damping * (wanted_rates_.tail(n) - rates) -
-                                 free_.tail(n);
-  tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), wanted,
+  const Eigen::VectorXd desired = wanted_accelerations_.tail(n) +
+                                  gains_.joint_stiffness * (wanted_positions_.tail(n) - positions) +
+                                  gains_.joint_damping * (wanted_rates_.tail(n) - rates) -
+                                  free_.tail(n);
+  tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), desired,
               gains_.joint_weight);
 }
 
