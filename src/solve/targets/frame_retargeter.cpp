@@ -33,7 +33,7 @@ Result<void> check_options(const FrameRetargeterOptions& options) {
     return usage_failure(fmt::format("the damping must be more than 0, found {}", options.damping));
   }
   if (options.max_extra_steps < 0 || options.max_extra_steps > kMaxExtraSteps) {
-    return usage_failure(fmt::format("the number of further steps must be 0 to {}, found {}",
+    return usage_failure(fmt::format("the number of extra steps must be from 0 to {}, found {}",
                                      kMaxExtraSteps, options.max_extra_steps));
   }
   return {};
