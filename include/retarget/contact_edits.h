@@ -24,30 +24,29 @@ struct ContactEdit {
   /// right, `seat`, `back`. A foot means its heel and toe.
   std::string part;
   ContactAction action = ContactAction::kAdd;
-  double start = 0.0, end = 0.0;
-  double by = 0.0;  ///< kShift: seconds, later if positive.
-  double height =
-      0.0;  ///< kAdd: height of the surface above the floor, metres of the human's world.
+  double start = 0.0, end = 0.0;  ///< Seconds.
+  double by = 0.0;                ///< kShift: seconds; positive: later.
+  /// kAdd: height of the surface above the floor, metres at the human's scale.
+  double height = 0.0;
 };
 
 /// Names of the parts, in the order of documentation.
 [[nodiscard]] std::vector<std::string> contact_part_names();
 
 /// Reads edits from JSON: `{"contacts": [{"part": "left_foot", "start": 1.2, "end": 1.8, "action":
-/// "add"}, ...]}`; `by` is required for `shift`, `height` is optional for `add`. All faults are
-/// reported together (kConfig): unknown parts and actions with the nearest name, missing or wrong
-/// times.
-/// @param file  name for messages.
+/// "add"}, ...]}`. `by` is required for `shift`, `height` is optional for `add`. Errors (kConfig),
+/// all at once: unknown parts and actions, with the nearest name; missing or invalid times.
+/// @param file  file name for messages.
 [[nodiscard]] Result<std::vector<ContactEdit>> parse_contact_edits(std::string_view text,
                                                                    const std::string& file);
 [[nodiscard]] Result<std::vector<ContactEdit>> load_contact_edits(const std::string& file);
 
-/// Writes edits as parse_contact_edits reads them.
+/// Formats edits as JSON for parse_contact_edits().
 [[nodiscard]] std::string contact_edits_text(std::span<const ContactEdit> edits);
 
-/// Checks that all edits are within a motion (kConfig).
+/// Checks that all edits are within a motion. Errors (kConfig): all edits outside it.
 /// @param seconds  length of the motion.
-/// @param file  name for messages.
+/// @param file     file name for messages.
 [[nodiscard]] Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seconds,
                                                const std::string& file);
 

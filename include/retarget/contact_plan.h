@@ -22,7 +22,7 @@ inline constexpr std::array kSupportBones = {
     Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
     Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
 
-/// Least height of the ankle above the start of the toes when the foot is on its sole, metres.
+/// Smallest height of the ankle above the toe joint of a foot that stands on its sole, metres.
 inline constexpr double kUprightRise = 0.03;
 
 /// Thresholds for foot contacts. Speeds and lengths apply to a body whose leg (hip to knee to
@@ -32,33 +32,33 @@ struct ContactOptions {
   double begin_height = 0.04;   ///< and within this distance of the standing height, metres.
   double end_speed = 0.25;      ///< A contact ends above this speed, m/s,
   double end_height = 0.06;     ///< or beyond this distance from the standing height, metres.
-  double shortest = 0.1;        ///< Contacts shorter than this are ignored, seconds.
+  double shortest = 0.1;        ///< Shortest contact, seconds.
   double support_time = 0.15;   ///< A foot above the floor is in contact if it is slow for this
                                 ///< time, seconds,
   double support_drift = 0.02;  ///< and moves no farther than this, metres.
-  /// The clip is still growing: a contact that reaches its end may become longer.
+  /// Whether the clip is still growing, so that a contact at its end may become longer.
   bool goes_on = false;
 };
 
-/// Returns the phases on the floor, without those on raised surfaces.
+/// The phases on the floor, without those on raised surfaces.
 [[nodiscard]] std::vector<ContactPhase> on_floor(std::vector<ContactPhase> phases);
 
 /// Heights of the source's feet when they stand on the floor.
 struct StandingHeights {
   double ankle = 0.0, toe = 0.0;  ///< World, metres.
-  bool found = false;             ///< False: no foot stands long enough, and the heights are
-                                  ///< guesses.
-  double ankle_over_heel = 0.0;   ///< Metres, for feet with known soles; otherwise the ankle serves
-                                  ///< as heel.
+  bool found = false;             ///< False: no foot stands long enough; the heights are estimates.
+  double ankle_over_heel = 0.0;   ///< Height of the ankle above the heel for feet with known soles,
+                                  ///< metres; else 0, and the ankle serves as the heel.
 
+  /// Standing height of a foot end, kHeelEnd or kToeEnd.
   [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle - ankle_over_heel : toe; }
 };
 
 /// Contact phases of one end of a foot.
 struct EndContacts {
   std::vector<ContactPhase> phases;  ///< Sorted by time.
-  /// Per frame of the phases: the end is at its standing height, and the foot does not rest on its
-  /// side, edge or tip.
+  /// By frame of the clip: whether the end is at its standing height and the foot does not rest on
+  /// its side, edge or tip.
   std::vector<char> level;
 };
 
@@ -80,11 +80,11 @@ struct ContactPlan {
   /// Floor contacts of the other bodies that may carry weight (kSupportBones).
   BodyContacts bodies;
 
-  /// Returns whether a whole foot is in contact in a frame.
+  /// Whether a whole foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int frame) const;
-  /// Returns whether one end of a foot is in contact in a frame.
+  /// Whether one end of a foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int end, int frame) const;
-  /// Returns the contacts in the form that motion files store.
+  /// The contacts in the form that motion files store.
   [[nodiscard]] SourceContacts of_ends() const;
 };
 
@@ -96,14 +96,15 @@ struct ContactPlan {
 /// 3 frames at 30 fps, so shorter clips have no contacts unless it is reduced. Thresholds with
 /// hysteresis are common practice (Holden's motion matching: 0.15 m/s; HuMoR: 4 cm).
 ///
-/// The source does not describe raised surfaces such as boxes and stairs, so only the foot's motion
-/// can reveal a raised stance: the foot is upright, and both ends are slow for support_time and
-/// stay within support_drift. Feet in the air rarely meet this test; if they do, fixing them in
-/// place is harmless. If nothing else supports a body that is not falling, two more kinds count: the
-/// longest part of at least half a second in which a slow foot does not move farther, and a toe
-/// at least 10 cm (scaled) above its standing height that meets the test alone, as on stairs. If the
-/// heights of heel and toe differ little, both get one height, so the sole is flat. Frames around the
-/// stance in which only one end is in contact belong to it.
+/// The source does not describe raised surfaces such as boxes and stairs. A raised stance is
+/// therefore detected from the foot's motion: the foot is upright, and both ends are slow for
+/// support_time and stay within support_drift. Feet in swing rarely meet these conditions, and
+/// holding such a foot does little harm. A body that does not fall and has no other support may
+/// also have two further kinds of raised stances: the longest interval of at least half a second in
+/// which a slow foot stays within support_drift, and a single toe at least 10 cm (scaled) above its
+/// standing height that meets the conditions, as on stairs. If the heights of heel and toe differ
+/// little, both get the same height, so that the sole is level. Frames around the stance in which
+/// only one end is in contact belong to it.
 [[nodiscard]] ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options = {});
 
 /// Contact phases of a sole of a robot's profile.

@@ -17,11 +17,11 @@ namespace RETARGET_API retarget {
 
 /// Options of FrameRetargeter.
 struct FrameRetargeterOptions {
-  /// Body height of the human, metres. Scales are multiplied by its ratio to the configuration's
-  /// human_height_assumption. Empty: scales are not changed.
+  /// Height of the human, metres. Its ratio to the configuration's human_height_assumption
+  /// multiplies all scales. Empty: the scales of the configuration.
   std::optional<double> human_height;
-  double damping = 0.5;      ///< Damping of every degree of freedom in a step.
-  int max_extra_steps = 10;  ///< Maximum steps of a pass after its first step; at most 30.
+  double damping = 0.5;      ///< Added to the Hessian's diagonal for every degree of freedom; > 0.
+  int max_extra_steps = 10;  ///< Maximum number of steps of a pass after its first step, 0 to 30.
   IkEngine engine = IkEngine::kFast;
 };
 
@@ -52,8 +52,8 @@ class FrameRetargeter {
   [[nodiscard]] const Robot& robot() const;
   /// The human's bodies, in the order of update_targets.
   [[nodiscard]] const std::vector<std::string>& human_bodies() const;
-  /// Indices into human_bodies() of the bodies that have targets, the root first. The poses of the
-  /// other bodies are not read.
+  /// Indices into human_bodies() of the bodies with targets, the root first. update_targets() reads
+  /// only their poses.
   [[nodiscard]] const std::vector<int>& target_bodies() const;
 
   /// Computes the targets of a human frame by scaling and offsets.
@@ -66,7 +66,7 @@ class FrameRetargeter {
   /// Target poses, one per target body, metres; empty before the first update_targets.
   [[nodiscard]] std::span<const Pose> world_from_target() const;
 
-  /// Runs both passes towards the targets.
+  /// Runs all passes towards the targets, starting from qpos().
   ///
   /// Errors leave the configuration unchanged: no targets yet (kUsage); positions too large for the
   /// computation (kInput); weights that produce non-finite values (kConfig).

@@ -12,9 +12,9 @@
 // Robots from models: the analysis. Link retarget::rig.
 namespace RETARGET_API retarget {
 
-/// The contents of a robot's folder before it is written, and notes about them.
+/// The contents of a new robot's folder, and notes about them.
 struct MadeRobot {
-  std::string name;
+  std::string name;                  ///< Name of the robot.
   std::string model;                 ///< `model.xml`: MJCF without meshes.
   std::string profile;               ///< `robot.json`.
   std::string config;                ///< `ik.json`: from the canonical human.
@@ -23,24 +23,26 @@ struct MadeRobot {
   std::vector<std::string> summary;  ///< Detected limbs, T-pose and scales, one line each.
 };
 
-/// Makes a robot's folder from a model: MJCF, or URDF as MuJoCo reads it. Meshes are not needed, so
-/// package:// paths do not matter. A model without a free joint gets one; it also replaces slide
-/// joints at the root.
+/// Makes the contents of a robot's folder from a model: MJCF, or URDF as MuJoCo reads it. Does not
+/// read meshes, so that package:// paths have no effect. Adds a free joint to a model without one,
+/// also in place of slide joints at the root.
 ///
-/// kConfig errors, one sentence each: models that load_robot rejects, closed chains, lengths and
-/// ranges in other units, limbs without knee or elbow, a T-pose that the joints cannot reach, and
-/// robots that are not humanoid (an arm, a quadruped, wheels).
+/// Errors (kConfig): models that load_robot rejects, closed chains, lengths and ranges in other
+/// units, limbs without knee or elbow, a T-pose that the joints cannot reach, and robots that are
+/// not humanoid (an arm, a quadruped, wheels).
+/// @param model_path  file of the model.
+/// @param name        name of the robot.
 /// @param base  kFixed: an upper body with a fixed base; only arms are required.
 [[nodiscard]] Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name,
                                            RobotBase base = RobotBase::kAuto);
 
 /// The files of a robot. An empty path means that the robot has no such file.
 struct RobotSources {
-  std::string name;     ///< For lists.
+  std::string name;     ///< Name in lists.
   std::string model;    ///< MJCF; empty in a list: the robot is known but not installed.
   std::string profile;  ///< `robot.json`
-  std::string config;   ///< For LAFAN1's skeleton; for all sources without config_of_others.
-  std::string config_of_others;  ///< For all other sources.
+  std::string config;   ///< Configuration for LAFAN1's skeleton; without config_of_others, for all.
+  std::string config_of_others;  ///< Configuration for all other sources.
   RobotBase base = RobotBase::kAuto;
   /// Set only for a robot that is not installed; robot.json states these for installed robots.
   std::string description = {};
@@ -48,9 +50,10 @@ struct RobotSources {
   bool licence_stated = true;
 };
 
-/// Compares a robot with another model of it, such as its maker's file, by joint and body names:
-/// joints, their order in motions, axes, ranges, body positions in configurations spread over the
-/// ranges, and masses. One line per kind of difference; empty if there is none.
+/// Compares a robot with another model of it, such as its manufacturer's file, by joint and body
+/// names: joints, their order in motions, axes, ranges, body positions in configurations spread
+/// over the ranges, and masses.
+/// @return one line per kind of difference; empty without differences.
 /// Errors: those of load_robot_files and make_robot's for a model that cannot be read.
 [[nodiscard]] Result<std::vector<std::string>> compare_robot(const RobotSources& robot,
                                                              const std::string& model_path);
@@ -63,15 +66,15 @@ struct RobotFinding {
 
 /// Checks a robot, its profile and its configurations. Lists errors first, then notes.
 ///
-/// Errors: files that cannot be read; bodies and bones of a retargeting configuration that do not
-/// exist; offsets that leave a limb more than 75 degrees off the T-pose; feet more than a quarter
-/// of a leg out of reach; no legs or arms to map to; robots that make_robot rejects. A model
-/// without profile and configuration is read as in make_robot.
+/// Error findings: files that cannot be read; unknown bodies and bones in a retargeting
+/// configuration; rotation offsets with a T-pose error above 75 degrees; feet more than a quarter
+/// of the leg length out of reach; no legs or arms; robots that make_robot() rejects. A model
+/// without profile and configuration is read as in make_robot().
 ///
-/// Notes: joints without a range, offsets more than 8 degrees off, targets slightly out of reach,
-/// joints that no task moves, differences between left and right (weights, scales, offsets,
-/// ranges), limit sets tighter than the model's ranges, joints without a speed limit, missing soles
-/// or T-pose.
+/// Notes: joints without a range; rotation offsets with an error above 8 degrees; targets slightly
+/// out of reach; joints that no task moves; differences between left and right (weights, scales,
+/// offsets, ranges); limit sets narrower than the model's ranges; joints without a speed limit;
+/// missing soles or T-pose.
 /// @return a kConfig error if the model cannot be loaded.
 [[nodiscard]] Result<std::vector<RobotFinding>> check_robot(
     const RobotSources& robot, OptionSpelling spelling = option_as_field);

@@ -140,7 +140,7 @@ struct FitOptions {
   // Terms; each can be disabled by name.
   bool tracking = true;        ///< Bodies follow their targets.
   bool foot_height = true;     ///< Heels and toes follow the source's clearance.
-  bool contact = true;         ///< Heels and toes in contact stay in place, on the floor.
+  bool contact = true;         ///< Heels and toes in contact neither slip nor leave the floor.
   bool floor = true;           ///< No body penetrates the floor.
   bool self_collision = true;  ///< Bodies of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
@@ -149,76 +149,88 @@ struct FitOptions {
 
   TrackingWeights weights;
 
-  double foot_height_near = 80.0;   ///< Clearance weight of a foot near the floor, per metre.
-  double foot_height_far = 40.0;    ///< Clearance weight `foot_height_range` above the floor.
+  double foot_height_near = 80.0;  ///< Weight of the clearance of a foot near the floor, per metre.
+  double foot_height_far = 40.0;   ///< The same for a foot `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight = 900.0;         ///< Heel or toe to its contact position, per metre.
-  double contact_height_weight = 400.0;  ///< Heel or toe in contact to the floor, per metre.
-  /// Knee, elbow, hand, seat or back in contact to its contact position, per metre.
+  double contact_weight =
+      900.0;  ///< Weight of the distance from heel or toe to its anchor, per metre.
+  /// Weight of the height of a heel or toe in contact above its surface, per metre.
+  double contact_height_weight = 400.0;
+  /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per
+  /// metre.
   double body_contact_weight = 400.0;
-  double body_contact_height_weight = 250.0;  ///< The same bodies to the floor, per metre.
+  /// Weight of the height of these bodies above the floor, per metre.
+  double body_contact_height_weight = 250.0;
 
-  double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
-  double sole_margin = 0.002;        ///< Metres; for feet that are not in contact.
-  double body_floor_weight = 800.0;  ///< Other bodies below `body_margin`, per metre.
-  double body_margin = 0.006;        ///< Metres.
+  double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points, per metre.
+  double sole_margin = 0.002;  ///< Height below which the depth of a foot in swing begins, metres.
+  double body_floor_weight = 800.0;  ///< Weight of the depth of other bodies, per metre.
+  double body_margin = 0.006;        ///< Height below which their depth begins, metres.
 
-  double scene_contact_weight = 230.0;  ///< Body in contact to its surface of the scene, per metre.
-  double scene_place_weight = 12.0;     ///< This body to the human's contact position, per metre.
-  /// This body to its own mean position on the surface, per metre.
+  /// Weight of the distance from a body in contact to its surface of the scene, per metre.
+  double scene_contact_weight = 230.0;
+  /// Weight of the distance from this body to the human's contact position, per metre.
+  double scene_place_weight = 12.0;
+  /// Weight of the distance from this body to its own mean position on the surface, per metre.
   double scene_hold_weight = 150.0;
-  /// Direction of the hand side that faces a held object, per radian.
+  /// Weight of the direction in which a hand faces a held object, per radian.
   double scene_palm_weight = 10.0;
-  double scene_margin = 0.004;  ///< Metres; bodies stay this far from surfaces of the scene.
+  double scene_margin = 0.004;  ///< Required distance from other bodies of the scene, metres.
 
-  double self_collision_weight = 500.0;  ///< Overlap of two shapes, per metre.
-  double self_collision_margin = 0.008;  ///< Metres; shapes closer than this count as overlapping.
+  double self_collision_weight = 500.0;  ///< Weight of the overlap of two shapes, per metre.
+  double self_collision_margin = 0.008;  ///< Distance of shapes below which they overlap, metres.
 
-  /// Joints within 5 % of their range of a limit, relative to that margin.
+  /// Weight of the depth inside the margin before a joint limit (5 % of the range), relative to the
+  /// margin.
   double limit_margin_weight = 2.5;
 
-  double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
-                                 ///< velocity; times smoothing_time: per rad/s^2.
-  double smoothness_arm = 2.15;
-  double smoothness_wrist = 1.65;
-  double smoothness_root_position = 60.0;  ///< Per m/s, relative to the reference.
-  /// Share of the low-passed target's accelerations that the root may have without cost.
+  /// Weight of the deviation of legs and waist from their smoothed velocity, per rad/s. Multiplied
+  /// by smoothing_time, it is approximately a weight of accelerations, per rad/s^2.
+  double smoothness_leg = 1.75;
+  double smoothness_arm = 2.15;    ///< The same for arms.
+  double smoothness_wrist = 1.65;  ///< The same for wrists.
+  /// The same for the root's position, per m/s; see smoothness_root_reference.
+  double smoothness_root_position = 60.0;
+  /// Share of the low-passed target's accelerations that the root may have without a cost.
   double smoothness_root_reference = 1.0;
-  double smoothness_root_rotation = 4.0;
-  double smoothing_time = 0.013;  ///< Time constant of the velocity smoothing, about, in seconds.
+  double smoothness_root_rotation = 4.0;  ///< As smoothness_leg, for the root's rotation.
+  double smoothing_time = 0.013;  ///< Approximate time constant of the velocity smoothing, seconds.
 
   // Options of `dynamics`, for the size and mass of a G1.
-  double com_weight = 1400.0;     ///< Centre of mass to its planned position, per metre.
-  double spin_weight = 280.0;     ///< Angular momentum as the rotation it causes, per kg m^2.
+  /// Weight of the distance from the centre of mass to its planned position, per metre.
+  double com_weight = 1400.0;
+  double spin_weight = 280.0;     ///< Weight of the angular quasi-coordinate's error, per kg m^2.
   int dynamics_iterations = 6;    ///< Number of final solver steps that include dynamics.
-  double support_friction = 0.6;  ///< Friction coefficient for planning contact forces.
-  double sole_shrink = 0.15;      ///< Fraction by which soles are shrunk towards their middle.
+  double support_friction = 0.6;  ///< Friction coefficient of the planned contact forces.
+  double sole_shrink = 0.15;      ///< Share by which contact points move to the middle of a sole.
 
-  double soft_joint_speed = 8.4;  ///< rad/s; speeds above this are penalised.
-  double speed_weight = 6.5;      ///< Per rad/s above soft_joint_speed.
-  double max_joint_speed = 14.4;  ///< rad/s; hard limit, on top of the joint's own speed limit.
-  double max_joint_step = 0.48;   ///< rad; hard limit on the change between two frames.
+  double soft_joint_speed = 8.4;  ///< Soft speed limit, rad/s.
+  double speed_weight = 6.5;      ///< Weight of a speed above soft_joint_speed, per rad/s.
+  double max_joint_speed = 14.4;  ///< Hard speed limit in addition to the joint's own, rad/s.
+  double max_joint_step = 0.48;   ///< Hard limit of the change between two frames, rad.
 
   // Contact detection in the source. Lengths and speeds are for a body with legs (thigh and shank)
   // 0.85 m long.
-  double contact_speed = 0.15;          ///< m/s; a heel or toe below this speed may be in contact.
-  double contact_release_speed = 0.25;  ///< m/s; a contact ends above this speed.
-  double contact_height = 0.04;         ///< Metres above its standing height.
+  double contact_speed = 0.15;          ///< Speed below which a contact may begin, m/s.
+  double contact_release_speed = 0.25;  ///< Speed above which a contact ends, m/s.
+  /// Distances from the standing height within which a contact begins and beyond which it ends,
+  /// metres.
+  double contact_height = 0.04;
   double contact_release_height = 0.06;
-  double contact_time = 0.1;  ///< Seconds; shorter contacts are ignored.
-  // A raised foot counts as standing on an object if it is this still.
-  double support_time = 0.15;   ///< Seconds for which it must be slow.
-  double support_drift = 0.02;  ///< Metres that it may move in that time.
+  double contact_time = 0.1;  ///< Shortest contact, seconds.
+  // Conditions for a raised stance of a foot, as on a box.
+  double support_time = 0.15;   ///< Time during which the foot is slow, seconds.
+  double support_drift = 0.02;  ///< Largest displacement in this time, metres.
 
   // Solver.
   int iterations = 10;        ///< Gauss-Newton steps.
   int extra_iterations = 10;  ///< Maximum additional steps while a window has not converged.
-  int anchor_iterations = 7;  ///< Number of first steps that also move the contact positions.
+  int anchor_iterations = 7;  ///< Number of first steps that also move the anchors of contacts.
   double window = 20.0;       ///< Length of a window, seconds.
-  double seam = 1.5;          ///< Seconds on either side of a window boundary solved again.
-  int threads = 0;            ///< 0: all cores. The result does not depend on it.
-  int decimals = 6;           ///< Printed digits; limits hold for the rounded numbers.
+  double seam = 1.5;  ///< Seconds on either side of a window boundary that are solved again.
+  int threads = 0;    ///< Number of threads; 0: all cores. It does not affect the result.
+  int decimals = 6;   ///< Decimals of the output, for which limits hold after rounding.
 };
 
 /// Properties of a robot motion file. Unset values are detected.
@@ -239,8 +251,8 @@ struct SourceOptions {
   std::string root;         ///< Selects one of several ROOTs, or of several skeletons of a scene.
   std::string take;         ///< Selects one of several motions, by name or by number from 1.
   std::string joint_names;  ///< Joint names for files of joint positions; empty: not given.
-  std::string
-      from_robot;  ///< Robot (name or folder) whose motion the file holds; empty: human motion.
+  /// Robot (name or folder) whose motion the file contains; empty: human motion.
+  std::string from_robot;
   MotionFileOptions robot_file;  ///< Options of a robot motion file.
   double source_fps = 0.0;       ///< Frame rate, 1/s; 0: the file's own. Scenes are sampled at it.
   double memory_gb = 0.0;  ///< Memory limit of one clip; 0: three quarters of the free memory.
@@ -303,10 +315,10 @@ enum class SceneAxes : unsigned char {
   kClip,   ///< Those of the clip's file.
 };
 
-/// The paths of the moving bodies of a scene.
+/// The paths of the moving bodies of a scene around a robot.
 enum class ObjectMotion : unsigned char {
-  kGiven,   ///< Those of their tracks, scaled.
-  kFitted,  ///< The same, moved with the parts of the robot that hold them.
+  kGiven,   ///< Their tracks, scaled.
+  kFitted,  ///< Their scaled tracks, displaced with the parts of the robot that hold them.
 };
 
 /// How a motion is solved.
@@ -322,8 +334,8 @@ struct SolveOptions {
   Method method = Method::kFit;
   std::string fit_config;  ///< JSON file of FitOptions; overrides `fit`; empty: none.
   FitOptions fit;          ///< Options of Method::kFit.
-  /// Names of options of `fit` (fit_table) that a preset does not change. It does not change options
-  /// that differ from their defaults either.
+  /// Names of options of `fit` (fit_table) that a preset does not change. It does not change
+  /// options that differ from their defaults either.
   std::vector<std::string> fit_given;
   double fit_window_s = 0.0;  ///< Overrides FitOptions::window, seconds; 0: no override.
   std::string scene;          ///< File of the scene around the human; empty: only a floor.

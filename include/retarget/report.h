@@ -176,8 +176,8 @@ struct LimitedJoint {
   bool rotation = false;    ///< Whether the task's rotation pushes the joint; else its position.
   double shortfall = 0.0;   ///< Remaining error of the task: degrees (rotation) or cm.
   std::string wider_set;    ///< A limit set of the robot with a wider limit; empty: none.
-  std::optional<double>
-      wider;  ///< Difference of the limits, rad or m; empty: no limit in that set.
+  /// Difference of the limits, rad or m; empty: that set has no limit here.
+  std::optional<double> wider;
 };
 
 /// A run of consecutive bad frames.
@@ -221,8 +221,8 @@ struct QualityReport {
   /// Set if the motion is compared with a source whose travel was scaled (SolveOptions::travel).
   std::optional<TravelReport> travel;
   std::optional<TimeScale> time_scale;  ///< Set if the motion was slowed.
-  std::optional<double>
-      leg;  ///< Robot leg, hip to knee to ankle, metres; needs a source and a configuration.
+  /// Leg length of the robot (hip to knee to ankle), metres; needs a source and a configuration.
+  std::optional<double> leg;
   int speed_limits_given = 0;        ///< Output joints with a speed limit in the robot's profile.
   int speed_limits_assumed = 0;      ///< Output joints without one; hinges among them are compared
                                      ///< with assumed_speed_limit.

@@ -17,10 +17,10 @@
 
 namespace RETARGET_API retarget {
 
-/// Source of the pelvis and torso rotations when limbs are scaled individually (kLimbs).
+/// Source of the rotations of pelvis, torso and limbs with limb scaling (ScaleRule::kLimbs).
 enum class TrunkRule : unsigned char {
-  kBones,  ///< The bones Hips and Spine2, as published.
-  kLines,  ///< The lines of trunk and limbs, which lean and turn like the human's.
+  kBones,  ///< The rotations of the bones, as published.
+  kLines,  ///< The lines between the joints of trunk and limbs, so that both lean like the human's.
 };
 
 /// Weights and offsets with which a robot body follows a bone.
@@ -59,20 +59,21 @@ struct IkMatchTable {
 /// - `ik_match_table1`, `ik_match_table2`: tasks, as
 ///   `body: [bone, position weight, rotation weight, [x, y, z], [w, x, y, z]]`.
 struct RetargetingConfig {
-  std::string file;  ///< Where it was read from, for messages.
+  std::string file;  ///< File name for messages.
   std::string robot_root;
   std::string human_root;
-  double ground_height = 0.0;
-  double human_height_assumption = 1.8;
-  std::vector<std::pair<std::string, double>> scales;  ///< By bone.
+  double ground_height = 0.0;                          ///< Metres.
+  double human_height_assumption = 1.8;                ///< Metres.
+  std::vector<std::pair<std::string, double>> scales;  ///< Pairs of bone and scale.
   std::array<IkMatchTable, 2> match_tables;
 
+  /// The scale of a bone; null if the configuration has none.
   [[nodiscard]] const double* find_scale(std::string_view bone) const;
 };
 
-/// Reads a retargeting configuration and normalises its quaternions. Syntax errors have line and
-/// column. Wrong types, missing keys and quaternions whose norm is not 1 within 1e-3 are reported
-/// together.
+/// Reads a retargeting configuration and normalises its quaternions. Errors (kConfig): syntax
+/// errors with line and column; else all wrong types, missing keys, and quaternions whose norm
+/// differs from 1 by more than 1e-3, together.
 [[nodiscard]] Result<RetargetingConfig> parse_retargeting_config(std::string_view text,
                                                                  const std::string& file);
 [[nodiscard]] Result<RetargetingConfig> load_retargeting_config(const std::string& path);
@@ -91,28 +92,28 @@ struct ResolvedConfig {
     bool used = true;
     std::vector<ConfigTask> tasks;  ///< In file order.
   };
-  std::string file;  ///< Where it was read from, for messages.
-  int root_body = 0;
+  std::string file;   ///< File name for messages.
+  int root_body = 0;  ///< Index into Robot::bodies().
   Bone root_bone = Bone::kHips;
   double ground_height = 0.0;            ///< As in RetargetingConfig.
   double human_height_assumption = 1.8;  ///< Metres.
   BoneArray<double> scales{1.0};         ///< For bones with tasks in use, and for the root bone.
   std::array<Table, 2> match_tables;
 
-  /// The first task of this bone that has a weight, otherwise its first task; null if there is
-  /// none. Includes unused tables.
+  /// The first task of a bone with a weight, else its first task; null if the bone has no task.
+  /// Includes unused tables.
   [[nodiscard]] const ConfigTask* find_task(Bone bone) const;
   /// The body of find_task(bone); -1: no task.
   [[nodiscard]] int body_of(Bone bone) const;
 };
 
-/// Finds bodies and bones of a retargeting configuration and reports all errors at once (kConfig):
+/// Resolves the body and bone names of a retargeting configuration. Errors (kConfig), all at once:
 /// unknown bodies and bones (with the nearest name), bones without a scale, two bodies on one bone,
-/// a missing root, no task at all. Unused tables are not checked; only their rows with a known bone
-/// are kept.
+/// an unknown root, no task at all. Unused tables are not checked; the result has only their rows
+/// with a known bone.
 [[nodiscard]] Result<ResolvedConfig> resolve_config(const RetargetingConfig& config,
                                                     const Robot& robot);
-/// Reads a retargeting configuration for a robot; errors in the file and in its names are reported
+/// Reads and resolves a retargeting configuration. Reports errors in the file and in its names
 /// together.
 [[nodiscard]] Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot);
 
@@ -129,7 +130,7 @@ struct HumanConfig {
 [[nodiscard]] Result<HumanConfig> resolve_human_config(const RetargetingConfig& config,
                                                        const Robot& robot);
 
-/// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
+/// Removes the tasks of these bones from both tables, for human bodies without an arm or a leg.
 /// @return the number of removed tasks; a kConfig error if no task remains.
 [[nodiscard]] Result<int> leave_out_bones(ResolvedConfig& config, std::span<const Bone> bones);
 

@@ -67,10 +67,10 @@ enum class NearestPoints : unsigned char {
 [[nodiscard]] ShapeDistance shape_distance(const RoundedShape& a, const RoundedShape& b,
                                            NearestPoints points = NearestPoints::kExact);
 
-/// Returns the lowest point of a shape in the world; any one if several are equally low.
+/// The lowest point of a shape in the world; one of them if several points are equally low.
 [[nodiscard]] Eigen::Vector3d lowest_point(const RoundedShape& shape);
 
-/// Returns the corners of a box centred at the origin.
+/// The corners of a box centred at the origin.
 [[nodiscard]] inline std::array<Eigen::Vector3d, 8> box_corners(const Eigen::Vector3d& half_size) {
   std::array<Eigen::Vector3d, 8> corners;
   for (int i = 0; i < 8; ++i) {
@@ -81,8 +81,7 @@ enum class NearestPoints : unsigned char {
   return corners;
 }
 
-/// Returns the points whose convex hull, inflated by the shape's radius, is the shape; in the
-/// body's frame.
+/// The points whose convex hull, inflated by the shape's radius, is the shape; in the body's frame.
 [[nodiscard]] inline std::vector<Eigen::Vector3d> core_points(const CollisionShape& shape) {
   std::vector<Eigen::Vector3d> points;
   if (shape.type == CollisionShape::Type::kBox) {

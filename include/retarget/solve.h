@@ -56,24 +56,26 @@ struct Motion {
 };
 
 /// Finds Plan::time_scale for SolveOptions::time_scale `auto` (docs/references.md): solves the
-/// motion without speed limits, slows down where it exceeds them, and repeats this until it does
-/// not. Other plans, and plans whose time scale is known, are returned unchanged. A motion within
-/// its limits gets no time scale.
-/// Errors: as solve().
+/// motion without speed limits, slows it down where it exceeds them, and repeats this until it does
+/// not. Returns other plans, and plans with a known time scale, unchanged. A motion within its
+/// limits gets no time scale.
+/// Errors: those of solve().
 [[nodiscard]] Result<Plan> decide_time_scale(Plan plan, const SolveControl& control = {});
 
-/// Cuts a plan's clip to the plan's part, resamples it to the motion's rate and stretches its time.
-/// Errors (kInput): rates that give an implausible number of frames; a body kilometres away.
+/// Cuts a plan's clip to the plan's part, resamples it to the motion's rate and applies the plan's
+/// time scale.
+/// Errors (kInput): rates that give an implausible number of frames; a body kilometres away from
+/// the origin.
 [[nodiscard]] Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan);
 
-/// Solves a plan. Moving the plan in releases its clip after resampling.
+/// Solves a plan. If the caller moves the plan in, solve() releases its clip after resampling.
 /// Errors: those of prepare_clip; a mapped bone missing in the clip (kInput); weights that produce
 /// non-finite values (kConfig); a stop by SolveControl::keep_going (kInterrupted).
 [[nodiscard]] Result<Motion> solve(Plan plan, const SolveControl& control = {});
 
-/// The contacts of a motion with surfaces, by the robot's bodies: those of feet and, in a scene, those
-/// of knees, elbows, hands, seat and back. Empty if the motion was not fitted. Without a scene, every
-/// surface under a foot is called the floor.
+/// The contacts of the robot's bodies with surfaces: feet and, in a scene, knees, elbows, hands,
+/// seat and back. Empty if the motion was not fitted. Without a scene, the surface under every foot
+/// is the floor.
 [[nodiscard]] ContactLabels contact_labels(const Motion& motion);
 
 /// Measures a motion, with values rounded as in the output file, and checks it against the default
@@ -83,10 +85,11 @@ struct Motion {
 /// Writes a motion in the format given by the options or by the file extension. Several formats go
 /// to several files named after `output`. Each file is written atomically.
 /// Errors: an extension that matches no format or a different one (kUsage); a write failure (kRun).
-/// @param output  `-` writes standard output.
+/// @param output   file name; `-` is standard output.
 /// @param options  empty: the options of the motion's plan.
 [[nodiscard]] Result<void> save(const Motion& motion, const std::string& output,
                                 const std::optional<SaveOptions>& options = std::nullopt);
+/// Writes a clip in the same way.
 [[nodiscard]] Result<void> save(const RobotClip& clip, const std::string& output,
                                 const SaveOptions& options = {});
 

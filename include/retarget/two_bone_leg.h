@@ -13,15 +13,15 @@ struct LegJoints {
   int hip = -1, knee = -1, ankle = -1;
 };
 
-/// Returns the bend axis of the knee in the knee joint's frame, a unit vector: the mean over all
-/// frames with a clearly bent knee; `fallback` without such frames or if they disagree.
+/// The bend axis of the knee in the knee joint's frame, unit length: the mean over all frames with
+/// a clearly bent knee. `fallback` without such frames or if their axes disagree.
 [[nodiscard]] Eigen::Vector3d learned_hinge(const Clip& clip, const LegJoints& joints,
                                             const Eigen::Vector3d& fallback);
 
-/// Soft limit on a leg's stretch. Up to `begin` the leg reaches the wanted distance from hip to
-/// ankle; beyond that it stretches progressively less, by at most `room`. Near full stretch, small
-/// changes of the distance cause large changes of the knee angle, so a leg without this limit would
-/// snap.
+/// Soft limit of a leg's extension. Up to `begin`, the leg reaches the target distance from hip to
+/// ankle. Beyond it, the extension grows progressively less, by at most `room`. Near full
+/// extension, small changes of the distance cause large changes of the knee angle, so that a leg
+/// without this limit would snap.
 struct LegReach {
   double begin = 0.0, room = 0.0;
 
@@ -33,11 +33,11 @@ struct LegReach {
   /// @param soft, farthest  as PlantOptions::soft_reach and max_reach, shares of the length.
   static LegReach of(double length, double own, double moved, double soft, double farthest);
 
+  /// The limited distance for a target distance.
   [[nodiscard]] double at(double wanted) const;
-  /// Returns the limit with half the room; the leg reaches distances limited by it with negligible
-  /// error.
+  /// The limit with half the room. The leg reaches distances within it with a negligible error.
   [[nodiscard]] LegReach halved() const { return {begin, 0.5 * room}; }
-  /// Returns the distance up to which the error is negligible.
+  /// The distance up to which the error is negligible.
   [[nodiscard]] double easily() const { return begin + 0.5 * room; }
 };
 
@@ -50,9 +50,9 @@ class TwoBoneLeg {
 
   [[nodiscard]] const LegJoints& joints() const { return joints_; }
 
-  /// Rotates hip, knee and ankle so that the ankle joint reaches the wanted pose, as far as the
-  /// leg's stretch allows. The knee bends in its current plane, or about its hinge if it is nearly
-  /// straight, and never further backwards than it was.
+  /// Rotates hip, knee and ankle so that the ankle joint reaches the target pose, as far as the
+  /// limit of the extension allows. The knee bends in its current plane, or about its hinge if it
+  /// is nearly straight, and never further backwards than before.
   /// @return the remaining distance.
   double reach(Clip& clip, int frame, const Pose& world_from_ankle, const LegReach& stretch) const;
 

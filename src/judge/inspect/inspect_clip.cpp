@@ -1,4 +1,4 @@
-// Describes a motion file as text and JSON, and lists joint poses and sole contacts.
+// Formats the contents of a motion file as text and JSON, and lists joint poses and sole contacts.
 
 #include <algorithm>
 #include <array>
@@ -83,7 +83,7 @@ std::string vector_text(const Eigen::Vector3d& v) {
   return number_text(v.x(), 4) + " " + number_text(v.y(), 4) + " " + number_text(v.z(), 4);
 }
 
-// Describes the choice made in a file with several motions, and lists its contents.
+// Describes the choice among several motions in a file, and lists the file's takes.
 std::string scene_text(const Inspection& found) {
   constexpr std::size_t kTextColumn = 12;
   const ClipOrigin& origin = found.clip.origin();

@@ -11,8 +11,8 @@ namespace retarget {
 /// Samples of slip, drift and height over all contacts of a clip.
 struct ContactMotion {
   std::vector<double> slips;  ///< Horizontal speed between consecutive frames, m/s.
-  std::vector<double>
-      drifts;  ///< By contact: maximum horizontal distance from the median position, metres.
+  /// By contact: maximum horizontal distance from the median position, metres.
+  std::vector<double> drifts;
   std::vector<double> heights;  ///< By contact and frame, metres; filled by the callers.
 
   /// Adds the slips and the drift of one contact. Speeds above 0.1 m/s are faults.

@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStopDistance = 0.05;    // rad or m from the end of a range to the hard stop.
-constexpr double kSmallestRadius = 1e-4;  // Metres; MuJoCo's spheres must have a positive radius.
+constexpr double kStopDistance = 0.05;  // From the end of a joint range to its hard stop, rad or m.
+constexpr double kSmallestRadius = 1e-4;  // Metres; MuJoCo requires a positive radius.
 
 void copy(const Vector3d& from, double* to) {
   for (int k = 0; k < 3; ++k) to[k] = from[k];
@@ -31,7 +31,7 @@ void copy(const Eigen::Quaterniond& from, double* to) {
   copy(Vector3d(from.vec()), to + 1);
 }
 
-// MuJoCo requires principal axes: the eigenvectors, as a rotation.
+// Sets the inertia in principal axes, the eigenvectors of the inertia matrix, as MuJoCo requires.
 void set_inertia(const LinkInertia& inertia, mjsBody* body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia.about_com);
   Eigen::Matrix3d turn = axes.eigenvectors();
@@ -43,7 +43,7 @@ void set_inertia(const LinkInertia& inertia, mjsBody* body) {
   copy(axes.eigenvalues().cwiseMax(1e-9), body->inertia);
 }
 
-// Builds the model link by link; a link is a body whose z axis is its joint's axis.
+// Builds the model link by link. The z axis of a link's body is the axis of its joint.
 class Builder {
  public:
   Builder(const Robot& robot, mjSpec* spec)
@@ -66,8 +66,8 @@ class Builder {
     touch(floor, 1, 0);
   }
 
-  // A pair of geoms is in contact if the type of one is in the affinity of the other: the spheres
-  // touch only the floor.
+  // Sets the contact properties of a geom. MuJoCo tests two geoms for contact if the type of one
+  // matches the affinity of the other, so that spheres collide only with the floor.
   static void touch(mjsGeom* geom, int type, int affinity) {
     geom->contype = type;
     geom->conaffinity = affinity;
@@ -184,7 +184,7 @@ Result<PhysicsModel> make_physics_model(const Robot& robot, double time_step) {
   spec->option.timestep = time_step;
   spec->option.integrator = mjINT_IMPLICITFAST;
   spec->option.cone = mjCONE_ELLIPTIC;
-  spec->option.impratio = 10.0;  // Keeps sticking feet from creeping.
+  spec->option.impratio = 10.0;  // Reduces the creep of feet that should stick.
   spec->option.gravity[2] = -kGravity;
   PhysicsModel physics;
   Builder(robot, spec.get()).build(physics);

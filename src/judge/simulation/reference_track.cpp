@@ -37,7 +37,8 @@ Vector2d nearest_in_support(const Vector2d& point, std::vector<Vector2d> support
   return inside ? point : best;
 }
 
-// A tridiagonal system, diagonally dominant: elimination without pivots.
+// Solves the tridiagonal system of the finite differences. It is diagonally dominant, so
+// elimination without pivoting is stable.
 std::vector<Vector2d> balancing_shift(const std::vector<BalanceSample>& samples, double time_step,
                                       double share) {
   std::vector<Vector2d> shift(samples.size(), Vector2d::Zero());
@@ -60,17 +61,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A point is planned to bear load if it is lower and slower than this; values for a robot of the
-// G1's size.
+// Thresholds below which the contact of a point is planned, for a robot of a G1's size.
 constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
-constexpr double kLowestHeight = 0.03;  // Metres: a body whose lowest point is higher is in flight.
+constexpr double kLowestHeight =
+    0.03;  // Height of the lowest point above which the body flies, metres.
 constexpr double kPlannedSpeed = 0.35;  // Metres per second.
-// The same if no point is planned and the body does not fall: heels strike and toes push off faster.
+// Thresholds if these find no contact and the body does not fall, because heels strike and toes
+// push off at higher speeds.
 constexpr double kLooseHeight = 0.02, kLooseSpeed = 0.7;
-constexpr double kBorne = 0.35;  // Share of the weight that a body which does not fall needs.
+constexpr double kBorne =
+    0.35;  // Smallest required vertical force of a body that does not fall, share
+           // of the weight.
 
-constexpr double kLeastHeld = 0.2;  // Minimum share of the weight for a zero-moment point.
-constexpr double kSoleShare = 0.8;  // Share of the support area that the motion may use.
+constexpr double kLeastHeld = 0.2;  // Smallest vertical force for a zero-moment point, share of the
+                                    // weight.
+constexpr double kSoleShare = 0.8;  // Scale of the support polygon that the motion may use.
 
 Vector6d difference(const Pose& from, const Pose& to) {
   Vector6d step;
@@ -118,7 +123,7 @@ ReferenceTrack::ReferenceTrack(const RobotClip& clip, int steps_per_frame, doubl
   preview_balance();
 }
 
-// Moves the centre of mass so that the feet can bear the motion.
+// Computes the shift of the centre of mass for all steps, and the touchdowns of the feet.
 void ReferenceTrack::preview_balance() {
   std::vector<BalanceSample> samples(static_cast<std::size_t>(step_count_));
   std::vector<std::vector<char>> planned(feet_.size());
@@ -143,7 +148,7 @@ void ReferenceTrack::preview_balance() {
   for (Sample& each : window_) each.step = -1;
 }
 
-// @param planned  by foot and step.
+// Computes FootMotion::until_planned. @param planned  FootMotion::planned by foot and step.
 void ReferenceTrack::find_touchdowns(const std::vector<std::vector<char>>& planned) {
   for (const std::vector<char>& of_foot : planned) {
     std::vector<double>& until = until_planned_.emplace_back(of_foot.size());
@@ -155,7 +160,7 @@ void ReferenceTrack::find_touchdowns(const std::vector<std::vector<char>>& plann
   }
 }
 
-// Shift of the centre of mass at a step; beyond the ends there is none.
+// Shift of the centre of mass at a step; zero beyond the ends and in preview_balance().
 Vector3d ReferenceTrack::shift_at(int step) const {
   const bool known = step >= 0 && step < static_cast<int>(shift_.size());
   if (!known) return Vector3d::Zero();
@@ -165,7 +170,7 @@ Vector3d ReferenceTrack::shift_at(int step) const {
 
 void ReferenceTrack::sample(int step, Sample& into) {
   into.step = step;
-  // Beyond its ends the motion continues along the splines of its first and last pieces.
+  // Extrapolates the first and last pieces of the spline beyond the ends of the motion.
   const int frame =
       std::clamp(step / steps_per_frame_, 0, std::max(0, (step_count_ - 1) / steps_per_frame_ - 1));
   const double within = static_cast<double>(step - frame * steps_per_frame_) / steps_per_frame_;
@@ -198,7 +203,7 @@ const ReferenceState& ReferenceTrack::at(int step) {
   reference_.com_velocity = (window_[2].com - window_[0].com) / (2.0 * time_step_);
   reference_.com_acceleration = now.com_acceleration;
   const Vector3d shift = shift_at(step), next = shift_at(step + 1);
-  // Before its first step, the shift continues in a straight line.
+  // The shift is extrapolated linearly to the step before the first.
   const Vector3d last = step > 0 ? shift_at(step - 1) : Vector3d(2.0 * shift - next);
   reference_.com += shift;
   reference_.shift_velocity = (next - last) / (2.0 * time_step_);
@@ -232,8 +237,9 @@ void ReferenceTrack::set_planned(const Sample& before, const Sample& now, const 
   if (is_borne) plan_points(before, now, after, kLooseHeight, kLooseSpeed);
 }
 
-// @param height, speed  below which a point bears; for a robot as large as a G1.
-// @return whether a point does.
+// Plans contacts for points below a height and a speed.
+// @param height, speed  thresholds for a robot of a G1's size; metres, m/s.
+// @return whether a contact is planned.
 bool ReferenceTrack::plan_points(const Sample& before, const Sample& now, const Sample& after,
                                  double height, double speed) {
   double lowest = std::numeric_limits<double>::infinity();

@@ -15,52 +15,54 @@
 
 namespace retarget {
 
-/// The horizontal state of the balance at one instant.
+/// The state of the balance at one instant; world x and y.
 struct BalanceSample {
-  /// Zero-moment point: the point of the floor about which a force has the required moment. Metres.
+  /// Zero-moment point, metres.
   Eigen::Vector2d zmp = Eigen::Vector2d::Zero();
-  /// Points that bear load, metres; none in flight.
+  /// Points in contact, metres; empty in flight.
   std::vector<Eigen::Vector2d> support;
-  /// Vertical force over mass times height of the centre of mass, 1/s^2; 0 in flight.
+  /// Vertical force divided by mass and height of the centre of mass, 1/s^2; 0 in flight.
   double pull = 0.0;
 };
 
-/// The point of a support area that is nearest to a point: of the convex hull of `support`, shrunk
-/// about its middle.
-/// @param share  of the hull that remains, 0 to 1.
+/// The point of a shrunk support polygon that is nearest to a point.
+/// @param support  points in contact; without points, the result is `point`.
+/// @param share    scale of their convex hull about the mean of its corners, 0 to 1.
 [[nodiscard]] Eigen::Vector2d nearest_in_support(const Eigen::Vector2d& point,
                                                  std::vector<Eigen::Vector2d> support,
                                                  double share);
 
-/// Finds the shift x of the centre of mass with which the zero-moment point of every sample lies in
-/// its support area: the bounded solution of
+/// Finds the shift x of the centre of mass with which the zero-moment point of every sample is in
+/// its support polygon: the solution of
 ///
 ///     x'' = pull (x - d),   x(0) = x(end) = 0
 ///
-/// where d is the shift of the zero-moment point into the support area. It is the linear inverted
-/// pendulum with the future known: the body leans before it has to. In flight x is a straight line.
-/// @param time_step  between two samples, seconds.
-/// @return by sample, metres.
+/// where d is the shift of the zero-moment point to the nearest point of the polygon. This is the
+/// linear inverted pendulum with preview: the body leans before the polygon requires it. In flight,
+/// x is linear in time.
+/// @param time_step  seconds between two samples.
+/// @param share      as in nearest_in_support().
+/// @return x by sample, metres.
 [[nodiscard]] std::vector<Eigen::Vector2d> balancing_shift(
     const std::vector<BalanceSample>& samples, double time_step, double share);
 
-/// A foot of a robot: the link with the sole, and the middle of the sole.
+/// A frame at the middle of a robot's sole, with the axes of the link.
 struct FootFrame {
-  int link = 0;
-  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();  ///< Metres.
+  int link = 0;                                       ///< Link of Robot::tree().
+  Eigen::Vector3d in_link = Eigen::Vector3d::Zero();  ///< Origin in the link frame, metres.
 };
 
-/// One per link with a sole.
+/// The foot frames of a robot, one per link with a sole.
 [[nodiscard]] std::vector<FootFrame> make_foot_frames(const Robot& robot);
 
-/// Movement of a foot: pose of the middle of its sole, and its first two derivatives: linear, then
-/// angular, world axes.
+/// Motion of a FootFrame: its world pose and the two time derivatives, linear (m/s, m/s^2), then
+/// angular (rad/s, rad/s^2), in world axes.
 struct FootMotion {
   Pose pose;
   Vector6d velocity = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();
-  bool planned = false;        ///< Whether a point of the sole is planned to bear on the floor.
-  double until_planned = 0.0;  ///< Seconds until it is; infinity if it never is.
+  bool planned = false;        ///< Whether a contact of the sole with the floor is planned.
+  double until_planned = 0.0;  ///< Seconds until the next planned contact; infinity without one.
 };
 
 /// The reference of a controller at one instant. World axes, metres, seconds.
@@ -69,37 +71,40 @@ struct ReferenceState {
 
   MotionState motion;
   Eigen::Vector3d com = Eigen::Vector3d::Zero(), com_velocity = com, com_acceleration = com;
-  Eigen::Vector3d shift_velocity = com;  ///< Part of com_velocity that the motion does not have.
+  Eigen::Vector3d shift_velocity =
+      com;  ///< Part of com_velocity that comes from balancing_shift().
   /// Angular momentum about the centre of mass, kg m^2/s, and its rate.
   Eigen::Vector3d momentum = com, momentum_rate = com;
   std::vector<FootMotion> feet;  ///< By FootFrame.
-  std::vector<char> planned;     ///< By support point: whether it is planned to bear on the floor.
+  std::vector<char> planned;     ///< By support point: whether a contact with the floor is planned.
 };
 
-/// A motion as a reference of a controller: the C2 spline through its frames (MotionSpline), sampled
-/// at equal steps, with the centre of mass, the feet and the contacts. The floor, the height at which
-/// soles stand in the motion, is moved to 0. The centre of mass is shifted so that the planned points
-/// can bear it (balancing_shift).
+/// A motion as the reference of a controller: the C2 spline through its frames (MotionSpline),
+/// sampled at equal time steps, with the centre of mass, the feet and the contacts. The floor of
+/// the motion is moved to height 0. The centre of mass is shifted so that the zero-moment point
+/// stays in the support polygon of the planned contacts (balancing_shift()).
 class ReferenceTrack {
  public:
-  /// @param steps_per_frame  samples between two frames.
+  /// @param steps_per_frame  number of time steps per frame.
   /// @param floor            height of the floor in the motion, metres.
   ReferenceTrack(const RobotClip& clip, int steps_per_frame, double floor);
 
   [[nodiscard]] int step_count() const { return step_count_; }
-  [[nodiscard]] double time_step() const { return time_step_; }
-  /// Computes a step. Steps must be requested in order.
+  [[nodiscard]] double time_step() const { return time_step_; }  ///< Seconds.
+  /// The state at a step, valid until the next call. Ascending steps reuse the neighbouring
+  /// samples.
   const ReferenceState& at(int step);
 
  private:
-  // The part of a state that needs no neighbours; derivatives are differences of neighbouring ones.
+  // The part of a state that does not depend on other steps. Central differences of samples give
+  // the derivatives of the rest.
   struct Sample {
     explicit Sample(const Robot& robot) : motion(robot) {}
 
     int step = -1;
     MotionState motion;
     Eigen::Vector3d com, com_acceleration, momentum;
-    Wrench needed;  // About the centre of mass.
+    Wrench needed;  // Required wrench about the centre of mass.
     std::vector<Pose> feet;
     std::vector<Eigen::Vector3d> points;
   };
@@ -124,8 +129,8 @@ class ReferenceTrack {
   InverseDynamics inverse_;
   std::array<Sample, 3> window_;  // The steps before, at and after the current one.
   ReferenceState reference_;
-  std::vector<std::vector<double>> until_planned_;  // By foot and step; FootMotion.
-  std::vector<Eigen::Vector2d> shift_;  // Of the centre of mass, by step; balancing_shift().
+  std::vector<std::vector<double>> until_planned_;  // By foot and step; see FootMotion.
+  std::vector<Eigen::Vector2d> shift_;  // By step: balancing_shift() of the centre of mass.
 };
 
 }  // namespace retarget

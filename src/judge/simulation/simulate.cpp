@@ -31,31 +31,31 @@ MeanAndP95 summary_of(const std::vector<double>& values) {
   return {mean(values), percentile(values, 95.0)};
 }
 
-// Compares a simulated motion with its reference and fills the tracking errors of the report.
-// @param frames  number of frames to use, from the first.
+// Sets the tracking errors of the report.
+// @param frames  number of frames to compare, from the first.
 void set_errors(const RobotClip& reference, const RobotClip& simulated, int frames,
                 SimulationReport& report) {
   const Robot& robot = reference.robot();
-  TreeState wanted(robot.tree()), is(robot.tree());
+  TreeState expected(robot.tree()), actual(robot.tree());
   std::vector<double> joints, root, turn, bodies;
   for (int frame = 0; frame < frames; ++frame) {
     const auto a = reference.qpos(frame);
     const auto b = simulated.qpos(frame);
-    wanted.update(a);
-    is.update(b);
-    root.push_back(100.0 * (is.origin() - wanted.origin()).norm());
-    turn.push_back(kDegrees * log_so3(is.world_from_link[0].rotation *
-                                      wanted.world_from_link[0].rotation.conjugate())
+    expected.update(a);
+    actual.update(b);
+    root.push_back(100.0 * (actual.origin() - expected.origin()).norm());
+    turn.push_back(kDegrees * log_so3(actual.world_from_link[0].rotation *
+                                      expected.world_from_link[0].rotation.conjugate())
                                   .norm());
     for (const int j : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[j];
       if (joint.type != RobotJoint::Type::kHinge) continue;
       joints.push_back(kDegrees * std::abs(b[joint.qpos_address] - a[joint.qpos_address]));
     }
-    for (std::size_t i = 0; i < is.world_from_link.size(); ++i) {
+    for (std::size_t i = 0; i < actual.world_from_link.size(); ++i) {
       bodies.push_back(
           100.0 *
-          (is.world_from_link[i].translation - wanted.world_from_link[i].translation).norm());
+          (actual.world_from_link[i].translation - expected.world_from_link[i].translation).norm());
     }
   }
   report.joint_deg = summary_of(joints);
@@ -66,11 +66,11 @@ void set_errors(const RobotClip& reference, const RobotClip& simulated, int fram
 
 using Eigen::Vector3d;
 
-constexpr double kLongestStep = 0.002;  // Seconds.
-constexpr double kAtLimit = 0.999;      // Torque ratio.
-constexpr double kOnFloor = 0.0005;     // Metres: height of a sole point that bears load.
-constexpr double kTooFast = 1e3;        // m/s or rad/s: the simulation has diverged.
-constexpr double kBrake = 0.02;         // Share of the torque limit per rad/s, after a fall.
+constexpr double kLongestStep = 0.002;  // Largest time step, seconds.
+constexpr double kAtLimit = 0.999;      // Torque ratio above which a torque is at its limit.
+constexpr double kOnFloor = 0.0005;     // Height up to which a sole point is on the floor, metres.
+constexpr double kTooFast = 1e3;        // Speed of a diverged simulation, m/s or rad/s.
+constexpr double kBrake = 0.02;         // Joint damping after a fall, share of the limit per rad/s.
 
 Eigen::Quaterniond quaternion_at(const mjtNum* wxyz) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
@@ -116,7 +116,7 @@ class Simulator {
     const ReferenceState& start = track_.at(0);
     physics_.set_positions(start.motion.qpos, robot_, data_->qpos);
     physics_.set_rates(start.motion.velocity, data_->qvel);
-    // The body moves as a whole with the velocity that its balance needs.
+    // The whole body starts with the velocity of the balancing shift.
     for (int k = 0; k < 2; ++k) data_->qvel[k] += start.shift_velocity[k];
     report_.robot = robot_.name();
     report_.frames = clip_.frame_count();
@@ -127,7 +127,8 @@ class Simulator {
         physics_.joints, [](const PhysicsJoint& j) { return std::isfinite(j.limit); });
   }
 
-  // The first half of mj_step, without its checks, whose warnings MuJoCo prints.
+  // The first half of mj_step. Replaces its checks, for which MuJoCo prints warnings.
+  // @return false if the simulation has diverged.
   bool evaluate() {
     const mjModel* model = physics_.model.get();
     for (int i = 0; i < model->nq; ++i) {
@@ -176,7 +177,7 @@ class Simulator {
     }
   }
 
-  // Sole points come first.
+  // Adds the speeds of the sole points on the floor; sole points are the first physics points.
   void measure_slip() {
     const bool is_first = last_points_.empty();
     last_points_.resize(sole_count_);
@@ -195,14 +196,16 @@ class Simulator {
   }
 
   void check_fall(int step, const ReferenceState& reference) {
-    const std::vector<double>& wanted = reference.motion.qpos;
-    const Vector3d off(data_->qpos[0] - wanted[0], data_->qpos[1] - wanted[1],
-                       data_->qpos[2] - wanted[2]);
+    const std::vector<double>& reference_qpos = reference.motion.qpos;
+    const Vector3d off(data_->qpos[0] - reference_qpos[0], data_->qpos[1] - reference_qpos[1],
+                       data_->qpos[2] - reference_qpos[2]);
     const Vector3d up = Vector3d::UnitZ();
-    const Vector3d is_up = quaternion_at(data_->qpos + 3).conjugate() * up;
-    const Vector3d wanted_up =
-        Eigen::Quaterniond(wanted[3], wanted[4], wanted[5], wanted[6]).conjugate() * up;
-    const double tilt = angle_between(is_up, wanted_up) * 180.0 / std::numbers::pi;
+    const Vector3d current_up = quaternion_at(data_->qpos + 3).conjugate() * up;
+    const Vector3d reference_up = Eigen::Quaterniond(reference_qpos[3], reference_qpos[4],
+                                                     reference_qpos[5], reference_qpos[6])
+                                      .conjugate() *
+                                  up;
+    const double tilt = angle_between(current_up, reference_up) * 180.0 / std::numbers::pi;
     if (-off.z() > kFallHeight * size_) return fall(step, "height");
     if (tilt > kFallTilt) return fall(step, "tilt");
     if (off.head<2>().norm() > kLostDistance * size_) return fall(step, "distance");
@@ -229,7 +232,7 @@ class Simulator {
     }
   }
 
-  // Fills the frames after a state that is not finite.
+  // Repeats the last recorded frame after the simulation has diverged.
   void hold_from(int step) {
     const int first = (step + steps_per_frame_ - 1) / steps_per_frame_;
     for (int frame = std::max(1, first); frame < motion_.frame_count(); ++frame) {
@@ -260,7 +263,7 @@ class Simulator {
   RobotClip motion_;
   SimulationReport report_;
   std::size_t sole_count_ = 0;
-  std::vector<double> torque_ratios_;  // Largest torque ratios of a step.
+  std::vector<double> torque_ratios_;  // By step: largest ratio of a torque to its limit.
   std::vector<Vector3d> last_points_;
   double slip_ = 0.0;
   std::size_t slip_count_ = 0;

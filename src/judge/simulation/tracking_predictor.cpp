@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMostRoots = 4;
 
-// exp(x), with the same bytes on every machine: a power series of x / 1024, squared ten times.
+// exp(x) with the same result on every machine: the power series for x / 1024, squared ten times.
 double portable_exp(double x) {
   constexpr int kHalvings = 10, kTerms = 9;
   const double small = std::clamp(x, -500.0, 500.0) / (1 << kHalvings);
@@ -82,7 +82,7 @@ std::optional<double> TrackingPredictor::probability(const QualityReport& report
   for (const PredictorFigure& figure : figures) {
     const std::optional<double> value = value_of(report, figure);
     if (!value) return std::nullopt;
-    // A metric that is not finite is treated as the worst known value.
+    // Replaces a value that is not finite by the end of the range with the lower probability.
     const double worst = figure.coefficient < 0.0 ? figure.most : figure.least;
     double x = std::isfinite(*value) ? std::clamp(*value, figure.least, figure.most) : worst;
     for (int i = 0; i < figure.roots; ++i) x = std::sqrt(x);

@@ -18,12 +18,12 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 constexpr std::size_t kMaxPointsOfFoot = 6, kMaxPointsInAll = 16;
 constexpr int kEdges = ForceCone::kEdges;
-constexpr double kTouching = 0.002;    // Metres above the floor.
-constexpr double kNearlyFlat = 0.012;  // The same, for planned points of a foot that touches.
-constexpr double kLoadTime = 0.06;     // Seconds in which a point is loaded after touchdown.
-constexpr double kLeverOfG1 = 0.3;     // Metres: radius of gyration, for the angular momentum.
-constexpr double kShiftTime = 0.08;    // Seconds in which a swing foot adopts its shift.
-constexpr double kFreeTorque = 100.0;  // N m: scale of torques without a limit.
+constexpr double kTouching = 0.002;    // Height up to which a point is near the floor, metres.
+constexpr double kNearlyFlat = 0.012;  // The same for planned points of a foot in contact, metres.
+constexpr double kLoadTime = 0.06;     // Time in which the load on a point may grow, seconds.
+constexpr double kLeverOfG1 = 0.3;     // Radius of gyration of a G1, metres.
+constexpr double kShiftTime = 0.08;    // Time constant of a swing foot's shift, seconds.
+constexpr double kFreeTorque = 100.0;  // Scale of torques without a limit, N m.
 
 Vector3d vector_of(const mjtNum* values) {
   return {values[0], values[1], values[2]};
@@ -48,11 +48,11 @@ class WholeBodyController::Tasks {
     inputs_ = inputs;
     count_ = 0;
   }
-  template <typename Rows, typename Wanted>
-  void add(const Rows& rows, const Wanted& wanted, double weight) {
+  template <typename Rows, typename Desired>
+  void add(const Rows& rows, const Desired& desired, double weight) {
     const Eigen::Index n = rows.rows();
     rows_.block(count_, 0, n, inputs_) = weight * rows;
-    right_.segment(count_, n) = weight * wanted;
+    right_.segment(count_, n) = weight * desired;
     count_ += n;
   }
   [[nodiscard]] auto rows() const { return rows_.topLeftCorner(count_, inputs_); }
@@ -67,13 +67,13 @@ class WholeBodyController::Tasks {
   Eigen::Index inputs_ = 0, count_ = 0;
 };
 
-// A foot and its shift from the reference; vertical only in flight.
+// State of a foot.
 struct WholeBodyController::Foot {
   FootFrame frame;
-  int body = 0;
-  Vector3d shift = Vector3d::Zero();
-  bool stands = false;
-  std::optional<Pose> landed = {};  // Pose of a foot that stands before its reference does.
+  int body = 0;                       // Body of the physics model.
+  Vector3d shift = Vector3d::Zero();  // From the reference, metres; horizontal except in flight.
+  bool stands = false;                // Whether it is in contact as planned.
+  std::optional<Pose> landed = {};    // Pose at an early landing.
 };
 
 WholeBodyController::WholeBodyController(const PhysicsModel& physics, const Robot& robot,
@@ -141,7 +141,8 @@ const ControlStep& WholeBodyController::compute(const ReferenceState& reference,
   return step_;
 }
 
-// Selects the points near the floor: the outermost ones of each foot, then those of all points.
+// Selects the points near the floor: at most kMaxPointsOfFoot outermost points per foot, and at
+// most kMaxPointsInAll in total.
 void WholeBodyController::find_points(const ReferenceState& reference, double time_step,
                                       mjData_* data) {
   std::vector<Vector3d> all(physics_.points.size());
@@ -151,7 +152,8 @@ void WholeBodyController::find_points(const ReferenceState& reference, double ti
     all[i] = body_pose(data, point.body) * point.in_body - point.radius * Vector3d::UnitZ();
     if (all[i].z() < kTouching) near.push_back(static_cast<int>(i));
   }
-  // A standing foot that tips can press down its other end again.
+  // Planned points of a foot in contact remain active at larger heights, so that a foot that tips
+  // can press its other end down again.
   std::vector<char> touches(physics_.model->nbody, 0);
   for (const int i : near) touches[physics_.points[i].body] = 1;
   near.clear();
@@ -182,7 +184,7 @@ void WholeBodyController::find_points(const ReferenceState& reference, double ti
   for (const int i : step_.points) places_.push_back(all[i]);
 }
 
-// Generalised forces per input, and the accelerations that they cause.
+// Computes the generalised force of each input, and the acceleration that it causes.
 void WholeBodyController::build_inputs(mjData_* data) {
   const mjModel* model = physics_.model.get();
   input_count_ = joint_count_ + kEdges * static_cast<int>(step_.points.size());
@@ -212,7 +214,7 @@ bool WholeBodyController::is_down(const Foot& foot) const {
                              [&](int p) { return physics_.points[p].body == foot.body; });
 }
 
-// The shift with which a foot would step onto the capture point. Part of the offset is taken back.
+// The shift with which a swing foot steps onto the capture point, with a reduced offset.
 Vector3d WholeBodyController::step_shift(const ReferenceState& reference, mjData_* data) const {
   const Vector3d com = vector_of(data->subtree_com + 3);
   const Vector3d velocity = vector_of(data->subtree_linvel + 3);
@@ -223,7 +225,8 @@ Vector3d WholeBodyController::step_shift(const ReferenceState& reference, mjData
   return step + gains_.offset_share * offset_;
 }
 
-// A swing foot adopts the step; a standing one keeps its shift.
+// Updates the shifts: that of a swing foot moves to step_shift(), that of a standing foot is
+// constant.
 void WholeBodyController::move_feet(const ReferenceState& reference, double time_step,
                                     mjData_* data) {
   const Vector3d step = step_shift(reference, data);
@@ -250,6 +253,7 @@ void WholeBodyController::move_feet(const ReferenceState& reference, double time
   follow_feet(time_step);
 }
 
+// Moves the body's offset to the mean shift of the standing feet.
 void WholeBodyController::follow_feet(double time_step) {
   Vector3d sum = Vector3d::Zero();
   int count = 0;
@@ -262,7 +266,7 @@ void WholeBodyController::follow_feet(double time_step) {
   offset_ += std::min(1.0, time_step / gains_.follow_time) * (sum / count - offset_);
 }
 
-// Force and moment of the points about the centre of mass.
+// Adds the tasks of the centre of mass and of the angular momentum.
 void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_* data) {
   const Vector3d com = vector_of(data->subtree_com + 3);
   const Vector3d velocity = vector_of(data->subtree_linvel + 3);
@@ -275,10 +279,10 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
     const double inertia = physics_.mass * lever_ * lever_;
     moment.middleCols(at, kEdges) = skew(places_[p] - com) * pyramid / inertia;
   }
-  const Vector3d wanted = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
-                          gains_.com_stiffness * (reference.com + offset_ - com) +
-                          gains_.com_damping * (reference.com_velocity - velocity);
-  tasks_->add(force, wanted, gains_.com_weight);
+  const Vector3d desired = reference.com_acceleration + kGravity * Vector3d::UnitZ() +
+                           gains_.com_stiffness * (reference.com + offset_ - com) +
+                           gains_.com_damping * (reference.com_velocity - velocity);
+  tasks_->add(force, desired, gains_.com_weight);
   const Vector3d rate =
       (reference.momentum_rate + gains_.spin_damping * (reference.momentum - spin)) /
       (physics_.mass * lever_ * lever_);
@@ -286,14 +290,15 @@ void WholeBodyController::add_centroid(const ReferenceState& reference, mjData_*
 }
 
 void WholeBodyController::add_root(const ReferenceState&, mjData_* data) {
-  const Eigen::Quaterniond is = rotation_of(data->qpos + 3);
-  const Eigen::Quaterniond is_from_wanted =
-      is.conjugate() * rotation_of(wanted_positions_.data() + 3);
-  const Vector3d rate = is_from_wanted * wanted_rates_.segment<3>(3) - vector_of(data->qvel + 3);
-  const Vector3d wanted = is_from_wanted * wanted_accelerations_.segment<3>(3) +
-                          gains_.root_stiffness * log_so3(is_from_wanted) +
-                          gains_.root_damping * rate - free_.segment<3>(3);
-  tasks_->add(response_.topRows(input_count_).middleCols(3, 3).transpose(), wanted,
+  const Eigen::Quaterniond current = rotation_of(data->qpos + 3);
+  const Eigen::Quaterniond current_from_desired =
+      current.conjugate() * rotation_of(wanted_positions_.data() + 3);
+  const Vector3d rate =
+      current_from_desired * wanted_rates_.segment<3>(3) - vector_of(data->qvel + 3);
+  const Vector3d desired = current_from_desired * wanted_accelerations_.segment<3>(3) +
+                           gains_.root_stiffness * log_so3(current_from_desired) +
+                           gains_.root_damping * rate - free_.segment<3>(3);
+  tasks_->add(response_.topRows(input_count_).middleCols(3, 3).transpose(), desired,
               gains_.root_weight);
 }
 
@@ -315,21 +320,22 @@ void WholeBodyController::add_feet(const ReferenceState& reference, mjData_* dat
     Vector6d error;
     error << goal.translation - pose.translation,
         log_so3(goal.rotation * pose.rotation.conjugate());
-    const Vector6d wanted = moves * to.acceleration + gains_.foot_stiffness * error +
-                            gains_.foot_damping * (moves * to.velocity - jacobian * rates) -
-                            drift * rates - jacobian * free_;
-    tasks_->add(jacobian * response_.topRows(input_count_).transpose(), wanted, gains_.foot_weight);
+    const Vector6d desired = moves * to.acceleration + gains_.foot_stiffness * error +
+                             gains_.foot_damping * (moves * to.velocity - jacobian * rates) -
+                             drift * rates - jacobian * free_;
+    tasks_->add(jacobian * response_.topRows(input_count_).transpose(), desired,
+                gains_.foot_weight);
   }
 }
 
 void WholeBodyController::add_joints(const ReferenceState&, mjData_* data) {
   const auto n = static_cast<Eigen::Index>(joint_count_);
   const Eigen::Map<const Eigen::VectorXd> positions(data->qpos + 7, n), rates(data->qvel + 6, n);
-  const Eigen::VectorXd wanted = wanted_accelerations_.tail(n) +
-                                 gains_.joint_stiffness * (wanted_positions_.tail(n) - positions) +
-                                 gains_.joint_damping * (wanted_rates_.tail(n) - rates) -
-                                 free_.tail(n);
-  tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), wanted,
+  const Eigen::VectorXd desired = wanted_accelerations_.tail(n) +
+                                  gains_.joint_stiffness * (wanted_positions_.tail(n) - positions) +
+                                  gains_.joint_damping * (wanted_rates_.tail(n) - rates) -
+                                  free_.tail(n);
+  tasks_->add(response_.topRows(input_count_).rightCols(n).transpose(), desired,
               gains_.joint_weight);
 }
 
@@ -359,7 +365,7 @@ void WholeBodyController::solve(const ReferenceState& reference) {
         std::isfinite(physics_.joints[i].limit) ? 1.0 : std::numeric_limits<double>::infinity();
     lower_[i] = -upper_[i];
   }
-  // Points that the reference lifts bear only if no other point can.
+  // Points without a planned contact may bear force only if no point with one is near the floor.
   const bool any_planned =
       std::ranges::any_of(step_.points, [&](int p) { return reference.planned[p] != 0; });
   for (int i = joint_count_; i < input_count_; ++i) {

@@ -79,8 +79,8 @@ class CentroidalStep {
   CentroidalScale scale_;
   Vector6d position_weight_, acceleration_weight_;  // Squared weights.
   Vector6d force_per_acceleration_;
-  std::vector<Matrix6d>
-      coupling_;  // By frame: derivative of the required wrench with respect to x.
+  // By frame: derivative of the required wrench with respect to x.
+  std::vector<Matrix6d> coupling_;
   BandedSystem system_;
   // By frame, at the iterate of the last evaluate(): unexplained wrench, and its derivative.
   std::vector<Vector6d> rest_;

@@ -20,7 +20,7 @@ constexpr double kSamplesPerSecond = 120.0;
 // Smallest required vertical force for which ZMP and friction are defined, share of the weight.
 constexpr double kMinHeld = 0.2;
 constexpr double kBadForce = 0.1;    // Share of the weight.
-constexpr double kBadTorque = 0.03;  // Metres x weight, for a robot as large as a G1.
+constexpr double kBadTorque = 0.03;  // Metres x weight, for a robot of a G1's size.
 
 class Analyser {
  public:

@@ -146,10 +146,10 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
   const int first_with_dynamics =
       dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
                 : options_.iterations;
-  bool go_on = steps(0, first_with_dynamics, keep_going);
+  bool running = steps(0, first_with_dynamics, keep_going);
   if (!dynamics_) {
     finish(keep_going);
-  } else if (go_on) {
+  } else if (running) {
     add_dynamics(first_with_dynamics, keep_going);
   }
   status_.converged = !status_.failed && status_.predicted_decrease <= kFitTolerance;
@@ -166,7 +166,7 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
     return steps(first_step, options_.iterations, keep_going) && finish(keep_going);
   };
   const double unexplained = dynamics_->begin(clip_);
-  bool failed = !std::isfinite(unexplained), go_on = !failed;
+  bool failed = !std::isfinite(unexplained), running = !failed;
   if (!failed && !dynamics_->is_needed()) {
     take_last_steps();
     return;
@@ -174,12 +174,12 @@ void WindowFitter::add_dynamics(int first_step, const std::function<bool()>& kee
   const Before before = state();
   if (!failed) {
     with_dynamics_ = true;
-    go_on = take_last_steps();
+    running = take_last_steps();
     with_dynamics_ = false;
     status_.distrusted_frames = dynamics_->distrusted_frames();
     failed = status_.failed;
   }
-  if (!failed && !go_on) return;
+  if (!failed && !running) return;
   const double left = failed ? unexplained : dynamics_->measure(clip_);
   failed = failed || !std::isfinite(left);
   const bool is_trusted =
@@ -332,8 +332,8 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
     diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
   }
   // Added after adapt_damping(), because the goals of the dynamics rows change in every step.
-  double asked = 0.0;
-  if (with_dynamics_) asked = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
+  double dynamics_cost = 0.0;
+  if (with_dynamics_) dynamics_cost = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
   const std::span<const StepTerm> none;
   held_.hold(t, h, g, chain_.stride(), chain_.coupling(t),
@@ -341,7 +341,7 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
              frame + 1 < window_.end ? std::span<const StepTerm>(steps_after_) : none);
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
   if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
-  return std::accumulate(costs.begin(), costs.end(), asked);
+  return std::accumulate(costs.begin(), costs.end(), dynamics_cost);
 }
 
 // Checks a frame's cost, gradient and Hessian diagonal. The diagonal suffices: its entries are sums

@@ -171,21 +171,23 @@ class Fit {
 // Reports why the fit omits foot terms.
 void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
   if (robot.fixed_base()) {
-    report.notes.emplace_back("fixed base: no feet, no floor");
+    report.notes.emplace_back("fixed base: the fit has no foot, contact and floor terms");
   } else if (robot.profile().soles.empty()) {
-    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
+    report.notes.emplace_back(
+        "the robot has no soles: the fit has no contact and foot height terms");
   } else if (!sides.left && !sides.right) {
-    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
+    report.notes.emplace_back(
+        "the source has no feet: the fit has no contact and foot height terms");
   } else if (!sides.left || !sides.right) {
     report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
-                              " foot: contacts of the other foot only");
+                              " foot: the fit has contacts of the other foot only");
   }
 }
 
 // Reports why the fit omits the dynamics term.
 void note_dynamics(const FitOptions& options, const FitModel& model, FitReport& report) {
   if (!options.dynamics || FitDynamics::possible(model)) return;
-  report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
+  report.notes.emplace_back("the robot has no masses or no feet: the fit has no dynamics term");
 }
 
 // Reads the human's poses and makes the targets of all frames.
@@ -290,7 +292,7 @@ Result<void> Fit::follow_hands_of_robot(const FitWindows& plan, int threads, Fit
   const std::vector<ObjectMove> moved =
       follow_hands(model_, clip_.qpos, clip_.frame_time, *followed);
   for (const ObjectMove& move : moved) {
-    result.report.notes.push_back(fmt::format("{} moves with the robot by up to {:.1f} cm",
+    result.report.notes.push_back(fmt::format("the robot displaces {} by up to {:.1f} cm",
                                               printable(move.body), 100.0 * move.farthest));
   }
   if (moved.empty()) return {};
@@ -311,8 +313,8 @@ Result<void> Fit::check_finite() const {
   const auto bad = std::ranges::find_if(clip_.qpos, [](double x) { return !std::isfinite(x); });
   if (bad == clip_.qpos.end()) return {};
   const auto frame = (bad - clip_.qpos.begin()) / model_.configuration_size;
-  return config_failure(
-      config_.file, fmt::format("frame {}: the fit leads to values that are not finite", frame));
+  return config_failure(config_.file,
+                        fmt::format("frame {}: the fit has values that are not finite", frame));
 }
 
 // Moves limbs off wrong branches of their inverse kinematics.
@@ -423,7 +425,7 @@ Result<FitResult> Fit::run() {
   note_missing_feet(*robot_, sides_, report);
   note_dynamics(options_, model_, report);
   if (model_.shapes.empty()) {
-    report.notes.emplace_back("the robot has no collision shapes: no self-collision");
+    report.notes.emplace_back("the robot has no collision shapes: the fit has no collision term");
   }
   MadeTargets made{targets, info.rate, {}};
   if (!read_source(info, poser, made)) {

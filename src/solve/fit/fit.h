@@ -34,8 +34,8 @@ struct FitResult {
 
 /// Run parameters of a fit.
 struct FitRun {
-  SolveFramesOptions
-      retarget;  ///< Options of the first stage; the fit replaces settle and frame_solved.
+  /// Options of the first stage. The fit replaces settle and frame_solved.
+  SolveFramesOptions retarget;
   /// Called periodically on the calling thread with the completed share of the work, 0 to 1.
   /// Returning false stops the run with ErrorKind::kInterrupted.
   std::function<bool(double done)> keep_going;

@@ -160,9 +160,9 @@ int FitDynamics::distrusted_frames() const {
 void FitDynamics::read_frames(const FitClip& clip) {
   // Reads no frame beyond the smoothing context, because a concurrent seam may change it.
   constexpr int kContext = 10;
-  const int beside = window_.fixed_ends ? std::min(kContext, window_.context) : 0;
-  const int first = std::max(window_.begin - beside, 0);
-  const int last = std::min(window_.end + beside, clip.frame_count);
+  const int margin = window_.fixed_ends ? std::min(kContext, window_.context) : 0;
+  const int first = std::max(window_.begin - margin, 0);
+  const int last = std::min(window_.end + margin, clip.frame_count);
   const auto size = at(model_.configuration_size);
   const MotionSpline spline(model_.tree,
                             std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
@@ -391,11 +391,11 @@ void FitDynamics::lend_contacts() {
   for (const auto& contacts : contacts_) empty.push_back(contacts.empty() ? 1 : 0);
   for (int t = 0; t < count_; ++t) {
     for (int away = 1; away <= reach && contacts_[at(t)].empty(); ++away) {
-      for (const int beside : {t - away, t + away}) {
-        if (beside < 0 || beside >= count_ || empty[at(beside)] != 0) continue;
+      for (const int neighbour : {t - away, t + away}) {
+        if (neighbour < 0 || neighbour >= count_ || empty[at(neighbour)] != 0) continue;
         if (!contacts_[at(t)].empty()) continue;
-        contacts_[at(t)] = contacts_[at(beside)];
-        contact_places_[at(t)] = contact_places_[at(beside)];
+        contacts_[at(t)] = contacts_[at(neighbour)];
+        contact_places_[at(t)] = contact_places_[at(neighbour)];
       }
     }
   }

@@ -32,8 +32,8 @@ std::string not_converged(const FitStatus& window) {
   }
   if (window.steps == 0) return "not converged: no step was taken in " + frames;
   return fmt::format(
-      "not converged after {}: the last step predicted a further cost decrease in {} by {} %",
-      steps, frames, number_text(100.0 * window.predicted_decrease, 1));
+      "not converged after {}: the last step predicted a further cost reduction of {} % in {}",
+      steps, number_text(100.0 * window.predicted_decrease, 1), frames);
 }
 
 // Reports the windows in which the fit reverted the dynamics.

@@ -25,8 +25,9 @@ constexpr double kHalfWidth = 0.03;
 // tucked foot. An interval that lasts too long is not a flight, because the body must have another
 // support. Neither is one without free fall, because the body lies or sits.
 void stress_flights(const SourceFeet& source, FootPlan& plan) {
-  constexpr double kAloft = 0.02, kWholly = 0.05;  // Metres.
-  constexpr double kMaxFlightTime = 1.0;           // Seconds.
+  // Heights of the lowest foot end at which the extra weight begins and is full, metres.
+  constexpr double kFlightHeight = 0.02, kFullHeight = 0.05;
+  constexpr double kMaxFlightTime = 1.0;  // Seconds.
   constexpr double kFreeFallShare = 0.25;
   constexpr double kImportance = 5.0;
   constexpr double kLowerEnd = 0.05;  // Height above the lower end without extra weight, metres.
@@ -44,13 +45,14 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   };
   for (int begin = 0; begin < frames;) {
     int end = begin;
-    while (end < frames && lowest(end) > kAloft) ++end;
+    while (end < frames && lowest(end) > kFlightHeight) ++end;
     const bool flies = begin < end && (end - begin) * source.frame_time <= kMaxFlightTime &&
                        (source.hips.empty() ||
                         falls_freely(std::span(source.hips).subspan(at(begin), at(end - begin)),
                                      source.frame_time, kFreeFallShare));
     for (int frame = begin; flies && frame < end; ++frame) {
-      const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
+      const double share =
+          std::min(1.0, (lowest(frame) - kFlightHeight) / (kFullHeight - kFlightHeight));
       for (std::size_t foot = 0; foot < feet; ++foot) {
         const auto ends = at_frame(frame).subspan(2 * foot, 2);
         const double low = std::min(ends[kHeelEnd].clearance, ends[kToeEnd].clearance);

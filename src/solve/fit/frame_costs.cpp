@@ -18,9 +18,9 @@ int smoothing_context(double frame_time) {
 
 void frame_costs(const FitModel& model, const FitOptions& options, const FitClip& clip,
                  const FitWindow& window, std::span<TermCosts> costs) {
-  const int beside = window.fixed_ends ? window.context + 1 : 0;
-  const int first = std::max(window.begin - beside, 0);
-  const int last = std::min(window.end + beside, clip.frame_count);
+  const int margin = window.fixed_ends ? window.context + 1 : 0;
+  const int first = std::max(window.begin - margin, 0);
+  const int last = std::min(window.end + margin, clip.frame_count);
   FrameTerms terms(model, options);
   TreeState pose(model.tree);
   JointSpeeds speeds(model, options, clip.frame_time);

@@ -124,7 +124,7 @@ std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
   LimbJoints last = joints;
   double gain = 0.0, best_gain = 0.0;
   // Tolerated loss after the best gain: the cost of one second of frames like the first one.
-  double hopeless = 0.0;
+  double max_loss = 0.0;
   int best = 0;
   for (int t = frame; t >= 0 && t < clip_.frame_count; t += direction) {
     const auto index = static_cast<int>(steps.size());
@@ -138,14 +138,14 @@ std::vector<BranchFinder::Step> BranchFinder::steps(int frame, int direction,
     step.other = frame_.joints();
     step.other_cost = frame_cost();
     steps.push_back(step);
-    if (index == 0) hopeless = std::max(0.0, step.own_cost) / clip_.frame_time;
+    if (index == 0) max_loss = std::max(0.0, step.own_cost) / clip_.frame_time;
     last = step.other;
     if (farthest(step.other, step.own) < kMeet) break;
     gain += step.own_cost - step.other_cost;
     if (gain > best_gain) {
       best_gain = gain;
       best = index;
-    } else if (best_gain - gain > best_gain + hopeless) {
+    } else if (best_gain - gain > best_gain + max_loss) {
       break;
     }
   }

@@ -44,7 +44,7 @@ std::vector<TaskGraph::Task> WindowSolver::tasks() {
                      1});
   }
   for (std::size_t i = 0; i < plan_.seams.size(); ++i) {
-    for (const std::size_t beside : {i, i + 1}) tasks[beside].then.push_back(tasks.size());
+    for (const std::size_t window : {i, i + 1}) tasks[window].then.push_back(tasks.size());
     tasks.push_back(
         {[this, &seam = plan_.seams[i], &status = statuses_[tasks.size()]] { solve(seam, status); },
          2});

@@ -53,9 +53,9 @@ std::span<const double> WindowTrial::before(int frame) const {
 
 double WindowTrial::cost() const {
   // The window's frames also affect the smoothed steps of the frames before and after it.
-  const int beside = window_.context + 1;
-  const FitWindow all{std::max(0, window_.begin - beside),
-                      std::min(clip_.frame_count, window_.end + beside), true, window_.context};
+  const int margin = window_.context + 1;
+  const FitWindow all{std::max(0, window_.begin - margin),
+                      std::min(clip_.frame_count, window_.end + margin), true, window_.context};
   std::vector<TermCosts> costs(at(all.end - all.begin));
   frame_costs(model_, options_, clip_, all, costs);
   double sum = 0.0;

@@ -90,7 +90,7 @@ HandSolver::HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::Vect
   relaxed_ = found;
 }
 
-// Adds the velocity of a point that a joint carries to the columns of all variables that move it.
+// Adds the Jacobian of a point that a joint carries, in palm coordinates, times `sign`.
 void HandSolver::add_jacobian(int joint, const Eigen::Vector3d& point, double sign) {
   for (int j = joint; j >= 0; j = hand_.joints[slot(j)].parent) {
     const HandJoint& moved = hand_.joints[slot(j)];
@@ -134,7 +134,7 @@ double HandSolver::add_directions(const HandTarget& target, std::size_t index,
     jacobian_.setZero();
     add_jacobian(to_joint, to, 1.0 / length);
     add_jacobian(from_joint, from, -1.0 / length);
-    // A unit vector changes only perpendicular to itself.
+    // The derivative of a unit vector is perpendicular to it.
     for (Eigen::Index c = 0; c < jacobian_.cols(); ++c) {
       jacobian_.col(c) -= way.dot(jacobian_.col(c)) * way;
     }
@@ -146,7 +146,7 @@ double HandSolver::add_directions(const HandTarget& target, std::size_t index,
 
 double HandSolver::add_gap(const HandTarget& target, const RobotFinger& finger,
                            Eigen::VectorXd& gradient, Eigen::MatrixXd& matrix) {
-  constexpr double kSmall = 1e-4;  // Metres; keeps the direction defined when the tips coincide.
+  constexpr double kSmall = 1e-4;  // Metres; defines the direction if the tips coincide.
   const auto f = static_cast<std::size_t>(finger.finger);
   const RobotFinger& thumb = *hand_.find(Finger::kThumb);
   const Eigen::Vector3d a = posture_.tip(thumb), b = posture_.tip(finger);
@@ -186,7 +186,7 @@ double HandSolver::evaluate(const HandTarget& target, const Eigen::VectorXd& var
   if (previous != nullptr) pull(*previous, weights_.still);
   for (std::size_t i = 0; i < hand_.fingers.size(); ++i) {
     const RobotFinger& finger = hand_.fingers[i];
-    // Gripper jaws have no direction to follow.
+    // The jaws of a gripper follow only the gap.
     if (!hand_.is_gripper) cost += add_directions(target, i, gradient, matrix);
     if (!target.has_gap[static_cast<std::size_t>(finger.finger)]) continue;
     cost += add_gap(target, finger, gradient, matrix);
@@ -194,7 +194,8 @@ double HandSolver::evaluate(const HandTarget& target, const Eigen::VectorXd& var
   return cost;
 }
 
-// The problem of a frame, from a start. Each trial also computes gradient and matrix.
+// The least-squares problem of a frame, for damped_least_squares(). Each trial also computes
+// gradient and Hessian.
 struct HandSolver::Descent {
   HandSolver& hand;
   const HandTarget& target;
@@ -237,7 +238,8 @@ double HandSolver::descend(const HandTarget& target, const Eigen::VectorXd* prev
 }
 
 double HandSolver::search(const HandTarget& target, Eigen::VectorXd& variables) {
-  // Starts range from open to closed. A joint closes towards the farther end of its range.
+  // Shares of the way from the open to the closed hand. A joint closes towards the end of its range
+  // that is farther from its open position.
   constexpr std::array kStarts = {0.0, 0.25, 0.5, 0.8};
   double least = HUGE_VAL;
   const auto try_start = [&] {

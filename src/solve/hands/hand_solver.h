@@ -10,7 +10,7 @@
 
 namespace retarget {
 
-/// Positions of the joints of a robot's hand in its palm link. Does not allocate after
+/// Forward kinematics of a robot's hand relative to its palm link. Does not allocate after
 /// construction.
 class HandPosture {
  public:
@@ -29,19 +29,22 @@ class HandPosture {
     });
   }
 
+  /// Pose of a joint in the palm link, metres. @param joint  index into RobotHand::joints.
   [[nodiscard]] const Pose& palm_from_joint(int joint) const {
     return palm_from_joint_[static_cast<std::size_t>(joint)];
   }
+  /// Position of a finger's tip in the palm link, metres.
   [[nodiscard]] Eigen::Vector3d tip(const RobotFinger& finger) const {
     return palm_from_joint(finger.joints.back()) * finger.tip;
   }
-  /// Point k of a finger's line (its corners, then its tip), and the joint that carries it.
+  /// Point k of a finger's line (its corners, then its tip) in the palm link, metres.
+  /// @param joint  receives the joint that carries the point.
   [[nodiscard]] Eigen::Vector3d point(const RobotFinger& finger, int k, int& joint) const;
-  /// Distance from the thumb's tip to a finger's tip, skin to skin, metres; negative if they
+  /// Distance between the surfaces of the thumb's and a finger's tip, metres; negative if they
   /// overlap.
   /// @pre the hand has a thumb.
   [[nodiscard]] double gap(const RobotFinger& finger) const;
-  /// Directions of a finger's parts, unit vectors in the palm's axes.
+  /// Directions of a finger's parts as unit vectors in the palm axes.
   void directions(const RobotFinger& finger, HandTarget::Parts& parts) const;
 
  private:
@@ -55,52 +58,51 @@ class HandPosture {
   std::vector<Pose> palm_from_joint_;
 };
 
-/// Weights of the residuals of a hand; they enter the cost squared.
+/// Weights of the residuals of a hand. They enter the cost squared.
 struct HandWeights {
-  double direction = 1.0;  ///< For a whole finger, per unit of a unit vector's error.
-  /// For the thumb. Lower, because a robot's thumb is placed differently in the palm than a
+  double direction = 1.0;  ///< Direction errors (of unit vectors) of a whole finger.
+  /// The same for the thumb. Lower, because a robot's thumb has another position in the palm than a
   /// human's.
   double thumb_direction = 0.35;
-  double gap = 0.4;     ///< For fingers far from the thumb, per finger length.
-  double touch = 8.0;   ///< For fingers that touch the thumb, per finger length.
-  double rest = 0.07;   ///< Distance to the relaxed hand, per joint range.
-  double still = 0.15;  ///< Distance to the previous frame, per joint range.
+  double gap = 0.4;     ///< Gap errors of fingers far from the thumb, per finger length.
+  double touch = 8.0;   ///< Gap errors of fingers that touch the thumb, per finger length.
+  double rest = 0.07;   ///< Distance of a joint to the relaxed hand, per joint range.
+  double still = 0.15;  ///< Distance of a joint to the previous frame, per joint range.
 };
 
 /// Solves for the joint positions of a hand, one frame at a time. Minimises the sum of squares of
 ///
-/// * the direction errors of finger parts relative to the human's, at the same shares of the
-///   finger's length;
-/// * the errors of the distances between the thumb's tip and the other tips, relative to the
-///   finger's length; the smaller the distance, the larger the weight, so that touching fingers
-///   touch;
+/// * the direction errors of finger parts, relative to the human's finger at the same fractions of
+///   its length;
+/// * the errors of the gaps between the thumb's tip and the other tips, relative to the finger's
+///   length; the weight grows as the gap shrinks, so that touching fingers touch;
 /// * the distances of the joints to the relaxed hand and to the previous frame,
 ///
-/// inside the joint ranges. Takes Gauss-Newton steps with Levenberg damping, each of which is a box
-/// QP. The terms follow DexPilot (Handa et al. 2020) and AnyTeleop (Qin et al. 2023), with
-/// directions instead of vectors.
+/// inside the joint ranges. Takes Levenberg-Marquardt steps, each of which solves a box QP. The
+/// terms follow DexPilot (Handa et al. 2020) and AnyTeleop (Qin et al. 2023), with directions
+/// instead of vectors.
 ///
 /// A solver belongs to one hand and one thread. It does not allocate after construction.
 class HandSolver {
  public:
   /// @param hand   must outlive the solver.
-  /// @param lower  ranges of hand.variables, rad or m; may be infinite; lower <= upper.
+  /// @param lower, upper  ranges of hand.variables, rad or m; may be infinite; lower <= upper.
   HandSolver(const RobotHand& hand, Eigen::VectorXd lower, Eigen::VectorXd upper,
              const HandWeights& weights = {});
 
   /// Variables of the relaxed hand.
   [[nodiscard]] const Eigen::VectorXd& relaxed() const { return relaxed_; }
 
-  /// Forgets the previous frame; the next one is solved from several starts.
+  /// Discards the previous frame, so that the next one is solved from several starts.
   void reset() { has_previous_ = false; }
-  /// Solves a frame. The result stays valid until the next call.
+  /// Solves a frame. @return the values of hand.variables, valid until the next call.
   const Eigen::VectorXd& solve(const HandTarget& target);
-  /// Whether values of the frame were not finite. The result is then that of the previous frame or
-  /// the relaxed hand.
+  /// Whether the last solve() met non-finite values. It then returned the previous frame or the
+  /// relaxed hand.
   [[nodiscard]] bool has_failed() const { return failed_; }
 
   /// Computes the cost (half the sum of squares), its gradient and its Gauss-Newton matrix.
-  /// @param previous  variables of the previous frame; nullptr if there is none.
+  /// @param previous  variables of the previous frame; null for the first frame.
   double evaluate(const HandTarget& target, const Eigen::VectorXd& variables,
                   const Eigen::VectorXd* previous, Eigen::VectorXd& gradient,
                   Eigen::MatrixXd& matrix);
@@ -116,11 +118,11 @@ class HandSolver {
                         Eigen::MatrixXd& matrix);
   double add_gap(const HandTarget& target, const RobotFinger& finger, Eigen::VectorXd& gradient,
                  Eigen::MatrixXd& matrix);
-  /// @return the cost; NaN if a value is not finite.
+  // @return the cost; NaN if a value is not finite.
   double descend(const HandTarget& target, const Eigen::VectorXd* previous, int steps,
                  Eigen::VectorXd& variables);
-  /// Solves from several starts and keeps the best result.
-  /// @return the cost; if it is not finite, the result is the relaxed hand.
+  // Solves from several starts and keeps the best result.
+  // @return the cost; if it is not finite, the result is the relaxed hand.
   double search(const HandTarget& target, Eigen::VectorXd& variables);
 
   const RobotHand& hand_;

@@ -17,16 +17,16 @@ std::size_t at(Finger finger) {
   return static_cast<std::size_t>(finger);
 }
 
-// The finger that replaces a missing finger: the nearest available one, on a tie the first. A thumb
-// is neither replaced nor a replacement.
-template <typename IsThere>
-std::optional<Finger> nearest_finger(Finger finger, const IsThere& is_there) {
+// The finger that replaces a missing finger: the nearest available one; on a tie, the first. A
+// thumb is neither replaced nor a replacement.
+template <typename Exists>
+std::optional<Finger> nearest_finger(Finger finger, const Exists& exists) {
   std::optional<Finger> nearest;
   if (finger == Finger::kThumb) return nearest;
   int distance = static_cast<int>(kFingerCount);
   for (const Finger other : kFingers) {
     const int apart = std::abs(static_cast<int>(at(other)) - static_cast<int>(at(finger)));
-    if (other == Finger::kThumb || apart >= distance || !is_there(other)) continue;
+    if (other == Finger::kThumb || apart >= distance || !exists(other)) continue;
     nearest = other;
     distance = apart;
   }
@@ -41,20 +41,20 @@ const FingerLine* line_for(const HandShape& shape, Finger finger) {
   return nearest ? &shape.line(*nearest) : nullptr;
 }
 
-// Distance of thumb and finger bones when the skin touches, per finger length: 15 mm.
+// Distance between the bones of touching tips, per finger length (15 mm).
 constexpr double kSkin = 0.18;
-// Gap, per finger length, above which a finger is not considered to touch at all.
+// Gap, per finger length, at which the weight of a touch is 0.
 constexpr double kFar = 0.5;
 
-// Gap of thumb and index finger of a wide open hand, per finger length.
+// Gap between thumb and index finger of an open hand, per finger length.
 constexpr double kOpenGap = 0.8;
 
-// Distance of two tips per finger length, minus the distance of the bones when the skins touch.
+// Gap between the surfaces of two tips, per finger length.
 double gap_between(const FingerLine& thumb, const FingerLine& finger) {
   return std::max(0.0, (finger.tip() - thumb.tip()).norm() / finger.length - kSkin);
 }
 
-// Unit vector along the chord between two shares of a line.
+// Unit vector between the points at two fractions of a line's length.
 Eigen::Vector3d chord(const FingerLine& line, double from, double to) {
   const Eigen::Vector3d way = line.at(to) - line.at(from);
   const double length = way.norm();
@@ -65,7 +65,7 @@ Eigen::Vector3d chord(const FingerLine& line, double from, double to) {
 }  // namespace
 
 HandMatch::HandMatch(const RobotHand& hand) : hand_(&hand) {
-  // Gripper jaws follow only thumb and index finger.
+  // The jaws of a gripper replace no other fingers.
   for (const Finger finger : kFingers) {
     int& follower = followers_[at(finger)];
     follower = -1;
@@ -77,8 +77,8 @@ HandMatch::HandMatch(const RobotHand& hand) : hand_(&hand) {
   // Shares are measured along the straight chain; lengths between joints are the model's.
   for (const RobotFinger& finger : hand.fingers) {
     std::vector<double> shares = {0.0};
-    // Distances between corners do not depend on the joints between them, except for the two joints
-    // of a knuckle.
+    // The distance between two corners does not depend on joint positions, except between the two
+    // joints of a knuckle.
     Eigen::Vector3d tip = finger.tip;
     std::vector<double> lengths;
     std::size_t corner = finger.corners.size();
@@ -118,7 +118,7 @@ void HandMatch::target(const HandShape& shape, HandTarget& target) const {
       parts.directions[part] = chord(*line, shares[part], shares[part + 1]);
     }
     if (finger.finger == Finger::kThumb || thumb == nullptr || robot_thumb == nullptr) continue;
-    // Fingers that the robot lacks touch with its nearest finger.
+    // A finger also takes the smallest gap of the missing fingers that it replaces.
     double gap = gap_between(*thumb, *line);
     for (const Finger other : kFingers) {
       if (followers_[static_cast<std::size_t>(other)] != static_cast<int>(i)) continue;
@@ -142,8 +142,8 @@ void HandMatch::target(const HandShape& shape, HandTarget& target) const {
 }
 
 HandShape relaxed_hand() {
-  // Bends of the bones relative to the palm, radians: knuckles bend by 30 degrees, the next joints
-  // by 35 and 15.
+  // Angles between bones and palm, radians: the knuckle bends by 30 degrees, the next joints by 35
+  // and 15 degrees.
   constexpr std::array<double, 3> kBent = {0.5236, 1.1345, 1.3963};
   const std::array<Eigen::Vector3d, 3> thumb = {Eigen::Vector3d(0.72, 0.50, 0.48).normalized(),
                                                 Eigen::Vector3d(0.86, 0.26, 0.44).normalized(),

@@ -9,25 +9,24 @@
 
 namespace retarget {
 
-/// Target of a robot's hand in one frame, from a human's hand. All directions are in the axes of
-/// the palm.
+/// Target of a robot's hand in one frame, made from a human's hand. Directions are in palm axes.
 struct HandTarget {
-  /// Target directions of a finger's parts between its corners: unit vectors, by Finger and part. A
-  /// finger without parts (count 0) follows nothing.
+  /// Target directions of the parts of a finger between its corners, as unit vectors. A finger
+  /// without parts (count 0) has no target directions.
   struct Parts {
     static constexpr int kMaxParts = 8;
     int count = 0;
     std::array<Eigen::Vector3d, kMaxParts> directions;
   };
-  std::array<Parts, kFingerCount> parts;
-  /// By Finger: target distance of its tip to the thumb's, skin to skin, metres; and the weight of
-  /// this distance, from 0 (independent fingers) to 1 (touching fingers).
+  std::array<Parts, kFingerCount> parts;  ///< By Finger.
+  /// By Finger: target gap between the surfaces of its tip and the thumb's, metres; its weight,
+  /// from 0 (distant fingers) to 1 (touching fingers); whether the finger has a target gap.
   std::array<double, kFingerCount> gap{};
   std::array<double, kFingerCount> touch{};
   std::array<bool, kFingerCount> has_gap{};
 };
 
-/// Thumb and finger count as touching up to this gap, per finger length.
+/// Largest gap of a touching thumb and finger, per finger length.
 inline constexpr double kTouchingGap = 0.02;
 
 /// The correspondence between robot and source fingers.
@@ -37,7 +36,8 @@ class HandMatch {
   explicit HandMatch(const RobotHand& hand);
 
   [[nodiscard]] const RobotHand& hand() const { return *hand_; }
-  /// Shares of a finger's length at its corners, from 0 to 1; by index into hand().fingers.
+  /// Fractions of a finger's length at its corners, ascending from 0 to 1.
+  /// @param finger  index into hand().fingers.
   [[nodiscard]] const std::vector<double>& shares(std::size_t finger) const {
     return shares_[finger];
   }
@@ -48,12 +48,11 @@ class HandMatch {
  private:
   const RobotHand* hand_;
   std::vector<std::vector<double>> shares_;
-  // For each finger that the robot lacks: index into `fingers` of the one that replaces it; -1 if
-  // none.
+  // By Finger, for fingers that the robot lacks: index into `fingers` of the replacement; -1: none.
   std::array<int, kFingerCount> followers_{};
 };
 
-/// The shape of a human's relaxed hand: fingers half open.
+/// The shape of a human's relaxed hand, with half-open fingers.
 [[nodiscard]] HandShape relaxed_hand();
 
 }  // namespace retarget

@@ -12,7 +12,8 @@
 namespace retarget {
 namespace {
 
-// Bounds of a variable, from its own joint and the joints coupled to it.
+// Bounds of the variables of a hand: range, and largest step between two frames. They result from
+// the bounds of the leading joint and of the joints coupled to it.
 struct VariableBounds {
   Eigen::VectorXd lower, upper, step;
 };
@@ -33,7 +34,7 @@ VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitS
     double last = (rounded.upper - joint.offset) / joint.ratio;
     if (first > last) std::swap(first, last);
     const Eigen::Index v = joint.variable;
-    // The ranges of coupled joints may be incompatible. The leading joint then takes precedence.
+    // If the ranges of coupled joints are incompatible, that of the leading joint has priority.
     const bool leads = hand.variables[joint.variable] == joint.joint;
     if (leads || (first <= found.upper[v] && last >= found.lower[v])) {
       found.lower[v] = std::max(found.lower[v], first);
@@ -48,8 +49,8 @@ VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitS
   return found;
 }
 
-// Smooths with a width in time that corresponds to three taps at 30 frames per second. The ends
-// stay fixed.
+// Smooths with binomial filters. Their width in time is that of three taps at 30 frames per second.
+// The ends stay fixed.
 void smooth(std::vector<double>& values, double fps) {
   constexpr double kTime = 0.0236;  // Standard deviation of the filter, seconds.
   const int passes = static_cast<int>(std::lround(2.0 * kTime * kTime * fps * fps));

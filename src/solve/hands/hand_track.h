@@ -14,17 +14,17 @@
 
 namespace retarget {
 
-/// The source's hands that a robot's hands follow; empty on a side without a robot hand, or on
-/// which the source has no moving fingers.
-/// @param part  frames of the clip to consider.
+/// The source's hands that a robot's hands follow. Empty on a side without a robot hand or without
+/// moving fingers of the source.
+/// @param part  frames of the clip in which the fingers must move.
 [[nodiscard]] SourceHands followed_hands(const Clip& clip, const BoneMap& map,
                                          const RobotHands& robot, HandsRule rule,
                                          const FrameRange& part);
 
-/// Resolves HandsRule::kAuto for a method.
+/// The rule for a method; resolves HandsRule::kAuto.
 [[nodiscard]] HandsRule hands_rule(HandsRule rule, Method method);
 
-/// Bounds of a track that also hold for its rounded output.
+/// Bounds of a HandTrack, which its rounded output also keeps.
 struct HandBounds {
   double max_speed = 14.4;  ///< Speed limit of hinges, rad/s, in addition to their own limits.
   double max_step = 0.48;   ///< Step limit of hinges between two frames, rad.
@@ -36,15 +36,15 @@ class HandTrack {
  public:
   HandTrack() = default;
 
-  /// Solves the hands frame by frame from the source (HandSolver), smooths the result without delay
-  /// over about 24 ms, and clamps it to ranges and speed limits, which also hold for the rounded
-  /// output. A hand that follows nothing is relaxed in all frames.
+  /// Solves the hands frame by frame (HandSolver), smooths the result with a zero-phase filter of
+  /// about 24 ms, and clamps it to ranges and speed limits, which the rounded output also keeps. A
+  /// hand without a source hand is relaxed in all frames.
   /// @param source  clip whose frames correspond to those of the robot's motion.
   HandTrack(const Clip& source, const SourceHands& followed, const Robot& robot,
             const RobotHands& hands, const LimitSet& limits, const HandBounds& bounds = {});
 
   [[nodiscard]] bool empty() const { return addresses_.empty(); }
-  /// Frames that HandSolver could not solve.
+  /// Frames in which HandSolver failed.
   [[nodiscard]] const std::vector<SolverFailure>& failures() const { return failures_; }
   /// Writes the hands' joint positions into a configuration.
   void write(int frame, std::span<double> qpos) const;
@@ -55,22 +55,23 @@ class HandTrack {
   void note_failure(Side side, int frame);
 
   std::vector<SolverFailure> failures_;
-  std::vector<int> addresses_;                  // Addresses in a configuration.
+  std::vector<int> addresses_;                  // Addresses in qpos.
   std::vector<std::vector<double>> positions_;  // For each address, by frame.
 };
 
 /// Deviation of a robot's fingers from the human's.
 struct HandErrors {
-  /// Angles between the parts of the robot's fingers and those of the human's at the same shares of
-  /// their lengths, both relative to the palm, radians; for all parts, fingers and frames. Excludes
-  /// thumbs, which are placed differently.
+  /// Angles between the parts of the robot's fingers and the human's at the same fractions of their
+  /// lengths, both relative to the palm, radians; for all parts, fingers and frames. Excludes
+  /// thumbs, whose positions in the palm differ.
   std::vector<double> angles;
-  /// Absolute distances between the robot's thumb and finger, skin to skin, metres, in frames in
-  /// which the human's touch.
+  /// Absolute gaps between the surfaces of the robot's thumb and a finger, metres, in frames in
+  /// which those of the human touch.
   std::vector<double> touching_gaps;
 };
 
-/// Returns empty lists for robots without hands, and for sources without moving fingers.
+/// Measures the deviations of a motion. Empty for robots without hands and for sources without
+/// moving fingers.
 /// @param source  clip whose frames correspond to those of `motion`; the shorter one determines the
 ///     length.
 [[nodiscard]] HandErrors measure_hands(const Clip& source, const BoneMap& map,

@@ -7,11 +7,11 @@
 
 namespace retarget {
 
-/// The bound that holds a variable of a box QP.
+/// The active bound of a variable of a box QP.
 enum class BoundSide : signed char { kLower = -1, kFree = 0, kUpper = 1 };
 
 /// Clamps a value to its bounds.
-/// @return the bound that the value violated, or kFree.
+/// @return the violated bound, or kFree.
 inline BoundSide clamp_to_bounds(double& value, double lower, double upper) {
   if (value < lower) {
     value = lower;
@@ -24,7 +24,9 @@ inline BoundSide clamp_to_bounds(double& value, double lower, double upper) {
   return BoundSide::kFree;
 }
 
-/// Force that pulls a bound variable inside; if not positive, the variable stays at its bound.
+/// Rate at which the objective decreases when a bound variable moves inside (the negative Lagrange
+/// multiplier). If it is not positive, the variable stays at its bound.
+/// @param gradient  derivative of the objective with respect to the variable.
 inline double inward_pull(BoundSide side, double gradient) {
   return side == BoundSide::kLower ? -gradient : gradient;
 }
@@ -32,19 +34,21 @@ inline double inward_pull(BoundSide side, double gradient) {
 /// Primal active-set method for strictly convex box QPs
 ///     minimise 1/2 x'Hx + g'x   subject to   lower <= x <= upper
 /// after Stark and Parker, "Bounded-variable least squares: an algorithm and applications" (1995)
-/// and Lawson and Hanson. Each round minimises over the free variables and moves to that minimum,
-/// up to the first blocking bound. If no bound blocks, it releases the bound variable whose
-/// gradient points inward most. Each round lowers the objective, so the method terminates.
+/// and Lawson and Hanson. Each iteration minimises over the free variables and moves to that
+/// minimum, up to the first blocking bound. If no bound blocks, it releases the bound variable with
+/// the largest inward_pull(). Each iteration lowers the objective, so the method terminates.
 ///
-/// The system determines how H is stored and factorised:
+/// The `System` of solve() determines the storage and factorisation of H:
 ///
 ///     bool minimise(const std::vector<BoundSide>& sides, const VectorXd& x, VectorXd& minimum);
-///         // free entries of `minimum`: the minimum with the bound variables held at x
+///         // writes the minimiser, with the bound variables fixed at x, to the free entries of
+///         // `minimum`; returns false if the free block of H is not positive definite
 ///     double gradient(int i, const VectorXd& x);   // entry i of Hx + g
 ///     double gradient_scale();                     // magnitude of g, for tolerances
 ///
-/// Starts with the active set of the previous problem at the new bounds. If consecutive problems
-/// are similar, a single factorization is often enough. The minimum does not depend on the start.
+/// solve() starts with the active set of the previous problem at the new bounds (warm start). For
+/// similar consecutive problems, one factorisation is often enough. The minimiser does not depend
+/// on the start.
 ///
 /// Owns its scratch memory and does not allocate after construction.
 class ActiveSet {
@@ -52,9 +56,10 @@ class ActiveSet {
   explicit ActiveSet(int size)
       : size_(size), sides_(size, BoundSide::kFree), stuck_(size), minimum_(size) {}
 
+  /// Result of solve().
   struct Outcome {
     int factorizations = 0;
-    bool converged = true;
+    bool converged = true;  ///< False if minimise() failed or the iteration limit was reached.
   };
 
   [[nodiscard]] const std::vector<BoundSide>& sides() const { return sides_; }
@@ -70,6 +75,7 @@ class ActiveSet {
   /// Makes the next problem start with these sides, one per variable.
   void begin_with(std::span<const BoundSide> sides) { std::ranges::copy(sides, sides_.begin()); }
 
+  /// Solves a problem. @param x  receives the minimiser.
   template <typename System>
   Outcome solve(System& system, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                 Eigen::VectorXd& x);
@@ -83,17 +89,17 @@ class ActiveSet {
 
   int size_;
   std::vector<BoundSide> sides_;
-  std::vector<char> stuck_;  // Returns to its bound after release: rounding, not descent.
+  // By variable: returns to its bound after its release, due to rounding.
+  std::vector<char> stuck_;
   Eigen::VectorXd minimum_;
 };
 
 template <typename System>
 ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower,
                                     const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  // If a problem takes more rounds per variable, rounding rather than descent drives the active
-  // set.
+  // Limit of the iterations. Beyond it, the active set changes due to rounding only.
   constexpr int kRoundsPerVariable = 20;
-  // Tolerance for multipliers, relative to the largest gradient entry.
+  // Tolerance for multipliers, relative to System::gradient_scale().
   constexpr double kMultiplierTolerance = 1e-14;
 
   Outcome outcome{1, true};
@@ -122,7 +128,7 @@ ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower
       }
       const int blocked = walk_to_minimum(lower, upper, x);
       if (blocked >= 0) {
-        // A variable that returns straight to its bound was released because of rounding alone. One
+        // A variable that returns directly to its bound was released due to rounding. A variable
         // that crosses the box to its other bound was not.
         if (blocked == released && sides_[blocked] == left) stuck_[blocked] = 1;
         released = -1;
@@ -130,7 +136,7 @@ ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower
       }
     }
     at_minimum = false;
-    // The last release lowered the objective, so stuck variables may be able to move again.
+    // The last release lowered the objective, so that a release of stuck variables may succeed now.
     if (released >= 0) std::ranges::fill(stuck_, 0);
     released = variable_to_release(system, x, tolerance);
     if (released < 0) return outcome;
@@ -141,8 +147,8 @@ ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower
   return outcome;
 }
 
-// Binds all variables outside the box.
-// @return true if there were any.
+// Clamps all variables outside the box to their bounds and makes these active.
+// @return whether a variable was outside.
 inline bool ActiveSet::clamp_to_box(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                                     Eigen::VectorXd& x) {
   bool any = false;

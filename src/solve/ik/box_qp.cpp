@@ -8,7 +8,7 @@
 
 namespace retarget {
 
-// A dense system for ActiveSet.
+// A dense System of ActiveSet.
 class DenseSystem {
  public:
   explicit DenseSystem(int size) : factor_(size, size), right_(size) { free_.reserve(size); }

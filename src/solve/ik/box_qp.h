@@ -12,15 +12,15 @@ namespace retarget {
 struct BoxQpStats {
   int factorizations = 0;  ///< Cholesky factorizations; 1 if no bound was reached.
   int active = 0;          ///< Number of variables at a bound in the solution.
-  /// False if H is not positive definite, a value is not finite, or rounding keeps the active set
-  /// from settling.
+  /// False if H is not positive definite, a value is not finite, or the active set does not
+  /// converge due to rounding.
   bool converged = true;
 };
 
 /// Exact solver of small dense box-constrained quadratic programs
 ///     minimise 1/2 x'Hx + g'x   subject to   lower <= x <= upper
-/// with H symmetric positive definite: Cholesky on the free variables, primal active set with a
-/// ratio test (docs/ik.md).
+/// with H symmetric positive definite. It uses a primal active-set method (ActiveSet) with a
+/// Cholesky factorisation of the free block (docs/ik.md).
 ///
 /// Owns its scratch memory and does not allocate after construction.
 class BoxQp {
@@ -29,10 +29,12 @@ class BoxQp {
   explicit BoxQp(int size);
   ~BoxQp();
 
-  /// @param H      size x size, at most that of the constructor; only the lower triangle is read.
-  /// @param lower  size; -infinity if unbounded. lower <= upper.
-  /// @param x      size; receives the minimiser, which is finite and inside the box exactly. If a
-  ///     value of H or g is not finite, x is the point of the box nearest to 0.
+  /// Solves a problem of n variables, at most the size of the constructor.
+  /// @param H             n x n; reads only the lower triangle.
+  /// @param g             n values.
+  /// @param lower, upper  n values, lower <= upper; -+infinity if unbounded.
+  /// @param x             n values; receives the minimiser, which is finite and exactly inside the
+  ///     box. If a value of H or g is not finite, x is the point of the box nearest to 0.
   BoxQpStats solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::VectorXd& lower,
                    const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 
@@ -41,8 +43,9 @@ class BoxQp {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Linear system of a small dense least-squares problem: the damped Gauss-Newton step inside a box,
-/// solved exactly. Provides solve() of LeastSquaresProblem; the problem fills the members before.
+/// Linear system of a small dense least-squares problem. Solves exactly for the damped Gauss-Newton
+/// step inside a box. Provides solve() of LeastSquaresProblem. The problem must fill hessian,
+/// gradient, lower and upper before the call.
 ///
 /// Does not allocate after construction.
 struct DenseLeastSquares {
@@ -56,8 +59,8 @@ struct DenseLeastSquares {
   Eigen::MatrixXd hessian;  ///< Only the lower triangle is read.
   Eigen::VectorXd gradient;
   Eigen::VectorXd lower, upper;  ///< Bounds of the step.
-  Eigen::VectorXd unit;          ///< By variable: its scale for the damping, 1 unless changed.
-  Eigen::VectorXd step;          ///< The result.
+  Eigen::VectorXd unit;          ///< By variable: unit of the damping; 1 by default.
+  Eigen::VectorXd step;          ///< The solution.
 
  private:
   Eigen::MatrixXd damped_;

@@ -1,4 +1,4 @@
-// An engine that exploits the structure of the problem; see docs/ik.md for all formulas.
+// The engine of make_fast_solver(). docs/ik.md derives all formulas.
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@
 namespace retarget {
 namespace {
 
-// A body and a target that share a task in at least one pass.
+// A body and the target that it follows in at least one pass.
 struct Pair {
   int body;
   int target;
@@ -63,10 +63,10 @@ class FastSolver final : public IkSolver {
   KinematicTree tree_;
   std::vector<Pair> pairs_;
   std::vector<std::vector<Task>> passes_;
-  std::vector<int> idle_joints_;  // Joints that carry no task, so that no task moves them.
+  std::vector<int> idle_joints_;  // Joints that carry no task.
 
-  // A pass starts at the result of the previous pass and shares pairs with it. Results for the same
-  // configuration and targets are therefore cached.
+  // A pass starts at the result of the previous pass and shares pairs with it. Therefore errors_ is
+  // a cache for this configuration and these targets.
   std::vector<double> known_qpos_;
   std::vector<Pose> known_targets_;
   std::vector<char> known_;  // By pair.
@@ -125,7 +125,7 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
 
 PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) {
   PassResult result;
-  // The result must depend only on the arguments, not on the previous frame.
+  // No warm start, because the result must depend only on the arguments.
   active_set_.reset();
   forget_errors_of_other(targets);
   result.errors[0] = measure_errors(pass, targets, qpos);
@@ -154,7 +154,8 @@ void FastSolver::forget_errors_of_other(std::span<const Pose> targets) {
   std::ranges::fill(known_, 0);
 }
 
-// Computes the kinematics and one logarithm per task; the next step reuses both.
+// Computes the forward kinematics and one logarithm per task, which the next step reuses.
+// @return the norm of the stacked, unweighted errors.
 double FastSolver::measure_errors(int pass, std::span<const Pose> targets,
                                   std::span<const double> qpos) {
   if (!std::ranges::equal(qpos, known_qpos_)) {
@@ -192,7 +193,8 @@ void FastSolver::add_task(const Task& task) {
   composite.torque -= wr * error.angular;
   if (wp == 0.0) return;
 
-  // The linear part of the error changes with -A (v - K u), where K = skew(lever) + Q A.
+  // The rate of the linear part of the error is -A (v - K u), where K = skew(lever) + Q A, and v
+  // and u are the linear velocity at the root's origin and the angular velocity of the link.
   const Eigen::Matrix3d K = skew(lever_[task.pair]) + jacobian.coupling();
   const Eigen::Matrix3d GK = G * K;
   const Eigen::Vector3d pull = wp * jacobian.transposed_times(error.linear);
@@ -223,7 +225,7 @@ void FastSolver::set_bounds(std::span<const double> qpos) {
   }
 }
 
-// Adds the step to joints and root position; the root rotates in its own axes.
+// Adds the step to the joints and the root position, and rotates the root about its own axes.
 void FastSolver::move(std::span<double> qpos) const {
   for (int i = 0; i < 3; ++i) qpos[i] += dq_[i];
   const Eigen::Quaterniond turned =
@@ -233,7 +235,7 @@ void FastSolver::move(std::span<double> qpos) const {
   for (std::size_t i = 1; i < tree_.links().size(); ++i) {
     qpos[tree_.links()[i].qpos_address] += dq_[KinematicTree::dof_of(static_cast<int>(i))];
   }
-  // No task moves these joints, but one that starts outside its limits must still return inside.
+  // No task moves these joints, but a joint that starts outside its limits must return inside.
   for (const int j : idle_joints_) {
     double& q = qpos[problem_->robot->joints()[j].qpos_address];
     q += std::clamp(0.0, -options_.limit_gain * (q - problem_->lower[j]),

@@ -8,11 +8,12 @@
 namespace retarget {
 namespace {
 
-// Switches of the published method, see published_jacobian_inverse.
+// Small-angle thresholds of the published method; see published_jacobian_inverse().
 constexpr double kSmallAngleSquared = 1e-10;
 constexpr double kNoRotation = 1e-10;
-// Above 0.02 rad, the differences in the closed forms keep enough digits for every method to
-// compute a sine. Below it, their error depends on the last bit of the sine.
+// Angle (0.02 rad, squared) above which the sine and cosine may come from the quaternion. Below it,
+// the rounding error of the closed forms depends on the last bit of the sine, so that both engines
+// must compute it in the same way.
 constexpr double kPlainAngleSquared = 4e-4;
 
 }  // namespace
@@ -20,7 +21,7 @@ constexpr double kPlainAngleSquared = 4e-4;
 FrameError frame_error(const Pose& world_from_body, const Pose& world_from_target) {
   FrameError error;
   const Eigen::Vector3d offset = world_from_target.translation - world_from_body.translation;
-  // Rotation from the body to the target in world axes; of q and -q, the one with w >= 0.
+  // Rotation from the body to the target in world axes, as the quaternion of q and -q with w >= 0.
   const Eigen::Quaterniond turn = world_from_target.rotation * world_from_body.rotation.conjugate();
   const double w = std::abs(turn.w());
   const double n = turn.vec().norm();
@@ -32,7 +33,7 @@ FrameError frame_error(const Pose& world_from_body, const Pose& world_from_targe
     error.half_sine = n;
     error.half_cosine = w;
   }
-  // V^-1 of the logarithm. Sine and cosine of half the angle are the quaternion's components.
+  // V^-1 of the logarithm. Sine and cosine of half the angle are n and w.
   const double second = error.angle_squared < kSmallAngleSquared
                             ? 1.0 / 12.0
                             : (1.0 - 0.5 * angle * w / n) / error.angle_squared;

@@ -6,13 +6,13 @@
 
 namespace retarget {
 
-/// The error of a frame task, from a single logarithm, in world axes.
+/// The error of a frame task in world axes, from a single logarithm.
 ///
 /// With the error twist e = log(T_wb^-1 T_wt) = [e_v; w] of the published method and A = J_l^-1(w)
 /// on SO(3) (which is also the V^-1 of the logarithm), the inverse left Jacobian of SE(3) is
 ///   [[A, -A Q A], [0, A]].
-/// Rotating e from body to world axes changes neither norms nor A'A, so everything is kept in world
-/// axes (docs/ik.md).
+/// A rotation of e from body to world axes changes neither norms nor A'A, so all quantities are in
+/// world axes (docs/ik.md).
 struct FrameError {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< The linear part e_v, metres.
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< The rotation vector w, radians.
@@ -23,13 +23,15 @@ struct FrameError {
   [[nodiscard]] double squared_norm() const { return linear.squaredNorm() + angle_squared; }
 };
 
+/// The error of a body relative to its target.
 [[nodiscard]] FrameError frame_error(const Pose& world_from_body, const Pose& world_from_target);
 
-/// Derivative of the error with respect to the body's velocity: A and Q A, as coefficients.
+/// Derivative of the error with respect to the body's velocity: the matrices A and Q A of
+/// FrameError.
 ///
-/// The closed forms match the reference engine (published_jacobian_inverse), even where they cancel
-/// at small angles. The same expressions on the same values lose the same digits, so the engines
-/// agree.
+/// Uses the closed forms of the reference engine (published_jacobian_inverse()), also at small
+/// angles, where digits cancel. The same expressions of the same values lose the same digits, so
+/// that both engines agree.
 class ErrorJacobian {
  public:
   /// @param error  must outlive this object.
@@ -44,7 +46,7 @@ class ErrorJacobian {
 
  private:
   const FrameError& error_;
-  bool identity_;  // Below the small-angle switch, A is I and Q is 0.
+  bool identity_;  // Whether the angle is so small that A is I and Q is 0.
   double angle_ = 0.0;
   double sine_ = 0.0, cosine_ = 1.0;
   double beta_ = 0.0;  // A = I - W/2 + beta W^2.

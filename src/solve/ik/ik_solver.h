@@ -20,10 +20,11 @@ struct FrameTask {
   double rotation_weight = 0.0;  ///< Per radian; enters the objective squared.
 };
 
-/// Tasks that are solved together. The passes of a frame are solved in sequence.
+/// The tasks of one pass, which form one least-squares problem. A frame runs its passes in
+/// sequence.
 using IkPass = std::vector<FrameTask>;
 
-/// The problem to solve for every frame. Immutable; shared by the solvers of all threads.
+/// The problem of every frame. Constant, so that solvers of several threads can share it.
 struct IkProblem {
   std::shared_ptr<const Robot> robot;
   std::vector<IkPass> passes;
@@ -35,25 +36,25 @@ struct IkProblem {
 
 /// Constants of the published two-pass method.
 struct IkOptions {
-  double damping = 0.5;        ///< Added to the diagonal of H for every degree of freedom.
-  double lm_damping = 1.0;     ///< This times |weighted error|^2 of each task is added to the
-                               ///< diagonal.
-  double limit_gain = 0.95;    ///< Share of the distance to a joint limit that one step may cover.
-  double min_progress = 1e-3;  ///< A pass continues while a step lowers its error by more than
-                               ///< this.
-  int max_extra_steps = 10;    ///< Maximum steps of a pass after the first one, at most
+  double damping = 0.5;      ///< Added to the diagonal of H for every degree of freedom.
+  double lm_damping = 1.0;   ///< Factor of |weighted error|^2 of every task, which is added to the
+                             ///< diagonal of H (Levenberg-Marquardt).
+  double limit_gain = 0.95;  ///< Share of the distance to a joint limit that a step may cover.
+  double min_progress = 1e-3;  ///< Smallest error reduction of a step after which a pass continues.
+  int max_extra_steps = 10;    ///< Maximum number of steps of a pass after the first one, at most
                                ///< kMaxExtraSteps.
 };
 
+/// Upper bound of IkOptions::max_extra_steps.
 inline constexpr int kMaxExtraSteps = 30;
 
 /// Result of one pass over one frame.
 struct PassResult {
-  int steps = 0;
-  /// Norm of the stacked six-vector errors of all tasks, unweighted, before the first step and
-  /// after each step: steps + 1 values.
+  int steps = 0;  ///< Number of steps.
+  /// Norm of the stacked, unweighted six-vector errors of all tasks before the first step and after
+  /// each step: steps + 1 values.
   std::array<double, kMaxExtraSteps + 2> errors{};
-  bool converged = true;  ///< False if a QP could not be solved because of non-finite values.
+  bool converged = true;  ///< False if a QP had no solution or an error was not finite.
 };
 
 /// Differential inverse kinematics of single frames. Each pass takes damped Gauss-Newton steps
@@ -65,8 +66,9 @@ class IkSolver {
   virtual ~IkSolver() = default;
 
   /// Solves one pass, starting from `qpos`.
-  /// @param targets  world_from_target of every target of the frame, metres.
-  /// @param qpos     configuration in the layout of RobotClip; start and result.
+  /// @param pass     index into IkProblem::passes.
+  /// @param targets  world_from_target of all targets of the frame, metres.
+  /// @param qpos     start, then result; laid out as in RobotClip.
   virtual PassResult solve_pass(int pass, std::span<const Pose> targets,
                                 std::span<double> qpos) = 0;
 };
@@ -80,17 +82,17 @@ struct QpRecord {
   const Eigen::VectorXd& x;
 };
 
-/// Creates the reference engine, for reading and comparison: MuJoCo's kinematics and Jacobians,
-/// dense matrices, no use of structure.
-/// @param observe  called with every solved QP; for tests and studies.
+/// Makes the reference engine, a readable implementation for comparisons. It uses MuJoCo's
+/// kinematics and Jacobians and dense matrices.
+/// @param observe  called with every solved QP, for tests and studies.
 [[nodiscard]] std::unique_ptr<IkSolver> make_reference_solver(
     std::shared_ptr<const IkProblem> problem, const IkOptions& options = {},
     std::function<void(const QpRecord&)> observe = {});
 
-/// Creates the default engine. It computes forward kinematics only for links that carry a task and
-/// one logarithm per task, accumulates task terms up the tree instead of stacking Jacobians, and
-/// factorises with the sparsity of the tree. It agrees with the reference engine to 1e-9 per frame
-/// from the same start.
+/// Makes the default engine. It computes forward kinematics only for links that carry a task and
+/// one logarithm per task, accumulates task terms from the leaves to the root of the tree instead
+/// of stacking Jacobians, and factorises with the sparsity of the tree. From the same start, it
+/// agrees with the reference engine to 1e-9 per frame.
 [[nodiscard]] std::unique_ptr<IkSolver> make_fast_solver(std::shared_ptr<const IkProblem> problem,
                                                          const IkOptions& options = {});
 

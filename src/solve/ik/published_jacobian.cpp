@@ -7,8 +7,8 @@
 namespace retarget {
 namespace {
 
-// The block of the left Jacobian of SE(3) that couples rotation into translation: Q(v, w) of
-// Barfoot's eq. 7.86. Not for small angles.
+// The block Q(v, w) of the left Jacobian of SE(3), which couples rotation into translation
+// (Barfoot, eq. 7.86). Inaccurate for small angles.
 Eigen::Matrix3d coupling_block(const Eigen::Vector3d& v, const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   const double angle = std::sqrt(angle_squared);
@@ -28,7 +28,7 @@ Eigen::Matrix3d coupling_block(const Eigen::Vector3d& v, const Eigen::Vector3d& 
          d * (WVW * W + W * WVW);
 }
 
-// Inverse left Jacobian of SO(3). Not for small angles.
+// Inverse left Jacobian of SO(3). Inaccurate for small angles.
 Eigen::Matrix3d rotation_block(const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   const double angle = std::sqrt(angle_squared);

@@ -40,7 +40,7 @@ class ReferenceSolver final : public IkSolver {
   const mjModel* model_;
   MujocoData data_;
   BoxQp qp_;
-  std::vector<Vector6d> errors_;  // Of the tasks of the current pass, at the current configuration.
+  std::vector<Vector6d> errors_;  // By task of the current pass, at the current configuration.
   RowMajorJacobian world_linear_, world_angular_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> body_jacobian_, weighted_jacobian_;
   Eigen::MatrixXd H_;
@@ -99,13 +99,13 @@ void ReferenceSolver::update_kinematics() {
   mj_comPos(model_, data_.get());
 }
 
-// Computes the body twists from the bodies to their targets.
-// @return their stacked norm, unweighted.
+// Computes the error twists of all tasks in body axes.
+// @return the norm of the stacked, unweighted twists.
 double ReferenceSolver::measure_errors(const IkPass& tasks, std::span<const Pose> targets) {
   double sum = 0.0;
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     const int body = tasks[k].body;
-    // The published method converts from the rotation matrix; this keeps its last digits.
+    // The conversion from the rotation matrix gives the last digits of the published method.
     double wxyz[4];
     mju_mat2Quat(wxyz, data_->xmat + 9 * body);
     const Pose world_from_body{Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]),
@@ -116,7 +116,7 @@ double ReferenceSolver::measure_errors(const IkPass& tasks, std::span<const Pose
   return std::sqrt(sum);
 }
 
-// Adds 1/2 |W (J dq + e)|^2 and its Levenberg-Marquardt term to the objective.
+// Adds 1/2 |W (J dq + e)|^2 and the Levenberg-Marquardt term of a task to the objective.
 void ReferenceSolver::add_task(const FrameTask& task, const Vector6d& error) {
   mj_jacBody(model_, data_.get(), world_linear_.data(), world_angular_.data(), task.body);
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> world_from_body(

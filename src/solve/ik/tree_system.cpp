@@ -13,8 +13,8 @@ int rounded_up(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
-// Subtracts whole vectors of one row from another. Values behind the end of the other row are
-// meaningless, and nothing reads them.
+// Subtracts whole vectors of one row from another. This also writes the padding behind the end of
+// the other row, which nothing reads.
 RETARGET_INLINE void subtract_scaled(const double* __restrict row, double scale, int count,
                                      double* __restrict other_row) {
   for (int first = 0; first < count; first += kLanes) {
@@ -25,9 +25,9 @@ RETARGET_INLINE void subtract_scaled(const double* __restrict row, double scale,
 // The rows of the factors, by variable.
 struct Rows {
   double* values;
-  const int* begin;           // Of each row in `values`.
-  const int* carriers_begin;  // Of each row in `carriers`; also determines the length of the row.
-  const int* carriers;
+  const int* begin;           // Start of each row in `values`.
+  const int* carriers_begin;  // Start of each row in `carriers`; determines the length of the row.
+  const int* carriers;        // Column indices.
   const char* masked;
 };
 
@@ -44,7 +44,8 @@ RETARGET_INLINE bool factorise_plain(Rows rows, int size, double* inverse_d) {
     for (int m = depth - 1; m >= 0; --m) {
       subtract_scaled(row, row[m] * inverse, m + 1, rows.values + rows.begin[above[m]]);
     }
-    // Not inside the loop above: its vector loads would have to wait for single stores.
+    // A separate loop, because the vector loads of the loop above would have to wait for single
+    // stores.
     for (int m = 0; m < depth; ++m) row[m] *= inverse;
   }
   return true;
@@ -68,8 +69,8 @@ TreeSystem::TreeSystem(const KinematicTree& tree)
   L_.resize(end);
 }
 
-// Starts the factorisation from H. Clears what earlier ones left behind the ends of rows, which
-// could otherwise grow without bounds.
+// Copies H to the rows of the factors. Clears the padding, whose values could otherwise grow
+// without bounds over several factorisations.
 void TreeSystem::take_rows() {
   std::ranges::fill(L_, 0.0);
   for (int i = 0; i < size(); ++i) {
@@ -100,7 +101,8 @@ bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::Vect
   return minimum.allFinite();
 }
 
-// Removes a variable held at `value` from the system and moves its effect to the right side.
+// Removes a variable with the fixed value `value` from the system and moves its terms to the
+// right-hand side.
 void TreeSystem::mask(int i, double value, Eigen::VectorXd& right) {
   double* const row = row_of_l(i);
   const int depth = this->depth(i);

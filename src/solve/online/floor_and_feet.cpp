@@ -61,7 +61,7 @@ void FloorFinder::restart() {
   begun_ = false;
 }
 
-// Median height of the stances on the lowest level.
+// Median height of the stances at the lowest level; higher ones may be on steps or boxes.
 double FloorFinder::estimate() {
   constexpr double kLowestShare = 0.05;
   constexpr double kLevel = 0.05;  // metres
@@ -103,11 +103,13 @@ double FloorFinder::add(std::span<const TrackedFoot> feet) {
 
 namespace {
 
-constexpr double kMaxShift = 0.03;  // Metres; a foot shifted farther is released.
-// Time constants, seconds: applying a shift, releasing it, and moving the root to the floor.
+constexpr double kMaxShift =
+    0.03;  // Largest shift of a target, metres; beyond it, the foot is released.
+// Time constants of applying a shift, of releasing it, and of moving the root to the floor;
+// seconds.
 constexpr double kEaseTime = 0.04, kReleaseTime = 0.1, kSettleTime = 0.08;
 
-// Fraction of a distance that remains after one frame, for a given time constant.
+// Share of a difference that remains after a frame, for a time constant.
 double share_left(double frame_time, double time) {
   return time / (time + frame_time);
 }
@@ -151,7 +153,7 @@ void FootHolder::hold(std::span<const TrackedFoot> feet, double floor, const Eig
       way.z() = -height;
       if (way.head<2>().norm() > kMaxShift) held.on = false;
     }
-    // Ease towards the anchor, or back to no shift.
+    // The shift moves exponentially towards the anchor, or towards zero.
     const double left = held.on ? ease_ : release_;
     held.shift = left * held.shift + (1.0 - left) * (held.on ? way : Eigen::Vector3d::Zero());
     const double length = held.shift.norm();
@@ -165,9 +167,10 @@ void FootHolder::hold(std::span<const TrackedFoot> feet, double floor, const Eig
   }
 }
 
-// The passes leave a residual error, so shift the target beyond the anchor to bring the sole to it.
+// Integrates the slide of the sole into the target shift `back`, because the passes leave a
+// residual error between target and sole.
 void FootHolder::bring_back(const TrackedFoot& foot, HeldFoot& held) const {
-  constexpr double kGain = 0.5;  // Fraction of the sole's offset.
+  constexpr double kGain = 0.5;  // Share of the slide that is corrected per frame.
   const FitFoot& sole = model_.feet[static_cast<std::size_t>(foot.foot())];
   const Pose& world = pose_.world_from_link[static_cast<std::size_t>(sole.link)];
   const Eigen::Vector2d now =
@@ -194,7 +197,7 @@ void FootHolder::stand(std::span<const TrackedFoot> feet, std::span<double> qpos
   }
   const double wanted = gap == HUGE_VAL ? 0.0 : std::clamp(-gap, -kMaxShift, kMaxShift);
   raise_ = settle_ * raise_ + (1.0 - settle_) * wanted;
-  // Correct penetration at once.
+  // Corrects penetration immediately, without the time constant.
   for (Pose& link : pose_.world_from_link) link.translation.z() += raise_;
   qpos[2] += raise_ - lowest_below_floor(model_, pose_);
 }

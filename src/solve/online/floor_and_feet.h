@@ -15,26 +15,28 @@
 
 namespace retarget {
 
-/// Tracks one robot foot and the human foot that it follows, frame by frame.
+/// Tracks a robot's foot and the human foot that it follows, frame by frame.
 class TrackedFoot {
  public:
   /// @param task  the task of the robot's foot.
   TrackedFoot(const FitModel& model, const FitTask& task, double frame_time);
 
   /// Adds the next frame.
+  /// @param path  OnlineTargets::path() of the frame.
   void add(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
            const Eigen::Vector3d& path);
-  /// Declares a discontinuity: discards the earlier frames.
+  /// Discards the earlier frames, for a discontinuity.
   void restart() { count_ = 0; }
 
+  /// Index into the targets of a frame.
   [[nodiscard]] int target() const { return target_; }
-  /// Index of the robot's foot.
+  /// Index into FitModel::feet.
   [[nodiscard]] int foot() const { return foot_; }
-  /// Height of the target's sole, metres above the source's origin.
+  /// Height of the sole at its target, metres above the source's origin.
   [[nodiscard]] double sole_height() const { return sole_height_; }
-  /// Speed of the human's heel or toe, whichever is faster, m/s.
+  /// The larger of the speeds of the human's ankle and toe, m/s.
   [[nodiscard]] double speed() const { return speed_; }
-  /// Vertical component of the toe's up vector; 1 for a foot flat on the ground.
+  /// Vertical component of the toe's up vector; 1 for a level foot.
   [[nodiscard]] double up() const { return up_; }
 
  private:
@@ -46,7 +48,7 @@ class TrackedFoot {
   double body_height_;
   double frame_time_;
   std::array<Ends, 8> latest_{};  // Ring buffer.
-  std::size_t apart_;             // Frames between the two positions of a speed.
+  std::size_t apart_;             // Number of frames over which a speed is measured.
   std::size_t count_ = 0;
   double sole_height_ = 0.0, speed_ = 0.0, up_ = 1.0;
 };
@@ -54,22 +56,23 @@ class TrackedFoot {
 /// The feet of the robot that have a task.
 [[nodiscard]] std::vector<TrackedFoot> tracked_feet(const FitModel& model, double frame_time);
 
-/// Estimates the height of the source's floor from the stances so far. The estimate is updated
-/// continuously, so neither a wrong start nor sensor drift makes the robot float.
+/// Estimates the height of the source's floor from past stances. It updates the estimate
+/// continuously, so that the robot floats neither after a wrong start nor due to sensor drift.
 class FloorFinder {
  public:
   FloorFinder(const FitOptions& options, double frame_time);
 
-  /// Adds the next frame of the feet.
-  /// @return current estimate of the floor height, metres above the source's origin.
+  /// Adds the current frame of the feet.
+  /// @return estimate of the floor height, metres above the source's origin.
   double add(std::span<const TrackedFoot> feet);
+  /// Discards all stances.
   void restart();
 
  private:
   [[nodiscard]] double estimate();
 
   double max_speed_;
-  double step_;  // Maximum change of the floor per frame, metres.
+  double step_;  // Largest change of the estimate per frame, metres.
   std::array<double, 512> heights_{}, scratch_{};
   std::size_t count_ = 0;
   int wait_ = 0;
@@ -77,8 +80,8 @@ class FloorFinder {
   double floor_ = 0.0, goal_ = 0.0;
 };
 
-/// Holds stance feet in place and soles on the floor, using past frames only. Applies small shifts
-/// to the targets before the solve and to the root afterwards.
+/// Holds feet in contact at their anchors and soles on the floor, from past frames only. Shifts the
+/// targets before the solve and the root after it.
 class FootHolder {
  public:
   FootHolder(const FitModel& model, const FitOptions& options, double frame_time, std::size_t feet);
@@ -87,31 +90,32 @@ class FootHolder {
   /// @param floor  height of the floor, metres above the source's origin.
   void hold(std::span<const TrackedFoot> feet, double floor, const Eigen::Vector3d& path,
             std::span<Pose> world_from_target);
-  /// Moves stance soles to the floor and raises the robot so that nothing is below it; measures how
-  /// far stance soles slide.
-  /// @param qpos  its root is raised or lowered.
+  /// Moves soles in contact to the floor, and raises the robot until no point is below the floor.
+  /// Also measures the slide of these soles for the next hold().
+  /// @param qpos  solution of the frame; the function changes the height of its root.
   void stand(std::span<const TrackedFoot> feet, std::span<double> qpos);
+  /// Releases all feet, for a discontinuity.
   void restart();
 
   [[nodiscard]] bool in_contact(std::size_t foot) const { return held_[foot].on; }
 
  private:
   struct HeldFoot {
-    bool on = false;
+    bool on = false;                                  // Whether it is in contact.
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // Anchor of the target.
-    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-    std::optional<Eigen::Vector2d> stood;            // Sole position at touchdown.
-    Eigen::Vector2d back = Eigen::Vector2d::Zero();  // Target shift that counters sliding.
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // Shift of the target towards the anchor.
+    std::optional<Eigen::Vector2d> stood;             // Position of the sole at touchdown.
+    Eigen::Vector2d back = Eigen::Vector2d::Zero();   // Shift of the target against sliding.
   };
   void bring_back(const TrackedFoot& foot, HeldFoot& held) const;
 
   const FitModel& model_;
   const FitOptions& options_;
-  double size_;                     // Robot size relative to the source; scales contact heights.
-  double ease_, release_, settle_;  // Fractions kept per frame.
+  double size_;  // Size of the robot relative to a human; scales contact heights.
+  double ease_, release_, settle_;  // Share of a difference that remains after a frame.
   std::vector<HeldFoot> held_;
   TreeState pose_;
-  double raise_ = 0.0;  // metres
+  double raise_ = 0.0;  // Current shift of the root's height, metres.
 };
 
 }  // namespace retarget

@@ -43,7 +43,7 @@ OnlineTargets::OnlineTargets(const Plan& plan, const HumanClipInfo& human, Targe
       settles_(as_fit_) {
   const auto limbs = robot_limbs(*robot_, config_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
-  // Dynamics need future frames, which a stream does not have.
+  // The dynamics require future frames.
   options_.dynamics = false;
   BoneArray<int> target_of_bone;
   for (const Bone bone : kAllBones) target_of_bone[bone] = targets_.target_of(bone);
@@ -81,9 +81,8 @@ bool OnlineTargets::settle() {
 
 namespace {
 
-constexpr double kKeptTime =
-    6.0;  // Seconds of sent frames that are kept to learn contacts and floors from.
-constexpr int kMostAtATime = 50;  // Frames; longer windows step less often than every frame.
+constexpr double kKeptTime = 6.0;  // Time of sent frames that contact detection uses, seconds.
+constexpr int kMostAtATime = 50;   // Longest window that takes steps in every frame, frames.
 
 template <typename Value>
 void erase_first(std::vector<Value>& values, std::size_t count) {
@@ -110,7 +109,7 @@ LagFit::LagFit(const OnlineTargets& stage, double frame_time, int lag_frames)
   fit_ = make_moving_fit(model_, stage.options(), clip_, smoothing_context(frame_time));
 }
 
-// Reserves all memory, so that a stream of any length allocates nothing.
+// Reserves memory for a stream of any length.
 void LagFit::reserve() {
   const int frames = 2 * kept_frames_ + lag_frames_ + 2;
   const std::size_t feet = model_.feet.size(), bodies = model_.supports.size();
@@ -190,7 +189,7 @@ void LagFit::forget_old_frames() {
   forgotten_ += count;
 }
 
-// Shifts the targets to a new floor height; all frames in the fit share one floor.
+// Shifts the targets of the window to a new floor height.
 void LagFit::lower_targets(double floor) {
   const double lower = floor - std::exchange(floor_, floor);
   const std::size_t tasks = model_.tasks.size();
@@ -223,7 +222,7 @@ void LagFit::plan_contacts() {
   keep_anchors();
 }
 
-// Keeps the anchor of a contact when the contact plan changes.
+// Gives each phase of the new contact plan the anchor of the old phase with the largest overlap.
 void LagFit::keep_anchors() {
   clip_.anchors.clear();
   for (const PlantedPhase& phase : clip_.feet.phases) {
@@ -241,8 +240,9 @@ void LagFit::keep_anchors() {
   }
 }
 
-// The anchor of an old phase, for a phase that replaces it. Slides are relative to the beginnings of
-// the contacts, which may differ; the body stays where it is in the first frame that both share.
+// The anchor of an old phase for the phase that replaces it. Slides are relative to the begin of a
+// phase, which may differ, so the anchor is corrected for an equal position in the first common
+// frame.
 Eigen::Vector2d LagFit::kept_anchor(int old_index, const PlantedPhase& phase) const {
   const PlantedPhase& old = old_phases_[at(old_index)];
   const Eigen::Vector2d& anchor = old_anchors_[at(old_index)];
@@ -253,8 +253,8 @@ Eigen::Vector2d LagFit::kept_anchor(int old_index, const PlantedPhase& phase) co
   return anchor + old_supports_[goal].slide - clip_.feet.supports[goal].slide;
 }
 
-// Anchor of a new contact: the mean position of the foot or body. If the contact begins before the
-// window, its position in the contact's last frame before the window.
+// The anchor of a new phase: the mean position of the foot end or body over the phase. If the phase
+// begins before the window, the position in the phase's last frame before the window.
 Eigen::Vector2d LagFit::place_of(const PlantedPhase& phase) {
   int begin = std::max(phase.first(), window_begin()), end = phase.last();
   if (phase.first() < window_begin()) {

@@ -20,25 +20,27 @@
 
 namespace retarget {
 
-/// Makes targets for a human pose and solves for them with the two passes. Each frame starts from
-/// the previous solution, the first one from the robot's zero configuration.
+/// Makes the targets of a human pose and solves them with the published passes. A frame starts from
+/// the previous solution, the first frame from the robot's zero configuration.
 class OnlineTargets {
  public:
   /// Errors: those of make_targets.
+  /// @param plan  plan with a clip, which determines the limb lengths.
   [[nodiscard]] static Result<std::unique_ptr<OnlineTargets>> make(const Plan& plan);
 
   /// Makes the targets of a human pose; the caller may change them before solve().
   void build(const HumanPose& world_from_bone);
   [[nodiscard]] std::span<Pose> world_from_target() { return world_from_target_; }
-  /// Runs both passes. Returns false if these targets cannot be solved; the state is then
-  /// unchanged.
+  /// Runs the passes. @return false if the targets cannot be solved; the state is then unchanged.
   [[nodiscard]] bool solve();
-  /// Makes the next solve() try several starts and keep the best, because the previous frame is no
-  /// useful start. This takes milliseconds and allocates.
+  /// Makes the next solve() try several starts and keep the best result, after a discontinuity.
+  /// This takes milliseconds and allocates. Has an effect only for Method::kFit.
   void settle_next() { settles_ = as_fit_; }
 
+  /// The solution, laid out as in RobotClip, without path().
   [[nodiscard]] std::span<const double> qpos() const { return qpos_; }
-  /// Translation added to the robot's position so that it moves as far as its feet do.
+  /// Translation to add to the robot's position so that it travels at the scale of its feet;
+  /// metres.
   [[nodiscard]] const Eigen::Vector3d& path() const { return path_; }
   [[nodiscard]] const HumanClipInfo& human() const { return human_; }
   /// The robot model of the fit, and the fit's options.
@@ -53,7 +55,7 @@ class OnlineTargets {
   OnlineTargets(const Plan& plan, const HumanClipInfo& human, TargetBuilder targets);
   bool settle();
 
-  bool as_fit_;  // Follow the fit instead of the published method.
+  bool as_fit_;  // Whether the targets are those of the fit instead of the published method.
   IkEngine engine_;
   std::shared_ptr<const Robot> robot_;
   ResolvedConfig config_;
@@ -70,33 +72,36 @@ class OnlineTargets {
   bool settles_ = false;
 };
 
-/// Runs the fit of whole clips on the latest frames of a stream. Each new frame triggers a few
-/// solver steps. Frames leave at a fixed age and then serve as the boundary condition of the
-/// following ones.
+/// Runs the fit of whole clips on a moving window of a stream's latest frames (fixed-lag
+/// smoothing). Each new frame triggers a few solver steps. A frame leaves the window at a fixed age
+/// and is then a boundary condition of the following frames.
 class LagFit {
  public:
-  /// @param stage       must outlive this object; provides the targets and options of the fit.
-  /// @param lag_frames  number of newer frames required before a frame leaves.
+  /// @param stage       provides the model and the options of the fit; must outlive this object.
+  /// @param frame_time  seconds.
+  /// @param lag_frames  number of newer frames after which a frame leaves the window.
   LagFit(const OnlineTargets& stage, double frame_time, int lag_frames);
 
   /// Adds the next frame, as solved by the stage.
   /// @param floor  height of the floor, metres above the source's origin.
   void push(const HumanPose& world_from_bone, std::span<const Pose> world_from_target,
             std::span<const double> qpos, const Eigen::Vector3d& path, double floor);
-  /// Ends the stream: runs the final steps of a clip's fit over the remaining frames.
+  /// Ends the stream: takes as many steps over the remaining frames as the fit of a clip.
   void finish();
-  /// Declares a discontinuity: the next frame is unrelated to earlier ones.
+  /// Discards all frames, for a discontinuity.
   void restart();
 
-  /// Whether a frame is old enough to leave, or remains after finish().
+  /// Whether next() has a frame: one that is old enough or, after finish(), any remaining frame.
   [[nodiscard]] bool has_next() const {
     return sent_ < clip_.frame_count - (finished_ ? 0 : lag_frames_);
   }
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_finished() const { return finished_; }
-  /// Number of steps since the last call that gave non-finite values and were discarded.
+  /// Number of steps since the last call of this function that were discarded because of non-finite
+  /// values.
   [[nodiscard]] int take_failed_steps() { return std::exchange(failed_steps_, 0); }
-  /// Returns the next frame to leave; valid until the next call. @pre has_next()
+  /// Removes the oldest frame from the window and returns its configuration, valid until the next
+  /// call. @pre has_next()
   [[nodiscard]] std::span<const double> next();
 
  private:
@@ -114,9 +119,9 @@ class LagFit {
   const OnlineTargets& stage_;
   const FitModel& model_;
   int lag_frames_;
-  int kept_frames_;  // Sent frames that are kept; twice as many before a cleanup.
-  int steps_ = 1;    // Solver steps per turn.
-  int turn_ = 1;     // Frames per turn.
+  int kept_frames_;  // Number of sent frames after a cleanup, which happens at twice as many.
+  int steps_ = 1;    // Solver steps every turn_ frames.
+  int turn_ = 1;
   int wait_ = 0;
   std::vector<int> source_feet_;
   FitClip clip_;
@@ -127,9 +132,9 @@ class LagFit {
   std::vector<SupportGoal> old_supports_;
   std::unique_ptr<MovingFit> fit_;
   TreeState pose_;
-  double floor_ = 0.0;  // Floor height of the frames not yet sent.
-  int sent_ = 0;        // Number of the clip's frames that were sent.
-  int forgotten_ = 0;   // Frames discarded since the window last moved.
+  double floor_ = 0.0;  // Floor height of the frames in the window.
+  int sent_ = 0;        // Number of clip_'s frames that have left the window.
+  int forgotten_ = 0;   // Number of frames erased from clip_ since the window last moved.
   int failed_steps_ = 0;
   bool finished_ = false;
 };

@@ -30,7 +30,9 @@ namespace {
 
 constexpr double kOddOffset = 8.0 * (std::numbers::pi / 180.0);
 constexpr double kWrongOffset = 75.0 * (std::numbers::pi / 180.0);
-constexpr double kOddReach = 0.03;  // Fraction of the leg's length.
+// Distances of a foot's target beyond the leg's reach for a note and for an error, fraction of the
+// leg's length.
+constexpr double kOddReach = 0.03;
 constexpr double kWrongReach = 0.25;
 
 const ConfigTask* task_of(const ResolvedConfig::Table& table, Bone bone) {
@@ -85,7 +87,7 @@ void Doctor::check_config() {
 
 std::optional<BoneAxesError> Doctor::offset_error(const ConfigTask& task) const {
   if (task.body < 0) return std::nullopt;
-  // Prefer the bone axes identified in the body; otherwise take those of the T-pose.
+  // The bone axes identified in the body or, without them, those of the T-pose.
   std::optional<Eigen::Matrix3d> body_from_bone;
   for (const BonePart& part : bone_parts(*limbs_)) {
     if (part.bone == task.bone && part.part.body == task.body) {
@@ -115,7 +117,7 @@ void Doctor::check_offsets() {
   }
 }
 
-// Checks that the feet's targets are within the legs' reach when hips and feet stand in the T-pose.
+// Checks that the targets of the feet are within the reach of the legs in the T-pose.
 void Doctor::check_reach() {
   const TargetBuilder targets(*resolved_, HumanLengths{}.height);
   std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
@@ -302,7 +304,8 @@ std::vector<double> t_pose_of(const Robot& robot) {
   return qpos;
 }
 
-// Returns the overlaps of all bodies except neighbours, including those that the profile allows.
+// The overlaps of all bodies except neighbours in the tree, including those that the profile
+// allows.
 std::vector<ModelOverlap> overlaps_of(const Robot& robot, const RobotAnatomy& limbs) {
   RobotProfile profile = robot.profile();
   profile.allowed_self_contact = neighbours(robot);

@@ -1,4 +1,4 @@
-// Checks a robot together with all of its files.
+// Checks a robot with all of its files.
 
 #include <algorithm>
 #include <filesystem>
@@ -22,7 +22,7 @@
 namespace retarget {
 namespace {
 
-// Adds the findings for the robot with each of its configurations.
+// Adds the findings about the robot with its configurations.
 void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
                   std::vector<RobotFinding>& findings) {
   std::vector<std::string> files = {sources.config};
@@ -38,7 +38,7 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
       finding.text = spell_options(finding.text, spelling);
       if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
         continue;
-      // Findings that appear only with the second configuration name its file.
+      // Findings that only the second configuration causes name its file.
       if (file != files.front()) {
         finding.text = std::filesystem::path(file).filename().string() + ": " + finding.text;
       }
@@ -47,8 +47,8 @@ void add_findings(const Robot& robot, const RobotSources& sources, OptionSpellin
   }
 }
 
-// Derives the configuration that `robots add` would write; nothing if no limbs are found, which
-// check_robot reports anyway.
+// Derives the configuration that `robots add` would write. Empty without recognised limbs, which
+// check_robot() reports.
 std::optional<RetargetingConfig> derived_config(const Robot& robot, const std::string& model) {
   const auto limbs = find_limbs(robot, model);
   if (!limbs) return std::nullopt;
@@ -94,7 +94,7 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
   std::vector<RobotFinding> findings;
   auto robot = load_robot_files(sources.model, sources.profile, sources.base);
   if (!robot) {
-    // Check the model even if its profile is invalid.
+    // Checks the model even if its profile is invalid.
     RETARGET_TRY_ASSIGN(auto bare, load_robot_files(sources.model, {}, sources.base));
     findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
     robot = std::move(bare);

@@ -1,4 +1,4 @@
-// Compares a robot with another model of it, such as a maker's newer file.
+// Compares a robot with another model of the same robot, such as a newer file of its manufacturer.
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -22,10 +22,11 @@
 namespace retarget {
 namespace {
 
-// A joint or body of both models: index in the robot, index in the other model.
+// Joints or bodies that both models have: pairs of an index in the robot and one in the other
+// model.
 using Shared = std::vector<std::pair<int, int>>;
 
-// The largest of several deviations and the number of those that matter.
+// Collects deviations; keeps those above a threshold.
 class Deviations {
  public:
   explicit Deviations(double least) : least_(least) {}
@@ -117,7 +118,7 @@ void RobotComparison::compare_order() {
   lines_.push_back("the order of the joints differs, first at " + other_.joints()[*first].name);
 }
 
-// In the zero configuration, relative to the root.
+// Compares joint axes in the zero configuration, relative to the root.
 void RobotComparison::compare_axes() {
   constexpr double kTurned = 0.1 * std::numbers::pi / 180.0;
   constexpr double kApart = 5e-4;  // Metres.
@@ -151,7 +152,8 @@ void RobotComparison::compare_ranges() {
   if (ranges.any()) lines_.push_back(ranges.text("ranges", 1.0, "rad or m", 3));
 }
 
-// Body positions with the same name in configurations spread over the ranges.
+// Compares the positions of bodies with the same name in configurations spread over the joint
+// ranges.
 void RobotComparison::compare_poses() {
   constexpr int kSamples = 32;
   constexpr double kApart = 1e-4;  // Metres.

@@ -13,8 +13,8 @@ namespace {
 constexpr HumanLengths kHuman;
 constexpr double kHeightAssumption = 1.8;
 
-// Rounds entries such as the cosine of a half turn to zero; rounding errors would otherwise choose
-// the quaternion's sign.
+// Rounds entries such as the cosine of a quarter turn to zero. Otherwise rounding errors would
+// determine the sign of the quaternion.
 Eigen::Matrix3d without_rounding(const Eigen::Matrix3d& rotation) {
   constexpr double kGrid = 1e12;
   return (kGrid * rotation).array().round() / kGrid;
@@ -25,11 +25,12 @@ struct Weights {
   double position = 0.0, rotation = 0.0;
 };
 
-// Weights common to the published tables: the first pass matches rotations and places only the
-// feet, the second places everything. The first pass weights trunk and upper arms most, because an
-// arm may have to turn half around from the zero configuration, and a stuck shoulder does not
-// recover. Position weights of forearms and hands are low relative to the arm's rotation weights,
-// because robot shoulders are not where human shoulders are.
+// Weights like those of the published tables. The first pass weights rotations and only the
+// positions of the feet, the second pass all positions. The first pass has the largest weights on
+// trunk and upper arms: an arm may be half a turn away from its target in the zero configuration,
+// and a shoulder in a local minimum does not recover. Position weights of forearms and hands are
+// low relative to the arm's rotation weights, because robots and humans have different shoulder
+// positions.
 Weights weights_of(Bone bone, int pass, int wrist_joints) {
   using enum LimbBone;
   const bool second = pass == 1;
@@ -72,13 +73,13 @@ class ConfigMaker {
   const RobotAnatomy& limbs_;
   DeriveOptions options_;
   DerivedScales scales_;
-  double wider_ = 0.0;   // Excess of half the hip width over the scaled human's, metres.
-  double higher_ = 0.0;  // Excess of the ankle height over the scaled human's, metres.
+  double wider_ = 0.0;   // Half the robot's hip width minus the scaled human's, metres.
+  double higher_ = 0.0;  // The robot's ankle height minus the scaled human's, metres.
   Eigen::Vector3d hips_in_pelvis_ = Eigen::Vector3d::Zero();
 };
 
-// Returns the offset from the joint to the body's origin, in the body's frame, including the
-// robot's own hip width and ankle height.
+// The offset from the joint to the body's origin in the body's frame, with the differences in hip
+// width and ankle height.
 Eigen::Vector3d ConfigMaker::position_offset(const BonePart& part) const {
   using enum LimbBone;
   const Eigen::Matrix3d& axes = part.part.body_from_bone;
@@ -111,8 +112,8 @@ RetargetingConfig ConfigMaker::make() const {
     const Limb& arm = limbs_.arms[side_of(part.bone) == Side::kLeft ? 0 : 1];
     for (int pass = 0; pass < 2; ++pass) {
       Weights weights = weights_of(part.bone, pass, arm.end_joints);
-      // The position of an upper body is unrelated to the human's, so its limbs only match
-      // rotations.
+      // The position of an upper body is unrelated to the human's, so its limbs have only rotation
+      // weights.
       if (!limbs_.has_legs) weights.position = 0.0;
       IkMatch row;
       row.body = robot_.bodies()[part.part.body].name;

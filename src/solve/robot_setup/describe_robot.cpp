@@ -9,9 +9,9 @@
 namespace retarget {
 namespace {
 
-constexpr double kOff = 5.0 * std::numbers::pi / 180.0;  // T-pose error that deserves a note.
+constexpr double kOff = 5.0 * std::numbers::pi / 180.0;  // T-pose error for a note.
 constexpr double kOddAngle =
-    15.0 * std::numbers::pi / 180.0;  // Limb angle in the self-test that deserves a note.
+    15.0 * std::numbers::pi / 180.0;  // Limb angle in the self-test for a note.
 
 std::string body_name(const RobotFindings& findings, int body) {
   return findings.robot.bodies()[body].name;
@@ -118,7 +118,7 @@ std::string rest_section(const RobotFindings& findings) {
       findings.shapes.sole_note, metres(findings.shapes.ankle_height), shapes_text);
 }
 
-// Empty without hands.
+// The section about hands; empty without hands.
 std::string hands_section(const RobotFindings& findings) {
   const Robot& robot = findings.robot;
   std::string rows;
@@ -143,7 +143,7 @@ std::string hands_section(const RobotFindings& findings) {
          "Name at least two branches of a hand, or only the thumb.\n\n";
 }
 
-// Empty without overlaps.
+// The section about overlaps; empty without overlaps.
 std::string overlaps_section(const RobotFindings& findings) {
   if (findings.overlaps.empty()) return {};
   std::string text = "## Overlaps\n\nContacts of these bodies are ignored:\n\n";

@@ -14,27 +14,27 @@
 
 namespace retarget {
 
-/// Everything known about a robot that is being added.
+/// Results of the analysis of a robot's model.
 struct RobotFindings {
   const Robot& robot;
   const RobotAnatomy& limbs;
   const TPose& t_pose;
   const RobotShapes& shapes;
-  const std::vector<std::string>& overlaps;  ///< Pairs of bodies whose contact is ignored.
+  const std::vector<std::string>& overlaps;  ///< Pairs of bodies whose self-contact is allowed.
   const RetargetingConfig& config;
   const SelfTest& self_test;
   const RobotHands& hands;
-  std::size_t speed_count = 0;  ///< Number of joints whose speed limit the model states.
-  std::string source;           ///< The model's file name.
+  std::size_t speed_count = 0;  ///< Number of joints with a speed limit in the model.
+  std::string source;           ///< File name of the model.
 };
 
-/// Returns the notes for the user to check, one line each.
+/// Items that a user should check, one line each.
 [[nodiscard]] std::vector<std::string> notes_about(const RobotFindings& findings);
 
-/// Returns the summary of the findings, one line each.
+/// A summary of the findings, one line each.
 [[nodiscard]] std::vector<std::string> summary_of(const RobotFindings& findings);
 
-/// Returns the text of decisions.md.
+/// The text of decisions.md.
 [[nodiscard]] std::string decisions_text(const RobotFindings& findings,
                                          const std::vector<std::string>& notes);
 

@@ -93,11 +93,11 @@ class ModelWriter {
 
   const Robot& robot_;
   const std::vector<RoughShape>& shapes_;
-  const std::vector<std::string> frames_;  // By joint; empty if its body holds it.
+  const std::vector<std::string> frames_;  // joint_frames() of the robot.
 };
 
 // Writes type, axis and range of every joint explicitly, for readers other than MuJoCo that do not
-// apply defaults. A hinge without limits gets a non-limiting range of a full turn.
+// apply defaults. A hinge without limits has the range of a full turn, which limits nothing.
 void ModelWriter::write_joint(std::size_t j, const std::string& indent, std::string& text) const {
   const RobotJoint& joint = robot_.joints()[j];
   const bool hinge = joint.type == RobotJoint::Type::kHinge;

@@ -8,19 +8,19 @@
 
 namespace retarget {
 
-/// Returns the shortest text that parses back to the same number, without an exponent for ordinary
+/// The shortest text that parses back to the same number, without an exponent for ordinary
 /// magnitudes.
 [[nodiscard]] std::string number_text(double value);
 
-/// Rounds to a number of decimals; never returns negative zero.
+/// Rounds to a number of decimals. Never returns negative zero.
 [[nodiscard]] double rounded(double value, int decimals);
 
-/// Formats text as a JSON string, including quotes.
+/// Formats text as a JSON string with quotes.
 [[nodiscard]] std::string json_text(const std::string& text);
 
-/// Returns the names, by joint, of the bodies that format_model adds to hold single joints; empty
-/// for most. Readers that do not compile a model expect one joint per body, at its origin.
-/// Therefore a joint with an anchor, and all but the last of several joints, get their own body.
+/// By joint: name of the body that format_model() adds for this joint; empty for most joints.
+/// Readers that do not compile a model expect one joint per body, at the body's origin. Therefore a
+/// joint with an anchor, and all but the last of several joints, have a separate body.
 [[nodiscard]] std::vector<std::string> joint_frames(const Robot& robot);
 
 /// Formats a robot as MJCF without meshes: tree, joints, ranges and inertias at full precision, and

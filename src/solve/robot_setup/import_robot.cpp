@@ -18,7 +18,7 @@
 namespace retarget {
 namespace {
 
-// Profiles and configurations refer to these names in JSON, which is UTF-8.
+// Checks that names are UTF-8, because profiles and configurations refer to them in JSON.
 Result<void> check_names(const mjModel& model, const std::string& path) {
   const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
   for (std::size_t at = 0; at < names.size();) {
@@ -66,7 +66,7 @@ OddRanges odd_ranges(const Robot& robot) {
 }
 
 void add_range_findings(const Robot& robot, std::vector<RobotFinding>& findings) {
-  constexpr double kNarrow = 0.12;  // Radians: a full turn in radians misread as degrees is 0.11.
+  constexpr double kNarrow = 0.12;  // Radians; a range of 2 pi that is read as degrees is 0.11.
   constexpr std::size_t kEnough = 6;
   const OddRanges odd = odd_ranges(robot);
   const auto most = [&](const std::vector<std::string>& names) {
@@ -167,7 +167,7 @@ Result<void> check_closed_chains(const ImportedRobot& imported, const RobotAnato
       ends.push_back(tree.link_of_joint(limb.joints.back()));
     }
   }
-  // Returns true if the body moves with a limb or carries one.
+  // Whether the body is part of a limb or carries one.
   const auto is_main = [&](const std::string& name) {
     const auto body = robot.find_body(name);
     if (!body) return false;

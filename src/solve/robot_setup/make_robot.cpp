@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Keeps the model's joint couplings for hands only; body joints become independent.
+// Removes the model's joint couplings except those of hands. Other joints become independent.
 void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotProfile& profile,
                              std::vector<std::string>& notes) {
   const auto is_of_hands = [&](const std::string& name) {
@@ -148,7 +148,7 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   options.sole_height = shapes.ankle_height;
   const RetargetingConfig config = derive_config(robot, limbs, options);
   RETARGET_TRY_ASSIGN(const ResolvedConfig resolved, resolve_config(config, robot));
-  // Fail now on anything that `robots check` would report as an error.
+  // Fails on all findings that `robots check` would report as errors.
   for (RobotFinding& finding : check_robot(robot, &config)) {
     if (finding.fault) return config_failure(model_path, std::move(finding.text));
   }

@@ -89,7 +89,7 @@ constexpr LimbPosture degrees(double arm_down, double arm_ahead, double arm_twis
           elbow * kRadians,    thigh_ahead * kRadians, knee * kRadians};
 }
 
-// Left, right; each posture is reachable from the previous one.
+// The postures of the motion; linear interpolation connects them.
 constexpr std::array<HumanPosture, 9> kPostures = {{
     {degrees(0, 0, 0, 0), degrees(0, 0, 0, 0)},
     {degrees(75, 0, 0, 10), degrees(75, 0, 0, 10)},
@@ -102,7 +102,7 @@ constexpr std::array<HumanPosture, 9> kPostures = {{
     {degrees(40, 50, 0, 60, 60, 90), degrees(40, 50, 0, 60, 60, 90)},
 }};
 
-// Returns the start points of the robot's limb bones; a segment without an end part ends along its
+// The points at which the robot's limb bones begin. A segment without a further part ends on its
 // axis.
 BoneArray<Vector3d> limb_points(const RobotAnatomy& limbs,
                                 const std::vector<Pose>& world_from_body) {
@@ -126,8 +126,8 @@ BoneArray<Vector3d> limb_points(const RobotAnatomy& limbs,
   return points;
 }
 
-// Returns the torso's own axis, because the shoulders may be ahead of the hips: the trunk of the
-// zero configuration counts as upright.
+// The axis of the torso that is vertical in the zero configuration. The line from hips to shoulders
+// may lean, because the shoulders may be ahead of the hips.
 Vector3d upright_of_torso(const RobotAnatomy& limbs, const std::vector<Pose>& world_from_body) {
   return world_from_body[limbs.torso].rotation * limbs.torso_from_spine2.col(0);
 }
@@ -196,7 +196,7 @@ HumanClip self_test_motion(const Vector3d& forward) {
 Result<SelfTest> run_self_test(const Robot& robot, const RobotAnatomy& limbs,
                                const ResolvedConfig& config) {
   const HumanClip human = self_test_motion(limbs.forward);
-  // The clip that refers to the robot does not outlive this function.
+  // A pointer without ownership suffices, because the clip does not outlive this function.
   const std::shared_ptr<const Robot> shared(std::shared_ptr<const Robot>(), &robot);
   SolveFramesOptions options;
   options.scale = ScaleRule::kLimbs;

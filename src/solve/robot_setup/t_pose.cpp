@@ -25,7 +25,8 @@ Eigen::Matrix3d world_from_bone(const TreeState& posed, const BonePart& bone) {
   return body.rotation.toRotationMatrix() * bone.part.body_from_bone;
 }
 
-// Compares the bones' axes with the canonical ones.
+// The cost of a configuration: differences of the bone axes from the canonical ones, and a
+// regularisation.
 class TPoseProblem {
  public:
   TPoseProblem(const Robot& robot, const RobotAnatomy& limbs)
@@ -33,19 +34,19 @@ class TPoseProblem {
 
   [[nodiscard]] const std::vector<BonePart>& parts() const { return parts_; }
   [[nodiscard]] double cost(const std::vector<double>& qpos) const;
-  // Returns the part of the cost that comes from the bones.
+  // The cost without the regularisation.
   [[nodiscard]] double misfit(const std::vector<double>& qpos) const;
-  // Computes J'J and J'r over the joints.
+  // Computes J'J and J'r in the joint positions.
   void linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
                  Eigen::VectorXd& gradient) const;
 
  private:
-  // Directions weigh more than twists: a wrong direction is worse than a wrong rotation about it.
+  // Weights of the X, Y and Z axes. An error of the direction (X) is worse than a twist about it.
   static constexpr std::array<double, 3> kAxisWeight = {2.0, 0.0, 1.0};
-  // Regularisation: prefers the smallest joint movement among equally good poses.
+  // Weight of the regularisation, which selects the smallest joint motion among equally good poses.
   static constexpr double kStay = 1e-2;
 
-  // An upright torso takes precedence over arms that reach out.
+  // An upright torso has priority over the arms.
   [[nodiscard]] double weight_of(const BonePart& part, int column) const {
     constexpr double kTrunk = 10.0;
     const double weight = kAxisWeight[column];
@@ -118,7 +119,7 @@ double TPoseProblem::misfit(const std::vector<double>& qpos) const {
   return sum;
 }
 
-// The descent of a TPoseProblem from a configuration.
+// A TPoseProblem with bounds, for damped_least_squares(). `qpos` is the iterate.
 class TPoseDescent {
  public:
   TPoseDescent(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos)
@@ -157,7 +158,7 @@ class TPoseDescent {
   DenseLeastSquares system_;
 };
 
-// Returns the final cost. If it is not finite, takes no step.
+// @return the final cost. If it is not finite, `qpos` is unchanged.
 double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
   constexpr LeastSquaresPolicy kPolicy{.max_steps = 60,
                                        .initial_damping = 1e-2,
@@ -171,7 +172,8 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
   return damped_least_squares(descent, kPolicy).cost;
 }
 
-// Turns the first joints of both limbs of a pair by a pattern of quarter turns.
+// Rotates the first three joints of both limbs of a pair by -90, 0 or 90 degrees.
+// @param pattern  the rotations as digits of a base-3 number.
 void turn_pair(const Robot& robot, const std::array<Limb, 2>& pair, int pattern,
                std::vector<double>& qpos) {
   constexpr double kQuarterTurn = 1.5707963267948966;
@@ -180,8 +182,8 @@ void turn_pair(const Robot& robot, const std::array<Limb, 2>& pair, int pattern,
     const Limb& limb = pair[side];
     for (int i = 0, code = pattern; i < std::min(limb.middle, 3); ++i, code /= 3) {
       const int joint = limb.joints[i];
-      // Mirrored limbs turn with the same sign if the axis is lateral, otherwise with opposite
-      // signs.
+      // Mirrored limbs rotate with equal signs about lateral axes, and with opposite signs about
+      // other axes.
       const double turn = (code % 3 - 1) * kQuarterTurn;
       const RobotJoint& other = robot.joints()[pair[0].joints[i]];
       const RobotJoint& own = robot.joints()[joint];
@@ -194,7 +196,8 @@ void turn_pair(const Robot& robot, const std::array<Limb, 2>& pair, int pattern,
   }
 }
 
-// Straightens knees and elbows and turns the joints before the elbow by a pattern of quarter turns.
+// A start configuration with straight knees and elbows, and the joints before the elbow rotated by
+// a pattern (turn_pair()).
 std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pattern) {
   std::vector<double> qpos = reference_configuration(robot);
   const LimitSet& limits = robot.model_limits();
@@ -210,7 +213,7 @@ std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pat
   return qpos;
 }
 
-// Patterns for start(), sorted by the number of joints that they turn.
+// All patterns of start(), in the order of the number of rotated joints.
 std::vector<int> start_patterns() {
   std::vector<int> patterns(27);
   std::iota(patterns.begin(), patterns.end(), 0);
@@ -240,7 +243,7 @@ std::vector<TPoseResidual> residuals_of(const Robot& robot, const RobotAnatomy& 
 }  // namespace
 
 BoneAxesError bone_axes_error(const Eigen::Matrix3d& axes, const Eigen::Matrix3d& wanted) {
-  // Align the X axes by the smallest rotation, then measure the angle between the Z axes.
+  // Aligns the X axes by the smallest rotation, then measures the angle between the Z axes.
   const Eigen::Vector3d z = rotation_between(axes.col(0), wanted.col(0)) * axes.col(2);
   return {angle_between(axes.col(0), wanted.col(0)), angle_between(z, wanted.col(2))};
 }
@@ -307,7 +310,7 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
   double min = minimise(robot, problem, best.qpos);
   const auto try_from = [&](std::vector<double> qpos) {
     const double cost = minimise(robot, problem, qpos);
-    // Keep the first of equally good results; reject results with a non-finite cost.
+    // Keeps the first of equally good results, and rejects a cost that is not finite.
     if (!std::isfinite(cost) || cost >= min - 1e-7) return;
     min = cost;
     best.qpos = std::move(qpos);
@@ -317,7 +320,7 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
     try_from(start(robot, limbs, pattern));
   }
   best.residuals = residuals_of(robot, limbs, problem, best.qpos);
-  // A bone half a turn off is a stationary point of the cost, so restart from turned limbs.
+  // An error of half a turn is a stationary point of the cost, so restarts from rotated limbs.
   for (const auto* pair : {&limbs.legs, &limbs.arms}) {
     if ((*pair)[0].joints.empty()) continue;
     for (const int pattern : start_patterns()) {

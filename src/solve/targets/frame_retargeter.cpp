@@ -14,8 +14,8 @@
 namespace retarget {
 namespace {
 
-constexpr double kMinNorm = 1e-100;  // Smallest norm of a quaternion; its square is a normal
-                                     // number.
+constexpr double kMinNorm = 1e-100;  // Smallest norm of a quaternion whose square does not
+                                     // underflow.
 constexpr int kRootRotation = 3;     // Index of the root's quaternion in a configuration.
 constexpr double kFootHeight = 0.1;  // Height above the ground in the published method, metres.
 
@@ -33,7 +33,7 @@ Result<void> check_options(const FrameRetargeterOptions& options) {
     return usage_failure(fmt::format("the damping must be more than 0, found {}", options.damping));
   }
   if (options.max_extra_steps < 0 || options.max_extra_steps > kMaxExtraSteps) {
-    return usage_failure(fmt::format("the number of further steps must be 0 to {}, found {}",
+    return usage_failure(fmt::format("the number of extra steps must be from 0 to {}, found {}",
                                      kMaxExtraSteps, options.max_extra_steps));
   }
   return {};
@@ -130,8 +130,8 @@ class FrameRetargeter::Impl {
       return usage_failure("the root quaternion in the configuration is zero");
     }
     std::ranges::copy(qpos, qpos_.begin());
-    // A quaternion of unit length is kept as it is, so that a result passed back as a start does
-    // not change.
+    // Does not normalise a quaternion of unit length, so that a result that is set as the start
+    // stays bitwise the same.
     constexpr double kUnit = 1e-12;
     if (std::abs(norm - 1.0) > kUnit) {
       for (int i = 0; i < 4; ++i) qpos_[kRootRotation + i] /= norm;

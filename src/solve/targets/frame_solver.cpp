@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-// Largest position, metres; squares of it are far from overflow.
+// Largest position whose squares are far from an overflow, metres.
 constexpr double kMaxPosition = 1e100;
 
 bool all_finite(std::span<const Pose> poses) {
@@ -55,9 +55,9 @@ Result<SolvedFrame> FrameSolver::solve(std::span<const Pose> world_from_target,
 
 namespace {
 
-constexpr double kAstrayArm = 1.0471975511965976;  // 60 degrees.
-constexpr double kBack = 0.87266462599716477;      // 50 degrees.
-constexpr int kFirstWait = 4, kMaxWait = 256;      // Frames.
+constexpr double kAstrayArm = 1.0471975511965976;   // 60 degrees.
+constexpr double kRecovered = 0.87266462599716477;  // 50 degrees.
+constexpr int kFirstWait = 4, kMaxWait = 256;       // Frames between two searches.
 
 }  // namespace
 
@@ -86,7 +86,7 @@ bool ArmRecovery::seen(std::span<const double> qpos, std::span<const Pose> world
         world_from_target[static_cast<std::size_t>(task.target)].rotation;
     max = std::max(max, log_so3(body.conjugate() * target).norm());
   }
-  if (max < kBack) {
+  if (max < kRecovered) {
     wait_ = 0;
     next_wait_ = kFirstWait;
   }

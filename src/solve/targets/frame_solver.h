@@ -16,21 +16,21 @@ namespace retarget {
 
 /// Result of all passes over one frame.
 struct SolvedFrame {
-  int steps = 0;
+  int steps = 0;       ///< IK steps of all passes.
   double error = 0.0;  ///< Unweighted error norm after the last pass.
 };
 
-/// Runs the passes of the published method over one frame; shared by clips and single frames. Does
-/// not allocate per frame.
+/// Runs all passes of the published method over one frame. Does not allocate per frame.
 class FrameSolver {
  public:
   FrameSolver(std::shared_ptr<const IkProblem> problem, IkEngine engine, const IkOptions& options);
 
-  /// Errors: positions too large to compute with (kInput, without a file name); weights that lead
-  /// to non-finite values (kConfig).
-  /// @param qpos         start and result, in the layout of RobotClip.
-  /// @param config_file  for messages.
-  /// @param frame        frame number for messages; -1 if there is none.
+  /// Errors: targets that are not finite or too large for the computation (kInput, without a file
+  /// name); weights that lead to non-finite values (kConfig).
+  /// @param world_from_target  one pose per target, metres.
+  /// @param qpos               start, then result; laid out as in RobotClip.
+  /// @param config_file        name of the configuration for messages.
+  /// @param frame              frame number for messages; -1: without a frame number.
   [[nodiscard]] Result<SolvedFrame> solve(std::span<const Pose> world_from_target,
                                           std::span<double> qpos, const std::string& config_file,
                                           int frame = -1);
@@ -40,17 +40,18 @@ class FrameSolver {
   std::unique_ptr<IkSolver> solver_;
 };
 
-/// Detects arms on a wrong branch. A shoulder reaches most poses in two ways; a frame-by-frame
-/// solver that takes the wrong one while an arm is stretched runs into joint limits and stays
-/// there.
+/// Detects arms on a wrong branch of their inverse kinematics. A shoulder reaches most poses on two
+/// branches. A frame-by-frame solver that enters the wrong one while the arm is straight reaches a
+/// joint limit and stays there.
 class ArmRecovery {
  public:
   ArmRecovery(const IkProblem& problem, const TargetBuilder& targets);
 
-  /// @return true if an upper arm is more than 60 degrees off its target and a search for another
-  ///     configuration is due. While the arm stays off target, the number of frames until the next
-  ///     search doubles, up to 256.
+  /// Call it for each frame in order.
   /// @param qpos  solved configuration of the frame.
+  /// @return whether an upper arm has a rotation error of more than 60 degrees and a search for
+  ///     another configuration is due. While the error persists, the number of frames until the
+  ///     next search doubles, up to 256.
   [[nodiscard]] bool seen(std::span<const double> qpos, std::span<const Pose> world_from_target);
 
  private:

@@ -16,12 +16,13 @@ namespace {
 
 using enum LimbBone;
 
-// Metres. A shorter segment means that the configuration names a wrong body.
+// Smallest ratio of a limb's two segments. With a smaller one, the configuration names a wrong
+// body.
 constexpr double kNoLength = 0.05;
 
-// A limb of one side: its bones, and alternatives that the configuration may use.
+// The bones of a limb: upper, lower, end.
 struct MeasuredLimb {
-  std::array<Bone, 3> bones, other;  // Upper, lower, end.
+  std::array<Bone, 3> bones, other;  // `other`: alternatives that a configuration may use.
 };
 
 MeasuredLimb leg_of(Side side) {
@@ -45,13 +46,14 @@ class RobotMeasure {
   Result<double> measure_leg();
 
  private:
-  // The path of bodies to a limb's end.
+  // The path of bodies from the root to a limb's end.
   struct Chain {
     std::vector<int> path;
     std::size_t lower = 0;  // Index of the lower bone's body in `path`.
   };
   [[nodiscard]] bool has_forearms() const;
-  // Middle of both sides' first joints, vector from the right one to the left one, and mean length.
+  // A limb on both sides: mid-point of the first joints, vector from the right to the left one, and
+  // mean length.
   struct Pair {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     Eigen::Vector3d across = Eigen::Vector3d::Zero();
@@ -91,8 +93,8 @@ std::vector<int> RobotMeasure::joints_of(const std::vector<int>& path, std::size
   return joints;
 }
 
-// The common point of the axes of the joints on a part of a path. If there are none, the origin of
-// the body at `begin`.
+// The common point of the joint axes on a part of a path. Without joints, the origin of the body at
+// `begin`.
 Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                std::size_t end) const {
   const std::vector<int> joints = joints_of(path, begin, end);
@@ -100,8 +102,8 @@ Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std
   return posed_.world_from_body(path[std::min(begin, path.size() - 1)]).translation;
 }
 
-// As centre_of_joints, without joints that bend the limb at its middle (knees and elbows with two
-// hinges).
+// Centre of a limb's first joint: centre_of_joints() without joints that belong to the knee or
+// elbow, which may have two hinges.
 Eigen::Vector3d RobotMeasure::root_of(const std::vector<int>& path, std::size_t begin,
                                       std::size_t lower, const Eigen::Vector3d& middle) const {
   std::vector<int> joints = joints_of(path, begin, lower);
@@ -112,8 +114,9 @@ Eigen::Vector3d RobotMeasure::root_of(const std::vector<int>& path, std::size_t 
   return common_point(posed_, joints);
 }
 
-// The end of a limb, likewise without joints that bend it at its middle. If all joints beyond the
-// middle pass through it, the end is the origin of the last body or an estimate by segment_end().
+// The end of a limb (ankle or wrist), also without joints that belong to the knee or elbow. If the
+// axes of all further joints pass through the knee or elbow, the end is the origin of the last body
+// or an estimate by segment_end().
 Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t lower,
                                      const Eigen::Vector3d& middle,
                                      const Eigen::Vector3d& root) const {
@@ -136,7 +139,7 @@ Eigen::Vector3d RobotMeasure::end_of(const std::vector<int>& path, std::size_t l
       .point;
 }
 
-// Bodies from the child of the world down to this one.
+// Bodies from the child of the world to `body`.
 std::vector<int> path_to(const Robot& robot, int body) {
   std::vector<int> path;
   for (; body > 0; body = robot.bodies()[body].parent) path.push_back(body);
@@ -153,7 +156,8 @@ std::string text_of(Bone bone) {
   return std::string(bone_name(bone));
 }
 
-// @param bones  number of bones of the limb: three, or two if it ends at the lower bone's joint.
+// @param bones  number of bones of the limb: three, or two if it ends at the joint of the lower
+//     bone.
 Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::size_t bones) const {
   std::array<int, 3> bodies{};
   for (std::size_t i = 0; i < bones; ++i) {

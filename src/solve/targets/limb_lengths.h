@@ -12,10 +12,10 @@
 
 namespace retarget {
 
-/// Lengths of body parts, metres; legs and arms are the mean of both sides.
+/// Lengths of body parts, metres. Legs and arms are means of both sides.
 struct LimbLengths {
   double leg = 0.0;    ///< Hip to knee to ankle.
-  double arm = 0.0;    ///< Shoulder to elbow to wrist; to the elbow for arms that end there.
+  double arm = 0.0;    ///< Shoulder to elbow to wrist; without forearms, shoulder to elbow.
   double trunk = 0.0;  ///< Middle of the hips to the middle of the shoulders.
 };
 
@@ -27,9 +27,9 @@ struct RobotLimbs {
   /// Position of the joint at which a bone begins, in the frame of the body that follows the bone,
   /// metres; for Hips, the middle of the hips. Zero for bones outside legs and arms.
   BoneArray<Eigen::Vector3d> body_from_joint{Eigen::Vector3d(Eigen::Vector3d::Zero())};
-  /// Height of the ankles above the soles in the zero configuration, metres; nothing without soles.
+  /// Height of the ankles above the soles in the zero configuration, metres; empty without soles.
   std::optional<double> ankle_height;
-  /// Middle of both hips and of both shoulders, and vectors from the right hip and shoulder to the
+  /// Mid-points of the hip joints and of the shoulder joints, and vectors from the right to the
   /// left ones; zero configuration, world, metres.
   Eigen::Vector3d hip_centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d shoulder_centre = Eigen::Vector3d::Zero();
@@ -37,39 +37,39 @@ struct RobotLimbs {
   Eigen::Vector3d shoulder_line = Eigen::Vector3d::Zero();
 };
 
-/// Hint for users whose human or robot has no limbs to measure.
+/// Hint of errors about limbs that cannot be measured.
 inline constexpr const char* kOtherScaleHint = "scale with " OPTION("scale") " table or height";
 
-/// The bones that are required to measure a human's limbs.
+/// The bones that human_limb_lengths() requires.
 inline constexpr std::array kMeasuredBones = {
     Bone::kHips,        Bone::kLeftUpLeg,    Bone::kLeftLeg,    Bone::kLeftFoot, Bone::kLeftArm,
     Bone::kLeftForeArm, Bone::kLeftHand,     Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot,
     Bone::kRightArm,    Bone::kRightForeArm, Bone::kRightHand};
 
-/// Lengths of a human's limbs, from the bones of one frame. The trunk is summed along the spine.
-/// @param world_from_bone  only kMeasuredBones and the spine are read.
-/// @param forearms         whether arms extend beyond the elbow, as in RobotLimbs::forearms.
+/// Limb lengths of a human in one frame. The trunk length is the sum along the spine.
+/// @param world_from_bone  reads only kMeasuredBones and the spine.
+/// @param forearms         whether arms extend to the wrists, as in RobotLimbs::forearms.
 [[nodiscard]] LimbLengths human_limb_lengths(const HumanPose& world_from_bone,
                                              bool forearms = true);
 
-/// Measures a robot in its zero configuration.
+/// Measures the limbs of a robot in its zero configuration.
 ///
-/// If several hinges form a ball joint, its centre is the point nearest to all axes (least squares,
-/// with a small pull towards the anchors for parallel axes). Hips are the joints between the last
-/// body that carries both knees and the knee; shoulders are found likewise. Ankles and wrists are
-/// the joints from there to the bodies that follow foot and hand. Knees and elbows are the joints
-/// of the bodies that the configuration assigns to `Leg` and `ForeArm`. If neither hand has a body,
-/// arms are measured to the elbow.
+/// Knees and elbows are the joints of the bodies that the configuration assigns to `Leg` and
+/// `ForeArm`. A hip consists of the joints between the last body that carries both knees and the
+/// knee; a shoulder likewise. Ankles and wrists consist of the joints between knee or elbow and the
+/// bodies that follow foot or hand. The centre of several hinges is the point nearest to all axes
+/// (least squares, with a small weight on the distance to the anchors for parallel axes). If
+/// neither hand has a body, arms end at the elbow.
 ///
-/// kConfig error: the configuration has no body for one of these, the bodies do not follow each
-/// other, or a limb has no length.
+/// Errors (kConfig): the configuration has no body for one of these bones, the bodies of a limb do
+/// not form a chain, or a limb has zero length.
 [[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config);
 
-/// Measures only the arms, for an upper body without legs; trunk and hips are not set. Errors as
-/// robot_limbs().
+/// Measures only the arms, for an upper body without legs. Trunk and hips of the result are unset.
+/// Errors: those of robot_limbs().
 [[nodiscard]] Result<RobotLimbs> robot_arms(const Robot& robot, const ResolvedConfig& config);
 
-/// Leg length as in robot_limbs(); also for robots whose arms cannot be measured.
+/// Leg length as in robot_limbs(), metres. Also works for robots whose arms cannot be measured.
 [[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const ResolvedConfig& config);
 
 }  // namespace retarget

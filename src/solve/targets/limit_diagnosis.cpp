@@ -13,7 +13,7 @@
 namespace retarget {
 namespace {
 
-// Effect of a task on a joint that moves towards its limit: position first, then rotation.
+// LimitPush::strength and ::shortfall of a task, summed over frames: position, then rotation.
 struct TaskPush {
   std::array<double, 2> strength{};
   std::array<double, 2> shortfall{};
@@ -71,7 +71,7 @@ void find_wider_set(const Robot& robot, const LimitSet& limits, JointAtLimit& fo
   }
 }
 
-// Accumulates over frames how the tasks of a pass push the candidates.
+// Sums the pushes of a pass's tasks on the candidates over frames.
 class PushSum {
  public:
   PushSum(const Robot& robot, const IkPass& pass)
@@ -208,7 +208,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Cl
   const HumanPoseSource poses = poses_of(poser);
   const auto targets =
       make_targets(poser.info(), poses, robot_clip.robot(), config, scale, trunk, &limits);
-  // The clip was solved with these targets, so this cannot fail.
+  // Cannot fail, because the clip was solved with these targets.
   if (!targets) return {};
   return joints_at_limits(robot_clip, config, *targets, poses, limits, min_share);
 }

@@ -25,7 +25,7 @@ std::string table_key(std::size_t table) {
   return "ik_match_table" + std::to_string(table + 1);
 }
 
-// Reads a retargeting configuration and records every error with its path.
+// Reads a retargeting configuration and collects all errors.
 class ConfigReader {
  public:
   ConfigReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
@@ -81,7 +81,7 @@ class ConfigReader {
     return value.is_number() && std::isfinite(value.get<double>());
   }
 
-  // Tables are used unless the file disables them.
+  // A missing key means that the table is used.
   bool is_used(const std::string& key) {
     const auto found = json_.find(key);
     if (found == json_.end()) return true;
@@ -160,7 +160,7 @@ bool has_task(const ResolvedConfig& resolved) {
   });
 }
 
-// The human bodies named by a configuration, without repetitions, the root first.
+// The human bodies that a configuration names, without repetitions, the root first.
 std::vector<std::string> named_human_bodies(const RetargetingConfig& config) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -178,8 +178,8 @@ class Resolver {
  public:
   Resolver(const RetargetingConfig& config, const Robot& robot, Faults& faults)
       : config_(config), robot_(robot), bodies_(robot.body_names()), faults_(faults) {}
-  /// @param human_bodies  names that replace those of the bones: body i is bone i. At most
-  ///     kBoneCount.
+  // @param human_bodies  names that replace those of the bones: body i has the index of bone i. At
+  //     most kBoneCount.
   Resolver(const RetargetingConfig& config, const Robot& robot, Faults& faults,
            const std::vector<std::string>& human_bodies)
       : Resolver(config, robot, faults) {
@@ -279,7 +279,7 @@ class Resolver {
   ResolvedConfig resolved_;
 };
 
-// Parses a retargeting configuration and calls `use` while errors are still collected.
+// Parses a retargeting configuration and calls `use`, which may add errors to those of the parser.
 template <typename Use>
 auto read_text(std::string_view text, const std::string& file, const Use& use)
     -> Result<decltype(use(RetargetingConfig(), std::declval<Faults&>()))> {

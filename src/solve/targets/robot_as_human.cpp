@@ -15,8 +15,8 @@ namespace {
 
 using enum LimbBone;
 
-// Proportions of LAFAN1: forearm / upper arm, toes ahead of the ankle / leg, head above the
-// shoulders / trunk.
+// Proportions of LAFAN1's human: forearm to upper arm, toes ahead of the ankle to leg, head above
+// the shoulders to trunk.
 constexpr double kForearmShare = 0.764, kToeShare = 0.2, kHeadShare = 0.35;
 
 class HumanMaker {
@@ -27,14 +27,15 @@ class HumanMaker {
         limbs_(limbs),
         zero_(robot.tree(), robot.zero_configuration()) {}
 
-  /// @param add  called with (bone, its axes, the body that carries it, its position there).
+  // @param add  called with a bone, its axes, the body that carries it, and its position in that
+  //     body.
   template <typename Add>
   Result<void> make(const Add& add);
 
   [[nodiscard]] const std::array<std::optional<FootSole>, 2>& soles() const { return soles_; }
 
  private:
-  // A body, and the axes of a bone in it.
+  // The axes of a bone in the frame of a body.
   struct Axes {
     int body = -1;
     Eigen::Quaterniond body_from_bone = Eigen::Quaterniond::Identity();
@@ -68,7 +69,7 @@ class HumanMaker {
   std::array<std::optional<FootSole>, 2> soles_;
 };
 
-// Common point of the joints between pelvis and torso; if there are none, the middle of the trunk.
+// Common point of the joints between pelvis and torso; without joints, the middle of the trunk.
 Eigen::Vector3d HumanMaker::waist(int pelvis, int torso) const {
   const KinematicTree& tree = robot_.tree();
   const auto carriers = [&](int body) {
@@ -105,8 +106,8 @@ void HumanMaker::add_trunk(const Axes& hips, const Add& add) const {
   add_at(Bone::kNeck, torso, torso.body, limbs_.shoulder_centre + 0.5 * kHeadShare * chord);
   const Eigen::Vector3d head = limbs_.shoulder_centre + kHeadShare * chord;
   add_at(Bone::kHead, axes_of(Bone::kHead).value_or(torso), torso.body, head);
-  // The axes of a hip or shoulder may not intersect. Its centre then moves relative to the limb, so
-  // the centre is fixed to the pelvis or torso instead.
+  // If the axes of a hip or shoulder do not intersect, its centre moves relative to the limb.
+  // Therefore the centre is fixed to the pelvis or torso.
   for (const Side side : kSides) {
     const double sign = side == Side::kLeft ? 0.5 : -0.5;
     const Bone thigh = side_bone(side, kUpLeg), arm = side_bone(side, kArm);
@@ -115,7 +116,7 @@ void HumanMaker::add_trunk(const Axes& hips, const Add& add) const {
   }
 }
 
-// The sole in the axes of FootMod, with the ankle as origin.
+// The sole in the axes of FootMod, with the ankle as the origin.
 std::optional<FootSole> HumanMaker::sole_of(Side side, int foot, const Pose& body_from_sole) const {
   const std::string_view name = side == Side::kLeft ? "left" : "right";
   for (const Sole& sole : robot_.profile().soles) {
@@ -144,7 +145,7 @@ void HumanMaker::add_leg(Side side, const Add& add) {
   const Bone foot = side_bone(side, kFoot), sole = side_bone(side, kFootMod);
   const Eigen::Quaterniond sole_from_foot(canonical_t_pose(sole).transpose() *
                                           canonical_t_pose(foot));
-  // A robot's foot may follow Foot or FootMod. The missing one is derived from the other.
+  // A robot's foot follows Foot or FootMod. The axes of the other bone are derived.
   const auto as_sole = axes_of(sole), as_foot = axes_of(foot);
   const int body = as_sole ? as_sole->body : as_foot->body;
   const Eigen::Vector3d& ankle = limbs_.body_from_joint[as_sole ? sole : foot];

@@ -15,31 +15,32 @@ namespace retarget {
 
 /// Converts a robot to the canonical human: the inverse of a TargetBuilder.
 ///
-/// The rotation of a bone is R_body r^-1, with the body that follows the bone and the rotation
-/// offset r of its task in the retargeting configuration. Hips, knees, ankles, shoulders, elbows
-/// and wrists are the joint positions of robot_limbs; as in TargetBuilder, hips are fixed to the
-/// pelvis and shoulders to the torso. The human therefore has the robot's lengths, and a robot that
-/// follows its own human reproduces its own motion.
+/// The rotation of a bone is R_body r^-1, where r is the rotation offset of the task of the body
+/// that follows the bone. Hips, knees, ankles, shoulders, elbows and wrists are at the joint
+/// positions of robot_limbs(). As in TargetBuilder, hips are fixed to the pelvis and shoulders to
+/// the torso. The human therefore has the robot's limb lengths, and a robot that follows its own
+/// human reproduces its own motion.
 ///
-/// Missing parts: a missing torso turns with the pelvis, head and neck with the torso, and hands
-/// with the forearms, whose share of the arm is then a human's. Spine, Spine1 and Spine2 are at the
-/// common point of the waist joints. Toes are at the toes of the soles or, without soles, at a
-/// human's distance ahead of the ankles.
+/// Parts that the robot lacks: a torso rotates with the pelvis, head and neck with the torso, hands
+/// with the forearms. Forearms without a hand have a human's share of the arm length. Spine, Spine1
+/// and Spine2 are at the common point of the waist joints. Toes are at the toes of the soles or,
+/// without soles, ahead of the ankles at a human's distance.
 class RobotAsHuman {
  public:
   /// Errors (kConfig): those of robot_limbs; no body follows the hips.
   [[nodiscard]] static Result<RobotAsHuman> make(const Robot& robot, const ResolvedConfig& config);
 
-  /// @param motion  motion of that robot. It must outlive the result, and so must this object.
+  /// The human of a motion. The motion and this object must outlive the result.
+  /// @param motion  a motion of the robot.
   [[nodiscard]] RobotHuman human_of(const RobotClip& motion) const;
 
  private:
-  // The bodies that determine a bone's rotation and position.
+  // The origin of a bone's pose.
   struct Part {
     Bone bone = Bone::kHips;
-    int turning = 0, carrying = 0;  // Indices of bodies.
+    int turning = 0, carrying = 0;  // Bodies that determine the rotation and the position.
     Eigen::Quaterniond turning_from_bone;
-    Eigen::Vector3d place;  // In the carrying body, metres.
+    Eigen::Vector3d place;  // Position in the frame of the body `carrying`, metres.
   };
   void pose(const TreeState& posed, HumanPose& world_from_bone) const;
 

@@ -25,7 +25,7 @@ TargetStream::TargetStream(int frame_count, HumanPoseSource human, const TargetB
   try {
     maker_ = std::thread([this] { make_chunks(); });
   } catch (const std::system_error&) {
-    // If no thread is available, next() builds the targets.
+    // Without an available thread, next() builds the targets.
   }
 }
 
@@ -86,8 +86,8 @@ std::span<Pose> TargetStream::slot_of(int frame) {
 
 namespace {
 
-constexpr double kBetterWay = 0.98;  // Share of the previous error that a better configuration may
-                                     // leave.
+// Largest share of the previous error that a better configuration may have.
+constexpr double kBetterBranch = 0.98;
 
 void keep_quaternion_sign(std::span<const double> before, std::span<double> now) {
   constexpr int kRootRotation = 3;
@@ -119,27 +119,29 @@ class ClipSolver {
     SolvedFrames result;
     frame_time_ = rate.frame_time();
     result.clip = RobotClip(robot_, rate, frames);
-    ArmRecovery strayed(*problem, targets);
-    constexpr double kWayBack = 2.0;  // Seconds.
+    ArmRecovery arms(*problem, targets);
+    constexpr double kMaxBacktrack = 2.0;  // Seconds.
     kept_ = 1;
     if (options_.settle) {
-      kept_ = std::clamp(static_cast<int>(kWayBack / frame_time_), 1, 1000);
+      kept_ = std::clamp(static_cast<int>(kMaxBacktrack / frame_time_), 1, 1000);
     }
     recent_.resize(static_cast<std::size_t>(kept_));
     for (int frame = 0; frame < frames; ++frame) {
       if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
       const std::span<const Pose> world_from_target = next();
-      if (options_.settle && starts_anew(frame, world_from_target)) {
-        new_way_ = frame;
+      if (options_.settle && needs_new_start(frame, world_from_target)) {
+        branch_begin_ = frame;
         TRY(settle_from_starts(frame, world_from_target));
       }
       TRY(solve_frame(frame, world_from_target, result));
-      if (options_.settle && strayed.seen(qpos_, world_from_target)) {
-        TRY(find_way(frame, world_from_target, result));
+      if (options_.settle && arms.seen(qpos_, world_from_target)) {
+        TRY(find_better_branch(frame, world_from_target, result));
       }
-      if (frame + 1 >= kept_) tell(frame + 1 - kept_, result);
+      if (frame + 1 >= kept_) report_frame(frame + 1 - kept_, result);
     }
-    for (int frame = std::max(0, frames + 1 - kept_); frame < frames; ++frame) tell(frame, result);
+    for (int frame = std::max(0, frames + 1 - kept_); frame < frames; ++frame) {
+      report_frame(frame, result);
+    }
     if (frames > 0) result.mean_error /= frames;
     return result;
   }
@@ -158,10 +160,10 @@ class ClipSolver {
     qpos_[6] = rotation.z();
   }
 
-  // Returns true for the first frame and for frames in which the root's target turns farther than
-  // bodies can. Solving on from the previous frame would then wind the trunk up to its limits,
-  // where it stays.
-  [[nodiscard]] bool starts_anew(int frame, std::span<const Pose> world_from_target) {
+  // Returns true for the first frame and for frames in which the root's target rotates faster than
+  // a body can. From the previous frame, the solver would then twist the trunk to its limits, where
+  // it stays.
+  [[nodiscard]] bool needs_new_start(int frame, std::span<const Pose> world_from_target) {
     constexpr double kMaxTurn = 1.0471975511965976;  // 60 degrees.
     constexpr double kMaxTurnRate = 20.0;            // Radians per second.
     const Eigen::Quaterniond before = root_target_;
@@ -172,9 +174,9 @@ class ClipSolver {
   }
 
   // Solves a frame from several starts and keeps the best result, because from a single start a
-  // limb may run into its limits and stay there. After frame 0, the previous configuration is the
+  // limb may reach its limits and stay there. Except in frame 0, the current configuration is the
   // first start.
-  // @return true if a later start was clearly better.
+  // @return whether a later start was clearly better than the first.
   Result<bool> settle_from_starts(int frame, std::span<const Pose> world_from_target) {
     constexpr double kClearlyBetter = 0.95;
     double min = std::numeric_limits<double>::infinity();
@@ -197,7 +199,7 @@ class ClipSolver {
   }
 
   // Replaces the result of a solved frame by the current configuration.
-  void take_instead(int frame, double error, int steps, SolvedFrames& result) {
+  void replace_frame(int frame, double error, int steps, SolvedFrames& result) {
     double& known = recent(frame).error;
     result.steps += steps;
     result.mean_error += error - known;
@@ -205,9 +207,10 @@ class ClipSolver {
     std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
   }
 
-  // Searches for a better configuration of a solved frame. If there is one, it replaces the frame
-  // and the frames before it, as far back as it is better.
-  Result<void> find_way(int frame, std::span<const Pose> world_from_target, SolvedFrames& result) {
+  // Searches for a better configuration of a solved frame. Its branch replaces the frame, and the
+  // frames before it as far back as it is better.
+  Result<void> find_better_branch(int frame, std::span<const Pose> world_from_target,
+                                  SolvedFrames& result) {
     const std::vector<double> before = qpos_;
     TRY_ASSIGN(const bool other, settle_from_starts(frame, world_from_target));
     if (!other) {
@@ -216,22 +219,22 @@ class ClipSolver {
     }
     double error = 0.0;
     TRY_ASSIGN(const int steps, solve_passes(frame, world_from_target, error));
-    if (!(error < kBetterWay * recent(frame).error)) {
+    if (!(error < kBetterBranch * recent(frame).error)) {
       qpos_ = before;
       return {};
     }
     if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
-    take_instead(frame, error, steps, result);
+    replace_frame(frame, error, steps, result);
     TRY_ASSIGN(const int from, solve_backwards(frame, result));
     for (int changed = std::max(1, from); changed <= frame; ++changed) {
       keep_quaternion_sign(result.clip.qpos(changed - 1), result.clip.qpos(changed));
     }
     std::ranges::copy(result.clip.qpos(frame), qpos_.begin());
-    new_way_ = frame;
+    branch_begin_ = frame;
     return {};
   }
 
-  // @return the remaining error.
+  // Solves a frame repeatedly until the configuration stays constant. @return the remaining error.
   Result<double> settle(int frame, std::span<const Pose> world_from_target) {
     constexpr int kMaxRounds = 50;
     constexpr double kSettled = 1e-4;
@@ -293,16 +296,16 @@ class ClipSolver {
   // @return the first frame that changed.
   Result<int> solve_backwards(int from, SolvedFrames& result) {
     int frame = from - 1;
-    for (; frame > std::max(new_way_, from - kept_); --frame) {
+    for (; frame > std::max(branch_begin_, from - kept_); --frame) {
       double error = 0.0;
       TRY_ASSIGN(const int steps, solve_passes(frame, recent(frame).world_from_target, error));
-      if (!(error < kBetterWay * recent(frame).error)) break;
-      take_instead(frame, error, steps, result);
+      if (!(error < kBetterBranch * recent(frame).error)) break;
+      replace_frame(frame, error, steps, result);
     }
     return frame + 1;
   }
 
-  void tell(int frame, const SolvedFrames& result) const {
+  void report_frame(int frame, const SolvedFrames& result) const {
     if (options_.frame_solved) options_.frame_solved(frame, result.clip.qpos(frame));
   }
 
@@ -311,8 +314,8 @@ class ClipSolver {
   const LimitSet& limits_;
   const SolveFramesOptions& options_;
   std::optional<FrameSolver> solver_;
-  std::vector<double> qpos_;  // Of the latest frame.
-  // The latest frames may still change and are not reported until they are final.
+  std::vector<double> qpos_;  // Configuration of the latest frame.
+  // The latest frames, which solve_backwards() may still change. They are reported once final.
   struct Recent {
     double error = 0.0;
     std::vector<Pose> world_from_target;
@@ -322,8 +325,8 @@ class ClipSolver {
   }
   std::vector<Recent> recent_;
   int kept_ = 1;  // Number of these frames.
-  // First frame of the current branch; solve_backwards() does not go before it.
-  int new_way_ = 0;
+  // First frame of the current branch; solve_backwards() changes no frame up to it.
+  int branch_begin_ = 0;
   double frame_time_ = 0.0;
   Eigen::Quaterniond root_target_ = Eigen::Quaterniond::Identity();  // Of the latest frame.
 };

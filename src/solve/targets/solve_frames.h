@@ -24,13 +24,13 @@ namespace retarget {
 
 /// Provides the targets of a clip's frames in order.
 ///
-/// With a second thread, targets are built ahead of the solver, by a few hundred frames at most, so
-/// that memory does not grow with the clip. The targets do not depend on the thread that builds
-/// them.
+/// A second thread may build targets ahead of the solver, at most a few hundred frames, so that
+/// memory does not grow with the clip. The targets do not depend on the thread that builds them.
 class TargetStream {
  public:
   /// @param targets  must outlive the stream.
-  /// @param ahead    build on a separate thread; if none is available, next() builds them.
+  /// @param ahead    whether to build on a separate thread. Without an available thread, next()
+  ///     builds the targets.
   TargetStream(int frame_count, HumanPoseSource human, const TargetBuilder& targets, bool ahead);
   ~TargetStream();
   TargetStream(const TargetStream&) = delete;
@@ -53,12 +53,12 @@ class TargetStream {
   const TargetBuilder& targets_;
   HumanPose world_from_bone_;
   std::vector<Pose> ring_;  // Ring buffer of frames, indexed by frame number modulo its length.
-  int frame_ = 0;           // Frame that next() returns.
+  int frame_ = 0;           // Frame of the next call of next().
 
   std::thread maker_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  int made_ = 0;      // Frames below this number have been written to the ring buffer.
+  int made_ = 0;      // Frames below this number are in the ring buffer.
   int released_ = 0;  // Frames below this number may be overwritten.
   bool stop_ = false;
 };
@@ -69,16 +69,17 @@ struct SolveFramesOptions {
   ScaleRule scale = ScaleRule::kTable;
   TrunkRule trunk = TrunkRule::kBones;
   IkOptions ik;
-  /// Places the root on its target and repeats the first frame until it settles, so that the motion
-  /// does not show the approach. Does the same in every frame in which the root's target turns by
-  /// more than 60 degrees and faster than 20 rad/s. If an upper arm is more than 60 degrees off,
-  /// searches for another configuration; a better one replaces the solved frames back to where both
-  /// branches meet, at most two seconds. Without this option, as in the published method, each
-  /// frame is solved once, the first from the model's zero configuration.
+  /// Whether to set the root to its target and to solve the first frame repeatedly until it
+  /// converges, so that the motion does not contain the approach. The same happens in frames in
+  /// which the root's target rotates by more than 60 degrees at more than 20 rad/s. If an upper arm
+  /// has a rotation error of more than 60 degrees, also searches for another configuration. A
+  /// better one replaces the solved frames back to the frame in which both branches meet, at most
+  /// two seconds. Without this option, each frame is solved once and the first starts from the
+  /// model's zero configuration, as in the published method.
   bool settle = false;
-  /// Builds the targets ahead of the solver on a second thread; the result is the same.
+  /// Whether to build the targets ahead of the solver on a second thread. The result is the same.
   bool targets_ahead = false;
-  /// Called before every frame with its number; returning false stops the run with
+  /// Called before every frame with its number. Returning false stops the run with
   /// ErrorKind::kInterrupted.
   std::function<bool(int frame)> keep_going;
   /// Receives the configuration of every frame in order, as soon as it is final, on the caller's
@@ -98,7 +99,8 @@ struct SolvedFrames {
 /// model's zero configuration (qpos0), every other frame from the previous one.
 ///
 /// Errors: weights that lead to non-finite values (kConfig); a mapped bone that the clip lacks, or
-/// positions too large to compute with (kInput; without a file name if no Clip is given).
+/// targets that are not finite or too large (kInput; without a file name if no Clip is given);
+/// `keep_going` returned false (kInterrupted).
 [[nodiscard]] Result<SolvedFrames> solve_frames(const HumanClip& human,
                                                 const std::shared_ptr<const Robot>& robot,
                                                 const ResolvedConfig& config,
@@ -119,7 +121,7 @@ struct MadeTargets {
   std::vector<Pose> world_from_target;  ///< Frame-major.
 };
 
-/// The same for existing targets; `options.scale`, `trunk` and `targets_ahead` are ignored.
+/// The same for existing targets. Ignores the options `scale`, `trunk` and `targets_ahead`.
 [[nodiscard]] Result<SolvedFrames> solve_frames(const MadeTargets& made,
                                                 const std::shared_ptr<const Robot>& robot,
                                                 const ResolvedConfig& config,

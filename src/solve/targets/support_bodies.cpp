@@ -57,7 +57,8 @@ class SupportFinder {
     return first ? first : place_of(bones[1]);
   }
 
-  // Collects the points of links that satisfy `belongs` and are at most `reach` from the joint.
+  // Collects the points at a distance of at most `reach` from `origin` on links that satisfy
+  // `belongs`.
   template <typename Belongs>
   bool collect(const Vector3d& origin, double reach, const Belongs& belongs,
                SupportBody& found) const {
@@ -107,7 +108,7 @@ class SupportFinder {
     const double forearm = distance_to(place_of(forearm_bone));
     if (!(forearm > 0.0)) return false;
     const int elbow = link_of(forearm_bone);
-    // A hand without its own joints is the far end of its forearm.
+    // A hand without joints belongs to the link of its forearm.
     const auto is_hand = [&](int link) {
       return link == own || (link != elbow && tree_.carries(elbow, link));
     };

@@ -12,8 +12,8 @@
 namespace retarget {
 namespace {
 
-// The rotation about the vertical contained in a rotation; identity if the rotation turns upside
-// down.
+// The rotation about the vertical of a rotation (swing-twist decomposition); identity if the
+// rotation turns the vertical upside down.
 Eigen::Quaterniond heading_of(const Eigen::Quaterniond& rotation) {
   constexpr double kTurned = 1e-9;
   const double norm = std::sqrt(rotation.w() * rotation.w() + rotation.z() * rotation.z());
@@ -89,7 +89,7 @@ std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower, const Pose
   const Eigen::Vector3d u = first / first_length, f = second / second_length;
   const Eigen::Vector3d own = upper.rotation.normalized() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d plane = -u.cross(f);
-  // A hinge cannot bend backwards, so a limb that does counts as straight.
+  // A hinge cannot bend backwards. Removes that part, so that such a limb is straight.
   const double back = std::min(0.0, plane.dot(own));
   const Eigen::Vector3d hinge = (kOwnShare - back) * own + plane;
   const auto first_turn = bone_along(u, hinge), second_turn = bone_along(f, hinge);
@@ -155,7 +155,7 @@ void TargetBuilder::aim_limbs(const ResolvedConfig& config) {
   find_parts(torso == nullptr ? std::nullopt : std::optional(torso->bone));
 }
 
-// Determines which rules belong to parts of the body that are aimed along lines.
+// Determines which rules belong to pelvis, torso and limbs, whose rotations may come from lines.
 void TargetBuilder::find_parts(std::optional<Bone> torso) {
   for (Rule& rule : rules_) {
     const Side side = side_of(rule.bone);
@@ -196,7 +196,7 @@ void TargetBuilder::add_rules(const ResolvedConfig& config) {
               .scale = 1.0,
               .position_offset = -ground,
               .bone_from_target = Eigen::Quaterniond::Identity()};
-    // Table 1 precedes table 2, even if it is not used.
+    // find_task() prefers table 1, even if it is not used.
     if (const ConfigTask* task = config.find_task(bone); task != nullptr && task->has_weight()) {
       rule.position_offset += task->position_offset;
       rule.bone_from_target = task->rotation_offset;

@@ -22,22 +22,21 @@
 
 namespace retarget {
 
-/// The transform of a human for a robot with a fixed base (Robot::fixed_base). The base represents
-/// the body part of the configuration's root bone. A base that represents the hips removes only
-/// their position and heading, so the trunk leans relative to the vertical. A base that represents
-/// the chest of an upper body removes the chest's whole rotation, so the arms move as they do
-/// relative to the chest.
+/// The transform of a human's poses for a robot with a fixed base (Robot::fixed_base). The base
+/// corresponds to the configuration's root bone. If that is the hips, the transform removes only
+/// their position and heading, so that the trunk still leans relative to the vertical. If it is the
+/// chest of an upper body, the transform removes the chest's full rotation, so that the arms move
+/// as they do relative to the chest.
 ///
-/// Let q be the root bone's world rotation and T its rotation for a human who stands facing +x. The
-/// reference frame is q T^-1; for the hips, only its rotation about the vertical. Poses in this
-/// frame are transferred unchanged to the frame in which the base has its own orientation when the
-/// human stands facing +x.
+/// Let q be the root bone's world rotation and T its rotation for a human who stands and faces +x.
+/// The reference frame has the rotation q T^-1; for the hips, only its rotation about the vertical.
+/// The transform maps this frame to the frame of a human who stands and faces +x, in which the base
+/// has its own orientation.
 class HeldBase {
  public:
   HeldBase(const Robot& robot, const ResolvedConfig& config);
 
-  /// Rotation that transforms the human's world poses of this frame to those that the robot
-  /// follows.
+  /// Rotation from the human's world poses in a frame to the poses that the robot follows.
   [[nodiscard]] Eigen::Quaterniond turn(const HumanPose& world_from_bone) const;
   /// Position of the base, to which the root bone is moved; world, metres.
   [[nodiscard]] const Eigen::Vector3d& place() const { return place_; }
@@ -50,7 +49,7 @@ class HeldBase {
   Eigen::Vector3d place_;
 };
 
-/// Returns nothing for a robot with a floating base.
+/// The transform for a robot; empty for a floating base.
 [[nodiscard]] std::optional<HeldBase> held_base(const Robot& robot, const ResolvedConfig& config);
 
 /// Transforms a human clip for a robot with a fixed base.
@@ -62,68 +61,72 @@ struct LimbAim {
   Eigen::Quaterniond lower = Eigen::Quaterniond::Identity();
 };
 
-/// Aims a human limb as if its elbow or knee were a hinge: the X axes of both bones point along the
-/// limb, their Z axes are perpendicular to the limb's plane. Human bones also rotate about their own axes at
-/// elbow and knee; a robot that followed these rotations would have to point its limbs elsewhere.
-/// The straighter the limb, the less its plane is defined, so the upper bone's own Z counts more.
-/// The hinge is along
+/// Rotations of a human limb's bones if its elbow or knee were a hinge: the X axes of both bones
+/// point along the limb, and their Z axes along the hinge, which is perpendicular to the limb's
+/// plane. Human bones also rotate about their own axes at elbow and knee. A robot that followed
+/// these rotations could not also follow the directions of the limb. A straight limb defines no
+/// plane, so the hinge also depends on the upper bone's own Z axis z:
 ///
 ///     n + (0.1 - min(0, n z)) z,    n = -(u x f)
 ///
-/// with the directions u and f of both bones and the upper bone's Z axis z.
+/// with the directions u and f of the two bones.
 ///
-/// Returns nothing for a limb without length.
 /// @param upper, lower, end  poses of the bones that begin at shoulder, elbow and wrist (hip, knee,
-///     ankle), with the axes of canonical_t_pose.
+///     ankle), with the axes of canonical_t_pose().
+/// @return empty for a limb without length.
 [[nodiscard]] std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower,
                                               const Pose& end);
 
-/// Computes target poses of robot bodies: human bones, scaled about the root and offset.
+/// Computes the target poses of robot bodies from the poses of human bones, which are scaled about
+/// the root and offset.
 ///
-/// For the bones of a frame (world poses, metres, Z up) and the scale s_b of a bone, which is its
-/// scale in the configuration times height / human_height_assumption (kNormalised: 1.75 m /
-/// human_height_assumption times 1.75 m / height):
+/// The poses of a frame are world poses, metres, Z up. The scale s_b of a bone is its scale in the
+/// configuration times height / human_height_assumption (for ScaleRule::kTable), or times
+/// 1.75 m / human_height_assumption * 1.75 m / height (for the other rules):
 ///   root:    p' = s_root p              (about the origin of the world)
 ///   others:  p' = s_root p_root + s_b (p - p_root)
 ///   all:     q' = q r_b,  p'' = p' + q' (o_b - [0, 0, ground_height])
-/// Here r_b and o_b are the offsets of table 1, also for the second pass; a bone that table 1 does
-/// not use has the offsets of table 2.
+/// Here r_b and o_b are the offsets of table 1, also for the second pass. Bones without a weight in
+/// table 1 have the offsets of table 2.
 ///
-/// Limb by limb, h is the middle of the human's hips, s of leg, trunk or arm is the robot's length
-/// over the human's, and c_b is the position of the bone's joint in the body that follows it:
+/// With limb scaling, h is the middle of the human's hips, s_leg, s_trunk and s_arm are the ratios
+/// of the robot's lengths to the human's, and c_b is the position of the bone's joint in the body
+/// that follows it:
 ///   h' = s_leg h + [0, 0, ankle height of the robot - s_leg times that of the human]
 ///   root:                      p' = h' - q' c
 ///   legs, trunk, neck, head:   p' = h' + s (p - h) - q' c
 ///   forearms and hands:        p' = h' + s_trunk (p_Arm - h) + s_arm (p - p_Arm) - q' c
-/// The ankles of the human stand at 0.0794 leg lengths (Drillis and Contini 1966). The last step is
-/// as above, but without o_b, which compensates for the scales of the table.
+/// The human's ankle height is 0.0794 leg lengths (Drillis and Contini 1966). The last step is as
+/// above, but without o_b, which compensates for the scales of the table.
 ///
-/// Limb by limb, a TrunkAim can determine the rotations of Hips and Spine2 instead, so that the
-/// robot's trunk leans as the human's. Arms then move with the robot's shoulders, by the vector
-/// from the s_trunk-scaled middle of the shoulders to the robot's. Each leg moves with its hip, by
-/// the vector from the s_leg-scaled hip to the robot's, because the widths of hips do not scale
-/// with leg lengths.
+/// With limb scaling, a TrunkAim can determine the rotations of Hips and Spine2, so that the
+/// robot's trunk leans like the human's. The targets of an arm are then shifted by the vector from
+/// the middle of the shoulders, scaled by s_trunk, to that of the robot. The targets of a leg are
+/// shifted by the vector from its hip, scaled by s_leg, to the robot's hip, because hip widths do
+/// not scale with leg lengths.
 ///
-/// For a robot with a fixed base, all targets are finally transformed by HeldBase, which places the
-/// root's target at the base.
+/// For a robot with a fixed base, HeldBase finally transforms all targets and moves the root's
+/// target to the base.
 class TargetBuilder {
  public:
+  /// Scales all bones about the root.
   /// @param height  height of the human, metres.
   TargetBuilder(const ResolvedConfig& config, double height, ScaleRule scale = ScaleRule::kTable);
   /// Scales limb by limb.
-  /// @param trunk  determines how pelvis and torso turn; without it, they turn as the bones that
-  ///     they follow.
+  /// @param trunk  determines the rotations of pelvis and torso; empty: the bones that they follow
+  ///     do.
   TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot, const LimbLengths& human,
                 std::optional<TrunkAim> trunk = std::nullopt);
 
-  /// Makes arms and legs turn as their bones. For the human of a robot: its elbows and knees are
-  /// hinges already, and its bones hold more information than the lines between joints.
+  /// Makes arms and legs take the rotations of their bones, instead of those of aim_limb(). For the
+  /// human of a robot: its elbows and knees are hinges, and its bones contain more information than
+  /// the lines between its joints.
   void keep_bones() { aims_limbs_ = false; }
 
   /// Transforms the targets for a robot with a fixed base.
   void hold(const HeldBase& base) { held_ = base; }
   [[nodiscard]] bool base_is_held() const { return held_.has_value(); }
-  /// Makes arms and legs point along the lines between their joints, as with a TrunkAim.
+  /// Makes arms and legs take the rotations of aim_limb(). A TrunkAim implies this.
   void aim_limbs(const ResolvedConfig& config);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
@@ -132,6 +135,8 @@ class TargetBuilder {
   /// Index of a bone's target; -1 if the bone has none.
   [[nodiscard]] int target_of(Bone bone) const;
 
+  /// Computes the targets of a frame.
+  /// @param world_from_bone    world poses of the bones, metres, Z up.
   /// @param world_from_target  target_count() poses; overwritten.
   void build(const HumanPose& world_from_bone, std::span<Pose> world_from_target) const;
 
@@ -140,9 +145,10 @@ class TargetBuilder {
   struct Rule {
     Bone bone;
     double scale;
-    std::optional<Bone> pivot = std::nullopt;  // Limb by limb: the upper arm of a forearm or hand.
+    // With limb scaling: the upper arm of a forearm or hand.
+    std::optional<Bone> pivot = std::nullopt;
     Part part = Part::kOther;
-    std::array<Bone, 3> limb{};  // For parts of limbs: bones from the limb's root outwards.
+    std::array<Bone, 3> limb{};  // For kUpperLimb and kLowerLimb: the limb's bones from its root.
     bool of_arm = false;
     double leg_side = 0.0;            // For parts of legs: +1 left, -1 right.
     Eigen::Vector3d position_offset;  // In the target's frame, minus the ground height; metres.
@@ -157,21 +163,21 @@ class TargetBuilder {
                                             const HumanPose& world_from_bone) const;
 
   std::vector<Rule> rules_;  // The root is first.
-  // Used only limb by limb.
+  // With limb scaling only.
   bool by_limbs_ = false;
-  bool aims_limbs_ = true;  // Only with a TrunkAim.
+  bool aims_limbs_ = true;  // Has an effect only after aim_limbs().
   double leg_scale_ = 1.0, trunk_scale_ = 1.0;
-  double lift_ = 0.0;  // Metres.
+  double lift_ = 0.0;  // Robot's ankle height minus the scaled human's, metres.
   std::optional<TrunkAim> trunk_;
   std::optional<HeldBase> held_;
 };
 
-/// Creates the targets of a human's clip for a scale rule.
+/// Makes the target builder of a human clip for a scale rule.
 ///
-/// Errors: a mapped bone that the clip lacks or, for kLimbs, bones needed to measure its limbs
-/// (kInput, without a file name); a robot whose limbs cannot be measured (kConfig).
-/// @param poses   called for single frames if limbs are measured.
-/// @param limits  range of the waist joints for kLines; null: the model's limits.
+/// Errors: the clip lacks a mapped bone or, with kLimbs, a bone that limb measurement requires
+/// (kInput, without a file name); the robot's limbs cannot be measured (kConfig).
+/// @param poses   called for some frames if limbs are measured.
+/// @param limits  joint ranges that limit the waist with kLines; null: the model's limits.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses, const Robot& robot,
                                                  const ResolvedConfig& config, ScaleRule scale,

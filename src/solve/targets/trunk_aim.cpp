@@ -18,9 +18,10 @@
 namespace retarget {
 namespace {
 
-constexpr double kAcrossWeight = 0.5;  // Weight of the residual; that of the chord is 1.
+// Weights of the residuals of the shoulder line and of the pelvis; that of the chord is 1.
+constexpr double kAcrossWeight = 0.5;
 constexpr double kPelvisWeight = 0.2;
-constexpr double kSpare = 0.05;  // Share of a joint's range kept free on either side.
+constexpr double kSpare = 0.05;  // Share of a joint's range that stays unused on either side.
 constexpr std::size_t kMaxJoints = 6;
 
 using Waist = RobotTrunk::Waist;
@@ -28,10 +29,11 @@ constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMaxJoints);
 using TrunkMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
 using TrunkVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
 
-// Solves for the pelvis rotation and the waist positions of one frame.
+// The least-squares problem of one frame in the pelvis rotation and the waist positions.
 class Search {
  public:
-  /// @param across  desired shoulder line; if empty, it turns with the chord.
+  // @param turn    the rotation R of TrunkAim.
+  // @param across  target of the shoulder line; empty: R s.
   Search(const RobotTrunk& robot, const Eigen::Matrix3d& turn,
          const std::optional<Eigen::Vector3d>& across, const Eigen::Quaterniond& hips)
       : robot_(robot),
@@ -44,7 +46,7 @@ class Search {
     }
   }
 
-  // Interface of LeastSquaresProblem.
+  // Members of LeastSquaresProblem.
   double cost() {
     update();
     return squared_error();
@@ -85,7 +87,7 @@ class Search {
 
 void Search::update() {
   const std::size_t count = robot_.waist.size();
-  // Starts at the torso, because a joint moves everything beyond it.
+  // Starts at the torso, because a joint moves all lines beyond it.
   Eigen::Vector3d chord = robot_.lines.chord;
   std::array<Eigen::Vector3d, kMaxJoints> levers;
   std::array<Eigen::Quaterniond, kMaxJoints> turns;
@@ -120,7 +122,7 @@ void Search::add(double weight, const Eigen::Vector3d& residual,
   right_.noalias() -= weight * weight * jacobian.transpose() * residual;
 }
 
-// Linearises over the pelvis's rotation vector (world axes) and the joint positions.
+// Linearises in the pelvis's rotation vector (world axes) and the joint positions.
 void Search::linearise() {
   const Eigen::Index size = this->size();
   normal_.setZero(size, size);
@@ -147,9 +149,10 @@ void Search::linearise() {
   add(kPelvisWeight, pelvis, jacobian);
 }
 
-// Holds joints that the step would move out of their ranges, one after the other. Unlike ActiveSet,
-// it releases none within a step: the next step starts with all joints free, so the final result is
-// the same, and the fixed-size arrays need no allocation per frame. Overwrites the system.
+// Adds joints that the step would move out of their ranges to the active set, one after the other.
+// Unlike ActiveSet, it releases none within a step. The next step starts with all joints free, so
+// that the final result is the same, and the fixed-size arrays need no allocation per frame.
+// Overwrites the system.
 std::optional<double> Search::solve(double damping) {
   std::array<bool, kMaxJoints> held{};
   normal_.diagonal().array() += damping;
@@ -197,8 +200,8 @@ TrunkAim::Aimed unknown_aim() {
   return {rotation, rotation, line, line};
 }
 
-// Appends the hinges among some degrees of freedom. On the way up from the pelvis, their axes are
-// reversed.
+// Appends the hinges among some degrees of freedom.
+// @param sign  -1 for joints between the common ancestor and the pelvis, whose axes are reversed.
 void add_waist(const Robot& robot, const LimitSet& limits, const TreeState& posed,
                const Eigen::Vector3d& hip_centre, std::span<const int> dofs, double sign,
                std::vector<Waist>& waist) {
@@ -242,7 +245,7 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedConfig& 
   trunk.world_from_pelvis = posed.world_from_body(pelvis).rotation;
   trunk.world_from_torso = posed.world_from_body(torso).rotation;
 
-  // The path runs from the pelvis up to the common carrier and down to the torso.
+  // The path leads from the pelvis inwards to the common ancestor, then outwards to the torso.
   const auto carriers = [&](int body) {
     return robot.tree().carriers(KinematicTree::dof_of(robot.tree().attachment(body).link));
   };
@@ -260,8 +263,8 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedConfig& 
 TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
                    const Eigen::Quaterniond& hips_to_pelvis)
     : robot_(std::move(robot)) {
-  // Rotates the zero configuration to the orientation that the configuration prescribes in the
-  // T-pose.
+  // Rotates the zero configuration so that its pelvis has the orientation that the retargeting
+  // configuration prescribes for the T-pose.
   const Eigen::Quaterniond t_pose(canonical_t_pose(Bone::kHips));
   const Eigen::Quaterniond turn =
       (t_pose * hips_to_pelvis * robot_.world_from_pelvis.conjugate()).normalized();
@@ -298,7 +301,7 @@ std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) c
   Search search(robot_, *frame * standing_from_world_,
                 of_robot_ ? std::optional(lines.across) : std::nullopt,
                 world_from_bone[Bone::kHips].rotation.normalized() * t_pose.conjugate());
-  // Takes the full step in every iteration. If one is not finite, the solver stops at once.
+  // Takes full steps without a line search. Stops at a step that is not finite.
   constexpr LeastSquaresPolicy kPolicy{.max_steps = 12,
                                        .initial_damping = 1e-9,
                                        .shrink = 1.0,

@@ -14,8 +14,7 @@ namespace {
 
 constexpr double kMinLineLength = 1e-6;  // Metres; also used for a sine.
 constexpr double kDegree = 0.017453292519943295;
-// Bend of the spine at which a clip's spine begins to count as naturally bent, and at which it
-// fully does.
+// Bends of the spine at which standing_trunk_lines() applies none and all of its rotation.
 constexpr double kStraightSpine = 3.0 * kDegree;
 constexpr double kCurvedSpine = 10.0 * kDegree;
 
@@ -25,7 +24,7 @@ Eigen::Quaterniond turn_from_t_pose(const HumanPose& world_from_bone, Bone bone)
   return world_from_bone[bone].rotation.normalized() * t_pose.conjugate();
 }
 
-// A human's trunk as a chain of bones, whose pieces have the same length in every frame.
+// A human's trunk as a chain of bones with constant lengths.
 class TrunkChain {
  public:
   explicit TrunkChain(const HumanClipInfo& human) {
@@ -39,7 +38,7 @@ class TrunkChain {
     }
   }
 
-  /// Transforms the lines of the bones in a frame to those of the T-pose.
+  // The lines that the bones of a frame have in the T-pose.
   [[nodiscard]] TrunkLines in_t_pose(const HumanPose& bones) const {
     const Eigen::Vector3d hips =
         0.5 * (bones[Bone::kLeftUpLeg].translation + bones[Bone::kRightUpLeg].translation);
@@ -64,14 +63,14 @@ class TrunkChain {
     return {0.5 * (ends[0] + ends[1]), ends[0] - ends[1]};
   }
 
-  /// Angle by which the upper end of the spine is bent forward relative to the lower end, radians.
+  // Forward bend of the upper end of the spine relative to the lower end, radians.
   [[nodiscard]] double bend(const HumanPose& bones) const {
     const Eigen::Vector3d up = turn_from_t_pose(bones, spine_.front()).conjugate() *
                                (turn_from_t_pose(bones, spine_.back()) * Eigen::Vector3d::UnitZ());
     return portable::atan2(up.x(), up.z());
   }
 
-  /// Whether hips and trunk are within 26 degrees of the vertical.
+  // Whether hips and trunk lean from the vertical by less than 26 degrees.
   [[nodiscard]] bool is_upright(const HumanPose& bones) const {
     constexpr double kUpright = 0.9;
     const Eigen::Vector3d chord = trunk_lines(bones).chord;
@@ -135,7 +134,8 @@ TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSourc
     sum.chord += lines.chord;
     sum.across += lines.across;
     bends.push_back(chain.bend(bones));
-    // Frames in which the human bends over, sits or lies hardly determine the standing posture.
+    // Excludes frames in which the human bends over, sits or lies: they say little about its
+    // stance.
     if (chain.is_upright(bones)) upright.push_back(bends.back());
     ++frames;
   }

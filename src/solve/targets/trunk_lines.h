@@ -17,24 +17,24 @@ struct TrunkLines {
 };
 
 /// The lines of a human in a frame, world axes.
-/// @param world_from_bone  only UpLeg and Arm are read.
+/// @param world_from_bone  reads only UpLeg and Arm.
 [[nodiscard]] TrunkLines trunk_lines(const HumanPose& world_from_bone);
 
-/// The rotation world_from_trunk: z along the chord, y to the left as close to the shoulder line as
-/// possible. Returns nothing if the lines are too short or parallel.
+/// The rotation world_from_trunk with z along the chord and y as close to the shoulder line as
+/// possible. Empty if the lines are too short or parallel.
 [[nodiscard]] std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines);
 
-/// The lines of a human who stands straight, in the axes of the canonical T-pose (x forward, y
-/// left, z up). The lines of a frame are compared with them.
+/// The lines of a human's trunk while it stands straight, in the axes of the canonical T-pose (x
+/// forward, y left, z up). They are the reference for the lines of a frame.
 ///
-/// They are derived from the T-pose, which removes differences between skeletons in the placement
-/// of hip and shoulder joints. However, the straight spine of a T-pose is not a natural stance. If
-/// a clip's spine bends as a human's does (fully from 10 degrees between Hips and Spine2 in the
-/// lower quartile of the frames with upright hips and trunk, not at all below 3 degrees), a chord
-/// that leans back in the T-pose is rotated to the vertical. For a robot, the T-pose is used
-/// unchanged.
+/// They come from the T-pose, which removes differences between skeletons in the positions of hip
+/// and shoulder joints. A T-pose has a straight spine, which is not a natural stance. In clips with
+/// a naturally curved spine, a chord that leans back in the T-pose is therefore rotated to the
+/// vertical. The measure of the curvature is the lower quartile of the angle between Hips and
+/// Spine2 over frames with upright hips and trunk: no rotation below 3 degrees, the full rotation
+/// above 10 degrees. The lines of a robot's human are those of its T-pose.
 /// @pre the human has Hips, and UpLeg and Arm on both sides.
-/// @param poses  called for about a hundred frames at most.
+/// @param poses  called for at most about a hundred frames.
 [[nodiscard]] TrunkLines standing_trunk_lines(const HumanClipInfo& human,
                                               const HumanPoseSource& poses);
 
