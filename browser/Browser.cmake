@@ -26,6 +26,8 @@ target_include_directories(retarget PUBLIC include PRIVATE src)
 # As in the other builds: no contraction, so that the bytes of motions are the same.
 target_compile_options(retarget PUBLIC -ffp-contract=off)
 target_compile_definitions(retarget PUBLIC EIGEN_MAX_ALIGN_BYTES=16 FMT_HEADER_ONLY=1)
+# WASI has no process identifiers, so the engine links a constant one. Without this definition, the header warns of it.
+target_compile_definitions(retarget PRIVATE _WASI_EMULATED_GETPID)
 target_compile_features(retarget PUBLIC cxx_std_20)
 target_include_directories(retarget SYSTEM PRIVATE ${RETARGET_MUJOCO_HEADERS})
 include(cmake/Ufbx.cmake)

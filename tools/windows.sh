@@ -16,7 +16,7 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=${JOBS:-$(nproc)}
 build=$root/build/windows
 readonly kModules=(base batch bvh fit formats ik io live math motion scene smpl stream)
-# Tests of the command line that also describe the tool on Windows: they use no signals, links or native libraries.
+# Tests of the command line that also describe the tool on Windows. Those with @needs_posix are skipped there.
 readonly kCommandTests=(bad_input conversions edit evaluate motion_files not_finite run trainer_formats)
 cd -- "$root"
 
@@ -57,8 +57,10 @@ pack() {
 }
 
 run_tests() {
-  local wine module failed=() wrapper=$build/wine-retarget native
+  local wine module failed=() wrapper=$build/wine-retarget native python
   native=$(realpath "${RETARGET_TOOL:-$(native_tool)}")
+  # Most tests of formats need its numpy.
+  python=$("$root/tools/setup.sh" --print-python)
   wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
   # Use a separate Wine prefix, without messages of Wine.
   export WINEPREFIX=$build/wine WINEDEBUG=-all HOME=$build/home WINEPATH="Z:${build//\//\\}"
@@ -76,17 +78,17 @@ run_tests() {
   chmod +x "$wrapper"
   say "the wheel"
   rm -rf -- "$build/installed"
-  "$("$root/tools/setup.sh" --print-python)" -m pip install --quiet --disable-pip-version-check --no-deps --no-index \
+  "$python" -m pip install --quiet --disable-pip-version-check --no-deps --no-index \
     --platform win_amd64 --only-binary :all: --target "$build/installed" "$build"/retarget-*-win_amd64.whl
   "$wine" "$build/installed/bin/retarget.exe" data/walk.bvh g1 -o "$build/wheel.csv" --quiet || failed+=(wheel)
   "$native" data/walk.bvh g1 -o "$build/native.csv" --quiet
   cmp "$build/wheel.csv" "$build/native.csv" || failed+=(wheel)
   say "the tool in its package, against $native"
-  python3 tests/windows/wine_checks.py "$native" "$wrapper" || failed+=(wine_checks)
+  "$python" tests/windows/wine_checks.py "$native" "$wrapper" || failed+=(wine_checks)
   for module in "${kCommandTests[@]}"; do
     say "tests of the command line: $module"
-    RETARGET_TOOL=$wrapper RETARGET_HARDENED=OFF PYTHONDONTWRITEBYTECODE=1 \
-      python3 "tests/cli/${module}_test.py" || failed+=("cli.$module")
+    RETARGET_TOOL=$wrapper RETARGET_TOOL_SYSTEM=windows RETARGET_HARDENED=OFF PYTHONDONTWRITEBYTECODE=1 \
+      "$python" "tests/cli/${module}_test.py" || failed+=("cli.$module")
   done
   [ ${#failed[@]} -eq 0 ] || {
     say "failed: ${failed[*]}"

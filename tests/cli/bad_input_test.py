@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from tool import SOURCE, TOOL, ToolTest, sample
+from tool import SOURCE, TOOL, ToolTest, needs_posix, sample
 
 
 class BadInput(ToolTest):
@@ -136,6 +136,7 @@ class Devices(ToolTest):
 
 
 class Outputs(ToolTest):
+    @needs_posix
     def test_permissions_are_kept(self):
         out = self.write("out.csv", "old\n")
         out.chmod(0o600)
@@ -145,6 +146,7 @@ class Outputs(ToolTest):
             out.chmod(0o400)
             self.assert_fails(self.retarget(), 1, "out.csv", "ermission")
 
+    @needs_posix
     def test_an_ignored_interrupt_stays_ignored(self):
         ignore = lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)
         process = subprocess.Popen([TOOL, "--bvh", sample("walk"), "--robot", "unitree_g1",
@@ -159,17 +161,22 @@ class Outputs(ToolTest):
     def test_full_disk(self):
         self.assert_fails(self.retarget(output="/dev/full"), 1, "/dev/full", "No space left")
 
+    @needs_posix
     def test_file_size_limit(self):
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
         result = self.retarget(preexec_fn=limit)
         self.assert_fails(result, 1, "out.csv", "File too large")
         self.assertEqual(self.files(), [])
 
-    def test_failed_run_keeps_the_old_file(self):
+    @needs_posix
+    def test_failed_write_keeps_the_old_file(self):
         old = self.write("out.csv", "old\n")
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
         self.assert_fails(self.retarget(preexec_fn=limit), 1)
         self.assertEqual(old.read_text(), "old\n")
+
+    def test_failed_run_keeps_the_old_file(self):
+        old = self.write("out.csv", "old\n")
         self.assert_fails(self.retarget(bvh="missing.bvh"), 3)
         self.assertEqual(old.read_text(), "old\n")
 
@@ -184,6 +191,7 @@ class Outputs(ToolTest):
         (self.folder / "folder").mkdir()
         self.assert_fails(self.retarget(output="folder"), 2, "folder")
 
+    @needs_posix
     def test_an_interrupt_leaves_no_files(self):
         # Long enough to be still running when the signal arrives.
         head, rows = sample("wave").read_text().split("Frame Time:", 1)

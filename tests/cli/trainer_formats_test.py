@@ -9,7 +9,7 @@ import unittest
 
 from formats_test import BREADTH_FIRST, G1
 from motion_formats import GOLDEN, FormatsTest
-from tool import SHARED, needs_shared, sample
+from tool import SHARED, needs_posix, needs_shared, sample
 from torch_writer import torch_bytes
 
 try:
@@ -384,12 +384,15 @@ class Batches(FormatsTest):
 
 
 class BadFiles(FormatsTest):
-    def test_folders_appear_complete_or_not_at_all(self):
+    @needs_posix
+    def test_a_failed_write_leaves_no_folder(self):
         small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
         result = self.run_tool("convert", GOLDEN / "walk.csv", "walk", "--robot", "unitree_g1",
                                "--format", "csv-sonic", preexec_fn=small)
         self.assert_fails(result, 1, "cannot write the file")
         self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_folders_appear_complete_or_not_at_all(self):
         self.write("walk/mine.txt", "keep me")
         result = self.convert(GOLDEN / "walk.csv", "walk", "--format", "csv-sonic")
         self.assert_fails(result, 2, "mine.txt")
