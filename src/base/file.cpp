@@ -120,8 +120,12 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
   Reader reader{standard_input ? os::kStandardInput : os::open_file(path, os::OpenFor::kReading),
                 !standard_input};
   if (reader.descriptor < 0) return read_failure(kind, path, errno);
-  const auto info = os::status_of(reader.descriptor);
-  if (!info) return read_failure(kind, path, errno);
+  auto info = os::status_of(reader.descriptor);
+  if (!info) {
+    if (!standard_input) return read_failure(kind, path, errno);
+    // Wine reads a file as standard input, but does not describe it.
+    info.emplace();
+  }
   if (info->kind == os::EntryKind::kFolder) return read_failure(kind, path, EISDIR);
   // A device such as /dev/zero may never end.
   if (info->kind == os::EntryKind::kDevice && !standard_input) {

@@ -180,6 +180,7 @@ class EvaluateCommand(ToolTest):
         self.assertNotIn("root_jerk_p99", result.stdout)
         self.assertRegex(self.evaluate(self.good, "--all").stdout, r"\n +root_jerk_p99 +m/s")
 
+    @tool.needs_posix  # Wine writes escape sequences of its own to a terminal.
     def test_colours_are_for_terminals(self):
         def shown(**environment):
             leader, follower = os.openpty()

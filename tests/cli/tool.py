@@ -27,9 +27,9 @@ SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
 
 needs_shared = unittest.skipUnless(
     (SHARED / "data").is_dir(), "no folder of shared data: set RETARGET_SHARED to run this test")
-# tools/windows.sh tests the program for Windows, which has no signals, limits or permissions of POSIX.
+# tools/windows.sh tests the program for Windows, which has no signals, limits, permissions or terminals of POSIX.
 needs_posix = unittest.skipIf(
-    os.environ.get("RETARGET_TOOL_SYSTEM") == "windows", "signals, limits or permissions of POSIX")
+    os.environ.get("RETARGET_TOOL_SYSTEM") == "windows", "signals, limits, permissions or terminals of POSIX")
 
 
 @functools.cache
