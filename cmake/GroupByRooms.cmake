@@ -7,7 +7,6 @@ set(retarget_hot_wings "base motion scene" "solve rig" robot)
 set(retarget_levels -O3 -O1)
 if(RETARGET_QUICK_START)
   # Larger units at lower levels: the same bytes, but slower runs.
-  # The largest unit comes first, because ninja starts them in this order.
   set(retarget_unity_wings solve "human judge" "app robot" "base motion scene view" formats edit)
   set(retarget_hot_wings "base motion scene view" solve)
   set(retarget_levels -O1 -Og)
@@ -23,6 +22,8 @@ function(retarget_group_by_rooms target)
   endif()
   foreach(wings IN LISTS retarget_unity_wings)
     string(REPLACE " " "|" pattern "${wings}")
+    # The number decides the order in which ninja starts the units. The quick build takes 149 s instead of 134 s if its
+    # largest unit starts last.
     list(FIND retarget_unity_wings "${wings}" place)
     string(REPLACE " " "_" name "${place}_${wings}")
     set(files ${ARGN})

@@ -153,8 +153,8 @@ struct FitOptions {
   double foot_height_far = 40.0;   ///< The same for a foot `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight =
-      900.0;  ///< Weight of the distance from heel or toe to its anchor, per metre.
+  /// Weight of the distance from heel or toe to its anchor, per metre.
+  double contact_weight = 900.0;
   /// Weight of the height of a heel or toe in contact above its surface, per metre.
   double contact_height_weight = 400.0;
   /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per

@@ -36,8 +36,8 @@ struct SimulationReport {
   MeanAndP95 body_cm;            ///< Error of body positions in the world, centimetres.
   bool knows_torque_limits = false;  ///< Whether the limit of at least one joint is known.
   double torque_limit_pct = 0.0;     ///< Share of the time with a torque at its limit, %.
-  double torque_p99_ratio =
-      0.0;                 ///< 99th percentile of the largest ratio of a torque to its limit.
+  /// 99th percentile of the largest ratio of a torque to its limit.
+  double torque_p99_ratio = 0.0;
   double slip_cm_s = 0.0;  ///< Mean horizontal speed of sole points on the floor, cm/s.
   int unsolved_steps = 0;  ///< Number of control steps with an unsolved QP, which apply no torque.
 };

@@ -10,8 +10,8 @@ namespace retarget {
 /// A point that defines an end of a robot's limb.
 struct LimbEnd {
   int body = 0;  ///< Index into Robot::bodies().
-  Eigen::Vector3d body_from_joint =
-      Eigen::Vector3d::Zero();  ///< Position in the body frame, metres.
+  /// Position in the body frame, metres.
+  Eigen::Vector3d body_from_joint = Eigen::Vector3d::Zero();
 };
 
 /// Directions of a limb of the human and of the robot by frame; world axes, not normalised. A

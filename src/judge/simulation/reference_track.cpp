@@ -63,18 +63,17 @@ using Eigen::Vector3d;
 
 // Thresholds below which the contact of a point is planned, for a robot of a G1's size.
 constexpr double kPlannedHeight = 0.005;  // Metres above the floor, or above the lowest point.
-constexpr double kLowestHeight =
-    0.03;  // Height of the lowest point above which the body flies, metres.
+// Height of the lowest point above which the body flies, metres.
+constexpr double kLowestHeight = 0.03;
 constexpr double kPlannedSpeed = 0.35;  // Metres per second.
 // Thresholds if these find no contact and the body does not fall, because heels strike and toes
 // push off at higher speeds.
 constexpr double kLooseHeight = 0.02, kLooseSpeed = 0.7;
-constexpr double kBorne =
-    0.35;  // Smallest required vertical force of a body that does not fall, share
-           // of the weight.
+// Smallest required vertical force of a body that does not fall, share of the weight.
+constexpr double kBorne = 0.35;
 
-constexpr double kLeastHeld = 0.2;  // Smallest vertical force for a zero-moment point, share of the
-                                    // weight.
+// Smallest vertical force for a zero-moment point, share of the weight.
+constexpr double kLeastHeld = 0.2;
 constexpr double kSoleShare = 0.8;  // Scale of the support polygon that the motion may use.
 
 Vector6d difference(const Pose& from, const Pose& to) {

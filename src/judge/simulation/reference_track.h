@@ -71,8 +71,8 @@ struct ReferenceState {
 
   MotionState motion;
   Eigen::Vector3d com = Eigen::Vector3d::Zero(), com_velocity = com, com_acceleration = com;
-  Eigen::Vector3d shift_velocity =
-      com;  ///< Part of com_velocity that comes from balancing_shift().
+  /// Part of com_velocity that comes from balancing_shift().
+  Eigen::Vector3d shift_velocity = com;
   /// Angular momentum about the centre of mass, kg m^2/s, and its rate.
   Eigen::Vector3d momentum = com, momentum_rate = com;
   std::vector<FootMotion> feet;  ///< By FootFrame.

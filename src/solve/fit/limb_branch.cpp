@@ -13,8 +13,8 @@ namespace retarget {
 namespace {
 
 constexpr int kSeeds = 24;  // Number of start configurations of a search.
-constexpr double kBetter =
-    0.5;  // Share of stuck_cost() that another configuration must not exceed.
+// Share of stuck_cost() that another configuration must not exceed.
+constexpr double kBetter = 0.5;
 // Largest joint speed in a change of branches, rad/s.
 constexpr double kBlendingSpeed = 7.0;
 constexpr double kMeet = 0.02;      // Largest joint difference of equal branches, rad.

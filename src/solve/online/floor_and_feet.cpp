@@ -103,8 +103,8 @@ double FloorFinder::add(std::span<const TrackedFoot> feet) {
 
 namespace {
 
-constexpr double kMaxShift =
-    0.03;  // Largest shift of a target, metres; beyond it, the foot is released.
+// Largest shift of a target, metres; beyond it, the foot is released.
+constexpr double kMaxShift = 0.03;
 // Time constants of applying a shift, of releasing it, and of moving the root to the floor;
 // seconds.
 constexpr double kEaseTime = 0.04, kReleaseTime = 0.1, kSettleTime = 0.08;
