@@ -263,7 +263,8 @@ int open_file(const std::string& path, OpenFor purpose) {
       break;
   }
   if (is_folder(name)) {
-    errno = EISDIR;
+    // As POSIX: a new file needs an unused name.
+    errno = purpose == OpenFor::kCreating ? EEXIST : EISDIR;
     return -1;
   }
   const HANDLE handle = ::CreateFileW(name.c_str(), access, kSharing, nullptr, creation,

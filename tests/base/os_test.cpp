@@ -89,6 +89,9 @@ TEST_F(OsTest, OpensForItsPurpose) {
   folder_.write("a", "text");
   EXPECT_LT(os::open_file(at("a"), os::OpenFor::kCreating), 0);
   EXPECT_EQ(errno, EEXIST);
+  ASSERT_EQ(os::make_folder(at("folder")), 0);
+  EXPECT_LT(os::open_file(at("folder"), os::OpenFor::kCreating), 0);
+  EXPECT_EQ(errno, EEXIST);
   const int descriptor = os::open_file(at("a"), os::OpenFor::kAppending);
   ASSERT_GE(descriptor, 0);
   EXPECT_EQ(os::seek_end(descriptor), 4);

@@ -8,7 +8,7 @@ import pathlib
 import pickle
 import unittest
 
-from tool import SOURCE, ToolTest, difference, read_rows, sample, short_clip
+from tool import SOURCE, ToolTest, difference, needs_posix, read_rows, sample, short_clip
 
 GOLDEN = SOURCE / "tests" / "golden" / "walk.csv"
 G1 = ("--robot", "unitree_g1")
@@ -280,6 +280,7 @@ class Names(ToolTest):
         self.assert_done(self.run_tool("convert", GOLDEN, "z.pickle", *G1, "--format", "pkl-gmr"))
         self.assertEqual(self.files(), ["x.NPZ", "y.csv", "y.mjlab.npz", "z.pickle"])
 
+    @needs_posix
     def test_names_that_are_not_utf8(self):
         clip = os.fsdecode(b"bad\xff clip.bvh")
         self.write(clip, short_clip("wave", 3))
