@@ -20,6 +20,10 @@ prints those of several robots side by side: the fit `--without dynamics` -> the
 prints the tables of docs/robots.md, "On the samples" and "On walks": the fits of all robots. The former needs no
 other data.
 
+    tools/quality_tables.py --tool ... --before OLD --robots A,B
+
+prints one table per robot of all clips: the fit of the program OLD -> the fit of --tool, both measured by the latter.
+
 FOLDER has lafan1/, lafan1_cuts/ and dialects/ with BVH files, smpl/, and unitree_g1_csv/ with published motions. The
 default is $RETARGET_SHARED/data. lafan1/ is from github.com/ubisoft/ubisoft-laforge-animation-dataset. The published
 motions are `g1/` of the data set LAFAN1_Retargeting_Dataset that Unitree shares on Hugging Face. Neither is part of this
@@ -39,7 +43,8 @@ FIGURES = {"jumps": 0, "joint_at_limit_pct": 1, "fast_3pi_pct": 1, "speed_limit_
            "root_jerk_mean": 0, "foot_pen_1cm_pct": 1, "body_pen_1cm_pct": 1, "float_planted_pct": 1,
            "contact_slip_mean": 4, "contact_drift_p95_cm": 2, "contact_height_p50_cm": 2,
            "contact_agreement_pct": 1, "self_1cm_pct": 1, "flights": 0, "flight_peak_max_cm": 1,
-           "track_pos_cm": 1, "track_rot_deg": 1, "limb_angle_deg": 1, "trunk_lean_error_deg": 1}
+           "track_pos_cm": 1, "track_rot_deg": 1, "limb_angle_deg": 1, "fast_arm_pct": 0, "fast_leg_pct": 0,
+           "root_bounce_pct": 0, "arm_jolts": 0, "trunk_lean_error_deg": 1}
 MEANS = ["limb_angle_deg", "trunk_lean_error_deg", "root_jerk_mean", "acc_p99", "contact_slip_mean",
          "self_all_1cm_pct", "body_pen_1cm_pct", "flight_peak_max_cm", "jumps"]
 SAMPLES = ["walk", "turn_in_place", "squat", "wave", "get_up"]
@@ -49,11 +54,15 @@ WALKS = {"lafan1_cuts/walk1_subject1_walk.bvh": "LAFAN1", "dialects/cmu_daz_03_0
          "dialects/soma_walk_forward_120fps.bvh": "SOMA", "smpl/smpl_walk.npz": "SMPL"}
 NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root", "slimevr_hmd_root",
              "geno_stance", "soma_zero_frame0"}
+SMPL = {".npz", ".npy", ".pt", ".pkl"}
 DYNAMICS = {"dynamics_bad_pct": 1, "limb_angle_deg": 2, "track_pos_cm": 2, "com_acc_p99": 1,
             "root_jerk_mean": 0, "stance_slip_mean": 4, "torque_over_pct": 1}
 SIDE_BY_SIDE = ["dynamics_bad_pct", "torque_over_pct"]
+BEFORE = {"limb_angle_deg": 2, "fast_arm_pct": 0, "fast_leg_pct": 0, "root_bounce_pct": 0, "root_jerk_mean": 1,
+          "acc_p99": 0, "arm_jolts": 0, "joint_at_limit_pct": 1, "dynamics_bad_pct": 1, "torque_over_pct": 1,
+          "stance_slip_mean": 4, "stance_drift_p95_cm": 2, "support_slip_mean": 3, "support_height_p95_cm": 1}
 # Methods and the options that run them; None: Unitree's published motion of the clip.
-METHODS = {"fit": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
+METHODS = {"fit": (), "before": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
            "as-published": ("--ik-config", "published", "--scale", "table"), "published": None}
 METHOD_TITLES = {"published": "published data", "gmr": "`--method gmr`",
                  "without-dynamics": "fit `--without dynamics`", "fit": "fit"}
@@ -83,12 +92,13 @@ class Clips:
     def __init__(self, folder=None):
         self.folder = folder
         found = {"samples": [DATA / f"{name}.bvh" for name in SAMPLES], "lafan1": [], "cuts": [],
-                 "skeletons": [], "walks": []}
+                 "skeletons": [], "walks": [], "smpl": []}
         if folder:
             found["lafan1"] = sorted((folder / "lafan1").glob("*.bvh"))
             found["cuts"] = sorted((folder / "lafan1_cuts").glob("*.bvh"))
             found["skeletons"] = [clip for clip in sorted((folder / "dialects").glob("*.bvh"))
                                   if clip.stem not in NO_HUMANS]
+            found["smpl"] = [clip for clip in sorted((folder / "smpl").glob("*")) if clip.suffix in SMPL]
             found["walks"] = [folder / name for name in WALKS if (folder / name).exists()]
         self.sets = found
 
@@ -112,8 +122,10 @@ class Clips:
 class Reports:
     """Reports of motions, each measured once. `measure` measures the reports requested since its last call."""
 
-    def __init__(self, tool, clips, jobs=None, may_measure=lambda clip, robot: True, seconds=None):
+    def __init__(self, tool, clips, jobs=None, may_measure=lambda clip, robot: True, seconds=None,
+                 before=None):
         self.tool, self.clips, self.jobs, self.may_measure = tool, clips, jobs, may_measure
+        self.before = before
         self.part = ["--end", str(seconds)] if seconds else []
         self.known, self.wanted = {}, set()
 
@@ -137,12 +149,18 @@ class Reports:
         options = ["--dynamics"] if dynamics else []
         with tempfile.TemporaryDirectory() as folder:
             report = os.path.join(folder, "report.json")
-            if METHODS[method] is None:
+            if METHODS[method] is None or method == "before":
                 motion = self.clips.published(clip)
-                if motion is None:
+                if method == "before":
+                    motion = os.path.join(folder, "out.csv")
+                    subprocess.run([self.before, clip, robot, "-o", motion, "-q", *self.part],
+                                   capture_output=True, check=False)
+                else:
+                    options += ["--gate", "none"]
+                if motion is None or not os.path.exists(motion):
                     return None
                 command = [self.tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json",
-                           report, "--gate", "none", *self.part, *options]
+                           report, *self.part, *options]
             else:
                 command = [self.tool, clip, robot, "-o", os.path.join(folder, "out.csv"), "--report",
                            report, "-q", *METHODS[method], *self.part, *options]
@@ -266,6 +284,31 @@ def side_by_side_table(reports, robots, clips, name):
     return table
 
 
+def before_table(reports, robot):
+    """Returns a table with one row per clip, and one of means: before -> now."""
+    clips = [clip for clips in reports.clips.sets.values() for clip in clips]
+    clips = list(dict.fromkeys(clips))
+    pairs = [(reports.get(clip, robot, "before", True), reports.get(clip, robot, "fit", True))
+             for clip in clips]
+    table = Table("clip", [*(f"`{name}`" for name in BEFORE), "missed gates"])
+    pairs = [(clip, a, b) for clip, (a, b) in zip(clips, pairs) if None not in (a, b)]
+    if any(SKIPPED in pair for pair in pairs):
+        return table
+    for clip, *pair in pairs:
+        cells = []
+        for name, digits in BEFORE.items():
+            numbers = [value(report, name) for report in pair]
+            cells.append("-" if None in numbers
+                         else " -> ".join(f"{number:.{digits}f}" for number in numbers))
+        missed = [", ".join(missed_gates(report)) or "none" for report in pair]
+        cells.append(missed[0] if missed[0] == missed[1] else " -> ".join(missed))
+        table.rows[clip.stem] = cells
+    count = [str(sum(len(missed_gates(pair[i])) for _, *pair in pairs)) for i in (0, 1)]
+    table.rows["mean"] = [*(mean_cell([pair for _, *pair in pairs], name) for name in BEFORE),
+                          " -> ".join(count)]
+    return table
+
+
 def tables_of(reports, args):
     """Returns (title, table) of the requested tables, in the order of the page."""
     clips = reports.clips.sets
@@ -273,6 +316,8 @@ def tables_of(reports, args):
     if args.all_robots:
         return [("On the samples:", robots_table(reports, clips["samples"])),
                 *([("On walks:", robots_table(reports, clips["walks"]))] if clips["walks"] else [])]
+    if args.before:
+        return [(f"`{robot}`:", before_table(reports, robot)) for robot in robots]
     if args.dynamics:
         whole = clips["lafan1"] + clips["cuts"] + clips["samples"]
         if args.side_by_side:
@@ -303,12 +348,15 @@ def main():
     parser.add_argument("--seconds", type=float, help="measure only the first seconds of each clip")
     parser.add_argument("--all-robots", action="store_true",
                         help="print the tables of docs/robots.md")
+    parser.add_argument("--before", metavar="OLD",
+                        help="print all clips, with this earlier program -> with --tool")
     parser.add_argument("--robots", default="unitree_g1")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
     if args.data is None and not args.all_robots:
         parser.error("--data FOLDER is needed")
-    reports = Reports(args.tool, Clips(args.data), args.jobs, seconds=args.seconds)
+    reports = Reports(args.tool, Clips(args.data), args.jobs, seconds=args.seconds,
+                      before=args.before)
     tables_of(reports, args)
     reports.measure()
     for title, table in tables_of(reports, args):

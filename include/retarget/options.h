@@ -191,11 +191,14 @@ struct FitOptions {
   double smoothness_arm = 2.15;    ///< The same for arms.
   double smoothness_wrist = 1.65;  ///< The same for wrists.
   /// The same for the root's position, per m/s; see smoothness_root_reference.
-  double smoothness_root_position = 60.0;
+  double smoothness_root_position = 72.0;
   /// Share of the low-passed target's accelerations that the root may have without a cost.
   double smoothness_root_reference = 1.0;
   double smoothness_root_rotation = 4.0;  ///< As smoothness_leg, for the root's rotation.
   double smoothing_time = 0.013;  ///< Approximate time constant of the velocity smoothing, seconds.
+  /// The same for arms and legs out of contact. There, changes of acceleration have the cost, so that
+  /// limbs may turn round as fast as the human's. 0: as for other joints.
+  double limb_smoothing_time = 0.019;
 
   // Options of `dynamics`, for the size and mass of a G1.
   /// Weight of the distance from the centre of mass to its planned position, per metre.
@@ -206,7 +209,7 @@ struct FitOptions {
   double sole_shrink = 0.15;      ///< Share by which contact points move to the middle of a sole.
 
   double soft_joint_speed = 8.4;  ///< Soft speed limit, rad/s.
-  double speed_weight = 6.5;      ///< Weight of a speed above soft_joint_speed, per rad/s.
+  double speed_weight = 8.0;      ///< Weight of a speed above soft_joint_speed, per rad/s.
   double max_joint_speed = 14.4;  ///< Hard speed limit in addition to the joint's own, rad/s.
   double max_joint_step = 0.48;   ///< Hard limit of the change between two frames, rad.
 

@@ -82,8 +82,8 @@ def test_the_preset_for_policies(walk: retarget.Clip, g1: retarget.Robot) -> Non
     assert preset.qpos.tobytes() != calm.qpos.tobytes()
     # Given options of the fit take precedence, even with their default values.
     given = {"smoothness_leg": 1.75, "smoothness_arm": 2.15, "smoothness_wrist": 1.65,
-             "smoothness_root_position": 60.0, "smoothness_root_reference": 1.0,
-             "smoothness_root_rotation": 4.0}
+             "smoothness_root_position": 72.0, "smoothness_root_reference": 1.0,
+             "smoothness_root_rotation": 4.0, "limb_smoothing_time": 0.019}
     usual = retarget.to_robot(walk, g1, for_="tracking", travel=1, end=2, fit=given)
     assert usual.qpos.tobytes() == retarget.to_robot(walk, g1, end=2).qpos.tobytes()
 

@@ -82,6 +82,8 @@ constexpr auto kMetricLabels = std::to_array<std::pair<std::string_view, std::st
     {"root_slide_mean", "Root path drift speed"},
     {"root_bounce_pct", "Root bounce preserved"},
     {"lag_s", "Delay"},
+    {"fast_arm_pct", "Speed of fast arms preserved"},
+    {"fast_leg_pct", "Speed of fast legs preserved"},
     {"joint_offset_rad", "Constant joint offset"},
     {"finger_angle_deg", "Finger angle error"},
     {"driven_finger_angle_deg", "Finger angle error, moving fingers"},

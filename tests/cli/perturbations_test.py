@@ -15,6 +15,7 @@ ROOT = 7  # columns of the root: place and quaternion (x, y, z, w)
 WAIST_YAW, WAIST_ROLL, WAIST_PITCH = 12, 13, 14  # joints of a G1
 LEFT_SHOULDER_PITCH = 15
 LEFT_HIP_PITCH, LEFT_ELBOW, RIGHT_WRIST_YAW = 0, 18, 28
+LEGS, ARMS = range(12), range(15, 29)
 
 
 def lifted(rows, metres):
@@ -73,6 +74,16 @@ def gliding(rows, frames):
         around = heights[max(0, i - frames):i + frames + 1]
         means.append(sum(around) / len(around))
     return [[*row[:2], mean, *row[3:]] for row, mean in zip(rows, means)]
+
+
+def drawling(rows, joints, frames):
+    """These joints averaged over this many frames on either side."""
+    changed = [list(row) for row in rows]
+    for i, row in enumerate(changed):
+        around = rows[max(0, i - frames):i + frames + 1]
+        for joint in joints:
+            row[ROOT + joint] = sum(near[ROOT + joint] for near in around) / len(around)
+    return changed
 
 
 def swaying(rows, joint, radians, hertz):
@@ -169,7 +180,9 @@ class Perturbations(ToolTest):
     def test_walking(self):
         # The other clips hardly bounce.
         self.check(sample("walk"), PERTURBATIONS | OF_STANDING | JOLT | {
-            "glides": (lambda rows: gliding(rows, 4), {"root_bounce_pct"})})
+            "glides": (lambda rows: gliding(rows, 4), {"root_bounce_pct"}),
+            "drawls with its arms": (lambda rows: drawling(rows, ARMS, 10), {"fast_arm_pct"}),
+            "drawls with its legs": (lambda rows: drawling(rows, LEGS, 10), {"fast_leg_pct"})})
 
     def test_waving(self):
         # In a clip with standing feet, stances alone do not show a slide.

@@ -1,6 +1,7 @@
 """`--time-scale`: slower motions, what they keep, reports, sidecars and what refuses it."""
 
 import json
+import math
 import unittest
 
 from tool import ToolTest, read_rows, sample
@@ -72,7 +73,8 @@ class Auto(TimeScaleTest):
             return max((bound["largest"] for bound in report["fit"]["bounded"]), default=0.0)
 
         self.assertGreater(cut_off(fast), 0.1)  # Limits cut off the movement, rad.
-        self.assertLess(cut_off(slow), 0.03)
+        # Distortions of up to three degrees need no slower pace.
+        self.assertLess(cut_off(slow), math.radians(3.0))
         scale = slow["time_scale"]
         self.assertTrue(scale["stretches"])
         self.assertIn("speed", scale["stretches"][0]["cause"])

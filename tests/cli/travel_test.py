@@ -117,7 +117,7 @@ class Preset(TravelTest):
         smoother = {f"smoothness_{part}": 2 * weight
                     for part, weight in (("leg", 1.75), ("arm", 2.15), ("wrist", 1.65))}
         root = {"smoothness_root_position": 40.0, "smoothness_root_reference": 0.0,
-                "smoothness_root_rotation": 8.0}
+                "smoothness_root_rotation": 8.0, "limb_smoothing_time": 0.0}
         self.write("fit.json", json.dumps({**smoother, **root}))
         self.assertEqual(self.run_walk("c.csv", *fast, "--fit-config", "fit.json", "--without",
                                        "dynamics"), without)

@@ -1,10 +1,7 @@
-// Gradients and Hessians of the terms of one frame, and of the steps between frames, against
-// finite differences of their costs, on the G1 in random configurations.
+// Gradients and Hessians of the terms of one frame against finite differences of their costs, on the
+// G1 in random configurations.
 
 #include <gtest/gtest.h>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <numeric>
@@ -18,8 +15,6 @@
 #include "scene/scene_world.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/frame_terms.h"
-#include "solve/fit/joint_speeds.h"
-#include "solve/fit/root_reference.h"
 #include "solve/targets/targets.h"
 #include "support/test_robots.h"
 
@@ -324,114 +319,6 @@ TEST_F(FrameTermsTest, LimitMarginGradientMatchesTheCost) {
     EXPECT_GT(share < 0.5 ? -gradient : gradient, 0.0);
     // The curvature bounds that of the cost.
     EXPECT_GE(curvature, 0.5 * (more - 2.0 * here + less) / (kStep * kStep) - 1.0);
-  }
-}
-
-TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
-  FitClip clip;
-  clip.frame_count = 6;
-  clip.frame_time = 1.0 / 60.0;
-  for (int frame = 0; frame < clip.frame_count; ++frame) {
-    const auto qpos = random_configuration(0.2, 0.8);
-    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
-    for (std::size_t i = 0; i < model_.tasks.size(); ++i) {
-      clip.targets.push_back({Vector3d::Random(), Eigen::Quaterniond::Identity()});
-    }
-  }
-  // The smoothed steps count as constant: the gradient of the minimised cost is the same.
-  const auto cost = [&] {
-    JointSpeeds speeds(model_, options_, clip.frame_time);
-    speeds.update(model_, clip, 0, clip.frame_count);
-    return speeds;
-  };
-  const JointSpeeds speeds = cost();
-  std::vector<StepTerm> terms(dofs_);
-  const RootReference reference(model_, clip.frame_time);
-  ASSERT_TRUE(reference.exists());
-  constexpr int kFrame = 2;
-  // The height of the root, and a joint.
-  for (const std::size_t dof : {2U, 20U}) {
-    SCOPED_TRACE(dof);
-    speeds.terms(kFrame - 1, terms);
-    double gradient = terms[dof].force;
-    speeds.terms(kFrame, terms);
-    gradient -= terms[dof].force;
-    // Independent computation: the steps of the degree of freedom, for the root relative to the
-    // reference, smoothed by a dense solution of the same least-squares problem.
-    const auto address =
-        dof < 6 ? dof : static_cast<std::size_t>(model_.tree.links()[dof - 5].qpos_address);
-    const auto total = [&](double change) {
-      Eigen::VectorXd v(clip.frame_count - 1);
-      for (int t = 0; t + 1 < clip.frame_count; ++t) {
-        const auto value = [&](int frame) {
-          return clip.frame(frame, model_.configuration_size)[address] +
-                 (frame == kFrame ? change : 0.0);
-        };
-        v[t] = value(t + 1) - value(t);
-        if (dof < 3) v[t] -= reference.step(clip, t)[static_cast<Eigen::Index>(dof)];
-      }
-      const auto count = v.size();
-      Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
-      for (Eigen::Index i = 0; i + 1 < count; ++i) {
-        d(i, i) = -1.0;
-        d(i, i + 1) = 1.0;
-      }
-      const double lambda =
-          options_.smoothing_time * options_.smoothing_time / (clip.frame_time * clip.frame_time);
-      const Eigen::MatrixXd system =
-          Eigen::MatrixXd::Identity(count, count) + lambda * d.transpose() * d;
-      const Eigen::VectorXd s = system.inverse() * v;
-      const double weight = model_.smoothness[dof] / clip.frame_time;
-      double sum = weight * weight * ((v - s).squaredNorm() + lambda * (d * s).squaredNorm());
-      if (dof < 6) return sum;
-      for (const double step : v) {
-        const double soft = options_.soft_joint_speed * clip.frame_time;
-        const double excess = std::max(0.0, std::abs(step) - soft);
-        sum += options_.speed_weight * options_.speed_weight * excess * excess /
-               (clip.frame_time * clip.frame_time);
-      }
-      return sum;
-    };
-    constexpr double kStep = 1e-6;
-    EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
-                1e-4 * std::abs(gradient) + 1e-3);
-  }
-}
-
-TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
-  FitClip clip;
-  clip.frame_count = 9;
-  clip.targets.resize(9 * model_.tasks.size());
-  for (int frame = 0; frame < clip.frame_count; ++frame) {
-    const auto qpos = random_configuration(0.2, 0.8);
-    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
-  }
-  for (const double fps : {24.0, 30.0, 120.0}) {
-    FitOptions options;
-    options.speed = false;
-    use(options);
-    clip.frame_time = 1.0 / fps;
-    JointSpeeds speeds(model_, options_, clip.frame_time);
-    speeds.update(model_, clip, 0, clip.frame_count);
-    std::vector<StepTerm> terms(dofs_);
-    speeds.terms(3, terms);
-    // The remaining cost of a joint's steps after the smoothed steps have followed them.
-    const Eigen::Index count = clip.frame_count - 1;
-    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
-    for (Eigen::Index i = 0; i + 1 < count; ++i) {
-      d(i, i) = -1.0;
-      d(i, i + 1) = 1.0;
-    }
-    const double lambda = options_.smoothing_time * options_.smoothing_time * fps * fps;
-    const Eigen::MatrixXd l = lambda * d.transpose() * d;
-    const double weight = model_.smoothness[20] * fps;
-    const Eigen::MatrixXd curvature =
-        weight * weight * l * (Eigen::MatrixXd::Identity(count, count) + l).inverse();
-    const double largest =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues().maxCoeff();
-    EXPECT_GE(terms[20].weight, largest) << fps;
-    // The bound is tight enough: steps must not be too short.
-    EXPECT_LT(terms[20].weight, 1.1 * largest) << fps;
   }
 }
 

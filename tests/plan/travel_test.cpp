@@ -195,6 +195,8 @@ TEST(Preset, EqualsItsOptions) {
   const FitOptions usual;
   FitOptions chosen = fit_of(for_tracking());
   EXPECT_DOUBLE_EQ(chosen.smoothness_root_reference, 0.0);
+  EXPECT_DOUBLE_EQ(chosen.smoothness_root_position, 40.0);
+  EXPECT_DOUBLE_EQ(chosen.limb_smoothing_time, 0.0);
   EXPECT_DOUBLE_EQ(chosen.smoothness_root_rotation, 2.0 * usual.smoothness_root_rotation);
   const double smoother = chosen.smoothness_leg / usual.smoothness_leg;
   EXPECT_GE(smoother, 2.0);

@@ -118,6 +118,11 @@ OptionTable motion_table(FitOptions& o) {
       number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
       number(kGroup, "smoothing_time", o.smoothing_time,
              "Seconds; velocities are smoothed over about this time", 0.0, 10.0),
+      number(
+          kGroup, "limb_smoothing_time", o.limb_smoothing_time,
+          "Seconds; the same for arms and legs out of contact, where changes of acceleration have "
+          "the cost; 0: as for other joints",
+          0.0, 10.0),
       number(kGroup, "soft_joint_speed", o.soft_joint_speed, "rad/s; faster joints are slowed down",
              kAbove0, kMaxWeight, "speed_soft"),
       number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above soft_joint_speed"),

@@ -38,13 +38,14 @@ struct WeightFactor {
 };
 
 // docs/fit.md, "Motions for policies", has the measurements.
-constexpr std::array<WeightFactor, 6> kTrackingFactors = {
+constexpr std::array<WeightFactor, 7> kTrackingFactors = {
     {{"smoothness_leg", &FitOptions::smoothness_leg, 2.0},
      {"smoothness_arm", &FitOptions::smoothness_arm, 2.0},
      {"smoothness_wrist", &FitOptions::smoothness_wrist, 2.0},
-     {"smoothness_root_position", &FitOptions::smoothness_root_position, 2.0 / 3.0},
+     {"smoothness_root_position", &FitOptions::smoothness_root_position, 5.0 / 9.0},
      {"smoothness_root_reference", &FitOptions::smoothness_root_reference, 0.0},
-     {"smoothness_root_rotation", &FitOptions::smoothness_root_rotation, 2.0}}};
+     {"smoothness_root_rotation", &FitOptions::smoothness_root_rotation, 2.0},
+     {"limb_smoothing_time", &FitOptions::limb_smoothing_time, 0.0}}};
 
 // Whether a member of the fit's options was given, also with its default value.
 bool is_given(const SolveOptions& options, const char* name) {

@@ -242,6 +242,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "maximises the correlation of their angular rates. For clips of at least one second with limb "
      "movement.",
      kOwn},
+    {"fast_arm_pct", "%",
+     "Angular speed of the robot's upper arms and forearms over 0.1 s, relative to the human's, in "
+     "the fastest 2 % of the frames of each of the human's, without frames in which the floor may "
+     "constrain it. For clips of at least one second with arms faster than 2 rad/s.",
+     kOwn},
+    {"fast_leg_pct", "%", "The same for thighs and shins.", kOwn},
     {"joint_offset_rad", "rad",
      "Constant offset of a joint that, subtracted from this joint alone in all frames, brings the "
      "limbs that it carries closest to the human's; largest over joints. If the same joint of both "

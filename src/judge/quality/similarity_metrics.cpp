@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "judge/quality/report_parts.h"
@@ -119,6 +122,36 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
   const double bend = before - 2.0 * correlations[at] + after;
   const double part = bend < 0.0 ? 0.5 * (before - after) / bend : 0.0;
   return (lag + part) / fps;
+}
+
+std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, double fps) {
+  // Longer than the snap of a marker or of a wrong pose, which a robot need not follow.
+  constexpr double kStepSeconds = 0.1, kShortest = 1.0;
+  constexpr double kFastShare = 0.02;
+  constexpr double kSlow = 2.0;  // rad/s
+  const auto step = static_cast<std::size_t>(std::max(1L, std::lround(kStepSeconds * fps)));
+  double of_human = 0.0, of_robot = 0.0;
+  std::vector<std::pair<double, double>> speeds;  // Human, robot.
+  for (const LimbDirections& limb : limbs) {
+    if (static_cast<double>(limb.human.size()) < kShortest * fps) continue;
+    speeds.clear();
+    for (std::size_t i = step; i < limb.human.size(); ++i) {
+      if (!limb.is_free(i) || !limb.is_free(i - step)) continue;
+      const double per_second = fps / static_cast<double>(step);
+      speeds.emplace_back(per_second * angle_between(limb.human[i - step], limb.human[i]),
+                          per_second * angle_between(limb.robot[i - step], limb.robot[i]));
+    }
+    const auto count =
+        static_cast<std::ptrdiff_t>(std::ceil(kFastShare * static_cast<double>(speeds.size())));
+    std::ranges::partial_sort(speeds, speeds.begin() + count, std::greater());
+    for (const auto& [human, robot] : std::span(speeds).first(static_cast<std::size_t>(count))) {
+      if (human < kSlow) continue;
+      of_human += human;
+      of_robot += robot;
+    }
+  }
+  if (of_human == 0.0) return std::nullopt;
+  return of_robot / of_human;
 }
 
 std::optional<double> root_slide(const std::vector<Eigen::Vector3d>& found,

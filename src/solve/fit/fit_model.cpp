@@ -96,14 +96,19 @@ int ModelMaker::link_of_bone(Bone bone) const {
   return body < 0 ? KinematicTree::kWorld : attachment(body).link;
 }
 
-// An arm is the chain that carries one hand but not the other; a wrist is its part beyond the
-// forearm.
+// An arm is the chain that carries one hand, or one forearm of a robot without hands, but not the
+// other; a wrist is its part beyond the forearm.
 void ModelMaker::add_smoothness() {
   const auto& o = options_;
   model_.smoothness.assign(model_.dof_count(), o.smoothness_leg);
   std::fill_n(model_.smoothness.begin(), 3, o.smoothness_root_position);
   std::fill_n(model_.smoothness.begin() + 3, 3, o.smoothness_root_rotation);
-  const int left = link_of_bone(Bone::kLeftHand), right = link_of_bone(Bone::kRightHand);
+  const auto end_of_arm = [&](Bone hand, Bone forearm) {
+    const int link = link_of_bone(hand);
+    return link > 0 ? link : link_of_bone(forearm);
+  };
+  const int left = end_of_arm(Bone::kLeftHand, Bone::kLeftForeArm);
+  const int right = end_of_arm(Bone::kRightHand, Bone::kRightForeArm);
   const auto mark = [&](int hand, int other, int forearm) {
     bool wrist = forearm > 0 && model_.tree.carries(forearm, hand);
     for (int link = hand; link > 0 && !model_.tree.carries(link, other); link = parent(link)) {

@@ -268,6 +268,7 @@ FitOptions smoother_in_scene(FitOptions options) {
   options.smoothness_leg *= kJoints;
   options.smoothness_arm *= kJoints;
   options.smoothness_wrist *= kJoints;
+  options.limb_smoothing_time = 0.0;
   return options;
 }
 

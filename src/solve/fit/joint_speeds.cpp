@@ -15,6 +15,14 @@ constexpr double kLimitShare = 0.9;
 // Factor for the smoothness weight of the root's position if there is no RootReference: the term
 // then penalises the accelerations themselves.
 constexpr double kWithoutReference = 0.4;
+// Seconds before and after a contact of an arm in which it counts as in contact. A hand that
+// approaches the floor with changing acceleration moves the whole body.
+constexpr double kArmMargin = 0.3;
+
+// Largest eigenvalue of K (1 + K)^-1 if that of K is `largest`.
+double majorant(double largest) {
+  return largest / (1.0 + largest);
+}
 
 // The change from one configuration to the next, by degree of freedom: root translation in metres,
 // rotation vector in the root's axes, joint positions.
@@ -37,7 +45,8 @@ JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, doubl
       root_share_(root_.exists() ? options.smoothness_root_reference : 0.0),
       speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
       smoothing_(square(options.smoothing_time / frame_time)),
-      stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
+      stiffness_(majorant(4.0 * smoothing_)),
+      limb_smoothing_(square(square(options.limb_smoothing_time / frame_time))) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
     const double share = i < 3 && !root_.exists() ? kWithoutReference : 1.0;
     const double weight = share * model.smoothness[i] / frame_time;
@@ -50,6 +59,22 @@ JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, doubl
     if (hinge)
       soft_step_.back() = std::min(soft_step_.back(), kLimitShare * options.max_joint_step);
   }
+  if (limb_smoothing_ <= 0.0) return;
+  for (const FitLimb& limb : find_limbs(model)) limbs_.push_back(limb_of(model, limb, frame_time));
+}
+
+JointSpeeds::Limb JointSpeeds::limb_of(const FitModel& model, const FitLimb& limb,
+                                       double frame_time) {
+  Limb found;
+  for (const int link : limb.links) found.dofs.push_back(KinematicTree::dof_of(link));
+  for (std::size_t i = 0; i < model.feet.size(); ++i) {
+    if (model.tree.carries(limb.link, model.feet[i].link)) found.feet.push_back(i);
+  }
+  for (std::size_t i = 0; i < model.supports.size(); ++i) {
+    if (model.tree.carries(limb.link, model.supports[i].link)) found.supports.push_back(i);
+  }
+  found.margin = limb.is_arm ? static_cast<int>(std::lround(kArmMargin / frame_time)) : 0;
+  return found;
 }
 
 void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, int last) {
@@ -86,12 +111,56 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
     const double factor = factors_[static_cast<std::size_t>(i)];
     for (std::size_t j = 0; j < dofs; ++j) s[j] -= factor * s[j + dofs];
   }
+  for (Limb& limb : limbs_) smooth(limb, clip, count);
+}
+
+bool JointSpeeds::touches(const Limb& limb, const FitClip& clip, int frame) {
+  const auto ends = clip.feet.ends_of(frame);
+  for (const std::size_t foot : limb.feet) {
+    if (2 * foot + 1 >= ends.size()) continue;
+    if (ends[2 * foot + kHeelEnd].phase >= 0 || ends[2 * foot + kToeEnd].phase >= 0) return true;
+  }
+  const auto goals = clip.feet.supports_of(frame);
+  return std::ranges::any_of(limb.supports, [&](std::size_t support) {
+    return support < goals.size() && goals[support].phase >= 0;
+  });
+}
+
+void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
+  smoother_.reset(count);
+  bool was_in_contact = false;
+  // The next frame to look at, and the last one that touches.
+  int next = std::max(0, first_ + 1 - limb.margin), last_touch = next - limb.margin - 1;
+  // The difference of steps i - 1 and i is the acceleration in this frame.
+  for (int i = 1; i < count; ++i) {
+    const int frame = first_ + i;
+    for (; next < clip.frame_count && next <= frame + limb.margin; ++next) {
+      if (touches(limb, clip, next)) last_touch = next;
+    }
+    const bool in_contact = last_touch >= frame - limb.margin;
+    if (in_contact) {
+      smoother_.add(i - 1, smoothing_, {-1.0, 1.0});
+    } else if (i > 1 && !was_in_contact) {
+      smoother_.add(i - 2, limb_smoothing_, {1.0, -2.0, 1.0});
+    }
+    was_in_contact = in_contact;
+  }
+  limb.stiffness.resize(at(count));
+  for (int i = 0; i < count; ++i) limb.stiffness[at(i)] = majorant(smoother_.bound(i));
+  smoother_.factorise();
+  smoother_.solve(steps_.data(), smooth_.data(), smooth_weight_.size(), limb.dofs);
 }
 
 void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
   const double *v = row(steps_, frame), *s = row(smooth_, frame);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     terms[i] = {stiffness_ * smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
+  }
+  for (const Limb& limb : limbs_) {
+    const double stiffness = limb.stiffness[at(frame - first_)];
+    for (const int dof : limb.dofs) terms[at(dof)].weight = stiffness * smooth_weight_[at(dof)];
+  }
+  for (std::size_t i = 0; i < terms.size(); ++i) {
     const double soft = soft_step_[i];
     if (std::abs(v[i]) <= soft) continue;
     terms[i].weight += speed_weight_;

@@ -4,9 +4,11 @@
 #include <vector>
 
 #include "retarget/options.h"
+#include "solve/fit/banded_smoother.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/frame_terms.h"
+#include "solve/fit/limb_solver.h"
 #include "solve/fit/root_reference.h"
 
 namespace retarget {
@@ -34,6 +36,11 @@ struct StepTerm {
 /// accelerations with the weight (w T)^2. Its matrix couples distant frames. No eigenvalue of L
 /// exceeds 4, so (w / dt)^2 4 l / (1 + 4 l) times the identity is an upper bound of the matrix. The
 /// bound couples only consecutive frames, and with it every step lowers the cost (majorisation).
+///
+/// For the joints of arms and legs, s minimises |v - s|^2 + (T / dt)^4 |D D s|^2, with another T.
+/// The term then penalises changes of acceleration, and a limb may turn round as fast as the
+/// human's. Touchdown and lift-off of a limb are such changes, and a limb that carries the body must
+/// not tremble: while a part of a limb is in contact, its differences are of first order as above.
 class JointSpeeds {
  public:
   JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time);
@@ -46,6 +53,18 @@ class JointSpeeds {
   void add_costs(int frame, TermCosts& costs) const;
 
  private:
+  // The smoothing of one limb.
+  struct Limb {
+    std::vector<int> dofs;
+    std::vector<std::size_t> feet, supports;  // Of the model, in this limb.
+    int margin;  // Frames before and after a contact in which the limb counts as in contact.
+    std::vector<double> stiffness;  // By step, like stiffness_.
+  };
+
+  [[nodiscard]] static Limb limb_of(const FitModel& model, const FitLimb& limb, double frame_time);
+  [[nodiscard]] static bool touches(const Limb& limb, const FitClip& clip, int frame);
+  void smooth(Limb& limb, const FitClip& clip, int count);
+
   [[nodiscard]] const double* row(const std::vector<double>& values, int frame) const {
     return values.data() + static_cast<std::size_t>(frame - first_) * smooth_weight_.size();
   }
@@ -57,6 +76,9 @@ class JointSpeeds {
   double speed_weight_;                // (u / dt)^2.
   double smoothing_;                   // (T / dt)^2.
   double stiffness_;                   // 4 l / (1 + 4 l).
+  double limb_smoothing_;              // (T / dt)^4 of limbs.
+  std::vector<Limb> limbs_;
+  BandedSmoother smoother_;
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
 };

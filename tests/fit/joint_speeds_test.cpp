@@ -1,0 +1,321 @@
+// The smoothness and speed terms of the steps between frames against dense solutions of the same
+// least-squares problems, on the G1 in random configurations.
+
+#include "solve/fit/joint_speeds.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include "retarget/human.h"
+#include "retarget/so3.h"
+#include "solve/fit/banded_smoother.h"
+#include "solve/fit/root_reference.h"
+#include "solve/targets/targets.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kTime = 0.013;  // Seconds; the time constant of all other joints.
+constexpr double kLimbTime = 0.019;
+
+// Contacts of a limb by frame, including its margin; empty: none.
+using Contacts = std::vector<bool>;
+
+// The matrix K of a smoothing: s minimises |v - s|^2 + s'K s.
+MatrixXd first_differences(Index count, double time, double fps) {
+  MatrixXd d = MatrixXd::Zero(count - 1, count);
+  for (Index i = 0; i + 1 < count; ++i) {
+    d(i, i) = -1.0;
+    d(i, i + 1) = 1.0;
+  }
+  return std::pow(time * fps, 2) * d.transpose() * d;
+}
+
+MatrixXd limb_smoothing(Index count, double fps, const Contacts& contacts = {}) {
+  const auto carries = [&](Index frame) {
+    return !contacts.empty() && contacts[static_cast<std::size_t>(frame)];
+  };
+  MatrixXd k = MatrixXd::Zero(count, count);
+  for (Index i = 1; i < count; ++i) {
+    VectorXd row = VectorXd::Zero(count);
+    if (carries(i)) {
+      row.segment(i - 1, 2) << -1.0, 1.0;
+      k += std::pow(kTime * fps, 2) * row * row.transpose();
+    } else if (i > 1 && !carries(i - 1)) {
+      row.segment(i - 2, 3) << 1.0, -2.0, 1.0;
+      k += std::pow(kLimbTime * fps, 4) * row * row.transpose();
+    }
+  }
+  return k;
+}
+
+// (w / dt)^2 K (1 + K)^-1: the smoothness term's matrix after s follows v.
+MatrixXd remaining(const MatrixXd& k) {
+  return k * (MatrixXd::Identity(k.rows(), k.cols()) + k).inverse();
+}
+
+class JointSpeedsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    robot_ = load_g1();
+    config_ = published_config(*robot_);
+    const TargetBuilder targets(config_, 1.75);
+    for (const Bone bone : kAllBones) target_of_bone_[bone] = targets.target_of(bone);
+    use(FitOptions{});
+  }
+
+  void use(const FitOptions& options) {
+    options_ = options;
+    model_ = make_fit_model(*robot_, config_, robot_->model_limits(), target_of_bone_, options_);
+    dofs_ = static_cast<std::size_t>(model_.dof_count());
+  }
+
+  // A clip of random configurations without contacts.
+  void make_clip(int frames, double fps) {
+    clip_ = {};
+    clip_.frame_count = frames;
+    clip_.frame_time = 1.0 / fps;
+    std::normal_distribution<double> normal;
+    for (int frame = 0; frame < frames; ++frame) {
+      std::vector<double> qpos = robot_->zero_configuration();
+      for (std::size_t k = 0; k < 3; ++k) qpos[k] += 0.2 * normal(random_);
+      const Eigen::Quaterniond turn =
+          exp_so3(0.2 * Vector3d(normal(random_), normal(random_), normal(random_)));
+      qpos[3] = turn.w();
+      qpos[4] = turn.x();
+      qpos[5] = turn.y();
+      qpos[6] = turn.z();
+      for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.2 * normal(random_);
+      clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
+      for (std::size_t i = 0; i < model_.tasks.size(); ++i) {
+        clip_.targets.push_back({0.3 * Vector3d(normal(random_), normal(random_), normal(random_)),
+                                 Eigen::Quaterniond::Identity()});
+      }
+    }
+    clip_.feet.foot_count = static_cast<int>(model_.feet.size());
+    clip_.feet.ends.resize(2 * model_.feet.size() * static_cast<std::size_t>(frames));
+    clip_.feet.support_count = static_cast<int>(model_.supports.size());
+    clip_.feet.supports.resize(model_.supports.size() * static_cast<std::size_t>(frames));
+  }
+
+  [[nodiscard]] JointSpeeds speeds() const {
+    JointSpeeds speeds(model_, options_, clip_.frame_time);
+    speeds.update(model_, clip_, 0, clip_.frame_count);
+    return speeds;
+  }
+
+  [[nodiscard]] std::size_t dof_of(std::string_view joint) const {
+    for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+      const int index = model_.tree.links()[link].joint;
+      if (robot_->joints()[static_cast<std::size_t>(index)].name == joint) return 5 + link;
+    }
+    ADD_FAILURE() << joint;
+    return 0;
+  }
+
+  // Steps of a degree of freedom after one of its values has changed; for the root's position
+  // relative to the reference.
+  [[nodiscard]] VectorXd steps_of(std::size_t dof, int changed = 0, double change = 0.0) const {
+    const auto address =
+        dof < 6 ? dof : static_cast<std::size_t>(model_.tree.links()[dof - 5].qpos_address);
+    const RootReference reference(model_, clip_.frame_time);
+    VectorXd v(clip_.frame_count - 1);
+    for (int t = 0; t + 1 < clip_.frame_count; ++t) {
+      const auto value = [&](int frame) {
+        return clip_.frame(frame, model_.configuration_size)[address] +
+               (frame == changed ? change : 0.0);
+      };
+      v[t] = value(t + 1) - value(t);
+      if (dof < 3) v[t] -= reference.step(clip_, t)[static_cast<Index>(dof)];
+    }
+    return v;
+  }
+
+  // Compares the forces on all steps of a joint with those of a dense solution.
+  void expect_forces(std::size_t dof, const MatrixXd& k) const {
+    const VectorXd wanted =
+        std::pow(model_.smoothness[dof] / clip_.frame_time, 2) * remaining(k) * steps_of(dof);
+    const JointSpeeds found = speeds();
+    std::vector<StepTerm> terms(dofs_);
+    for (int t = 0; t + 1 < clip_.frame_count; ++t) {
+      found.terms(t, terms);
+      EXPECT_NEAR(terms[dof].force, wanted[t], 1e-9 * wanted.norm()) << t;
+    }
+  }
+
+  // Expects the diagonal matrix of all steps' weights to bound the term's matrix from above.
+  void expect_bound(std::size_t dof, const MatrixXd& k) const {
+    const MatrixXd curvature =
+        std::pow(model_.smoothness[dof] / clip_.frame_time, 2) * remaining(k);
+    const JointSpeeds found = speeds();
+    std::vector<StepTerm> terms(dofs_);
+    VectorXd weights(curvature.rows());
+    for (int t = 0; t + 1 < clip_.frame_count; ++t) {
+      found.terms(t, terms);
+      weights[t] = terms[dof].weight;
+    }
+    const MatrixXd gap = MatrixXd(weights.asDiagonal()) - curvature;
+    const double least = Eigen::SelfAdjointEigenSolver<MatrixXd>(gap).eigenvalues().minCoeff();
+    EXPECT_GE(least, -1e-9 * weights.maxCoeff());
+    // The bound is tight enough: steps must not be too short.
+    EXPECT_LT(least, 0.15 * weights.maxCoeff());
+  }
+
+  std::shared_ptr<const Robot> robot_;
+  ResolvedConfig config_;
+  BoneArray<int> target_of_bone_{-1};
+  FitOptions options_;
+  FitModel model_;
+  FitClip clip_;
+  std::size_t dofs_ = 0;
+  std::mt19937 random_{7};
+};
+
+TEST_F(JointSpeedsTest, GradientMatchesTheCost) {
+  make_clip(9, 60.0);
+  constexpr int kFrame = 4;
+  const Index count = clip_.frame_count - 1;
+  const struct {
+    std::size_t dof;
+    MatrixXd k;
+  } cases[] = {
+      {2U, first_differences(count, kTime, 60.0)},
+      {dof_of("waist_yaw_joint"), first_differences(count, kTime, 60.0)},
+      {dof_of("left_elbow_joint"), limb_smoothing(count, 60.0)},
+      {dof_of("right_knee_joint"), limb_smoothing(count, 60.0)},
+  };
+  const JointSpeeds found = speeds();
+  for (const auto& [dof, k] : cases) {
+    SCOPED_TRACE(dof);
+    std::vector<StepTerm> terms(dofs_);
+    found.terms(kFrame - 1, terms);
+    double gradient = terms[dof].force;
+    found.terms(kFrame, terms);
+    gradient -= terms[dof].force;
+    // The smoothed steps count as constant: the gradient of the minimised cost is the same.
+    const auto total = [&](double change) {
+      const VectorXd v = steps_of(dof, kFrame, change);
+      const VectorXd s = (MatrixXd::Identity(count, count) + k).inverse() * v;
+      const double weight = model_.smoothness[dof] / clip_.frame_time;
+      double sum = weight * weight * ((v - s).squaredNorm() + s.dot(k * s));
+      for (const double step : v) {
+        const double soft = options_.soft_joint_speed * clip_.frame_time;
+        const double excess = dof < 6 ? 0.0 : std::max(0.0, std::abs(step) - soft);
+        sum += std::pow(options_.speed_weight * excess / clip_.frame_time, 2);
+      }
+      return sum;
+    };
+    constexpr double kStep = 1e-6;
+    EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
+                1e-4 * std::abs(gradient) + 1e-3);
+  }
+}
+
+TEST_F(JointSpeedsTest, HessianMajorisesTheCost) {
+  FitOptions options;
+  options.speed = false;
+  use(options);
+  for (const double fps : {24.0, 30.0, 120.0}) {
+    SCOPED_TRACE(fps);
+    make_clip(30, fps);
+    const Index count = clip_.frame_count - 1;
+    expect_bound(dof_of("waist_yaw_joint"), first_differences(count, kTime, fps));
+    expect_bound(dof_of("left_elbow_joint"), limb_smoothing(count, fps));
+    expect_bound(dof_of("right_knee_joint"), limb_smoothing(count, fps));
+  }
+}
+
+TEST_F(JointSpeedsTest, LimbsInContactAreSmoothedByFirstDifferences) {
+  FitOptions options;
+  options.speed = false;
+  use(options);
+  make_clip(60, 30.0);
+  const Index count = clip_.frame_count - 1;
+  // The left hand is on the floor in frames 20 to 24, the right toe in frames 10 to 14.
+  for (int frame = 0; frame < clip_.frame_count; ++frame) {
+    for (std::size_t i = 0; i < model_.supports.size(); ++i) {
+      if (kSupportBones[model_.supports[i].support] != Bone::kLeftHand) continue;
+      auto& goal =
+          clip_.feet.supports[static_cast<std::size_t>(frame) * model_.supports.size() + i];
+      goal.phase = frame >= 20 && frame < 25 ? 0 : -1;
+    }
+    for (std::size_t i = 0; i < model_.feet.size(); ++i) {
+      if (model_.feet[i].left) continue;
+      auto& goal =
+          clip_.feet.ends[2 * (static_cast<std::size_t>(frame) * model_.feet.size() + i) + kToeEnd];
+      goal.phase = frame >= 10 && frame < 15 ? 1 : -1;
+    }
+  }
+  Contacts arm(60, false), leg(60, false);
+  // An arm also counts as in contact 0.3 s before and after.
+  for (std::size_t frame = 11; frame < 34; ++frame) arm[frame] = true;
+  for (std::size_t frame = 10; frame < 15; ++frame) leg[frame] = true;
+  for (const char* joint : {"left_shoulder_pitch_joint", "left_wrist_yaw_joint"}) {
+    SCOPED_TRACE(joint);
+    const MatrixXd k = limb_smoothing(count, 30.0, arm);
+    expect_forces(dof_of(joint), k);
+    expect_bound(dof_of(joint), k);
+  }
+  expect_forces(dof_of("right_elbow_joint"), limb_smoothing(count, 30.0));
+  expect_forces(dof_of("left_knee_joint"), limb_smoothing(count, 30.0));
+  const MatrixXd k = limb_smoothing(count, 30.0, leg);
+  expect_forces(dof_of("right_ankle_roll_joint"), k);
+  expect_bound(dof_of("right_ankle_roll_joint"), k);
+}
+
+TEST(BandedSmoother, EqualsADenseSolution) {
+  constexpr int kCount = 12;
+  constexpr std::size_t kStride = 3;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  MatrixXd a = MatrixXd::Identity(kCount, kCount);
+  BandedSmoother smoother;
+  smoother.reset(40);
+  smoother.reset(kCount);
+  for (int i = 0; i + 1 < kCount; ++i) {
+    const double weight = std::abs(normal(random)), c0 = normal(random), c1 = normal(random),
+                 c2 = normal(random);
+    VectorXd row = VectorXd::Zero(kCount);
+    row.segment(i, 2) << c0, c1;
+    if (i + 2 < kCount && i % 3 > 0) {
+      row[i + 2] = c2;
+      smoother.add(i, weight, {c0, c1, c2});
+    } else {
+      smoother.add(i, weight, {c0, c1});
+    }
+    a += weight * row * row.transpose();
+  }
+  for (int i = 0; i < kCount; ++i) {
+    EXPECT_NEAR(smoother.bound(i), a.row(i).cwiseAbs().sum() - 1.0, 1e-12);
+  }
+  smoother.factorise();
+  std::vector<double> v(kStride * kCount), s(v.size());
+  VectorXd dense(kCount);
+  for (int i = 0; i < kCount; ++i) {
+    dense[i] = v[kStride * static_cast<std::size_t>(i) + 1] = normal(random);
+  }
+  smoother.solve(v.data(), s.data(), kStride, std::array{1});
+  dense = a.inverse() * dense;
+  for (int i = 0; i < kCount; ++i) {
+    EXPECT_NEAR(s[kStride * static_cast<std::size_t>(i) + 1], dense[i], 1e-12);
+  }
+  EXPECT_EQ(s[0], 0.0);
+}
+
+}  // namespace
+}  // namespace retarget
