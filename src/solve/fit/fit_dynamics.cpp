@@ -184,8 +184,8 @@ void FitDynamics::read_frames(const FitClip& clip) {
   step_.find_unexplained(frames_, scale_);
 }
 
-// @return the additional unexplained wrench if no ankle may exceed its torque limit, in body
-//     weights.
+// @return the additional squared unexplained wrench if no ankle may exceed its torque limit, in
+//     squared body weights.
 double FitDynamics::beyond_ankles(int t) {
   const auto stays = [](const FitContactPlace& place) { return place.to_limit.isZero(0.0); };
   if (std::ranges::all_of(contact_places_[at(t)], stays)) return 0.0;
@@ -194,18 +194,20 @@ double FitDynamics::beyond_ankles(int t) {
     return projector_.project(frames_[at(t)].cone, frames_[at(t)].needed).squaredNorm();
   };
   const double with_limits = missing(1.0);
-  return std::sqrt(std::max(0.0, with_limits - missing(0.0)));
+  return std::max(0.0, with_limits - missing(0.0));
 }
 
 // Finds the frames in which the wrench requires more torque than the ankles have, and limits the
 // pressure on the soles in these frames and in frames nearby. Earlier limits stay in force.
 void FitDynamics::find_overloaded_ankles() {
   constexpr double kReach = 0.1;   // Seconds.
-  constexpr double kFully = 0.01;  // Unexplained share of the weight at which the limit is full.
+  // Unexplained share of the weight at which the limit is full. Its square is compared: a square
+  // root would turn the last bits of a small difference into a visible limit.
+  constexpr double kFully = 0.0075;
   const int reach = frames_within(kReach);
   std::vector<double> found(overload_.size(), 0.0);
   for (int t = 0; t < count_; ++t) {
-    const double overload = std::min(1.0, beyond_ankles(t) / kFully);
+    const double overload = std::min(1.0, beyond_ankles(t) / square(kFully));
     if (!(overload > 0.0)) continue;
     for (int k = std::max(0, t - reach); k <= std::min(count_ - 1, t + reach); ++k) {
       found[at(k)] = std::max(found[at(k)], overload);
