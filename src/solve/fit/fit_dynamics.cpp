@@ -200,7 +200,7 @@ double FitDynamics::beyond_ankles(int t) {
 // Finds the frames in which the wrench requires more torque than the ankles have, and limits the
 // pressure on the soles in these frames and in frames nearby. Earlier limits stay in force.
 void FitDynamics::find_overloaded_ankles() {
-  constexpr double kReach = 0.1;   // Seconds.
+  constexpr double kReach = 0.1;  // Seconds.
   // Unexplained share of the weight at which the limit is full. Its square is compared: a square
   // root would turn the last bits of a small difference into a visible limit.
   constexpr double kFully = 0.0075;
