@@ -61,9 +61,9 @@ SIDE_BY_SIDE = ["dynamics_bad_pct", "torque_over_pct"]
 BEFORE = {"limb_angle_deg": 2, "fast_arm_pct": 0, "fast_leg_pct": 0, "root_bounce_pct": 0, "root_jerk_mean": 1,
           "acc_p99": 0, "arm_jolts": 0, "joint_at_limit_pct": 1, "dynamics_bad_pct": 1, "torque_over_pct": 1,
           "stance_slip_mean": 4, "stance_drift_p95_cm": 2, "support_slip_mean": 3, "support_height_p95_cm": 1}
-# Methods and the options that run them; None: Unitree's published motion of the clip.
-METHODS = {"fit": (), "before": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
-           "as-published": ("--ik-config", "published", "--scale", "table"), "published": None}
+# Methods and the options that run them. None: Unitree's published motion of the clip; the fit of an earlier program.
+METHODS = {"fit": (), "gmr": ("--method", "gmr"), "without-dynamics": ("--without", "dynamics"),
+           "as-published": ("--ik-config", "published", "--scale", "table"), "published": None, "before": None}
 METHOD_TITLES = {"published": "published data", "gmr": "`--method gmr`",
                  "without-dynamics": "fit `--without dynamics`", "fit": "fit"}
 # Marks a value that was not measured.
@@ -148,22 +148,22 @@ class Reports:
         clip, robot, method, dynamics = job
         options = ["--dynamics"] if dynamics else []
         with tempfile.TemporaryDirectory() as folder:
-            report = os.path.join(folder, "report.json")
-            if METHODS[method] is None or method == "before":
+            report, motion = os.path.join(folder, "report.json"), os.path.join(folder, "out.csv")
+            evaluation = ["--robot", robot, "--bvh", clip, "--json", report, *self.part, *options]
+            if method == "published":
                 motion = self.clips.published(clip)
-                if method == "before":
-                    motion = os.path.join(folder, "out.csv")
-                    subprocess.run([self.before, clip, robot, "-o", motion, "-q", *self.part],
-                                   capture_output=True, check=False)
-                else:
-                    options += ["--gate", "none"]
-                if motion is None or not os.path.exists(motion):
+                if motion is None:
                     return None
-                command = [self.tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json",
-                           report, *self.part, *options]
+                command = [self.tool, "evaluate", motion, *evaluation, "--gate", "none"]
+            elif method == "before":
+                subprocess.run([self.before, clip, robot, "-o", motion, "-q", *self.part],
+                               capture_output=True, check=False)
+                if not os.path.exists(motion):
+                    return None
+                command = [self.tool, "evaluate", motion, *evaluation]
             else:
-                command = [self.tool, clip, robot, "-o", os.path.join(folder, "out.csv"), "--report",
-                           report, "-q", *METHODS[method], *self.part, *options]
+                command = [self.tool, clip, robot, "-o", motion, "--report", report, "-q",
+                           *METHODS[method], *self.part, *options]
             done = subprocess.run(command, capture_output=True, check=False, text=True)
             if not os.path.exists(report):
                 if method != "as-published":
@@ -258,6 +258,14 @@ def robots_table(reports, clips):
     return table
 
 
+def pair_cell(pair, name, digits):
+    """Returns `before -> after` of two reports; - if one has no value."""
+    if SKIPPED in pair:
+        return SKIPPED
+    numbers = [value(report, name) for report in pair]
+    return "-" if None in numbers else " -> ".join(f"{number:.{digits}f}" for number in numbers)
+
+
 def dynamics_table(reports, robot, clips, name):
     """Returns a table with one row per clip and one column per method."""
     methods = [each for each in METHOD_TITLES if each != "published" or robot == "unitree_g1"]
@@ -274,38 +282,27 @@ def side_by_side_table(reports, robots, clips, name):
     """Returns a table with one row per clip and one column per robot: without -> with dynamics."""
     table = Table("clip", [f"`{robot}`" for robot in robots])
     for clip in clips:
-        cells = []
-        for robot in robots:
-            pair = [reports.get(clip, robot, method, True) for method in ("without-dynamics", "fit")]
-            numbers = [each if each is SKIPPED else value(each, name) for each in pair]
-            cells.append(SKIPPED if SKIPPED in numbers else "-" if None in numbers else
-                         " -> ".join(f"{number:.{DYNAMICS[name]}f}" for number in numbers))
-        table.rows[clip.stem] = cells
+        pairs = [[reports.get(clip, robot, method, True) for method in ("without-dynamics", "fit")]
+                 for robot in robots]
+        table.rows[clip.stem] = [pair_cell(pair, name, DYNAMICS[name]) for pair in pairs]
     return table
 
 
 def before_table(reports, robot):
-    """Returns a table with one row per clip, and one of means: before -> now."""
-    clips = [clip for clips in reports.clips.sets.values() for clip in clips]
-    clips = list(dict.fromkeys(clips))
-    pairs = [(reports.get(clip, robot, "before", True), reports.get(clip, robot, "fit", True))
-             for clip in clips]
+    """Returns a table of the earlier program -> --tool: one row per clip, and a row of means."""
     table = Table("clip", [*(f"`{name}`" for name in BEFORE), "missed gates"])
-    pairs = [(clip, a, b) for clip, (a, b) in zip(clips, pairs) if None not in (a, b)]
-    if any(SKIPPED in pair for pair in pairs):
+    pairs = {clip: [reports.get(clip, robot, method, True) for method in ("before", "fit")]
+             for clips in reports.clips.sets.values() for clip in clips}
+    pairs = {clip: pair for clip, pair in pairs.items() if None not in pair}
+    if any(SKIPPED in pair for pair in pairs.values()):
         return table
-    for clip, *pair in pairs:
-        cells = []
-        for name, digits in BEFORE.items():
-            numbers = [value(report, name) for report in pair]
-            cells.append("-" if None in numbers
-                         else " -> ".join(f"{number:.{digits}f}" for number in numbers))
+    for clip, pair in pairs.items():
         missed = [", ".join(missed_gates(report)) or "none" for report in pair]
-        cells.append(missed[0] if missed[0] == missed[1] else " -> ".join(missed))
-        table.rows[clip.stem] = cells
-    count = [str(sum(len(missed_gates(pair[i])) for _, *pair in pairs)) for i in (0, 1)]
-    table.rows["mean"] = [*(mean_cell([pair for _, *pair in pairs], name) for name in BEFORE),
-                          " -> ".join(count)]
+        table.rows[clip.stem] = [*(pair_cell(pair, name, digits) for name, digits in BEFORE.items()),
+                                 " -> ".join(dict.fromkeys(missed))]
+    counts = [sum(len(missed_gates(report)) for report in each) for each in zip(*pairs.values())]
+    table.rows["mean"] = [*(mean_cell(pairs.values(), name) for name in BEFORE),
+                          " -> ".join(map(str, counts))]
     return table
 
 

@@ -9,64 +9,20 @@
 #include <random>
 #include <set>
 
-#include "retarget/human.h"
+#include "fit/fit_model_test_base.h"
 #include "retarget/option_table.h"
 #include "retarget/so3.h"
 #include "scene/scene_world.h"
 #include "solve/fit/clip_fitter.h"
 #include "solve/fit/frame_terms.h"
-#include "solve/targets/targets.h"
-#include "support/test_robots.h"
 
 namespace retarget {
 namespace {
 
 using Eigen::Vector3d;
 
-// A configuration changed by a small step of its degrees of freedom.
-std::vector<double> moved_by_step(const FitModel& model, std::vector<double> qpos,
-                                  const std::vector<double>& step) {
-  for (std::size_t k = 0; k < 3; ++k) qpos[k] += step[k];
-  const Eigen::Quaterniond q = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) *
-                               exp_so3(Vector3d(step[3], step[4], step[5]));
-  qpos[3] = q.w();
-  qpos[4] = q.x();
-  qpos[5] = q.y();
-  qpos[6] = q.z();
-  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
-    qpos[static_cast<std::size_t>(model.tree.links()[link].qpos_address)] += step[5 + link];
-  }
-  return qpos;
-}
-
-class FrameTermsTest : public testing::Test {
+class FrameTermsTest : public FitModelTest {
  protected:
-  void SetUp() override {
-    robot_ = load_g1();
-    config_ = published_config(*robot_);
-    const TargetBuilder targets(config_, 1.75);
-    for (const Bone bone : kAllBones) {
-      target_of_bone_[bone] = targets.target_of(bone);
-    }
-    use(FitOptions{});
-  }
-
-  void use(const FitOptions& options) {
-    options_ = options;
-    model_ = make_fit_model(*robot_, config_, robot_->model_limits(), target_of_bone_, options_);
-    dofs_ = static_cast<std::size_t>(model_.dof_count());
-  }
-
-  std::vector<double> random_configuration(double spread, double height) {
-    std::vector<double> qpos = robot_->zero_configuration();
-    std::normal_distribution<double> normal;
-    std::vector<double> step(dofs_);
-    for (double& x : step) x = spread * normal(random_);
-    qpos = moved_by_step(model_, qpos, step);
-    qpos[2] = height;
-    return qpos;
-  }
-
   // Goals at the positions of a configuration, then displaced.
   void set_goals(const std::vector<double>& qpos, double away) {
     TreeState pose(model_.tree);
@@ -142,13 +98,6 @@ class FrameTermsTest : public testing::Test {
     return error / largest;
   }
 
-  std::mt19937 random_{7};
-  std::shared_ptr<const Robot> robot_;
-  ResolvedConfig config_;
-  BoneArray<int> target_of_bone_;
-  FitOptions options_;
-  FitModel model_;
-  std::size_t dofs_ = 0;
   std::vector<TaskTarget> targets_;
   std::vector<FootEndGoal> ends_;
   std::vector<double> upright_, lying_;

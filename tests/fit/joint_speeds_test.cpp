@@ -7,20 +7,14 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <memory>
 #include <random>
 #include <string_view>
 #include <vector>
 
-#include "retarget/human.h"
-#include "retarget/so3.h"
-#include "solve/fit/banded_smoother.h"
+#include "fit/fit_model_test_base.h"
 #include "solve/fit/root_reference.h"
-#include "solve/targets/targets.h"
-#include "support/test_robots.h"
 
 namespace retarget {
 namespace {
@@ -64,27 +58,13 @@ MatrixXd limb_smoothing(Index count, double fps, const Contacts& contacts = {}) 
   return k;
 }
 
-// (w / dt)^2 K (1 + K)^-1: the smoothness term's matrix after s follows v.
+// K (1 + K)^-1: the smoothness term's matrix, without its weight, after s follows v.
 MatrixXd remaining(const MatrixXd& k) {
   return k * (MatrixXd::Identity(k.rows(), k.cols()) + k).inverse();
 }
 
-class JointSpeedsTest : public testing::Test {
+class JointSpeedsTest : public FitModelTest {
  protected:
-  void SetUp() override {
-    robot_ = load_g1();
-    config_ = published_config(*robot_);
-    const TargetBuilder targets(config_, 1.75);
-    for (const Bone bone : kAllBones) target_of_bone_[bone] = targets.target_of(bone);
-    use(FitOptions{});
-  }
-
-  void use(const FitOptions& options) {
-    options_ = options;
-    model_ = make_fit_model(*robot_, config_, robot_->model_limits(), target_of_bone_, options_);
-    dofs_ = static_cast<std::size_t>(model_.dof_count());
-  }
-
   // A clip of random configurations without contacts.
   void make_clip(int frames, double fps) {
     clip_ = {};
@@ -92,15 +72,7 @@ class JointSpeedsTest : public testing::Test {
     clip_.frame_time = 1.0 / fps;
     std::normal_distribution<double> normal;
     for (int frame = 0; frame < frames; ++frame) {
-      std::vector<double> qpos = robot_->zero_configuration();
-      for (std::size_t k = 0; k < 3; ++k) qpos[k] += 0.2 * normal(random_);
-      const Eigen::Quaterniond turn =
-          exp_so3(0.2 * Vector3d(normal(random_), normal(random_), normal(random_)));
-      qpos[3] = turn.w();
-      qpos[4] = turn.x();
-      qpos[5] = turn.y();
-      qpos[6] = turn.z();
-      for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.2 * normal(random_);
+      const std::vector<double> qpos = random_configuration(0.2, 0.8);
       clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
       for (std::size_t i = 0; i < model_.tasks.size(); ++i) {
         clip_.targets.push_back({0.3 * Vector3d(normal(random_), normal(random_), normal(random_)),
@@ -176,14 +148,7 @@ class JointSpeedsTest : public testing::Test {
     EXPECT_LT(least, 0.15 * weights.maxCoeff());
   }
 
-  std::shared_ptr<const Robot> robot_;
-  ResolvedConfig config_;
-  BoneArray<int> target_of_bone_{-1};
-  FitOptions options_;
-  FitModel model_;
   FitClip clip_;
-  std::size_t dofs_ = 0;
-  std::mt19937 random_{7};
 };
 
 TEST_F(JointSpeedsTest, GradientMatchesTheCost) {
@@ -276,45 +241,6 @@ TEST_F(JointSpeedsTest, LimbsInContactAreSmoothedByFirstDifferences) {
   const MatrixXd k = limb_smoothing(count, 30.0, leg);
   expect_forces(dof_of("right_ankle_roll_joint"), k);
   expect_bound(dof_of("right_ankle_roll_joint"), k);
-}
-
-TEST(BandedSmoother, EqualsADenseSolution) {
-  constexpr int kCount = 12;
-  constexpr std::size_t kStride = 3;
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  MatrixXd a = MatrixXd::Identity(kCount, kCount);
-  BandedSmoother smoother;
-  smoother.reset(40);
-  smoother.reset(kCount);
-  for (int i = 0; i + 1 < kCount; ++i) {
-    const double weight = std::abs(normal(random)), c0 = normal(random), c1 = normal(random),
-                 c2 = normal(random);
-    VectorXd row = VectorXd::Zero(kCount);
-    row.segment(i, 2) << c0, c1;
-    if (i + 2 < kCount && i % 3 > 0) {
-      row[i + 2] = c2;
-      smoother.add(i, weight, {c0, c1, c2});
-    } else {
-      smoother.add(i, weight, {c0, c1});
-    }
-    a += weight * row * row.transpose();
-  }
-  for (int i = 0; i < kCount; ++i) {
-    EXPECT_NEAR(smoother.bound(i), a.row(i).cwiseAbs().sum() - 1.0, 1e-12);
-  }
-  smoother.factorise();
-  std::vector<double> v(kStride * kCount), s(v.size());
-  VectorXd dense(kCount);
-  for (int i = 0; i < kCount; ++i) {
-    dense[i] = v[kStride * static_cast<std::size_t>(i) + 1] = normal(random);
-  }
-  smoother.solve(v.data(), s.data(), kStride, std::array{1});
-  dense = a.inverse() * dense;
-  for (int i = 0; i < kCount; ++i) {
-    EXPECT_NEAR(s[kStride * static_cast<std::size_t>(i) + 1], dense[i], 1e-12);
-  }
-  EXPECT_EQ(s[0], 0.0);
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 namespace retarget {
@@ -38,6 +40,48 @@ TEST(Pentadiagonal, IsTheLeastSquaresSolution) {
   const Eigen::VectorXd expected = rows.colPivHouseholderQr().solve(targets);
   const std::vector<double> found = fit.solve();
   for (int i = 0; i < kCount; ++i) EXPECT_NEAR(found[i], expected[i], 1e-12);
+}
+
+TEST(Pentadiagonal, MatrixSolvesColumns) {
+  constexpr int kCount = 12;
+  constexpr std::size_t kStride = 3;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kCount, kCount);
+  PentadiagonalMatrix matrix;
+  matrix.begin(40);
+  matrix.begin(kCount);
+  for (int i = 0; i < kCount; ++i) {
+    const double weight = std::abs(normal(random));
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(kCount);
+    if (i + 2 < kCount && i % 3 > 0) {
+      row.segment(i, 3) << 1.0, -2.0, 1.0;
+      matrix.add_second_difference(i, weight);
+    } else if (i + 1 < kCount) {
+      row.segment(i, 2) << -1.0, 1.0;
+      matrix.add_difference(i, weight);
+    }
+    dense += weight * row * row.transpose();
+  }
+  for (int i = 0; i < kCount; ++i) {
+    EXPECT_NEAR(matrix.absolute_row_sum(i), dense.row(i).cwiseAbs().sum(), 1e-12);
+  }
+  for (int i = 0; i < kCount; ++i) matrix.add_value(i, 1.0);
+  dense += Eigen::MatrixXd::Identity(kCount, kCount);
+  matrix.factorise();
+  std::vector<double> right(kStride * kCount), x(right.size());
+  for (double& value : right) value = normal(random);
+  matrix.solve(right.data(), x.data(), kStride, std::array{0, 2});
+  for (const int column : {0, 2}) {
+    const Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<kStride>> b(right.data() + column,
+                                                                              kCount);
+    const Eigen::VectorXd expected = dense.inverse() * b;
+    for (int i = 0; i < kCount; ++i) {
+      EXPECT_NEAR(x[kStride * static_cast<std::size_t>(i) + static_cast<std::size_t>(column)],
+                  expected[i], 1e-12);
+    }
+  }
+  EXPECT_EQ(x[1], 0.0);
 }
 
 TEST(Pentadiagonal, SmoothingKeepsRamps) {

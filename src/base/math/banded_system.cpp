@@ -1,6 +1,7 @@
 #include "base/math/banded_system.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/math/simd.h"
@@ -68,58 +69,92 @@ std::optional<double> BandedSystem::solve(std::size_t first, std::size_t last) {
   return largest;
 }
 
-PentadiagonalFit::PentadiagonalFit(std::size_t count)
-    : diagonal_(count), next_(count), second_(count), right_(count) {}
+void PentadiagonalMatrix::add_difference(std::size_t i, double weight) {
+  rows_[i].diagonal += weight;
+  rows_[i + 1].diagonal += weight;
+  rows_[i].next -= weight;
+}
+
+void PentadiagonalMatrix::add_second_difference(std::size_t i, double weight) {
+  rows_[i].diagonal += weight;
+  rows_[i + 1].diagonal += 4.0 * weight;
+  rows_[i + 2].diagonal += weight;
+  rows_[i].next -= 2.0 * weight;
+  rows_[i + 1].next -= 2.0 * weight;
+  rows_[i].second += weight;
+}
+
+double PentadiagonalMatrix::absolute_row_sum(std::size_t i) const {
+  double sum = std::abs(rows_[i].diagonal) + std::abs(rows_[i].next) + std::abs(rows_[i].second);
+  if (i >= 1) sum += std::abs(rows_[i - 1].next);
+  if (i >= 2) sum += std::abs(rows_[i - 2].second);
+  return sum;
+}
+
+void PentadiagonalMatrix::factorise() {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& row = rows_[i];
+    if (i >= 1) {
+      const Row& above = rows_[i - 1];
+      row.diagonal -= above.next * above.next * above.diagonal;
+      row.next -= above.next * above.second * above.diagonal;
+    }
+    if (i >= 2) row.diagonal -= rows_[i - 2].second * rows_[i - 2].second * rows_[i - 2].diagonal;
+    row.next /= row.diagonal;
+    row.second /= row.diagonal;
+  }
+}
+
+void PentadiagonalMatrix::solve(const double* right, double* x, std::size_t stride,
+                                std::span<const int> columns) const {
+  const std::size_t count = rows_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const int column : columns) {
+      const std::size_t here = i * stride + static_cast<std::size_t>(column);
+      double value = right[here];
+      if (i >= 1) value -= rows_[i - 1].next * x[here - stride];
+      if (i >= 2) value -= rows_[i - 2].second * x[here - 2 * stride];
+      x[here] = value;
+    }
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    for (const int column : columns) {
+      const std::size_t here = i * stride + static_cast<std::size_t>(column);
+      double value = x[here] / rows_[i].diagonal;
+      if (i + 1 < count) value -= rows_[i].next * x[here + stride];
+      if (i + 2 < count) value -= rows_[i].second * x[here + 2 * stride];
+      x[here] = value;
+    }
+  }
+}
+
+PentadiagonalFit::PentadiagonalFit(std::size_t count) : right_(count) {
+  matrix_.begin(count);
+}
 
 void PentadiagonalFit::add_value(std::size_t i, double weight, double target) {
-  diagonal_[i] += weight;
+  matrix_.add_value(i, weight);
   right_[i] += weight * target;
 }
 
 void PentadiagonalFit::add_difference(std::size_t i, double weight, double target) {
-  diagonal_[i] += weight;
-  diagonal_[i + 1] += weight;
-  next_[i] -= weight;
+  matrix_.add_difference(i, weight);
   right_[i] -= weight * target;
   right_[i + 1] += weight * target;
 }
 
 void PentadiagonalFit::add_second_difference(std::size_t i, double weight, double target) {
-  diagonal_[i] += weight;
-  diagonal_[i + 1] += 4.0 * weight;
-  diagonal_[i + 2] += weight;
-  next_[i] -= 2.0 * weight;
-  next_[i + 1] -= 2.0 * weight;
-  second_[i] += weight;
+  matrix_.add_second_difference(i, weight);
   right_[i] += weight * target;
   right_[i + 1] -= 2.0 * weight * target;
   right_[i + 2] += weight * target;
 }
 
 std::vector<double> PentadiagonalFit::solve() const {
-  const std::size_t count = diagonal_.size();
-  // L D L^T with a unit lower triangle of two diagonals
-  std::vector<double> pivot(count), first(count), second(count), x(right_);
-  for (std::size_t i = 0; i < count; ++i) {
-    pivot[i] = diagonal_[i];
-    double below = next_[i];
-    if (i >= 1) {
-      pivot[i] -= first[i - 1] * first[i - 1] * pivot[i - 1];
-      below -= first[i - 1] * second[i - 1] * pivot[i - 1];
-      x[i] -= first[i - 1] * x[i - 1];
-    }
-    if (i >= 2) {
-      pivot[i] -= second[i - 2] * second[i - 2] * pivot[i - 2];
-      x[i] -= second[i - 2] * x[i - 2];
-    }
-    first[i] = below / pivot[i];
-    second[i] = second_[i] / pivot[i];
-  }
-  for (std::size_t i = count; i-- > 0;) {
-    x[i] /= pivot[i];
-    if (i + 1 < count) x[i] -= first[i] * x[i + 1];
-    if (i + 2 < count) x[i] -= second[i] * x[i + 2];
-  }
+  PentadiagonalMatrix factors = matrix_;
+  factors.factorise();
+  std::vector<double> x(right_);
+  factors.solve(x.data(), x.data(), 1, std::array{0});
   return x;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace retarget {
@@ -32,9 +33,44 @@ class BandedSystem {
   std::vector<double> column_;  // Of the factor, below the diagonal.
 };
 
+/// The normal matrix of weighted least squares over values of a track, first differences and second
+/// differences: symmetric, with five diagonals. Factorised as L D L' in time proportional to its
+/// size.
+class PentadiagonalMatrix {
+ public:
+  /// Starts a matrix of zeros. Allocates only if it is larger than all before.
+  void begin(std::size_t size) { rows_.assign(size, {}); }
+
+  /// Adds the term weight * x[i]^2.
+  void add_value(std::size_t i, double weight) { rows_[i].diagonal += weight; }
+  /// Adds the term weight * (x[i + 1] - x[i])^2.
+  void add_difference(std::size_t i, double weight);
+  /// Adds the term weight * (x[i] - 2 x[i + 1] + x[i + 2])^2.
+  void add_second_difference(std::size_t i, double weight);
+
+  /// Sum of the absolute values of row i. The diagonal matrix of these sums is an upper bound of the
+  /// matrix (Gershgorin). Only before factorise().
+  [[nodiscard]] double absolute_row_sum(std::size_t i) const;
+
+  /// Replaces the matrix by its factors.
+  /// @pre it is positive definite: for instance, each value has a positive weight
+  void factorise();
+  /// Solves for some columns of a row-major matrix with `stride` columns, after factorise().
+  /// @param right, x  right-hand sides and solutions; they may be the same.
+  void solve(const double* right, double* x, std::size_t stride,
+             std::span<const int> columns) const;
+
+ private:
+  // Entries on the diagonal i, and those that couple i to i + 1 and to i + 2; after factorise(),
+  // those of D and L.
+  struct Row {
+    double diagonal = 0.0, next = 0.0, second = 0.0;
+  };
+  std::vector<Row> rows_;
+};
+
 /// Weighted least squares for a track of numbers: its values, first differences and second
-/// differences may each have a target. The normal equations have five diagonals, so a solution
-/// takes time proportional to the track's length.
+/// differences may each have a target.
 class PentadiagonalFit {
  public:
   explicit PentadiagonalFit(std::size_t count);
@@ -51,8 +87,8 @@ class PentadiagonalFit {
   [[nodiscard]] std::vector<double> solve() const;
 
  private:
-  // Entries on the diagonal i, and those that couple i to i + 1 and to i + 2.
-  std::vector<double> diagonal_, next_, second_, right_;
+  PentadiagonalMatrix matrix_;
+  std::vector<double> right_;
 };
 
 /// Minimises sum (x - y)^2 + strength * sum (second difference of x)^2: a low-pass without delay whose

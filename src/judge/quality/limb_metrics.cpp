@@ -172,21 +172,15 @@ void TrackingMeasure::measure_limbs() const {
     draft_.set("worst_limb_angle_deg", *std::ranges::max_element(upright));
   }
   measure_arm_jolts(draft_, posture_, turned);
-  if (const auto lag = limb_lag(directions, draft_.clip.rate().fps())) draft_.set("lag_s", *lag);
-  measure_fast_limbs(directions);
+  const double fps = draft_.clip.rate().fps();
+  if (const auto lag = limb_lag(directions, fps)) draft_.set("lag_s", *lag);
+  const auto arms = fast_speed_kept(directions, false, fps);
+  const auto legs = fast_speed_kept(directions, true, fps);
+  if (arms) draft_.set("fast_arm_pct", 100.0 * *arms);
+  if (legs) draft_.set("fast_leg_pct", 100.0 * *legs);
   align_trunk_by_hips(directions);
   std::erase_if(directions, [](const LimbDirections& limb) { return limb.of_legs; });
   measure_joint_offsets(draft_, limits_, directions, hand_directions());
-}
-
-void TrackingMeasure::measure_fast_limbs(const std::vector<LimbDirections>& limbs) const {
-  std::vector<LimbDirections> arms, legs;
-  for (const LimbDirections& limb : limbs) {
-    if (limb.rank > 0) (limb.of_legs ? legs : arms).push_back(limb);
-  }
-  const double fps = draft_.clip.rate().fps();
-  if (const auto kept = fast_speed_kept(arms, fps)) draft_.set("fast_arm_pct", 100.0 * *kept);
-  if (const auto kept = fast_speed_kept(legs, fps)) draft_.set("fast_leg_pct", 100.0 * *kept);
 }
 
 // Empty if a hip or a shoulder is not tracked. Like measure_limbs(), uses body origins if the tree

@@ -124,7 +124,8 @@ std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double 
   return (lag + part) / fps;
 }
 
-std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, double fps) {
+std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, bool of_legs,
+                                      double fps) {
   // Longer than the snap of a marker or of a wrong pose, which a robot need not follow.
   constexpr double kStepSeconds = 0.1, kShortest = 1.0;
   constexpr double kFastShare = 0.02;
@@ -133,7 +134,8 @@ std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs, dou
   double of_human = 0.0, of_robot = 0.0;
   std::vector<std::pair<double, double>> speeds;  // Human, robot.
   for (const LimbDirections& limb : limbs) {
-    if (static_cast<double>(limb.human.size()) < kShortest * fps) continue;
+    const bool counts = limb.rank > 0 && limb.of_legs == of_legs;
+    if (!counts || static_cast<double>(limb.human.size()) < kShortest * fps) continue;
     speeds.clear();
     for (std::size_t i = step; i < limb.human.size(); ++i) {
       if (!limb.is_free(i) || !limb.is_free(i - step)) continue;

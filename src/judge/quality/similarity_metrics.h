@@ -22,12 +22,12 @@ namespace retarget {
 /// clip is shorter than a second, or if the motions do not correlate.
 [[nodiscard]] std::optional<double> limb_lag(const std::vector<LimbDirections>& limbs, double fps);
 
-/// Ratio of the robot's angular speed to the human's in the fastest 2 % of the frames of each of the
-/// human's limbs, from steps of 0.1 s: whether fast movements keep their speed. Frames in which the
-/// floor may constrain the limb do not count. Empty for clips shorter than a second and for limbs
-/// that are always slower than 2 rad/s.
+/// Ratio of the robot's angular speed to the human's, for arms or legs without the lines of the
+/// trunk. Speeds are over 0.1 s, in the fastest 2 % of the frames of each human limb; frames in which
+/// the floor may constrain the limb are excluded. Empty for clips shorter than a second and if no
+/// limb is faster than 2 rad/s.
 [[nodiscard]] std::optional<double> fast_speed_kept(std::span<const LimbDirections> limbs,
-                                                    double fps);
+                                                    bool of_legs, double fps);
 
 /// Mean horizontal speed at which a root deviates from its target path, m/s, from displacements
 /// over two seconds (or the whole clip if it is shorter). The sway of the body averages out over

@@ -100,7 +100,6 @@ class TrackingMeasure {
   }
   [[nodiscard]] std::vector<double> position_errors(const TrackedRow& row) const;
   [[nodiscard]] std::vector<double> rotation_errors(const TrackedRow& row) const;
-  void measure_fast_limbs(const std::vector<LimbDirections>& limbs) const;
   [[nodiscard]] std::vector<double> limb_angles(const LimbDirections& limb) const;
   [[nodiscard]] std::optional<LimbDirections> directions_of(const LimbSegment& segment,
                                                             const RobotLimbs* limbs) const;

@@ -127,7 +127,7 @@ bool JointSpeeds::touches(const Limb& limb, const FitClip& clip, int frame) {
 }
 
 void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
-  smoother_.reset(count);
+  smoothness_.begin(at(count));
   bool was_in_contact = false;
   // The next frame to look at, and the last one that touches.
   int next = std::max(0, first_ + 1 - limb.margin), last_touch = next - limb.margin - 1;
@@ -139,16 +139,19 @@ void JointSpeeds::smooth(Limb& limb, const FitClip& clip, int count) {
     }
     const bool in_contact = last_touch >= frame - limb.margin;
     if (in_contact) {
-      smoother_.add(i - 1, smoothing_, {-1.0, 1.0});
+      smoothness_.add_difference(at(i - 1), smoothing_);
     } else if (i > 1 && !was_in_contact) {
-      smoother_.add(i - 2, limb_smoothing_, {1.0, -2.0, 1.0});
+      smoothness_.add_second_difference(at(i - 2), limb_smoothing_);
     }
     was_in_contact = in_contact;
   }
   limb.stiffness.resize(at(count));
-  for (int i = 0; i < count; ++i) limb.stiffness[at(i)] = majorant(smoother_.bound(i));
-  smoother_.factorise();
-  smoother_.solve(steps_.data(), smooth_.data(), smooth_weight_.size(), limb.dofs);
+  for (std::size_t i = 0; i < limb.stiffness.size(); ++i) {
+    limb.stiffness[i] = majorant(smoothness_.absolute_row_sum(i));
+  }
+  for (std::size_t i = 0; i < limb.stiffness.size(); ++i) smoothness_.add_value(i, 1.0);
+  smoothness_.factorise();
+  smoothness_.solve(steps_.data(), smooth_.data(), smooth_weight_.size(), limb.dofs);
 }
 
 void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {

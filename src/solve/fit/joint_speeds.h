@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "base/math/banded_system.h"
 #include "retarget/options.h"
-#include "solve/fit/banded_smoother.h"
 #include "solve/fit/fit_clip.h"
 #include "solve/fit/fit_model.h"
 #include "solve/fit/frame_terms.h"
@@ -78,7 +78,7 @@ class JointSpeeds {
   double stiffness_;                   // 4 l / (1 + 4 l).
   double limb_smoothing_;              // (T / dt)^4 of limbs.
   std::vector<Limb> limbs_;
-  BandedSmoother smoother_;
+  PentadiagonalMatrix smoothness_;
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
 };
