@@ -20,15 +20,17 @@ using testing::Not;
 
 // The arms swing up and back, past the line through both shoulders, and return at once. Near this
 // line the first and the third axis of a G1's shoulder are parallel.
-Clip swing_past_the_shoulder_line(int frames_per_pose = 14, const FrameRate& rate = {30, 1}) {
-  constexpr std::array<ArmPose, 7> kPoses = {{{-60, 60, 10},
-                                              {-60, 60, 10},
-                                              {-10, 90, 10},
-                                              {100, 120, 10},
-                                              {-10, 90, 10},
-                                              {-60, 60, 10},
-                                              {-60, 60, 10}}};
-  return arm_movement(kPoses, frames_per_pose, rate);
+// @param raised  degrees that are added to the highest pose.
+Clip swing_past_the_shoulder_line(int frames_per_pose = 14, const FrameRate& rate = {30, 1},
+                                  double raised = 0.0) {
+  const std::array<ArmPose, 7> poses = {{{-60, 60, 10},
+                                         {-60, 60, 10},
+                                         {-10, 90, 10},
+                                         {100 + raised, 120, 10},
+                                         {-10, 90, 10},
+                                         {-60, 60, 10},
+                                         {-60, 60, 10}}};
+  return arm_movement(poses, frames_per_pose, rate);
 }
 
 double largest_step(const RobotClip& clip) {
@@ -73,6 +75,22 @@ TEST(LimbDetours, IsIndependentOfTheFrameRate) {
     ASSERT_TRUE(recovered.has_value());
     EXPECT_LT(recovered->report.status.cost_after, 0.5 * plain->report.status.cost_after) << factor;
   }
+}
+
+// Joints on a detour move as fast as the fit allows without a cost. If they moved exactly that fast,
+// rounding would decide which of them the fit's first step slows down.
+TEST(LimbDetours, DoNotAmplifyRounding) {
+  const RobotCase robot = robot_case("unitree_g1");
+  const auto once = fitted(swing_past_the_shoulder_line(7, {30, 1}, 20.0), robot);
+  const auto again = fitted(swing_past_the_shoulder_line(7, {30, 1}, 20.0 + 1e-10), robot);
+  ASSERT_THAT(once->report.notes, Contains(HasSubstr("branch")));
+  double most = 0.0;
+  for (int t = 0; t < once->clip.frame_count(); ++t) {
+    for (std::size_t i = 7; i < once->clip.qpos(t).size(); ++i) {
+      most = std::max(most, std::abs(once->clip.qpos(t)[i] - again->clip.qpos(t)[i]));
+    }
+  }
+  EXPECT_LT(most, 1e-6);
 }
 
 TEST(LimbDetours, LeavesArmsWithinReachUnchanged) {

@@ -70,8 +70,9 @@ LimbPathFinder::Layer LimbPathFinder::solve_layer(int frame, const Layer& before
   solve_at(nearest, own.joints);
   for (int k = nearest + 1; k < positions_; ++k) solve_at(k, best_at(k - 1).joints);
   for (int k = nearest - 1; k >= 0; --k) solve_at(k, best_at(k + 1).joints);
-  // Reach at the largest speed without a cost in the fit.
-  const double reach = options_.soft_joint_speed * frames * frame_time_;
+  // Almost the largest speed without a cost in the fit. At exactly this speed, rounding would decide
+  // about the stiffness of the fit's next step.
+  const double reach = 0.99 * options_.soft_joint_speed * frames * frame_time_;
   const bool is_full = before.size() == layer.size();
   for (int k = 0; k < positions_; ++k) {
     const Node& best = before[is_full ? at(1 + k) : 0];
