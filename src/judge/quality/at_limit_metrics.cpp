@@ -72,6 +72,15 @@ struct Stay {
   int frames = 0;          // Number of frames in which the human's pose does not demand it.
   int demanded = 0;        // Number of frames in which it does.
   int begin = 0, end = 0;  // Longest run of the former.
+  int run = 0;             // First frame of the current run.
+
+  void leave(int frame) { run = frame + 1; }
+  void add(int frame) {
+    ++frames;
+    if (frame + 1 - run <= end - begin) return;
+    begin = run;
+    end = frame + 1;
+  }
 };
 
 struct LimitStay {
@@ -79,28 +88,30 @@ struct LimitStay {
   Stay stay;
 };
 
-Stay stay_at(const JointLimit& limit, const RobotClip& clip, const Posture& posture,
-             const JointDemand* demand, std::vector<char>& any) {
-  const int at = clip.robot().joints()[limit.joint].qpos_address;
-  Stay stay;
-  int begin = 0;
+// @return the number of upright frames in which any joint is at a limit.
+int count_stays(const RobotClip& clip, const Posture& posture, JointDemand* demand,
+                std::vector<LimitStay>& stays) {
+  int any = 0;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    const bool stays = posture.is_upright(frame) && limit.reached(clip.qpos(frame)[at]);
-    const bool is_demanded =
-        stays && demand != nullptr && demand->reaches(frame, limit.joint, limit.upper);
-    if (stays) any[frame] = 1;
-    if (is_demanded) ++stay.demanded;
-    if (!stays || is_demanded) {
-      begin = frame + 1;
-      continue;
+    const bool is_upright = posture.is_upright(frame);
+    const auto qpos = clip.qpos(frame);
+    bool found = false;
+    for (auto& [limit, stay] : stays) {
+      const bool stays_here =
+          is_upright && limit.reached(qpos[clip.robot().joints()[limit.joint].qpos_address]);
+      const bool is_demanded =
+          stays_here && demand != nullptr && demand->reaches(frame, limit.joint, limit.upper);
+      found = found || stays_here;
+      if (is_demanded) ++stay.demanded;
+      if (stays_here && !is_demanded) {
+        stay.add(frame);
+      } else {
+        stay.leave(frame);
+      }
     }
-    ++stay.frames;
-    if (frame + 1 - begin > stay.end - stay.begin) {
-      stay.begin = begin;
-      stay.end = frame + 1;
-    }
+    if (found) ++any;
   }
-  return stay;
+  return any;
 }
 
 // Reports the joints at a limit that the human's pose does not demand, most frames first.
@@ -138,21 +149,20 @@ void report_demanded(const ReportBuilder& draft, const std::vector<LimitStay>& s
 }  // namespace
 
 void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture,
-                       const JointDemand* demand) {
+                       JointDemand* demand) {
   const RobotClip& clip = draft.clip;
   const auto frames = static_cast<double>(std::ranges::count(posture.upright, 1));
   if (frames == 0.0) return;
-  std::vector<char> any(clip.frame_count(), 0);
   std::vector<LimitStay> stays;
   std::set<int> counted;  // Joint indices.
-  std::int64_t joint_frames = 0;
   for (const JointLimit& limit : counted_limits(clip.robot(), limits)) {
-    const Stay stay = stay_at(limit, clip, posture, demand, any);
     if (std::isfinite(limit.bound)) counted.insert(limit.joint);
-    joint_frames += stay.frames + stay.demanded;
-    stays.push_back({limit, stay});
+    stays.push_back({limit, {}});
   }
-  draft.set("at_limit_pct", percent(static_cast<double>(std::ranges::count(any, 1)), frames));
+  const int any = count_stays(clip, posture, demand, stays);
+  std::int64_t joint_frames = 0;
+  for (const auto& [limit, stay] : stays) joint_frames += stay.frames + stay.demanded;
+  draft.set("at_limit_pct", percent(any, frames));
   draft.set("joint_frames_at_limit_pct", percent(static_cast<double>(joint_frames),
                                                  static_cast<double>(counted.size()) * frames));
   report_stays(draft, stays, frames);

@@ -13,6 +13,6 @@ namespace retarget {
 /// @param limits  joint ranges.
 /// @param demand  null: unknown; no frame then counts as demanded.
 void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits, const Posture& posture,
-                       const JointDemand* demand);
+                       JointDemand* demand);
 
 }  // namespace retarget

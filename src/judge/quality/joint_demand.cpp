@@ -10,7 +10,11 @@ namespace retarget {
 
 JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
                          int frames)
-    : clip_(clip), human_(source.human), frames_(frames), spans_(clip.robot().joints().size()) {
+    : clip_(clip),
+      human_(source.human),
+      frames_(frames),
+      spans_(clip.robot().joints().size()),
+      posed_(clip.robot().tree()) {
   // TrunkRule::kLines, because the lines of the trunk, not its bones, determine how far a waist
   // should bend. The rule requires limb scaling.
   const auto targets_of = [&](ScaleRule scale) {
@@ -60,25 +64,25 @@ void JointDemand::find_spans(const Robot& robot, const std::vector<Target>& targ
   }
 }
 
-bool JointDemand::reaches(int frame, int joint, bool upper) const {
+bool JointDemand::reaches(int frame, int joint, bool upper) {
   constexpr double kNearly = 0.02;  // Radians; TrunkAim keeps waists farther inside their ranges.
   if (!targets_ || frame >= frames_ || !spans_[joint]) return false;
   if (frame != frame_) {
     frame_ = frame;
-    posed_.emplace(clip_.robot().tree(), clip_.qpos(frame));
+    posed_.update(clip_.qpos(frame));
     world_from_target_.resize(static_cast<std::size_t>(targets_->target_count()));
     targets_->build(human_->frame(frame), world_from_target_);
   }
   const auto& [before, beyond] = *spans_[joint];
   const Eigen::Quaterniond robot_from_target =
-      posed_->world_from_body(before.body).rotation *
+      posed_.world_from_body(before.body).rotation *
       world_from_target_[before.index].rotation.conjugate();
   double demand = 0.0;
   for (const Target& target : beyond) {
     const Eigen::Quaterniond wanted = robot_from_target * world_from_target_[target.index].rotation;
     const Eigen::Quaterniond away =
-        wanted * posed_->world_from_body(target.body).rotation.conjugate();
-    demand += log_so3(away).dot(posed_->axis(joint)) / static_cast<double>(beyond.size());
+        wanted * posed_.world_from_body(target.body).rotation.conjugate();
+    demand += log_so3(away).dot(posed_.axis(joint)) / static_cast<double>(beyond.size());
   }
   return (upper ? demand : -demand) > -kNearly;
 }

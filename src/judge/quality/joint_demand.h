@@ -24,9 +24,10 @@ class JointDemand {
               int frames);
 
   /// Whether the pose demands a position beyond the current one, or less than 0.02 rad before it.
-  /// False if no target depends on the joint or the frame has no source.
+  /// False if no target depends on the joint or the frame has no source. Keeps the targets of the
+  /// last frame, so that further joints of the same frame take less time.
   /// @param upper  whether `beyond` means greater.
-  [[nodiscard]] bool reaches(int frame, int joint, bool upper) const;
+  [[nodiscard]] bool reaches(int frame, int joint, bool upper);
 
  private:
   struct Target {
@@ -46,10 +47,9 @@ class JointDemand {
   int frames_ = 0;
   std::optional<TargetBuilder> targets_;
   std::vector<std::optional<Span>> spans_;  // By joint.
-  // The most recently evaluated frame.
-  mutable int frame_ = -1;
-  mutable std::optional<TreeState> posed_;
-  mutable std::vector<Pose> world_from_target_;
+  int frame_ = -1;                          // The last evaluated frame.
+  TreeState posed_;
+  std::vector<Pose> world_from_target_;
 };
 
 }  // namespace retarget

@@ -31,14 +31,17 @@ class OffsetMeter {
         limits_(limits),
         limbs_(limbs),
         state_(robot.tree()),
-        sums_(robot.joints().size()) {}
+        is_free_(robot.joints().size()),
+        sums_(robot.joints().size()) {
+    for (const LimbDirections& limb : limbs) joints_of_limb_.push_back(joints_that_move(limb));
+  }
 
   void add(std::span<const double> qpos, int frame) {
     state_.update(qpos);
     find_free_joints(qpos);
-    for (const LimbDirections& limb : limbs_) {
+    for (std::size_t i = 0; i < limbs_.size(); ++i) {
       const auto at = static_cast<std::size_t>(frame);
-      if (limb.is_free(at)) add_limb(limb, at);
+      if (limbs_[i].is_free(at)) add_limb(limbs_[i], joints_of_limb_[i], at);
     }
   }
 
@@ -47,28 +50,63 @@ class OffsetMeter {
   }
 
  private:
+  static constexpr std::array<double, 4> kSigns = {1.0, 1.0, -1.0, -1.0};  // Of ends_of().
+
+  static std::array<const LimbEnd*, 4> ends_of(const LimbDirections& limb) {
+    return {&limb.to[0], &limb.to[1], &limb.from[0], &limb.from[1]};
+  }
+
+  // A joint that moves an end of a limb.
+  struct MovingJoint {
+    int joint = 0, dof = 0;
+    std::array<bool, 4> moves{};  // In the order of ends_of().
+  };
+
+  [[nodiscard]] std::vector<MovingJoint> joints_that_move(const LimbDirections& limb) const {
+    const KinematicTree& tree = robot_.tree();
+    std::vector<MovingJoint> found;
+    for (const int joint : robot_.output_joints()) {
+      if (robot_.joints()[static_cast<std::size_t>(joint)].type != RobotJoint::Type::kHinge) {
+        continue;
+      }
+      const int link = tree.link_of_joint(joint);
+      MovingJoint moving{joint, KinematicTree::dof_of(link)};
+      std::ranges::transform(ends_of(limb), moving.moves.begin(), [&](const LimbEnd* end) {
+        return tree.carries(link, tree.attachment(end->body).link);
+      });
+      if (std::ranges::find(moving.moves, true) != moving.moves.end()) found.push_back(moving);
+    }
+    return found;
+  }
+
   // Excludes joints at a limit, because the limit causes their deviation.
   void find_free_joints(std::span<const double> qpos) {
     constexpr double kAtLimit = 0.02;  // rad
-    free_joints_.clear();
     for (const int j : robot_.output_joints()) {
       const auto joint = static_cast<std::size_t>(j);
-      if (robot_.joints()[joint].type != RobotJoint::Type::kHinge) continue;
       const double q = qpos[static_cast<std::size_t>(robot_.joints()[joint].qpos_address)];
-      const bool free = q > limits_.lower[joint] + kAtLimit && q < limits_.upper[joint] - kAtLimit;
-      if (free) free_joints_.push_back(j);
+      is_free_[joint] =
+          q > limits_.lower[joint] + kAtLimit && q < limits_.upper[joint] - kAtLimit ? 1 : 0;
     }
   }
 
-  void add_limb(const LimbDirections& limb, std::size_t frame) {
+  void add_limb(const LimbDirections& limb, const std::vector<MovingJoint>& joints,
+                std::size_t frame) {
     const Vector3d& along = limb.robot[frame];
     const double length = along.norm();
     if (!(length > 0.0) || !(limb.human[frame].norm() > 0.0)) return;
     const Vector3d have = along / length, want = limb.human[frame].normalized();
-    for (const int joint : free_joints_) {
-      Vector3d velocity = Vector3d::Zero();
-      for (const LimbEnd& end : limb.to) velocity += velocity_of(end, joint);
-      for (const LimbEnd& end : limb.from) velocity -= velocity_of(end, joint);
+    const auto ends = ends_of(limb);
+    std::array<Vector3d, 4> places;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      places[i] = state_.world_from_body(ends[i]->body) * ends[i]->body_from_joint;
+    }
+    for (const auto& [joint, dof, moves] : joints) {
+      if (is_free_[static_cast<std::size_t>(joint)] == 0) continue;
+      Vector3d velocity = Vector3d::Zero();  // Per joint velocity, m/rad.
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        if (moves[i]) velocity += kSigns[i] * state_.velocity_at(dof, places[i]);
+      }
       const Vector3d moved = (velocity - have * have.dot(velocity)) / length;
       OffsetSum& sum = sums_[static_cast<std::size_t>(joint)][static_cast<std::size_t>(limb.rank)];
       sum.toward += moved.dot(want);
@@ -76,20 +114,12 @@ class OffsetMeter {
     }
   }
 
-  // Velocity of a limb end per joint velocity, m/rad; zero if the joint does not move the end.
-  [[nodiscard]] Vector3d velocity_of(const LimbEnd& end, int joint) const {
-    const KinematicTree& tree = robot_.tree();
-    const int link = tree.link_of_joint(joint);
-    if (!tree.carries(link, tree.attachment(end.body).link)) return Vector3d::Zero();
-    const Vector3d place = state_.world_from_body(end.body) * end.body_from_joint;
-    return state_.velocity_at(KinematicTree::dof_of(link), place);
-  }
-
   const Robot& robot_;
   const LimitSet& limits_;
   const std::vector<LimbDirections>& limbs_;
   TreeState state_;
-  std::vector<int> free_joints_;
+  std::vector<std::vector<MovingJoint>> joints_of_limb_;
+  std::vector<char> is_free_;     // By joint.
   std::vector<OffsetSums> sums_;  // By joint.
 };
 

@@ -21,6 +21,7 @@ NearPairs::NearPairs(const FitModel& model)
       paths_(model.tree.links().size()),
       far_until_(model.pairs.size()),
       group_far_until_(model.pair_groups.size()),
+      near_until_(model.pairs.size()),
       placed_(model.shapes.size()),
       placed_in_(model.shapes.size(), 0) {}
 
@@ -62,6 +63,7 @@ void NearPairs::find(const TreeState& pose, double within, std::vector<std::uint
     within_ = within;
     std::ranges::fill(group_far_until_, kUnknown);
     std::ranges::fill(far_until_, kUnknown);
+    std::ranges::fill(near_until_, kUnknown);
   }
   ++pose_count_;
   follow(pose);
@@ -83,12 +85,18 @@ void NearPairs::find(const TreeState& pose, double within, std::vector<std::uint
         first = std::min(first, far_until_[i]);
         continue;
       }
+      if (path < near_until_[i]) {
+        pairs.push_back(i);
+        first = kUnknown;
+        continue;
+      }
       const FitPair& pair = model_.pairs[i];
       const double distance =
           shape_distance(in_world(pose, pair.a), in_world(pose, pair.b), NearestPoints::kEven)
               .distance;
       if (distance < within) pairs.push_back(i);
       far_until_[i] = path + (distance - within - kSlack);
+      near_until_[i] = path - (distance - within + kSlack);
       first = std::min(first, far_until_[i]);
     }
     group_far_until_[g] = first;
