@@ -78,7 +78,8 @@ class TrackingMeasure {
     return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
   }
   [[nodiscard]] const Pose& limb_target(int frame, const TrackedRow& row) const {
-    return limb_targets_[static_cast<std::size_t>(frame)][row.bone];
+    return limb_targets_[static_cast<std::size_t>(frame) * limb_target_count_ +
+                         static_cast<std::size_t>(target_of_bone_[row.bone])];
   }
   // Target of have(), before the yaw robot_from_human_.
   [[nodiscard]] Eigen::Vector3d want(int frame, const TrackedRow& row) const {
@@ -118,7 +119,10 @@ class TrackingMeasure {
   const int frames_;
   const double leg_;  // Leg length of the human, metres.
   std::vector<TrackedRow> rows_;
-  std::vector<HumanPose> limb_targets_;  // By frame, relative to the root; empty: no limb scaling.
+  // By frame and target, relative to the root; empty: no limb scaling.
+  std::vector<Pose> limb_targets_;
+  std::size_t limb_target_count_ = 0;  // Per frame.
+  BoneArray<int> target_of_bone_{0};
   std::vector<Eigen::Vector3d> root_path_;  // Target positions of the root by frame.
   int root_body_ = 0;                       // Index into BodyTracks::kept_bodies.
   Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // A constant yaw.

@@ -58,19 +58,18 @@ void TrackingMeasure::collect_limb_targets() {
                                     ScaleRule::kLimbs, TrunkRule::kLines);
   // Without measurable limbs, the targets remain scaled by height.
   if (!targets) return;
-  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
-  limb_targets_.resize(static_cast<std::size_t>(frames_));
+  limb_target_count_ = static_cast<std::size_t>(targets->target_count());
+  limb_targets_.resize(static_cast<std::size_t>(frames_) * limb_target_count_);
   const std::vector<Bone> bones = targets->bones();
+  for (std::size_t i = 0; i < bones.size(); ++i) target_of_bone_[bones[i]] = static_cast<int>(i);
   for (int frame = 0; frame < frames_; ++frame) {
-    targets->build(human_.frame(frame), world_from_target);
-    if (!root_path_.empty()) {
-      root_path_[static_cast<std::size_t>(frame)] = world_from_target.front().translation;
-    }
-    for (std::size_t i = 0; i < bones.size(); ++i) {
-      const Pose& pose = world_from_target[i];
-      limb_targets_[static_cast<std::size_t>(frame)][bones[i]] = {
-          pose.rotation, pose.translation - world_from_target.front().translation};
-    }
+    const auto of_frame = std::span(limb_targets_)
+                              .subspan(static_cast<std::size_t>(frame) * limb_target_count_,
+                                       limb_target_count_);
+    targets->build(human_.frame(frame), of_frame);
+    const Vector3d root = of_frame.front().translation;
+    if (!root_path_.empty()) root_path_[static_cast<std::size_t>(frame)] = root;
+    for (Pose& target : of_frame) target.translation -= root;
   }
 }
 

@@ -91,9 +91,16 @@ void NearPairs::find(const TreeState& pose, double within, std::vector<std::uint
         continue;
       }
       const FitPair& pair = model_.pairs[i];
-      const double distance =
-          shape_distance(in_world(pose, pair.a), in_world(pose, pair.b), NearestPoints::kEven)
-              .distance;
+      const RoundedShape &a = in_world(pose, pair.a), &b = in_world(pose, pair.b);
+      const double spheres_apart =
+          (a.centre - b.centre).norm() - a.bounding_radius - b.bounding_radius;
+      if (spheres_apart > within) {
+        far_until_[i] = path + (spheres_apart - within);
+        near_until_[i] = kUnknown;
+        first = std::min(first, far_until_[i]);
+        continue;
+      }
+      const double distance = shape_distance(a, b, NearestPoints::kEven).distance;
       if (distance < within) pairs.push_back(i);
       far_until_[i] = path + (distance - within - kSlack);
       near_until_[i] = path - (distance - within + kSlack);
