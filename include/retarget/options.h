@@ -154,14 +154,14 @@ struct FitOptions {
   double foot_height_range = 0.12;  ///< Metres.
 
   /// Weight of the distance from heel or toe to its anchor, per metre.
-  double contact_weight = 900.0;
+  double contact_weight = 1000.0;
   /// Weight of the height of a heel or toe in contact above its surface, per metre.
   double contact_height_weight = 400.0;
   /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per
   /// metre.
-  double body_contact_weight = 400.0;
+  double body_contact_weight = 600.0;
   /// Weight of the height of these bodies above the floor, per metre.
-  double body_contact_height_weight = 250.0;
+  double body_contact_height_weight = 280.0;
 
   double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points, per metre.
   double sole_margin = 0.002;  ///< Height below which the depth of a foot in swing begins, metres.

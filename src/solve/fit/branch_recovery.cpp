@@ -13,6 +13,7 @@
 #include "solve/fit/limb_detours.h"
 #include "solve/fit/limb_solver.h"
 #include "solve/fit/shorthand.h"
+#include "solve/fit/sunken_frames.h"
 #include "solve/fit/window_trial.h"
 
 namespace retarget {
@@ -208,15 +209,17 @@ BranchRecovery recover_branches(const FitModel& model, const FitOptions& options
     std::stable_sort(result.limbs.begin() + first, result.limbs.end(),
                      [](const auto& a, const auto& b) { return a.begin < b.begin; });
   }
+  solve_sunken_frames(model, options, clip, keep_going, result);
   return result;
 }
 
 void BranchRecovery::conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed) {
-  if (changed) {
-    limbs.push_back(*changed);
-  } else {
-    trial.revert();
-  }
+  if (changed) limbs.push_back(*changed);
+  conclude(trial, changed.has_value());
+}
+
+void BranchRecovery::conclude(WindowTrial& trial, bool accepted) {
+  if (!accepted) trial.revert();
   stopped = stopped || trial.stopped();
   std::ranges::copy(trial.failures(), std::back_inserter(failures));
 }

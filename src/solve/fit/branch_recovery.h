@@ -33,6 +33,8 @@ struct BranchRecovery {
   /// Records the result of a trial.
   /// @param changed  the accepted change; empty: rejects the change and reverts the clip.
   void conclude(WindowTrial& trial, const std::optional<RecoveredLimb>& changed);
+  /// The same for a trial that moves no limb.
+  void conclude(WindowTrial& trial, bool accepted);
   /// One sentence per recovered limb.
   [[nodiscard]] std::vector<std::string> notes() const;
 };
