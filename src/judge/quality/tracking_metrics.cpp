@@ -63,9 +63,9 @@ void TrackingMeasure::collect_limb_targets() {
   const std::vector<Bone> bones = targets->bones();
   for (std::size_t i = 0; i < bones.size(); ++i) target_of_bone_[bones[i]] = static_cast<int>(i);
   for (int frame = 0; frame < frames_; ++frame) {
-    const auto of_frame = std::span(limb_targets_)
-                              .subspan(static_cast<std::size_t>(frame) * limb_target_count_,
-                                       limb_target_count_);
+    const auto of_frame =
+        std::span(limb_targets_)
+            .subspan(static_cast<std::size_t>(frame) * limb_target_count_, limb_target_count_);
     targets->build(human_.frame(frame), of_frame);
     const Vector3d root = of_frame.front().translation;
     if (!root_path_.empty()) root_path_[static_cast<std::size_t>(frame)] = root;

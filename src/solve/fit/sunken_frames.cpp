@@ -11,27 +11,28 @@
 namespace retarget {
 namespace {
 
-constexpr double kDeep = 0.01;       // Metres.
-constexpr double kSampleTime = 0.1;  // Seconds between two measurements of the depth.
-constexpr double kApart = 1.0;       // Seconds; intervals less apart are solved together.
+constexpr double kDeep = 0.01;            // Metres.
+constexpr double kDepthSampleTime = 0.1;  // Seconds between two measurements of the depth.
+constexpr double kApart = 1.0;            // Seconds; intervals less apart are solved together.
 
-struct Interval {
+struct SunkenInterval {
   int begin = 0, end = 0;
 };
 
 // Intervals with a deep point, from samples. A penetration that is shorter than the sampling
 // interval may be missed.
-std::vector<Interval> sunken_intervals(const FitModel& model, const FitClip& clip) {
+std::vector<SunkenInterval> sunken_intervals(const FitModel& model, const FitClip& clip) {
   const auto frames_in = [&](double seconds) {
     return std::max(1, static_cast<int>(std::lround(seconds / clip.frame_time)));
   };
-  const int every = frames_in(kSampleTime);
+  const int every = frames_in(kDepthSampleTime);
   TreeState pose(model.tree);
-  std::vector<Interval> found;
+  std::vector<SunkenInterval> found;
   for (int frame = 0; frame < clip.frame_count; frame += every) {
     pose.update(clip.frame(frame, model.configuration_size));
     if (!(lowest_below_floor(model, pose) < -kDeep)) continue;
-    const Interval next{std::max(0, frame - every), std::min(clip.frame_count, frame + every + 1)};
+    const SunkenInterval next{std::max(0, frame - every),
+                              std::min(clip.frame_count, frame + every + 1)};
     if (!found.empty() && next.begin < found.back().end + frames_in(kApart)) {
       found.back().end = next.end;
     } else {
