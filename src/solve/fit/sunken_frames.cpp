@@ -13,19 +13,24 @@ namespace {
 
 constexpr double kDeep = 0.01;            // Metres.
 constexpr double kDepthSampleTime = 0.1;  // Seconds between two measurements of the depth.
-constexpr double kApart = 1.0;            // Seconds; intervals less apart are solved together.
+constexpr double kFarApart = 1.0;         // Seconds; intervals less apart are solved together.
+constexpr double kLongestSunken = 5.0;    // Seconds of an interval; bounds the memory of a trial.
+// Seconds from a rejected trial to the next; it doubles each time, because such a robot probably
+// cannot leave the floor.
+constexpr double kFirstPause = 1.0, kLongestPause = 32.0;
 
 struct SunkenInterval {
   int begin = 0, end = 0;
 };
 
+int frames_in(double seconds, const FitClip& clip) {
+  return std::max(1, static_cast<int>(std::lround(seconds / clip.frame_time)));
+}
+
 // Intervals with a deep point, from samples. A penetration that is shorter than the sampling
 // interval may be missed.
 std::vector<SunkenInterval> sunken_intervals(const FitModel& model, const FitClip& clip) {
-  const auto frames_in = [&](double seconds) {
-    return std::max(1, static_cast<int>(std::lround(seconds / clip.frame_time)));
-  };
-  const int every = frames_in(kDepthSampleTime);
+  const int every = frames_in(kDepthSampleTime, clip);
   TreeState pose(model.tree);
   std::vector<SunkenInterval> found;
   for (int frame = 0; frame < clip.frame_count; frame += every) {
@@ -33,7 +38,8 @@ std::vector<SunkenInterval> sunken_intervals(const FitModel& model, const FitCli
     if (!(lowest_below_floor(model, pose) < -kDeep)) continue;
     const SunkenInterval next{std::max(0, frame - every),
                               std::min(clip.frame_count, frame + every + 1)};
-    if (!found.empty() && next.begin < found.back().end + frames_in(kApart)) {
+    if (!found.empty() && next.begin < found.back().end + frames_in(kFarApart, clip) &&
+        next.end - found.back().begin <= frames_in(kLongestSunken, clip)) {
       found.back().end = next.end;
     } else {
       found.push_back(next);
@@ -47,10 +53,16 @@ std::vector<SunkenInterval> sunken_intervals(const FitModel& model, const FitCli
 void solve_sunken_frames(const FitModel& model, const FitOptions& options, FitClip& clip,
                          const std::function<bool()>& keep_going, BranchRecovery& result) {
   if (!options.floor || clip.scene) return;
+  double wait = 0.0;
+  int next = 0;  // First frame at which an interval may begin.
   for (const auto& [begin, end] : sunken_intervals(model, clip)) {
     if (result.stopped) return;
+    if (begin < next) continue;
     WindowTrial trial(model, options, clip, keep_going, begin, end);
-    result.conclude(trial, trial.solve() && trial.pays_off());
+    const bool accepted = trial.solve() && trial.pays_off();
+    result.conclude(trial, accepted);
+    wait = accepted ? 0.0 : std::clamp(2.0 * wait, kFirstPause, kLongestPause);
+    if (!accepted) next = end + frames_in(wait, clip);
   }
 }
 
