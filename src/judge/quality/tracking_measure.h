@@ -121,8 +121,8 @@ class TrackingMeasure {
   std::vector<TrackedRow> rows_;
   // By frame and target, relative to the root; empty: no limb scaling.
   std::vector<Pose> limb_targets_;
-  std::size_t limb_target_count_ = 0;  // Per frame.
-  BoneArray<int> target_of_bone_{0};
+  std::size_t limb_target_count_ = 0;       // Per frame.
+  BoneArray<int> target_of_bone_;           // Every row with a weight has a target.
   std::vector<Eigen::Vector3d> root_path_;  // Target positions of the root by frame.
   int root_body_ = 0;                       // Index into BodyTracks::kept_bodies.
   Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // A constant yaw.

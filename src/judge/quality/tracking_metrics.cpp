@@ -60,8 +60,7 @@ void TrackingMeasure::collect_limb_targets() {
   if (!targets) return;
   limb_target_count_ = static_cast<std::size_t>(targets->target_count());
   limb_targets_.resize(static_cast<std::size_t>(frames_) * limb_target_count_);
-  const std::vector<Bone> bones = targets->bones();
-  for (std::size_t i = 0; i < bones.size(); ++i) target_of_bone_[bones[i]] = static_cast<int>(i);
+  for (const Bone bone : kAllBones) target_of_bone_[bone] = targets->target_of(bone);
   for (int frame = 0; frame < frames_; ++frame) {
     const auto of_frame =
         std::span(limb_targets_)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -21,6 +22,9 @@ struct FitClip {
   std::vector<double> qpos;               ///< Frame-major, laid out as in RobotClip.
   std::shared_ptr<const FitScene> scene;  ///< Null: none.
 
+  [[nodiscard]] int frames_in(double seconds) const {
+    return static_cast<int>(std::lround(seconds / frame_time));
+  }
   /// Configuration of frame `t`. @param size  FitModel::configuration_size.
   [[nodiscard]] std::span<double> frame(int t, int size) {
     return {qpos.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(size),

@@ -1,10 +1,10 @@
 #include "solve/fit/limb_detours.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 
+#include "retarget/clip.h"
 #include "retarget/human.h"
 #include "solve/fit/frame_terms.h"
 #include "solve/fit/limb_frame.h"
@@ -18,10 +18,6 @@ namespace {
 constexpr double kAround = 0.6;  // Seconds of a path before and after the frames with large errors.
 constexpr double kLongest = 4.0;                  // Longest interval that is searched, seconds.
 constexpr double kTwisted = 0.17453292519943295;  // Rotation error of the trunk: 10 degrees.
-
-struct Interval {
-  int begin = 0, end = 0;
-};
 
 class ArmStraightener {
  public:
@@ -43,24 +39,21 @@ class ArmStraightener {
   }
 
   void straighten() {
-    for (const Interval& interval : intervals()) {
-      if (interval.end - interval.begin <= frames_in(kLongest)) reroute(interval);
+    for (const FrameRange& interval : intervals()) {
+      if (interval.end - interval.begin <= clip_.frames_in(kLongest)) reroute(interval);
       if (result_.stopped) return;
     }
   }
 
  private:
-  [[nodiscard]] int frames_in(double seconds) const {
-    return static_cast<int>(std::lround(seconds / clip_.frame_time));
-  }
   double cost(int t) {
     frame_.set(t);
     return frame_.cost();
   }
-  std::vector<Interval> intervals();
-  bool is_trunk_twisted(const Interval& interval);
+  std::vector<FrameRange> intervals();
+  bool is_trunk_twisted(const FrameRange& interval);
   bool release_trunk(WindowTrial& trial);
-  void reroute(const Interval& interval);
+  void reroute(const FrameRange& interval);
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -75,14 +68,14 @@ class ArmStraightener {
 };
 
 // The frames in which the arm is astray (astray_cost()), with a margin on either side.
-std::vector<Interval> ArmStraightener::intervals() {
+std::vector<FrameRange> ArmStraightener::intervals() {
   const double off = astray_cost(model_, arm_);
-  std::vector<Interval> found;
+  std::vector<FrameRange> found;
   if (!(off > 0.0)) return found;
-  const int around = frames_in(kAround);
+  const int around = clip_.frames_in(kAround);
   for (int t = 0; t < clip_.frame_count; ++t) {
     if (!(cost(t) > off)) continue;
-    const Interval next{std::max(0, t - around), std::min(clip_.frame_count, t + around + 1)};
+    const FrameRange next{std::max(0, t - around), std::min(clip_.frame_count, t + around + 1)};
     if (!found.empty() && next.begin <= found.back().end) {
       found.back().end = next.end;
     } else {
@@ -92,7 +85,7 @@ std::vector<Interval> ArmStraightener::intervals() {
   return found;
 }
 
-bool ArmStraightener::is_trunk_twisted(const Interval& interval) {
+bool ArmStraightener::is_trunk_twisted(const FrameRange& interval) {
   if (!trunk_task_) return false;
   const int link = model_.tasks[*trunk_task_].link;
   for (int t = interval.begin; t < interval.end; ++t) {
@@ -130,7 +123,7 @@ bool ArmStraightener::release_trunk(WindowTrial& trial) {
   return true;
 }
 
-void ArmStraightener::reroute(const Interval& interval) {
+void ArmStraightener::reroute(const FrameRange& interval) {
   const auto arm_cost = [&] {
     double sum = 0.0;
     for (int t = interval.begin; t < interval.end; ++t) sum += cost(t);

@@ -13,9 +13,9 @@ namespace retarget {
 /// Finds the pairs of a robot's shapes that are near each other, in a sequence of poses.
 ///
 /// It keeps the last distance of each pair and a bound on the motion of its links since then, and
-/// measures only pairs that may have become near (conservative advancement). The order of the poses
-/// affects the time, but not the result. Does not allocate per pose. Keeps a reference to the
-/// model.
+/// measures only pairs that may have become near or far (conservative advancement). The order of
+/// the poses affects the time, but not the result. Does not allocate per pose. Keeps a reference to
+/// the model.
 class NearPairs {
  public:
   explicit NearPairs(const FitModel& model);

@@ -1,9 +1,9 @@
 #include "solve/fit/sunken_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
+#include "retarget/clip.h"
 #include "retarget/kinematic_tree.h"
 #include "solve/fit/start_frames.h"
 #include "solve/fit/window_trial.h"
@@ -19,27 +19,19 @@ constexpr double kLongestSunken = 5.0;    // Seconds of an interval; bounds the 
 // cannot leave the floor.
 constexpr double kFirstPause = 1.0, kLongestPause = 32.0;
 
-struct SunkenInterval {
-  int begin = 0, end = 0;
-};
-
-int frames_in(double seconds, const FitClip& clip) {
-  return std::max(1, static_cast<int>(std::lround(seconds / clip.frame_time)));
-}
-
 // Intervals with a deep point, from samples. A penetration that is shorter than the sampling
 // interval may be missed.
-std::vector<SunkenInterval> sunken_intervals(const FitModel& model, const FitClip& clip) {
-  const int every = frames_in(kDepthSampleTime, clip);
+std::vector<FrameRange> sunken_intervals(const FitModel& model, const FitClip& clip) {
+  const int every = std::max(1, clip.frames_in(kDepthSampleTime));
   TreeState pose(model.tree);
-  std::vector<SunkenInterval> found;
+  std::vector<FrameRange> found;
   for (int frame = 0; frame < clip.frame_count; frame += every) {
     pose.update(clip.frame(frame, model.configuration_size));
     if (!(lowest_below_floor(model, pose) < -kDeep)) continue;
-    const SunkenInterval next{std::max(0, frame - every),
-                              std::min(clip.frame_count, frame + every + 1)};
-    if (!found.empty() && next.begin < found.back().end + frames_in(kFarApart, clip) &&
-        next.end - found.back().begin <= frames_in(kLongestSunken, clip)) {
+    const FrameRange next{std::max(0, frame - every),
+                          std::min(clip.frame_count, frame + every + 1)};
+    if (!found.empty() && next.begin < found.back().end + clip.frames_in(kFarApart) &&
+        next.end - found.back().begin <= clip.frames_in(kLongestSunken)) {
       found.back().end = next.end;
     } else {
       found.push_back(next);
@@ -62,7 +54,7 @@ void solve_sunken_frames(const FitModel& model, const FitOptions& options, FitCl
     const bool accepted = trial.solve() && trial.pays_off();
     result.conclude(trial, accepted);
     wait = accepted ? 0.0 : std::clamp(2.0 * wait, kFirstPause, kLongestPause);
-    if (!accepted) next = end + frames_in(wait, clip);
+    if (!accepted) next = end + clip.frames_in(wait);
   }
 }
 

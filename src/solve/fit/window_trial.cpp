@@ -1,7 +1,6 @@
 #include "solve/fit/window_trial.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -23,8 +22,8 @@ WindowTrial::WindowTrial(const FitModel& model, const FitOptions& options, FitCl
       options_(options),
       clip_(clip),
       keep_going_(keep_going),
-      window_{std::max(0, begin - frames_in(kMargin)),
-              std::min(clip.frame_count, end + frames_in(kMargin)), true,
+      window_{std::max(0, begin - clip.frames_in(kMargin)),
+              std::min(clip.frame_count, end + clip.frames_in(kMargin)), true,
               smoothing_context(clip.frame_time)},
       anchors_before_(clip.anchors) {
   const auto solved = changed();
@@ -34,10 +33,6 @@ WindowTrial::WindowTrial(const FitModel& model, const FitOptions& options, FitCl
     dynamics_.emplace(model, options, window_, clip);
     unexplained_before_ = dynamics_->begin(clip);
   }
-}
-
-int WindowTrial::frames_in(double seconds) const {
-  return static_cast<int>(std::lround(seconds / clip_.frame_time));
 }
 
 std::span<double> WindowTrial::changed() const {
@@ -77,14 +72,14 @@ bool WindowTrial::solve() {
 }
 
 bool WindowTrial::solve(const FitModel& model, const FitOptions& options) {
-  const int length = std::max(frames_in(options.window), 2 * frames_in(kOverlap) + 1);
+  const int length = std::max(clip_.frames_in(options.window), 2 * clip_.frames_in(kOverlap) + 1);
   const int count = (window_.end - window_.begin + length - 1) / length;
   const auto border = [&](int i) {
     return window_.begin +
            static_cast<int>(static_cast<std::int64_t>(window_.end - window_.begin) * i / count);
   };
   for (int i = 0; i < count; ++i) {
-    const int begin = std::max(window_.begin, border(i) - (i > 0 ? frames_in(kOverlap) : 0));
+    const int begin = std::max(window_.begin, border(i) - (i > 0 ? clip_.frames_in(kOverlap) : 0));
     const FitWindow part{begin, border(i + 1), true, window_.context};
     const FitStatus status = fit_window(model, options, part, clip_, [this] {
       stopped_ = stopped_ || (keep_going_ && !keep_going_());

@@ -49,7 +49,6 @@ class WindowTrial {
   [[nodiscard]] const std::vector<SolverFailure>& failures() const { return failures_; }
 
  private:
-  [[nodiscard]] int frames_in(double seconds) const;
   [[nodiscard]] std::span<double> changed() const;
   [[nodiscard]] double cost() const;
 

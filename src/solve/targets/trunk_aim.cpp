@@ -308,7 +308,7 @@ std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) c
                                        .min_increased = 1.0,
                                        .max_damping = 1.0,
                                        .monotone = false,
-                                       .min_step = 1e-6};  // Radians; the next is 1e-7.
+                                       .min_step = 1e-6};  // Radians.
   const auto solved = damped_least_squares(search, kPolicy);
   if (solved.status == LeastSquaresStatus::kNonFinite) return unknown_aim();
   return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,
