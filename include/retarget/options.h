@@ -159,9 +159,9 @@ struct FitOptions {
   double contact_height_weight = 400.0;
   /// Weight of the distance from a knee, elbow, hand, seat or back in contact to its anchor, per
   /// metre.
-  double body_contact_weight = 480.0;
+  double body_contact_weight = 600.0;
   /// Weight of the height of these bodies above the floor, per metre.
-  double body_contact_height_weight = 265.0;
+  double body_contact_height_weight = 280.0;
 
   double sole_floor_weight = 400.0;  ///< Weight of the depth of sole points, per metre.
   double sole_margin = 0.002;  ///< Height below which the depth of a foot in swing begins, metres.

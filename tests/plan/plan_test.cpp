@@ -7,8 +7,10 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
+#include "retarget/so3.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -176,6 +178,30 @@ TEST(FrontDoor, AFailedSolverMissesTheVerdict) {
   EXPECT_EQ(json["solver_failures"], 1.0);
   EXPECT_EQ(json["passed"], false);
   EXPECT_EQ(json["fit"]["solver"]["dynamics_failed"], true);
+}
+
+// With noise in the joints, contacts of hands and knees would pull the feet off their anchors.
+TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
+  const auto robot = g1();
+  ASSERT_TRUE(robot) << describe(robot.error());
+  const Clip clip = load_clip(sample("wave")).value();
+  Clip noisy = clip;
+  std::mt19937 random(1);
+  std::normal_distribution<double> angle(0.0, 0.03);
+  for (int frame = 0; frame < noisy.frame_count(); ++frame) {
+    for (Eigen::Quaterniond& rotation : noisy.rotations(frame)) {
+      rotation = rotation * exp_so3({angle(random), angle(random), angle(random)});
+    }
+  }
+  const double usual = make_plan(clip, *robot, Options()).value().fit.body_contact_weight;
+  EXPECT_EQ(usual, FitOptions().body_contact_weight);
+  const FitOptions lowered = make_plan(noisy, *robot, Options()).value().fit;
+  EXPECT_LT(lowered.body_contact_weight, 0.8 * usual);
+  EXPECT_GT(lowered.body_contact_weight, 0.6 * usual);
+  EXPECT_EQ(lowered.contact_weight, FitOptions().contact_weight);
+  Options unchanged;
+  unchanged.human.clean = CleanRule::kOff;
+  EXPECT_EQ(make_plan(noisy, *robot, unchanged).value().fit.body_contact_weight, usual);
 }
 
 }  // namespace

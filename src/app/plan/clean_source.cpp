@@ -12,6 +12,7 @@
 #include "retarget/option_table.h"
 #include "retarget/options.h"
 #include "retarget/text.h"
+#include "solve/fit/fit_setup.h"
 #include "solve/fit/foot_plan.h"
 #include "solve/targets/limb_lengths.h"
 
@@ -75,6 +76,8 @@ void clean_source(Clip& clip, const std::string& positions, Plan& plan) {
   }
   plan.clip_notes.push_back({"", OPTION("clean") " off uses the clip unchanged"});
   look_above_noise(report.foot_speed, plan.fit);
+  constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
+  plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_speed / kNoisySpeed));
 }
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {

@@ -100,7 +100,6 @@ FitOptions fit_of_robot_motions(FitOptions fit) {
   fit.smoothness_root_position *= 25.0 / 18.0;
   fit.limb_smoothing_time = 0.0;
   fit.smoothness_root_rotation *= 2.5;
-  fit.body_contact_weight *= 1.25;
   return fit;
 }
 

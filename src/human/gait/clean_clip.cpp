@@ -180,7 +180,7 @@ class ClipCleaner {
   // @param speed  median speed of standing feet, m/s for a body with legs of kUsualSourceLeg
   void hold_feet(int moved, double speed) {
     // The fit holds slower feet by itself; noise of that size looks like slow steps.
-    constexpr double kSlow = 0.085;
+    constexpr double kSlow = 0.07;
     NoisyFeet held;
     if (speed > kSlow) held = plant_noisy_feet(clip_, part_, calibration_, moved, speed);
     if (held.stances == 0) {

@@ -86,32 +86,66 @@ std::vector<std::size_t> likeliest(const std::vector<EndScores>& scores,
   return states;
 }
 
-// Penalty on frames in which no foot stands: upright bodies rarely fly.
-double unsupported_penalty(const SourceFeet& feet, const StandingHeights& standing, double scale,
-                           int frame) {
-  constexpr double kPenalty = 1.5, kHips = 0.3;  // Metres.
-  if (feet.hips.empty()) return 0.0;
-  const double hips = feet.hips[static_cast<std::size_t>(frame)] - standing.of(kToeEnd);
-  return hips > kHips * scale ? kPenalty : 0.0;
+// Whether the hips are high above the standing height of toes.
+bool is_upright(const SourceFeet& feet, double toe_height, double scale, int frame) {
+  constexpr double kHips = 0.3;  // Metres.
+  if (feet.hips.empty()) return false;
+  return feet.hips[static_cast<std::size_t>(frame)] - toe_height > kHips * scale;
+}
+
+// Heights of standing heels and toes, metres. The lowest feet of a noisy clip are lower than those
+// that stand: starts at their height and moves to the median of slow ends within kReach until it
+// stays the same.
+std::array<double, 2> noisy_standing_heights(const SourceFeet& feet, const ContactOptions& options,
+                                             double scale) {
+  constexpr double kReach = 0.08;  // Metres; steps and boxes are higher.
+  constexpr int kMostMoves = 20;
+  const StandingHeights lowest = find_standing_heights(feet, options);
+  std::array<double, 2> heights{};
+  std::vector<double> near;
+  for (const int end : {kHeelEnd, kToeEnd}) {
+    double& height = heights[static_cast<std::size_t>(end)];
+    height = lowest.of(end);
+    for (int i = 0; i < kMostMoves; ++i) {
+      near.clear();
+      for (int frame = 0; frame < feet.frame_count(); ++frame) {
+        if (!is_upright(feet, lowest.of(kToeEnd), scale, frame)) continue;
+        for (int foot = 0; foot < feet.foot_count; ++foot) {
+          const double z = feet.at(frame, foot).end(end).z();
+          if (std::abs(z - height) < kReach * scale &&
+              feet.speed(frame, foot, end) < options.begin_speed * scale) {
+            near.push_back(z);
+          }
+        }
+      }
+      const double before = height;
+      if (!near.empty()) height = median_in_place(near);
+      if (height == before) break;
+    }
+  }
+  return heights;
 }
 
 }  // namespace
 
 NoisyStances find_noisy_stances(const SourceFeet& feet, double noise_speed) {
   constexpr double kChangeTime = 0.1;  // Seconds.
+  constexpr double kUnsupported = 1.5;
   const double scale = feet.leg_length() / kUsualSourceLeg;
   const EvenOdds even = EvenOdds::of(noise_speed);
   ContactOptions options;
   options.begin_speed = even.speed;
   options.end_speed = even.speed;
-  const StandingHeights standing = find_standing_heights(feet, options);
+  const std::array<double, 2> standing = noisy_standing_heights(feet, options, scale);
   std::vector<EndScores> scores(static_cast<std::size_t>(feet.frame_count()));
   std::vector<double> unsupported;
   for (int frame = 0; frame < feet.frame_count(); ++frame) {
-    unsupported.push_back(unsupported_penalty(feet, standing, scale, frame));
+    // Upright bodies rarely fly.
+    unsupported.push_back(is_upright(feet, standing[kToeEnd], scale, frame) ? kUnsupported : 0.0);
     for (int foot = 0; foot < feet.foot_count; ++foot) {
       for (const int end : {kHeelEnd, kToeEnd}) {
-        const double height = feet.at(frame, foot).end(end).z() - standing.of(end);
+        const double height =
+            feet.at(frame, foot).end(end).z() - standing[static_cast<std::size_t>(end)];
         scores[static_cast<std::size_t>(frame)][stance_index(foot, end)] =
             evidence(feet.speed(frame, foot, end) / (scale * even.speed)) +
             std::min(0.0, evidence(std::max(0.0, height) / (scale * even.height)));
@@ -167,6 +201,17 @@ Track interpolated(const Track& targets, const std::vector<double>& weights, dou
     for (std::size_t i = 0; i < targets.size(); ++i) result[i][axis] = solved[i];
   }
   return result;
+}
+
+// Rotates a vector in its vertical plane until it has this height; unchanged if it is too short or
+// has no direction over the ground.
+Vector3d with_height(const Vector3d& vector, double height) {
+  const double over_ground = vector.head<2>().norm();
+  const double left = vector.squaredNorm() - height * height;
+  if (vector.z() == height || !(left > 0.0) || !(over_ground > 0.0)) return vector;
+  Vector3d turned;
+  turned << vector.head<2>() * (std::sqrt(left) / over_ground), height;
+  return turned;
 }
 
 class NoisyFootPlanter {
@@ -354,11 +399,18 @@ class NoisyFootPlanter {
     const Vector3d heel = source.end(kHeelEnd), toe = source.end(kToeEnd);
     const Vector3d new_heel = above_floor(heel + heel_offset, i, kHeelEnd);
     const Vector3d new_toe = above_floor(toe + toe_offset, i, kToeEnd);
-    const Vector3d along = new_toe - new_heel;
-    if (!(along.norm() > 0.0) || !((toe - heel).norm() > 0.0)) return;
-    const Quaterniond turn = rotation_between(toe - heel, along);
+    const Vector3d foot_before = toe - heel;
+    const double length = foot_before.norm();
+    Vector3d along = new_toe - new_heel;
+    if (!(along.norm() > 0.0) || !(length > 0.0)) return;
+    along *= length / along.norm();
     const bool on_toe = weights_[stance_index(foot, kHeelEnd)][at] == 0.0 &&
                         weights_[stance_index(foot, kToeEnd)][at] > 0.0;
+    // At the foot's true length, the end that is not held must not be below the floor either.
+    const double rise = on_toe ? new_toe.z() - above_floor(new_toe - along, i, kHeelEnd).z()
+                               : above_floor(new_heel + along, i, kToeEnd).z() - new_heel.z();
+    along = with_height(along, rise);
+    const Quaterniond turn = rotation_between(foot_before, along);
     const Vector3d ankle = on_toe ? Vector3d(new_toe - turn * (toe - source.ankle))
                                   : Vector3d(new_heel + turn * (source.ankle - heel));
     result_.farthest = std::max(result_.farthest, (ankle - source.ankle).norm());

@@ -106,6 +106,12 @@ FitOptions sized_options(FitOptions options, double leg) {
   return options;
 }
 
+FitOptions options_for_noise(FitOptions options, double noise) {
+  constexpr double kLeast = 2.0 / 3.0;
+  options.body_contact_weight *= 1.0 - (1.0 - kLeast) * noise;
+  return options;
+}
+
 SourceSides sides_with_feet(const HumanClipInfo& info) {
   const auto has_foot = [&](Side side) {
     return std::ranges::all_of(

@@ -28,6 +28,12 @@ struct PathScales {
 /// @param leg  length from hip to knee to ankle, metres.
 [[nodiscard]] FitOptions sized_options(FitOptions options, double leg);
 
+/// Lowers the weight of contacts of knees, elbows, hands, seat and back for a noisy source. They
+/// compete with contacts of the feet, which slip more if noise moves the anchors of both
+/// (docs/fit.md, "Tuning").
+/// @param noise  0: none, 1: the noise of video estimates.
+[[nodiscard]] FitOptions options_for_noise(FitOptions options, double noise);
+
 /// The options without the terms that do not apply to the robot: a fixed base disables the floor
 /// and foot terms and the dynamics.
 [[nodiscard]] FitOptions options_for(const Robot& robot, FitOptions options);

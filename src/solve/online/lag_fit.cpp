@@ -43,6 +43,9 @@ OnlineTargets::OnlineTargets(const Plan& plan, const HumanClipInfo& human, Targe
       settles_(as_fit_) {
   const auto limbs = robot_limbs(*robot_, config_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
+  // Streams are not cleaned, and most trackers are noisier than recordings.
+  constexpr double kLiveNoise = 0.6;
+  options_ = options_for_noise(options_, kLiveNoise);
   // The dynamics require future frames.
   options_.dynamics = false;
   BoneArray<int> target_of_bone;
