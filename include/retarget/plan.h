@@ -81,7 +81,8 @@ struct Plan {
   std::vector<ObjectTrack> object_tracks;
   /// Changes to the contacts that are found in the clip.
   std::vector<ContactEdit> contact_edits;
-  std::vector<Warning> scene_doubts;      ///< Reasons why the scene may not belong to the clip.
+  std::vector<Warning>
+      clip_doubts;  ///< Reasons why the path of the clip or its scene may be wrong.
   std::vector<SummaryLine> clip_notes;    ///< Omitted parts of the clip, with reasons.
   std::vector<SummaryLine> config_notes;  ///< Omitted parts of the configuration, with reasons.
 

@@ -5,7 +5,7 @@ import math
 import unittest
 
 import noise
-from tool import SAMPLES, ToolTest, sample
+from tool import SAMPLES, SHARED, ToolTest, needs_shared, sample
 
 KEYPOINT_RATE = ("--source-fps", "30")
 
@@ -28,7 +28,7 @@ class Clean(ToolTest):
     def figures(self, name, output="out.csv", *options):
         """Figures of a motion, compared with the clean sample."""
         result = self.run_tool("evaluate", output, "--robot", "unitree_g1", "--bvh", sample(name),
-                               "--gate", "none", "--json", "-", *options)
+                               "--source-quat", "xyzw", "--gate", "none", "--json", "-", *options)
         self.assert_done(result)
         return json.loads(result.stdout)["motions"][0]
 
@@ -113,6 +113,35 @@ class Clean(ToolTest):
                 self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
                 self.assertLess(found["contact_slip_p95"], slip)
                 self.assertLess(found["limb_angle_deg"][0], angle)
+
+    def test_low_outliers_do_not_lower_the_floor(self):
+        # With these seeds the lowest feet are 5 to 10 cm below the standing ones.
+        cases = (("walk", 0.03, 5), ("walk", 0.03, 6), ("squat", 0.03, 3), ("walk", 0.015, 1))
+        for name, metres, seed in cases:
+            with self.subTest(name=name, metres=metres, seed=seed):
+                motion = noise.Motion(sample(name))
+                names = self.write("names.txt",
+                                   "".join(f"{joint['name']}\n" for joint in motion.joints))
+                source = self.write("points.npy", noise.npy(
+                    noise.keypoints(motion, white=metres, slow=metres, seed=seed)))
+                self.run_on(source, "--joint-names", names, *KEYPOINT_RATE)
+                found = self.figures(name)
+                self.assertLess(found["contact_slip_p95"], 0.02)
+                self.assertLess(abs(found["sole_height_p50_cm"]), 0.5)
+
+    @needs_shared
+    def test_corrections_that_lose_contacts_are_discarded(self):
+        motion = noise.Motion(SHARED / "data/lafan1_cuts/run2_subject4_run.bvh")
+        motion.rows = motion.rows[:1500]
+        source = self.write("run.bvh", motion.text())
+        noise.rotation_noise(motion, 3.0)
+        noisy = self.write("noisy.bvh", motion.text())
+        self.assertNotIn("root moved", self.run_on(noisy))
+        result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", source,
+                               "--source-quat", "xyzw", "--gate", "none", "--json", "-")
+        self.assert_done(result)
+        found = json.loads(result.stdout)["motions"][0]
+        self.assertLess(abs(found["sole_height_p50_cm"]), 2.0)
 
     def test_frozen_frames_and_lost_joints_are_bridged(self):
         said = self.run_on(self.noisy("walk", noise.frozen_frames))

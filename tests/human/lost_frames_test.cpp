@@ -138,5 +138,51 @@ TEST(LostFrames, RepeatedFramesOfASlowerClipAreNotFrozenFrames) {
   EXPECT_TRUE(same_clips(before, repeated));
 }
 
+// The source frame that each frame shows if frames of a lower rate are repeated.
+int shown_frame(int frame, double share_of_rate) {
+  const double captures = std::floor(frame * share_of_rate + 1e-9);
+  return static_cast<int>(std::ceil(captures / share_of_rate - 1e-9));
+}
+
+TEST(HeldFrames, AreInterpolated) {
+  const Clip clip = bending_chain();
+  // 30 in 60 fps, 30 in 120, 24 in 60, 25 in 30.
+  for (const double share : {0.5, 0.25, 0.4, 5.0 / 6.0}) {
+    Clip held = clip;
+    int repeated = 0, last_capture = 0;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const int shown = shown_frame(frame, share);
+      copy_frame(clip, shown, held, frame);
+      repeated += shown != frame ? 1 : 0;
+      if (shown == frame) last_capture = frame;
+    }
+    // Nothing follows the last capture.
+    const int left = kFrames - 1 - last_capture;
+    EXPECT_EQ(interpolate_held_frames(held, kWhole), repeated - left) << share;
+    for (int frame = 0; frame <= last_capture; ++frame) {
+      EXPECT_NEAR(std::as_const(held).translations(frame)[0].x(), 0.02 * frame, 1e-9) << share;
+      for (std::size_t joint = 0; joint < kJoints; ++joint) {
+        const Quaterniond& found = std::as_const(held).rotations(frame)[joint];
+        EXPECT_LT(found.angularDistance(clip.rotations(frame)[joint]), 0.02) << share;
+      }
+    }
+  }
+}
+
+TEST(HeldFrames, CompleteClipsAndRestsDoNotChange) {
+  const Clip clip = bending_chain();
+  Clip complete = clip;
+  EXPECT_EQ(interpolate_held_frames(complete, kWhole), 0);
+  EXPECT_TRUE(same_clips(clip, complete));
+  // Rests of six frames, after which the movement continues where it stopped.
+  Clip resting = clip;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    copy_frame(clip, frame / 12 * 6 + std::min(frame % 12, 6), resting, frame);
+  }
+  const Clip before = resting;
+  EXPECT_EQ(interpolate_held_frames(resting, kWhole), 0);
+  EXPECT_TRUE(same_clips(before, resting));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -17,6 +17,7 @@ namespace retarget {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kSource = RETARGET_SOURCE_DIR;
 
@@ -202,6 +203,35 @@ TEST(FrontDoor, LowersWeightsOfBodyContactsForNoisySources) {
   Options unchanged;
   unchanged.human.clean = CleanRule::kOff;
   EXPECT_EQ(make_plan(noisy, *robot, unchanged).value().fit.body_contact_weight, usual);
+}
+
+TEST(FrontDoor, DoubtsAPathThatContradictsTheFeet) {
+  const auto robot = g1();
+  ASSERT_TRUE(robot) << describe(robot.error());
+  const Clip clip = load_clip(sample("walk")).value();
+  EXPECT_TRUE(make_plan(clip, *robot, Options()).value().doubts().empty());
+  Clip mirrored = clip;
+  for (int frame = 0; frame < clip.frame_count(); ++frame)
+    mirrored.translations(frame)[0].x() *= -1;
+  const auto doubts = make_plan(mirrored, *robot, Options()).value().doubts();
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_THAT(doubts[0].message,
+              HasSubstr("the path of the root contradicted the feet by up to 6"));
+}
+
+// A file of 60 frames per second with 30 poses per second: every second frame repeats a pose.
+TEST(FrontDoor, RepeatedPosesAreNotJitter) {
+  const auto robot = g1();
+  ASSERT_TRUE(robot) << describe(robot.error());
+  const Clip clip = load_clip(sample("walk")).value();
+  Clip held(clip.shared_skeleton(), FrameRate{60, 1}, 2 * clip.frame_count());
+  for (int frame = 0; frame < held.frame_count(); ++frame) {
+    copy_frame(clip, frame / 2, held, frame);
+  }
+  const Plan plan = make_plan(held, *robot, Options()).value();
+  EXPECT_THAT(plan.summary(), HasSubstr("300 repeated frames interpolated"));
+  EXPECT_THAT(plan.summary(), Not(HasSubstr("jitter")));
+  EXPECT_THAT(plan.summary(), Not(HasSubstr("root moved")));
 }
 
 }  // namespace

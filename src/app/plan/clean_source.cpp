@@ -7,6 +7,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
+#include "human/gait/track_faults.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
 #include "retarget/option_table.h"
@@ -39,6 +40,17 @@ void look_above_noise(double foot_speed, FitOptions& fit) {
   fit.contact_release_height += kReleaseHigher * share;
 }
 
+// Drift of video estimates is smaller, so that the path itself may be wrong.
+void doubt_path(double root_moved, Plan& plan) {
+  constexpr double kUsualDrift = 0.5;  // Metres.
+  if (!(root_moved > kUsualDrift)) return;
+  plan.clip_doubts.push_back(
+      {0, 0,
+       fmt::format("the path of the root contradicted the feet by up to {} m and was corrected; "
+                   "the unit, scale or axes of the root translation may be wrong",
+                   number_text(root_moved, 2))});
+}
+
 // The rule of `auto` for the G1, by the robot's speed.
 constexpr TravelRule kAutomatic{1.0, 0.85, 0.7, 1.5};
 
@@ -62,19 +74,30 @@ std::string travel_text(const TravelReport& travel) {
 
 }  // namespace
 
-std::string clean_source_positions(Clip& clip, const Options& options) {
-  return may_clean(clip, options) ? clean_positions(clip) : std::string();
+SourceNotes clean_source_frames(Clip& clip, const Options& options) {
+  SourceNotes notes;
+  if (!may_clean(clip, options)) return notes;
+  const int held = interpolate_held_frames(clip, {0, clip.frame_count()});
+  if (held > 0) {
+    notes.held = fmt::format("{} interpolated", count_text(held, "repeated frame"));
+  }
+  notes.positions = clean_positions(clip);
+  return notes;
 }
 
-void clean_source(Clip& clip, const std::string& positions, Plan& plan) {
+void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   if (!may_clean(clip, plan.options)) return;
-  CleanReport report = clean_clip(clip, plan.part, plan.human.calibration, !positions.empty());
-  if (!positions.empty()) report.notes.insert(report.notes.begin(), positions);
+  CleanReport report =
+      clean_clip(clip, plan.part, plan.human.calibration, !notes.positions.empty());
+  for (const std::string& note : {notes.positions, notes.held}) {
+    if (!note.empty()) report.notes.insert(report.notes.begin(), note);
+  }
   if (!report.acted()) return;
   for (const std::string& note : report.notes) {
     plan.clip_notes.push_back({&note == report.notes.data() ? "cleaned" : "", note});
   }
   plan.clip_notes.push_back({"", OPTION("clean") " off uses the clip unchanged"});
+  doubt_path(report.root_moved, plan);
   look_above_noise(report.foot_speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
   plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_speed / kNoisySpeed));

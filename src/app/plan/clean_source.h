@@ -8,17 +8,22 @@
 
 namespace retarget {
 
-/// Smooths noisy joint positions of a clip according to HumanOptions::clean, before its human is
-/// recognised.
-/// @return a sentence that describes the changes; empty: no changes.
-[[nodiscard]] std::string clean_source_positions(Clip& clip, const Options& options);
+/// Sentences that describe the changes of clean_source_frames(); empty: none.
+struct SourceNotes {
+  std::string held;       ///< Interpolated frames that repeated a pose.
+  std::string positions;  ///< Smoothed joint positions.
+};
+
+/// Interpolates repeated frames and smooths noisy joint positions of a clip according to
+/// HumanOptions::clean, before its human is recognised.
+[[nodiscard]] SourceNotes clean_source_frames(Clip& clip, const Options& options);
 
 /// Removes noise from the part of a clip that a plan uses, according to HumanOptions::clean, and
 /// records the changes. Raises the fit's contact thresholds (speeds and heights) above the residual
-/// speed of standing feet, up to a limit.
-/// @param positions  result of clean_source_positions().
+/// speed of standing feet, up to a limit, and lowers its weights of other contacts.
+/// @param notes  result of clean_source_frames().
 /// @pre the plan's options, human, part and fit are known
-void clean_source(Clip& clip, const std::string& positions, Plan& plan);
+void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan);
 
 /// Scales the travel of a plan's clip (scale_travel) according to SolveOptions::travel or the preset,
 /// and records the factors. Does not change the clip for a robot that does not travel.

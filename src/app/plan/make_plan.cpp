@@ -169,14 +169,14 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.options = options;
   plan.limits = robot.limits;
   plan.fit = is_of_robot(clip) ? robot.fit_of_robots : robot.fit;
-  const std::string smoothed_positions = clean_source_positions(clip, options);
+  const SourceNotes source_notes = clean_source_frames(clip, options);
   // The whole clip serves to find the rest pose, unit and axes, even if only a part is retargeted.
   TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
   const ResolvedConfig& config = robot.config_for(plan.human);
   plan.config = config;
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
-  clean_source(clip, smoothed_positions, plan);
+  clean_source(clip, source_notes, plan);
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
   leave_out_unknown_rotations(clip, plan);
   note_hands(clip, plan);
@@ -210,7 +210,7 @@ std::vector<SummaryLine> HumanInClip::lines() const {
 
 std::vector<Warning> Plan::doubts() const {
   std::vector<Warning> all = human.doubts();
-  all.insert(all.end(), scene_doubts.begin(), scene_doubts.end());
+  all.insert(all.end(), clip_doubts.begin(), clip_doubts.end());
   return all;
 }
 

@@ -188,7 +188,7 @@ Result<void> check_scene_fit(const Clip& clip, Plan& plan) {
     doubt += of_clip ? "; it fits with " OPTION("scene-axes") " clip"
                      : "; check its unit (metres), axes (z up) and origin";
   }
-  plan.scene_doubts.push_back({0, 0, std::move(doubt)});
+  plan.clip_doubts.push_back({0, 0, std::move(doubt)});
   return {};
 }
 

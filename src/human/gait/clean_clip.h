@@ -14,6 +14,7 @@ struct CleanReport {
   /// Apparent speed of standing feet after smoothing, in m/s for a body with legs of
   /// kUsualSourceLeg; 0 if there was no joint noise. Slower feet may be in contact.
   double foot_speed = 0.0;
+  double root_moved = 0.0;  ///< Largest displacement of the root, metres.
 
   [[nodiscard]] bool acted() const { return !notes.empty(); }
 };
