@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "human/gait/track_spikes.h"
 #include "retarget/so3.h"
 
 namespace retarget {
@@ -182,6 +183,43 @@ TEST(HeldFrames, CompleteClipsAndRestsDoNotChange) {
   const Clip before = resting;
   EXPECT_EQ(interpolate_held_frames(resting, kWhole), 0);
   EXPECT_TRUE(same_clips(before, resting));
+}
+
+TEST(Spikes, AreInterpolated) {
+  const Clip clip = bending_chain();
+  Clip spiky = clip;
+  spiky.rotations(20)[1] = clip.rotations(20)[1] * exp_so3(Vector3d(0.0, 2.0, 0.0));
+  for (const int frame : {40, 41}) spiky.translations(frame)[0].z() += 0.5;
+  EXPECT_THAT(bridge_spikes(spiky, kWhole, 1.0),
+              ElementsAre("joint0 jumped away in 2 frames", "joint1 jumped away in 1 frame"));
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Quaterniond& found = std::as_const(spiky).rotations(frame)[1];
+    EXPECT_LT(found.angularDistance(clip.rotations(frame)[1]), 0.01) << frame;
+    EXPECT_LT((std::as_const(spiky).translations(frame)[0] - clip.translations(frame)[0]).norm(),
+              1e-9);
+  }
+}
+
+TEST(Spikes, FastMovementsAndCutsAreNone) {
+  const Clip clip = bending_chain();
+  Clip fast = clip;
+  // A shake with 3.75 Hz and up to 36 degrees per frame.
+  for (int frame = 0; frame < kFrames; ++frame) {
+    fast.rotations(frame)[1] = exp_so3(Vector3d(0.8 * std::sin(0.785 * frame), 0.0, 0.0));
+  }
+  Clip before = fast;
+  EXPECT_THAT(bridge_spikes(fast, kWhole, 1.0), IsEmpty());
+  EXPECT_TRUE(same_clips(before, fast));
+  // The body jumps to another place in frame 30.
+  Clip cut = clip;
+  for (int frame = 30; frame < kFrames; ++frame) cut.translations(frame)[0].z() += 0.5;
+  before = cut;
+  EXPECT_THAT(bridge_spikes(cut, kWhole, 1.0), IsEmpty());
+  EXPECT_TRUE(same_clips(before, cut));
+  // Units: 0.5 cm is no jump.
+  Clip small = clip;
+  small.translations(40)[0].z() += 0.5;
+  EXPECT_THAT(bridge_spikes(small, kWhole, 0.01), IsEmpty());
 }
 
 }  // namespace

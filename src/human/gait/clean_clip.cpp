@@ -16,6 +16,7 @@
 #include "human/gait/root_drift.h"
 #include "human/gait/source_feet.h"
 #include "human/gait/track_faults.h"
+#include "human/gait/track_spikes.h"
 #include "human/skeleton/human_clip.h"
 #include "human/skeleton/joint_clip.h"
 #include "retarget/statistics.h"
@@ -52,6 +53,11 @@ class ClipCleaner {
     }
     for (const std::string& lost : bridge_lost_joints(clip_, part_)) {
       report_.notes.push_back(lost + ": bridged");
+    }
+    // Positions that have noise were smoothed before their rotations were computed.
+    if (!clip_.origin().unknown_rotations.empty()) return;
+    for (const std::string& spike : bridge_spikes(clip_, part_, calibration_.metres_per_unit)) {
+      report_.notes.push_back(spike + ": bridged");
     }
   }
 
