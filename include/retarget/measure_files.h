@@ -30,13 +30,21 @@ struct MeasureRequest {
   /// empty: none, and metrics that need a source are omitted.
   Run run;
   RunRequest of_source;              ///< Mirroring and bone-map file of the source.
-  std::string fps;                   ///< Frame rate of motions whose files have none, in frames per
-                                     ///< second, or `source`; empty: the format's default.
+  std::string fps;                   ///< Frame rate of the source, and of motions whose files have
+                                     ///< none, in frames per second, or `source`; empty: that of
+                                     ///< the first motion, and the format's default.
   ReadingOptions reading;            ///< Facts that the motion files do not state.
-  std::vector<std::string> motions;  ///< Motion files; load_measures() reads only their sidecars.
+  std::vector<std::string> motions;  ///< Motion files; load_measures() reads only their sidecars,
+                                     ///< and the first motion if the source needs its rate.
   std::vector<std::string> gates;    ///< Gate texts of changed_gates().
   bool dynamics = false;             ///< Also compute inverse dynamics metrics.
   DataFolder data_folder;
+};
+
+/// A motion file that load_measures() has read, which may be standard input.
+struct ReadMotion {
+  std::string file;
+  std::shared_ptr<const RobotMotion> motion;  ///< Null: none.
 };
 
 /// Robot, source and gates that all measurements of a request use.
@@ -45,7 +53,8 @@ struct Measures {
   std::string model;  ///< The robot's model, MJCF or URDF.
   LimitSet limits;
   ReadMotionOptions reading;
-  FrameRate rate;  ///< Frame rate of the source.
+  FrameRate rate;    ///< Frame rate of the source.
+  ReadMotion first;  ///< The first motion, if it was read for its rate.
   std::optional<MeasuredSource> source;
   /// Without a source: the scene of the options, used as the robot's scene; null: none.
   std::shared_ptr<const Scene> scene;
@@ -56,13 +65,9 @@ struct Measures {
 
 /// Loads robot, limits, gates and source. Without a given variant of the robot, uses the variant
 /// that the sidecars of all motions record.
-/// @param source_rate  rate of the source if the request has none. It does not apply to motion
-///     files without a rate.
-/// Errors: those of load_robot, changed_gates, read_and_plan, load_scene and load_object_track; an
-/// invalid rate, or tracks without a scene (kUsage).
-[[nodiscard]] Result<Measures> load_measures(
-    const MeasureRequest& request, Observer& observer,
-    const std::optional<FrameRate>& source_rate = std::nullopt);
+/// Errors: those of load_robot, changed_gates, load_recorded_motion, read_and_plan, load_scene and
+/// load_object_track; an invalid rate, or tracks without a scene (kUsage).
+[[nodiscard]] Result<Measures> load_measures(const MeasureRequest& request, Observer& observer);
 
 /// A measured motion, resampled to the source's frames.
 struct MeasuredMotion {

@@ -138,7 +138,7 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
 
     A motion of to_robot() is measured against its source clip, rounded as in a file, at its own
     rate; only `limits` can be changed. A motion from a file is measured against `clip`, at `fps`
-    (default 30), as in the command.
+    (default: the rate of the motion), as in the command.
 
     Args:
         clip: the human motion of the source; None: the motion's own. With a path, options of load()

@@ -24,7 +24,8 @@ using namespace nb::literals;
 OptionTable certify_keywords(MeasureRequest& request) {
   OptionTable table = {
       option("fps", request.fps, kTimeGroup, "N|source",
-             "Frame rate of a motion whose file has none, in frames per second, or `source`",
+             "Frame rate of the source, and of a motion whose file states none, in frames per "
+             "second, or `source` (default: the rate of the motion)",
              {.decides = false}),
       gate_row(request.gates)};
   OptionTable of_run = source_table(request.run.options.source);

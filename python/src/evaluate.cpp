@@ -145,7 +145,7 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
                                    motion.solved->source == source->shared());
   // For another clip or measurement, options that are not given default to those of the motion.
   Options options = motion.solved ? motion.solved->plan.options : Options{};
-  if (motion.solved) options.time.fps = motion.clip->rate().fps();
+  options.time.fps = motion.clip->rate().fps();
   bool dynamics = false;
   {
     // First, so that suggestions for an unknown name include every option.

@@ -168,7 +168,9 @@ ShownEntry show_entry(const BatchFolder& batch, const ManifestEntry& entry,
   apply_changes(entry.variant.changes, run.options.solve);
   request.of_source.mirror = entry.variant.is_mirrored();
   if (run.motion.empty()) forget_source(run);
-  if (entry.fps > 0.0) request.fps = to_text(frame_rate_from_fps(entry.fps));
+  // Other formats state their rate, which may differ from the batch's.
+  if (entry.fps > 0.0 && motion.ends_with(".csv"))
+    request.fps = to_text(frame_rate_from_fps(entry.fps));
   return shown;
 }
 

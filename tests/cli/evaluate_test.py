@@ -29,6 +29,11 @@ def judge_python():
     return None
 
 
+def mean_of(value):
+    """The mean of a list, or a number itself."""
+    return sum(value) / len(value) if isinstance(value, list) else value
+
+
 def cut_bvh(clip, start, stop):
     """Returns frames [start, stop) of a BVH as text."""
     lines = (LAFAN1 / f"{clip}.bvh").read_text().splitlines(keepends=True)
@@ -344,6 +349,41 @@ class EvaluateCommand(ToolTest):
                 # A file does not record whether its solver failed.
                 for key in set(run) - {"gates", "passed", "fit", "solver_failures"}:
                     self.assertEqual(found[key], run[key], key)
+
+    def test_the_source_has_the_rate_of_the_motion(self):
+        """Files that state a rate, also one that is not the default."""
+        clip = self.write("wave.bvh", short_clip("wave", 60))
+        for fps, output, options in (("60", "out.pkl", ("--format", "pkl-gmr")),
+                                     ("60", "out.csv", ("--sidecar",))):
+            with self.subTest(output):
+                self.assert_done(self.retarget("--fps", fps, *options, "--report", "run.json",
+                                               bvh=clip, output=output))
+                run, = json.loads((self.folder / "run.json").read_text())["motions"]
+                result = self.evaluate(output, "--bvh", clip, "--json", "e.json", "--gate", "none")
+                self.assert_done(result)
+                self.assertNotIn("resampled", result.stderr)
+                found, = json.loads((self.folder / "e.json").read_text())["motions"]
+                self.assertEqual(found["fps"], 60)
+                for key in ("frames", "com_acc_p99", "root_acc_p99", "track_pos_cm"):
+                    if output.endswith("csv"):
+                        self.assertEqual(found[key], run[key], key)
+                    else:  # The report measures the digits of a CSV.
+                        self.assertLess(abs(mean_of(found[key]) / mean_of(run[key]) - 1), 0.05, key)
+        with open(self.folder / "out.pkl", "rb") as stdin:
+            piped = self.evaluate("-", "--bvh", clip, "--gate", "none", "--json", "e.json",
+                                  stdin=stdin)
+        self.assert_done(piped)
+        found, = json.loads((self.folder / "e.json").read_text())["motions"]
+        self.assertEqual(found["fps"], 60)
+        # Several motions share one source.
+        self.assert_done(self.run_tool("convert", "out.csv", "slow.pkl", "--robot", "unitree_g1",
+                                       "--format", "pkl-gmr", "--fps", "30"))
+        result = self.evaluate("out.pkl", "slow.pkl", "--bvh", clip, "--gate", "none")
+        self.assert_done(result)
+        self.assertIn("slow.pkl: from 30 to 60 fps, the rate of the source", result.stderr)
+        self.assertNotIn("out.pkl: from", result.stderr)
+        result = self.evaluate("out.pkl", "--bvh", clip, "--fps", "30", "--gate", "none")
+        self.assertIn("out.pkl: from 60 to 30 fps, the rate of the source", result.stderr)
 
     def test_a_part_of_the_source(self):
         """--start and --end name the part of the source that a motion shows."""

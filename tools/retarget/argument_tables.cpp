@@ -80,8 +80,9 @@ OptionTable run_command_table(RunArguments& arguments) {
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Frame rate of motions whose files state none, in frames per second, or `source`; "
-              "the source is resampled to it (default: 30; SOMA 120)"),
+              "Frame rate of the source, and of motions whose files state none, in frames per "
+              "second, or `source` (default: the rate of the first motion; files without one: 30, "
+              "SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output instead of the table",
               {.basic = true}),
@@ -103,7 +104,9 @@ OptionTable convert_table(ConvertArguments& arguments) {
 
 OptionTable certify_table(CertifyArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Frame rate of a motion whose file states none, in frames per second, or `source`"),
+              "Frame rate of the source, and of a motion whose file states none, in frames per "
+              "second, or `source` (default: the rate of the motion; files without one: 30, "
+              "SOMA 120)"),
           row("output", arguments.output, kOutputGroup, "FILE",
               "Certificate to write, JSON (default: MOTION.certificate.json); - writes standard "
               "output",
@@ -196,8 +199,9 @@ OptionTable view_table(ViewArguments& arguments) {
           "like the meshes or bodies of the robot's model, or the meshes of another model, MJCF or "
           "URDF (default: available meshes of the robot's model)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
-          "Page: frame rate of motions whose files state none, in frames per second, or `source`; "
-          "the source is resampled to it (default: 30; SOMA 120)"),
+          "Page: frame rate of the source, and of motions whose files state none, in frames per "
+          "second, or `source` (default: the rate of the first motion; files without one: 30, "
+          "SOMA 120)"),
       gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
   append(table, rows_for(OptionUse::kShow, run_command_table(arguments.run)));
   append(table, reading_table(arguments.reading));

@@ -125,22 +125,6 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   return {};
 }
 
-// Returns the motion's rate, if known, to which the source is resampled.
-Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
-                                                const LoadedRobot& robot) {
-  const Run& run = arguments.run.run;
-  const std::string& file = arguments.motions.front();
-  if (!arguments.fps.empty() || run.motion.empty() || file == "-") {
-    return std::optional<FrameRate>();
-  }
-  RETARGET_TRY_ASSIGN(
-      const RobotMotion motion,
-      load_recorded_motion(
-          file, robot.robot,
-          read_motion_options(arguments.reading, memory_share(run.options.source.memory_gb))));
-  return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
-}
-
 using Scenes = std::vector<std::shared_ptr<const MotionScene>>;
 
 // The scenes of motions; null: none. Motions that show the same human share one.
@@ -181,15 +165,8 @@ std::vector<std::string> labels_of(const ViewArguments& arguments) {
 
 Result<void> write_page(const ViewArguments& arguments, Console& console) {
   const std::string& output = arguments.run.run.output;
-  std::optional<FrameRate> source_rate;
-  {
-    RETARGET_TRY_ASSIGN(
-        const LoadedRobot robot,
-        retarget::load_robot(arguments.run.run.robot, DataFolder{arguments.run.common.data_dir}));
-    RETARGET_TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
-  }
   RETARGET_TRY_ASSIGN(const MeasureRequest request, measure_request(arguments));
-  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(request, console, source_rate));
+  RETARGET_TRY_ASSIGN(const Measures measures, load_measures(request, console));
   std::vector<MeasuredMotion> motions;
   for (const std::string& file : arguments.motions) {
     RETARGET_TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));

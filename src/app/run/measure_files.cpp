@@ -115,6 +115,33 @@ void choose_travel(const std::vector<std::string>& motions, SolveOptions& solve,
   observer.line("travel", travel + ", as the sidecar records it");
 }
 
+// Reads the first motion for its rate, at which the source is planned unless an option gives one.
+Result<void> take_rate_of_first(const MeasureRequest& request, Measures& measures, Run& run) {
+  if (!request.fps.empty() || run.motion.empty() || request.motions.empty()) return {};
+  const std::string& file = request.motions.front();
+  TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, measures.robot, measures.reading));
+  run.options.time.fps = motion.clip.rate().fps();
+  measures.first = {file, std::make_shared<const RobotMotion>(std::move(motion))};
+  return {};
+}
+
+Result<RobotMotion> read_motion(const std::string& file, const Measures& measures) {
+  if (measures.first.motion && measures.first.file == file) return *measures.first.motion;
+  return load_recorded_motion(file, measures.robot, measures.reading);
+}
+
+// Measuring against the source needs matching frames.
+Result<RobotClip> at_rate_of_source(RobotClip clip, const Measures& measures,
+                                    const std::string& file, Observer& observer) {
+  if (!measures.source) return clip;
+  if (!same_rate(clip.rate(), measures.rate)) {
+    observer.line("resampled",
+                  file + ": from " + to_text(clip.rate()) + " to " + to_text(measures.rate) +
+                      " fps, the rate of the source; gates judge the resampled motion");
+  }
+  return resample_robot(clip, measures.rate);
+}
+
 // The scene of a motion from a file is the given one, scaled.
 void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
   if (request.run.options.solve.scene.empty()) return;
@@ -131,15 +158,12 @@ void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
 
 }  // namespace
 
-Result<Measures> load_measures(const MeasureRequest& request, Observer& observer,
-                               const std::optional<FrameRate>& source_rate) {
+Result<Measures> load_measures(const MeasureRequest& request, Observer& observer) {
   Run run = request.run;
   if (!request.fps.empty()) {
     auto rate = rate_from_text(request.fps);
     if (!rate) return usage_failure(OPTION("fps") ": " + rate.error().message);
     run.options.time.fps = *rate;
-  } else if (source_rate) {
-    run.options.time.fps = source_rate->fps();
   }
   Measures measures;
   TRY_ASSIGN(const std::string data_folder, find_data_folder(request.data_folder));
@@ -157,9 +181,10 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   std::string& limits = run.options.solve.limits;
   if (limits.empty()) limits = measures.robot->limits_for({});
   TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
-  if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
   measures.reading =
       read_motion_options(request.reading, memory_share(run.options.source.memory_gb));
+  TRY(take_rate_of_first(request, measures, run));
+  if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
   if (!run.motion.empty()) {
     choose_travel(request.motions, run.options.solve, observer);
     warn_of_moved_scene(request, observer);
@@ -176,7 +201,7 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
 
 Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                     Observer& observer) {
-  TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, measures.robot, measures.reading));
+  TRY_ASSIGN(RobotMotion motion, read_motion(file, measures));
   // A rate given by the user is not a guess.
   const bool rate_known = motion.rate_known;
   motion.rate_known = rate_known || measures.reading.default_rate.has_value();
@@ -190,12 +215,8 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
                                                     "rate, " OPTION("source-fps") " to all files"}},
         file);
   }
-  // Measuring against the source needs matching frames.
   const FrameRate file_rate = motion.clip.rate();
-  RobotClip clip = std::move(motion.clip);
-  if (measures.source) {
-    TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
-  }
+  TRY_ASSIGN(RobotClip clip, at_rate_of_source(std::move(motion.clip), measures, file, observer));
   const auto start = std::chrono::steady_clock::now();
   MeasuredMotion measured = measure(std::move(clip), measures, file, observer);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
