@@ -189,9 +189,27 @@ class Reading(MotionFilesTest):
             self.assertNotEqual(wrong, golden)
         lying = ("0,0,.2,.5,.5,.5,.5" + ",0" * 29 + "\n") * 20
         self.write("lying.csv", lying)
-        self.assert_fails(self.run_tool("evaluate", "lying.csv", *G1), 3, "--source-quat")
-        self.assert_done(self.run_tool("evaluate", "lying.csv", *G1, "--source-quat", "xyzw",
-                                       "--gate", "none"))
+        result = self.run_tool("evaluate", "lying.csv", *G1, "--gate", "none")
+        self.assert_done(result)
+        self.assertIn("read as xyzw", result.stderr)
+        self.assertIn("--source-quat", result.stderr)
+        result = self.run_tool("evaluate", "lying.csv", *G1, "--source-quat", "xyzw", "--gate", "none")
+        self.assert_done(result)
+        self.assertNotIn("equally plausible", result.stderr)
+
+    def test_a_motion_that_fits_both_orders_is_read_as_written(self):
+        part = ("--start", "2.02", "--end", "5.01")
+        clip = sample("get_up")
+        self.assert_done(self.retarget(*part, "--sidecar", bvh=clip, output="own.csv"))
+        recorded = self.run_tool("convert", "own.csv", "recorded.csv", *G1)
+        self.assert_done(recorded)
+        self.assertNotIn("equally plausible", recorded.stderr)
+        (self.folder / "own.csv.json").unlink()
+        result = self.run_tool("convert", "own.csv", "read.csv", *G1)
+        self.assert_done(result)
+        self.assertIn("equally plausible", result.stderr)
+        self.assertEqual((self.folder / "read.csv").read_bytes(),
+                         (self.folder / "recorded.csv").read_bytes())
 
     def test_units_hold_for_all_of_a_file(self):
         self.assert_done(self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",

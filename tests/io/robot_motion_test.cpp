@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "formats/robot_motion/raw_motion.h"
 #include "retarget/compare.h"
 #include "retarget/resample.h"
 #include "retarget/so3.h"
@@ -123,6 +124,32 @@ TEST_F(RobotMotionTest, FindsQuaternionOrderAtEveryHeading) {
           << motion->notes.back();
     }
   }
+}
+
+TEST_F(RobotMotionTest, AnOrderThatTheMotionDoesNotDecideIsTheUsualOne) {
+  // On its back and still, with the head along x: both orders are the same rotation.
+  std::string rows;
+  for (int frame = 0; frame < 20; ++frame) {
+    rows += "0,0,0.2,0.5,0.5,0.5,0.5";
+    for (std::size_t i = 0; i < robot_->output_joints().size(); ++i) rows += ",0";
+    rows += "\n";
+  }
+  const auto motion = read(rows);
+  ASSERT_TRUE(motion) << describe(motion.error());
+  EXPECT_THAT(motion->warnings, Contains(HasSubstr("read as xyzw")));
+}
+
+TEST_F(RobotMotionTest, ContradictoryEvidenceGivesNoOrder) {
+  OrderEvidence lying;
+  lying.upright[0] = 0.38;
+  lying.upright[1] = 0.9;
+  lying.slip[0] = 0.012;
+  lying.slip[1] = 0.033;
+  EXPECT_FALSE(guess_order(lying, QuaternionOrder::kXyzw).order);
+  EXPECT_TRUE(guess_order(lying, QuaternionOrder::kXyzw).contradictory);
+  lying.slip[0] = 0.033;
+  lying.slip[1] = 0.03;
+  EXPECT_EQ(guess_order(lying, QuaternionOrder::kXyzw).order, QuaternionOrder::kWxyz);
 }
 
 TEST_F(RobotMotionTest, ReadsHeadersOfOtherTools) {

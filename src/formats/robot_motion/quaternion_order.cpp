@@ -129,17 +129,27 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
                    number_text(1000.0 * slip_if_y_up, 2) + " mm per frame";
     return guess;
   }
-  if (highest > kStands && highest - std::min(up[0], up[1]) > kClearlyUpright) {
-    guess.order = upper;
-    guess.reason = "the root stands upright by " + pair_text(up[0], up[1], 2);
-    return guess;
-  }
   const auto steadier = slip[0] <= slip[1] ? QuaternionOrder::kXyzw : QuaternionOrder::kWxyz;
   const double max = std::max(slip[0], slip[1]);
-  if (max > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * max) {
+  const bool clearly_steadier = max > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * max;
+  const std::string upright_text = "the root stands upright by " + pair_text(up[0], up[1], 2);
+  const std::string slip_text = "the lowest foot slips by " +
+                                pair_text(1000.0 * slip[0], 1000.0 * slip[1], 2) + " mm per frame";
+  if (highest > kStands && highest - std::min(up[0], up[1]) > kClearlyUpright) {
+    guess.reason = upright_text;
+    // A robot that lies may stand upright in the wrong order, but its feet slip then.
+    guess.contradictory =
+        upper != usual && clearly_steadier && steadier == usual && max > kStandsStill;
+    if (guess.contradictory) {
+      guess.reason += ", but " + slip_text;
+    } else {
+      guess.order = upper;
+    }
+    return guess;
+  }
+  if (clearly_steadier) {
     guess.order = steadier;
-    guess.reason = "the lowest foot slips by " + pair_text(1000.0 * slip[0], 1000.0 * slip[1], 2) +
-                   " mm per frame";
+    guess.reason = slip_text;
     return guess;
   }
   // Both fit. Choose the usual order: a robot turned by half a turn throughout is less likely.

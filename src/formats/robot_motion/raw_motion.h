@@ -102,6 +102,8 @@ struct OrderEvidence {
 struct OrderGuess {
   std::optional<QuaternionOrder> order;
   bool by_habit = false;  ///< Both orders fit; the usual one is chosen.
+  bool contradictory =
+      false;  ///< The robot stands upright in one order and slips less in the other.
   std::string reason;
 };
 
@@ -112,6 +114,7 @@ struct OrderGuess {
 /// Chooses the order in which the robot stands along y if its feet then slip much less than along z
 /// in either order; otherwise the order in which the robot stands upright; otherwise the one whose
 /// feet slip less. If the robot stands upright and hardly moves in both, chooses the usual order.
+/// Chooses none if the robot stands upright in the other order, but slips much less in the usual one.
 /// (The dot product of consecutive quaternions is the same for both orders, so continuity of the
 /// rotation alone proves nothing; continuity of the standing foot is.)
 [[nodiscard]] OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual);

@@ -163,6 +163,20 @@ class MotionInterpreter {
     return guess_order(weigh_orders(clip, raw_), raw_.usual);
   }
 
+  // The order of a CSV whose motion does not decide it: the usual one, unless the evidence is
+  // contradictory.
+  Result<QuaternionOrder> uncertain_order(const OrderGuess& guess) {
+    const std::string usual = raw_.usual == QuaternionOrder::kXyzw ? "xyzw" : "wxyz";
+    if (guess.contradictory) {
+      return input_failure(file_, "cannot infer the order of the root quaternion: " + guess.reason,
+                           "choose with " OPTION("source-quat"));
+    }
+    raw_.warnings.push_back(
+        "xyzw and wxyz are equally plausible orders of the root quaternion; it is read as " +
+        usual + ", the usual order; " OPTION("source-quat") " sets another one");
+    return raw_.usual;
+  }
+
   Result<QuaternionOrder> find_order(const RobotClip& clip) {
     if (raw_.order) {
       if (options_.quaternion && is_csv()) {
@@ -174,10 +188,7 @@ class MotionInterpreter {
     const OrderGuess guess = guess_of_order(clip);
     if (!guess.order) {
       if (!is_csv()) return raw_.usual;
-      return input_failure(
-          file_,
-          "cannot infer the order of the root quaternion: xyzw and wxyz are equally plausible",
-          "choose with " OPTION("source-quat"));
+      return uncertain_order(guess);
     }
     if (is_csv() || *guess.order != raw_.usual) {
       raw_.notes.push_back(std::string("quaternion ") +
