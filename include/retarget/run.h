@@ -141,6 +141,7 @@ class WrittenFiles {
 /// `walk.csv`): rate, units, quaternion order and variant, which a CSV without a header lacks.
 /// Given options take precedence. A sidecar is used only if its hash matches the file's content;
 /// otherwise it is reported and ignored. Other files under its name are ignored.
+/// Errors: those of load_robot_motion; a sidecar that records another robot (kInput).
 [[nodiscard]] Result<RobotMotion> load_recorded_motion(const std::string& path,
                                                        const std::shared_ptr<const Robot>& robot,
                                                        const ReadMotionOptions& options);
@@ -153,9 +154,11 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 
 /// Options for reading a run's motion. If it is a robot motion (SourceOptions::from_robot), the
 /// sidecar of a CSV fills in options that are not given.
-[[nodiscard]] SourceOptions recorded_source(const std::string& path, SourceOptions options);
+/// Errors: those of find_robot; a sidecar that records another robot (kInput).
+[[nodiscard]] Result<SourceOptions> recorded_source(const std::string& path, SourceOptions options,
+                                                    const DataFolder& data_folder);
 
-/// The robot's variant recorded in the sidecar of a CSV; empty without a sidecar or if
+/// The robot's variant recorded in the sidecar of a motion; empty without a sidecar or if
 /// it is not used.
 [[nodiscard]] std::string recorded_variant(const std::string& path);
 

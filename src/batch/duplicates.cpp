@@ -245,8 +245,10 @@ namespace {
 std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double memory_gb) {
   try {
     const Run run = run_of_clip(robot, clip, memory_gb);
-    auto loaded = load_clip(run.motion, recorded_source(run.motion, run.options.source),
-                            DataFolder{robot.setup.loaded.data_folder});
+    const DataFolder data_folder{robot.setup.loaded.data_folder};
+    const auto source = recorded_source(run.motion, run.options.source, data_folder);
+    if (!source) return {};
+    auto loaded = load_clip(run.motion, *source, data_folder);
     if (!loaded) return {};
     const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
     if (!plan) return {};

@@ -138,6 +138,33 @@ class Sidecars(FormatsTest):
             self.assertNotIn("plain.csv.json", said)
         self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
 
+    def test_the_recorded_robot_is_required(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:20", "--sidecar",
+                                       robot="engineai_pm01", output="pm.csv"))
+        reads = (("convert", "pm.csv", "x.csv", "--robot"), ("evaluate", "pm.csv", "--robot"),
+                 ("pm.csv", "unitree_g1", "-o", "x.csv", "--from-robot"))
+        for words in reads:
+            with self.subTest(words[0]):
+                self.assert_fails(self.run_tool(*words, "unitree_r1"), 3, "engineai_pm01",
+                                  "pm.csv.json", "unitree_r1")
+                self.assertFalse((self.folder / "x.csv").exists())
+        # A short name, and a folder with any name.
+        shutil.copytree(SOURCE / "robots" / "engineai_pm01", self.folder / "mine")
+        for robot in ("pm01", "mine", "./mine"):
+            with self.subTest(robot):
+                self.assert_done(self.run_tool(*reads[0], robot))
+                self.assert_done(self.run_tool(*reads[2], robot, "--method", "gmr"))
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:20", "--sidecar",
+                                       robot="./mine", output="pm.csv"))
+        self.assert_done(self.run_tool(*reads[0], "engineai_pm01"))
+        # Other formats state no robot either.
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:20", "--sidecar",
+                                       "--format", "pkl-gmr", robot="engineai_pm01", output="pm.pkl"))
+        self.assert_fails(self.run_tool("convert", "pm.pkl", "y.csv", "--robot", "unitree_r1"), 3,
+                          "pm.pkl.json")
+        (self.folder / "pm.csv.json").unlink()
+        self.assert_done(self.run_tool(*reads[0], "unitree_r1"))
+
     def test_options_take_precedence(self):
         said = self.converted("odd.csv", "back.csv", "--source-fps", "50", "--source-unit", "m")
         self.assertIn("at 50 fps", said)

@@ -237,8 +237,9 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
 Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
                            Observer& observer) {
   const DataFolder data_folder{robot.loaded.data_folder};
-  TRY_ASSIGN(Clip clip,
-             load_clip(run.motion, recorded_source(run.motion, run.options.source), data_folder));
+  TRY_ASSIGN(const SourceOptions source,
+             recorded_source(run.motion, run.options.source, data_folder));
+  TRY_ASSIGN(Clip clip, load_clip(run.motion, source, data_folder));
   observer.warn(clip.origin().warnings, clip.name());
   const SummaryLine read = clip_line(clip);
   observer.line(read.label, read.text);

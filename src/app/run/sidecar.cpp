@@ -139,6 +139,19 @@ std::string text_of(const Json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+// The robot is recorded by name or folder; the report has the name of its profile.
+std::string robot_from(const Json& json, const RobotChoice& choice) {
+  if (choice.name.empty()) return {};
+  const auto quality = json.find("quality");
+  if (quality != json.end() && quality->is_object()) {
+    const Json motions = quality->value("motions", Json::array());
+    if (motions.is_array() && !motions.empty() && motions[0].is_object()) {
+      if (std::string name = text_of(motions[0], "robot"); !name.empty()) return name;
+    }
+  }
+  return fs::path(choice.name).filename().string();
+}
+
 }  // namespace
 
 Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
@@ -238,6 +251,7 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     options.error().hint = "it may come from a newer version of this tool";
     return as_input(options.error());
   }
+  sidecar.robot = robot_from(json, sidecar.run.robot);
   const auto mirror = json.find("mirror");
   sidecar.mirror = mirror != json.end() && mirror->is_boolean() && mirror->get<bool>();
   for (const Json& each : json["inputs"]) {

@@ -41,6 +41,7 @@ struct Sidecar {
   std::string output;   ///< The file that it describes, in the same folder.
   std::string format;   ///< Format of that file.
   std::string hash;     ///< Hash of that file.
+  std::string robot;    ///< Name of the robot; empty: a model without a profile.
   double fps = 0.0;     ///< Frame rate of its motion; 0: not recorded.
   Run run;
   bool mirror = false;                  ///< RunRequest::mirror.
