@@ -166,6 +166,13 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] std::string recorded_travel(const std::string& path);
 /// The time scaling recorded likewise; empty for none.
 [[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);
+/// The run recorded likewise, whose options say which part of which source the motion shows.
+struct RecordedRun {
+  Run run;
+  bool mirror = false;      ///< RunRequest::mirror.
+  std::string source_hash;  ///< Hash of its source; empty: unknown, as of standard input.
+};
+[[nodiscard]] std::optional<RecordedRun> recorded_run(const std::string& path);
 /// The option recorded likewise that moves a robot's scene from its scaled position; empty for
 /// none.
 [[nodiscard]] std::string recorded_scene_move(const std::string& path);

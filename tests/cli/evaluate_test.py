@@ -409,6 +409,40 @@ class EvaluateCommand(ToolTest):
         self.assertAlmostEqual(shorter["source_frames"], run["source_frames"] / 2, delta=1)
         self.assertGreater(found("--end", "1")[0]["track_pos_cm"][0], same["track_pos_cm"][0])
 
+    def test_the_recorded_part_of_the_source(self):
+        """A sidecar records which frames of the source a motion shows."""
+        clip = self.write("wave.bvh", short_clip("wave", 120))
+        for output, options in (("part.csv", ("--frames", "30:90")),
+                                ("part.pkl", ("--start", "1", "--format", "pkl-gmr")),
+                                ("image.csv", ("--end", "2", "--mirror", "--height", "1.6"))):
+            with self.subTest(output):
+                self.assert_done(self.retarget(*options, "--sidecar", "--report", "run.json",
+                                               bvh=clip, output=output))
+                run, = json.loads((self.folder / "run.json").read_text())["motions"]
+                result = self.evaluate(output, "--bvh", clip, "--json", "e.json", "--gate", "none")
+                self.assert_done(result)
+                self.assertIn(" ".join(options[:2]), result.stderr)
+                self.assertIn("as the sidecar records it", result.stderr)
+                found, = json.loads((self.folder / "e.json").read_text())["motions"]
+                self.assertEqual(found["source_frames"], run["source_frames"])
+                height = options[3:] if "--height" in options else ()
+                self.assertEqual("left out --height 1.6: recorded" in result.stderr, bool(height))
+                self.assert_done(self.evaluate(output, "--bvh", clip, *height, "--json", "e.json",
+                                               "--gate", "none"))
+                found, = json.loads((self.folder / "e.json").read_text())["motions"]
+                self.assertAlmostEqual(mean_of(found["track_pos_cm"]), mean_of(run["track_pos_cm"]),
+                                       delta=0.01)
+        # Given options take precedence; a part of another source is not applied.
+        result = self.evaluate("part.csv", "--bvh", clip, "--start", "1", "--gate", "none")
+        self.assertNotIn("part ", result.stderr)
+        result = self.evaluate("image.csv", "--bvh", clip, "--height", "1.6", "--gate", "none")
+        self.assertNotIn("left out", result.stderr)
+        result = self.evaluate("part.csv", "image.csv", "--bvh", clip, "--gate", "none")
+        self.assertIn("record different parts", result.stderr)
+        other = self.write("other.bvh", short_clip("wave", 121))
+        result = self.evaluate("part.csv", "--bvh", other, "--gate", "none")
+        self.assertIn("records --frames 30:90 of another source", result.stderr)
+
     def test_standard_input_and_other_layouts(self):
         text = self.good.read_text()
         for name, other in (("blank", text.replace(",", " ")), ("tab", text.replace(",", "\t")),

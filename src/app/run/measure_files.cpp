@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/run/choose_part.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -33,10 +34,12 @@ Result<void> choose_time_scale(const std::vector<std::string>& motions, Plan& pl
   return {};
 }
 
-Result<void> add_source(const MeasureRequest& request, const Run& run, LoadedRobot robot,
+Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robot,
                         Measures& measures, Observer& observer) {
+  RunRequest of_source = request.of_source;
+  choose_part(request.motions, run, of_source, observer);
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
-  TRY_ASSIGN(Plan plan, read_and_plan(run, request.of_source, setup, observer));
+  TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
   TRY(choose_time_scale(request.motions, plan, observer));
   // Restores the tasks of bones that the human lacks, which the plan leaves out: they are measured
   // as well.

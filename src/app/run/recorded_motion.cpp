@@ -128,6 +128,15 @@ std::optional<TimeScale> recorded_time_scale(const std::string& path) {
   return sidecar ? sidecar->time_scale : std::nullopt;
 }
 
+std::optional<RecordedRun> recorded_run(const std::string& path) {
+  auto sidecar = own_sidecar(path);
+  if (!sidecar) return std::nullopt;
+  RecordedRun recorded{std::move(sidecar->run), sidecar->mirror, {}};
+  const auto source = std::ranges::find(sidecar->files, "motion", &ReadFile::role);
+  if (source != sidecar->files.end()) recorded.source_hash = source->hash;
+  return recorded;
+}
+
 std::string recorded_scene_move(const std::string& path) {
   const auto sidecar = own_sidecar(path);
   if (!sidecar) return {};
