@@ -43,7 +43,7 @@ struct ResampleOptions {
 
 /// Resamples a robot motion to another frame rate, as resample() does for clips: root position and
 /// joint positions as scalar tracks, the root's rotation as quaternions; sample i is at time i /
-/// output rate.
+/// output rate. A joint that is inside the robot's default limits in all frames stays inside.
 [[nodiscard]] Result<RobotClip> resample_robot(const RobotClip& source,
                                                const FrameRate& output_rate,
                                                const ResampleOptions& options = {});

@@ -169,6 +169,28 @@ TEST_F(RobotMotionTest, ReadsHeadersOfOtherTools) {
   EXPECT_THAT(describe(wrong.error()), HasSubstr("did you mean \"left_knee_joint\""));
 }
 
+TEST_F(RobotMotionTest, ResampledJointsStayInsideTheirLimits) {
+  const auto limits = load_limits(*robot_, robot_->limits_for({}));
+  ASSERT_TRUE(limits);
+  const auto knee = static_cast<std::size_t>(*robot_->find_joint("left_knee_joint"));
+  const auto address = static_cast<std::size_t>(robot_->joints()[knee].qpos_address);
+  const double limit = limits->upper[knee];
+  // It reaches the limit quickly and rests there, so that a spline overshoots.
+  const auto highest = [&](double rest, double fps) {
+    RobotClip clip(robot_, {30, 1}, 20);
+    for (int i = 0; i < 20; ++i) clip.qpos(i)[address] = i < 8 ? limit - 0.1 * (8 - i) : rest;
+    const auto resampled = resample_robot(clip, frame_rate_from_fps(fps));
+    double most = 0.0;
+    for (int i = 0; i < resampled->frame_count(); ++i) {
+      most = std::max(most, resampled->qpos(i)[address]);
+    }
+    return most;
+  };
+  for (const double fps : {60.0, 47.0, 24.0}) EXPECT_LE(highest(limit, fps), limit) << fps;
+  // A motion beyond its limits stays so.
+  EXPECT_GE(highest(limit + 0.05, 60.0), limit + 0.05);
+}
+
 TEST_F(RobotMotionTest, HeldJointsStayAtTheirPosition) {
   const RobotClip clip = walk(0.5, 5);
   const auto held = robot_variant(robot_, "23-pbhc");

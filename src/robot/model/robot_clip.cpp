@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,6 +39,8 @@ std::span<const double> RobotClip::qpos(int frame) const {
 namespace {
 
 constexpr int kRootValues = 7;
+// Excess over a limit that does not count, rad or m: the digits of a CSV.
+constexpr double kLimitRounding = 1e-6;
 
 // Returns a chain that carries joint positions as translations, three per joint after the root,
 // because resample() works on tracks of points.
@@ -52,6 +56,27 @@ std::shared_ptr<const Skeleton> carrier(int joint_values) {
     joints.push_back(std::move(joint));
   }
   return std::make_shared<const Skeleton>(std::move(joints));
+}
+
+// Splines and filters overshoot. Joints that are inside their limits in all frames of the source
+// stay inside; others exceed them as before.
+void keep_inside_limits(const RobotClip& source, const LimitSet& limits, RobotClip& clip) {
+  const auto& joints = source.robot().joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto address = static_cast<std::size_t>(joints[j].qpos_address);
+    double least = limits.lower[j], greatest = limits.upper[j];
+    for (int frame = 0; frame < source.frame_count(); ++frame) {
+      least = std::min(least, source.qpos(frame)[address]);
+      greatest = std::max(greatest, source.qpos(frame)[address]);
+    }
+    if (least < limits.lower[j] - kLimitRounding || greatest > limits.upper[j] + kLimitRounding) {
+      continue;
+    }
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      double& value = clip.qpos(frame)[address];
+      value = std::clamp(value, least, greatest);
+    }
+  }
 }
 
 }  // namespace
@@ -78,6 +103,8 @@ Result<RobotClip> resample_robot(const RobotClip& source, const FrameRate& outpu
     for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
     for (int i = 0; i < values; ++i) qpos[kRootValues + i] = points[1 + i / 3][i % 3];
   }
+  TRY_ASSIGN(const LimitSet limits, load_limits(source.robot(), source.robot().limits_for({})));
+  keep_inside_limits(source, limits, clip);
   return clip;
 }
 
