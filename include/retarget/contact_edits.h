@@ -34,7 +34,7 @@ struct ContactEdit {
 [[nodiscard]] std::vector<std::string> contact_part_names();
 
 /// Reads edits from JSON: `{"contacts": [{"part": "left_foot", "start": 1.2, "end": 1.8, "action":
-/// "add"}, ...]}`. `by` is required for `shift`, `height` is optional for `add`. Errors (kConfig),
+/// "add"}, ...]}`. `by` is required for `shift` and an error otherwise, `height` is optional for `add`. Errors (kConfig),
 /// all at once: unknown parts and actions, with the nearest name; missing or invalid times.
 /// @param file  file name for messages.
 [[nodiscard]] Result<std::vector<ContactEdit>> parse_contact_edits(std::string_view text,
@@ -44,7 +44,8 @@ struct ContactEdit {
 /// Formats edits as JSON for parse_contact_edits().
 [[nodiscard]] std::string contact_edits_text(std::span<const ContactEdit> edits);
 
-/// Checks that all edits are within a motion. Errors (kConfig): all edits outside it.
+/// Checks that all edits are within a motion. Errors (kConfig): all edits outside it, and shifts
+/// that leave it.
 /// @param seconds  length of the motion.
 /// @param file     file name for messages.
 [[nodiscard]] Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seconds,

@@ -241,6 +241,8 @@ class EvaluateCommand(ToolTest):
     def test_invalid_gates(self):
         self.assert_fails(self.evaluate(self.good, "--gate", "jmps=0"), 2, 'did you mean "jumps"?')
         self.assert_fails(self.evaluate(self.good, "--gate", "jumps=few"), 2, '"few"')
+        for bound in ("nan", "inf", "-inf"):
+            self.assert_fails(self.evaluate(self.good, "--gate", f"jumps<={bound}"), 2, bound)
         self.assert_fails(self.evaluate(self.good, "--gate", "no.json"), 4, "no.json")
         self.assert_fails(self.evaluate(self.good, "--gate", self.write("g.json", "{}")), 4, "gates")
 

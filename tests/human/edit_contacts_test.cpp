@@ -104,6 +104,9 @@ TEST(ContactEdits, AddContactsOfHands) {
 TEST(ContactEdits, ReportsEditsWithoutEffect) {
   edited({edit(ContactAction::kRemove, "left_foot", 0.7, 0.9)}, 1);
   edited({edit(ContactAction::kShift, "right_foot", 0.0, 1.0, 0.1)}, 1);
+  // The second stance ends at 1.4 s; a contact that would leave the motion stays.
+  const ContactPlan plan = edited({edit(ContactAction::kShift, "left_foot", 1.1, 1.3, 1.2)}, 1);
+  EXPECT_THAT(plan.phases[0], ElementsAre(phase(10, 30), phase(50, 70, 0.3)));
 }
 
 TEST(ContactEditsFile, RoundTrips) {
@@ -147,6 +150,21 @@ TEST(ContactEditsFile, RejectsEditsOutsideTheMotion) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_THAT(refused.error().message, HasSubstr("edit 2"));
   EXPECT_THAT(refused.error().hint, HasSubstr("seconds"));
+  for (const double by : {-100.0, 100.0, -1.5, 1.5}) {
+    const std::vector<ContactEdit> shift = {edit(ContactAction::kShift, "left_foot", 0.5, 1.5, by)};
+    const auto left = check_contact_edits(shift, 2.0, "e");
+    ASSERT_FALSE(left.has_value()) << by;
+    EXPECT_THAT(left.error().message, HasSubstr("outside the motion"));
+  }
+  const std::vector<ContactEdit> partly = {edit(ContactAction::kShift, "left_foot", 0.5, 1.5, 1.0)};
+  EXPECT_TRUE(check_contact_edits(partly, 2.0, "e").has_value());
+}
+
+TEST(ContactEditsFile, RejectsByOfOtherActions) {
+  const auto read = parse_contact_edits(
+      R"({"contacts": [{"part": "seat", "action": "add", "start": 0, "end": 1, "by": 1}]})", "e");
+  ASSERT_FALSE(read.has_value());
+  EXPECT_THAT(describe(read.error()), HasSubstr("only to the action shift"));
 }
 
 }  // namespace

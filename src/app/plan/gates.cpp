@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <string_view>
@@ -95,7 +96,9 @@ class GateChanges {
     TRY_ASSIGN(std::string figure, figure_of(text.figure, defaults_));
     Gate gate{figure, std::nullopt, std::nullopt};
     const bool is_none = text.relation == "=" && text.bound == "none";
-    const auto bound = parse_number<double>(text.bound);
+    auto bound = parse_number<double>(text.bound);
+    // A comparison with NaN never fails.
+    if (bound && !std::isfinite(*bound)) bound.reset();
     const bool known = text.relation == "=" || text.relation == "<=" || text.relation == ">=";
     if (!known) {
       return usage_failure(

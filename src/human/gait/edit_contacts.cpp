@@ -63,6 +63,8 @@ class EditReader {
     if (edit.start >= edit.end) faults_.add(where + "\"start\" must be before \"end\"");
     if (edit.action == ContactAction::kShift) {
       edit.by = number_of(members, "by", where).value_or(0.0);
+    } else if (members.find("by") != nullptr) {
+      faults_.add(where + "\"by\" applies only to the action shift");
     }
     if (members.find("height") != nullptr) {
       edit.height = number_of(members, "height", where).value_or(0.0);
@@ -148,6 +150,15 @@ std::string contact_edits_text(std::span<const ContactEdit> edits) {
   return nlohmann::ordered_json{{"contacts", std::move(list)}}.dump(2) + "\n";
 }
 
+namespace {
+
+bool leaves_motion(const ContactEdit& edit, double seconds) {
+  return edit.action == ContactAction::kShift &&
+         (edit.end + edit.by <= 0.0 || edit.start + edit.by >= seconds);
+}
+
+}  // namespace
+
 Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seconds,
                                  const std::string& file) {
   constexpr double kRounding = 1e-6;
@@ -157,6 +168,11 @@ Result<void> check_contact_edits(std::span<const ContactEdit> edits, double seco
       faults.add(
           fmt::format("edit {}: {:.3f} to {:.3f} s is outside the motion, which lasts {:.3f} s",
                       i + 1, edits[i].start, edits[i].end, seconds));
+    } else if (leaves_motion(edits[i], seconds)) {
+      faults.add(fmt::format(
+          "edit {}: shifted by {:.3f} s, {:.3f} to {:.3f} s is outside the motion, which lasts "
+          "{:.3f} s",
+          i + 1, edits[i].by, edits[i].start + edits[i].by, edits[i].end + edits[i].by, seconds));
     }
   }
   if (faults.empty()) return {};
@@ -277,7 +293,9 @@ class ContactEditor {
   void shift(Phases& phases, int begin, int end, int by) {
     Phases moved;
     for (const ContactPhase& phase : phases) {
-      if (phase.begin < end && phase.end > begin) moved.push_back(phase);
+      // A contact that would leave the motion stays.
+      const bool is_inside = phase.begin + by < frames_ && phase.end + by > 0;
+      if (phase.begin < end && phase.end > begin && is_inside) moved.push_back(phase);
     }
     for (const ContactPhase& phase : moved) {
       cut_phases(phases, phase.begin, phase.end);
@@ -286,7 +304,6 @@ class ContactEditor {
     for (const ContactPhase& phase : moved) {
       const int first = std::clamp(phase.begin + by, 0, frames_);
       const int last = std::clamp(phase.end + by, 0, frames_);
-      if (first >= last) continue;
       fill_phases(phases, first, last, phase.support);
       note(first, last);
     }
