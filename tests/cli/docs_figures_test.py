@@ -81,7 +81,7 @@ class Measured(unittest.TestCase):
 
     def test_words_for_gates(self):
         gates = [{"metric": "a", "passed": True}, {"metric": "b", "passed": None},
-                 {"metric": "c", "passed": False}]
+                 {"metric": "c", "passed": False}, {"metric": "solver_failures", "passed": True}]
         known = {("walk", "fit"): {"gates": gates}, ("squat", "fit"): {"gates": gates[:2]}}
         self.assertEqual(self.figure("verdict of=walk", known), "1 of 3 gates passed")
         self.assertEqual(self.figure("passed of=walk,squat", known), "1")
