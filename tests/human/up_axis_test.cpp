@@ -153,17 +153,40 @@ TEST(ChooseUp, WarnsIfABodySeemsToStandInTheAirClimbOrFloat) {
   }
 }
 
+// Moves a clip so that its lowest joint is at height 0 along an axis.
+void rest_along(Clip& clip, int axis) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const JointPoses& pose : poses_of_frames(clip)) {
+    for (const Pose& joint : pose) lowest = std::min(lowest, joint.translation[axis]);
+  }
+  for (int frame = 0; frame < clip.frame_count(); ++frame)
+    clip.translations(frame)[0][axis] -= lowest;
+}
+
+// A body with flat soles at height 0 along z and its back at height 0 along y stands or lies. The
+// kind of skeleton decides, and the choice has a warning.
+TEST(ChooseUp, KeepsTheKindsAxisOfABodyWithFloorsAlongBothAxes) {
+  const SignedAxis y{1, false}, z{2, false};
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  Clip clip = scaled_and_turned(PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0),
+                                1.0, turn);
+  rest_along(clip, 1);
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  const auto poses = poses_of_frames(clip);
+  ASSERT_EQ(choose_up(body, poses, {}).axis, z);
+  const UpChoice choice = choose_up(body, poses, {y});
+  EXPECT_EQ(choice.axis, y);
+  EXPECT_THAT(choice.doubt, testing::HasSubstr(OPTION("up")));
+  // A fall along z decides.
+  EXPECT_EQ(choose_up(body, poses, {y, {}, {}, z}).axis, z);
+}
+
 // Where a body that lies along the zero pose's axis is on the floor along both axes, none is certain.
 TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
   Clip clip = recorded_clip("wave");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   const SignedAxis z{2, false};
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const JointPoses& pose : poses_of_frames(clip)) {
-    for (const Pose& joint : pose) lowest = std::min(lowest, joint.translation.z());
-  }
-  for (int frame = 0; frame < clip.frame_count(); ++frame)
-    clip.translations(frame)[0].z() -= lowest;
+  rest_along(clip, 2);
   const UpChoice choice = choose_up(body, poses_of_frames(clip), {{}, z});
   EXPECT_EQ(choice.axis, SignedAxis{});
   EXPECT_THAT(choice.doubt, testing::HasSubstr("or lies on a floor perpendicular to +z"));

@@ -260,10 +260,16 @@ class UpChooser {
     return is_false ? standing_against(file) : keep(file);
   }
 
+  // Whether the body stands along the guessed axis. A body that is on a floor at height 0 along the
+  // kind's axis, too, lies or crawls there, unless it falls.
+  [[nodiscard]] bool stands_against_kind(const SignedAxis& kind) const {
+    return stands_rather_than(kind) && (known_.of_fall || !floor(kind).on_floor());
+  }
+
   // Converters rotate files, so the floor outweighs the skeleton's kind.
   [[nodiscard]] UpChoice by_kind(const Declared& kind) const {
     if (guess_.axis == kind.axis) return keep(kind);
-    if (stands_rather_than(kind.axis)) return standing_against(kind);
+    if (stands_against_kind(kind.axis)) return standing_against(kind);
     if (is_plain() && has_floor_rather_than(guess_.axis, kind.axis)) return standing_against(kind);
     return keep(kind);
   }
