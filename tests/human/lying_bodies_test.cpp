@@ -134,5 +134,42 @@ TEST(LyingBodies, AreCorrectInEveryFileFormat) {
   EXPECT_GE(count, 15);
 }
 
+Clip excerpt(const Clip& clip, int begin, int count) {
+  Clip part(clip.shared_skeleton(), clip.rate(), count);
+  for (int frame = 0; frame < count; ++frame) {
+    std::ranges::copy(clip.rotations(begin + frame), part.rotations(frame).begin());
+    std::ranges::copy(clip.translations(begin + frame), part.translations(frame).begin());
+  }
+  return part;
+}
+
+// Recorded people who lie or crawl for five seconds, in files with Y up and turned to Z up.
+TEST(LyingBodies, AreCorrectOrWarnedAboutInRecordedExcerpts) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  constexpr int kFrames = 150, kStep = 75;
+  constexpr double kLyingHips = 55.0;  // cm
+  const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  int windows = 0, turned_back = 0;
+  for (const char* name : {"ground1_subject1.bvh", "fallAndGetUp2_subject2.bvh"}) {
+    const Clip clip = load_bvh(*shared_folder() / "data/lafan1" / name).value().clip;
+    const BoneMap map = recognise_skeleton(clip, profiles()).value();
+    for (int begin = 0; begin + kFrames <= clip.frame_count(); begin += kStep) {
+      const Clip part = excerpt(clip, begin, kFrames);
+      if (part.translations(kFrames / 2)[0].y() > kLyingHips) continue;
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(begin));
+      ++windows;
+      const auto plain = calibrate(part, map, {});
+      const auto turned = calibrate(scaled_and_turned(part, 1.0, z_up), map, {});
+      ASSERT_TRUE(plain && turned);
+      EXPECT_EQ(to_text(plain->up), "+y");
+      const bool is_right = to_text(turned->up) == "+z";
+      EXPECT_TRUE(is_right || names_up_option(*turned)) << to_text(turned->up);
+      turned_back += is_right ? 1 : 0;
+    }
+  }
+  EXPECT_GE(windows, 80);
+  EXPECT_GE(turned_back, 6 * windows / 10);
+}
+
 }  // namespace
 }  // namespace retarget

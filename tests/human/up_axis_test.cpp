@@ -181,6 +181,63 @@ TEST(ChooseUp, KeepsTheKindsAxisOfABodyWithFloorsAlongBothAxes) {
   EXPECT_EQ(choose_up(body, poses, {y, {}, {}, z}).axis, z);
 }
 
+void move_by(Clip& clip, const Eigen::Vector3d& by) {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) clip.translations(frame)[0] += by;
+}
+
+UpChoice chosen(const Clip& clip, const KnownUp& known) {
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  return choose_up(body, poses_of_frames(clip), known);
+}
+
+// A body that neither stands nor has a floor along the kind's axis lies on the floor of another
+// axis, even if joints sink into it.
+TEST(ChooseUp, LeavesTheKindsAxisForTheFloorOfALyingBody) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kSupine, 90.0);
+  move_by(clip, {230.0, -9.0, 230.0});
+  const UpChoice choice = chosen(clip, {SignedAxis{2, false}});
+  EXPECT_EQ(choice.axis, SignedAxis{}) << to_text(choice.axis);
+  EXPECT_THAT(choice.doubt, testing::HasSubstr("moves on a floor perpendicular to +y"));
+}
+
+// A body that seems to stand far from height 0 may lie with its back at height 0, or just below it.
+TEST(ChooseUp, WarnsIfABodyThatStandsInTheAirMayLie) {
+  Clip clip = PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0);
+  rest_along(clip, 2);
+  for (const double sunk : {0.0, 2.0, 7.0}) {
+    Clip lying = clip;
+    move_by(lying, {0.0, 100.0, -sunk});
+    const UpChoice choice = chosen(lying, {SignedAxis{}});
+    EXPECT_EQ(choice.axis, SignedAxis{});
+    EXPECT_THAT(choice.doubt, testing::HasSubstr("moves on a floor perpendicular to +z")) << sunk;
+  }
+  // Where the hips do not move along z, height 0 along z means nothing.
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0] += Eigen::Vector3d(0.0, 100.0, 0.0);
+    clip.translations(frame)[0].z() = clip.translations(0)[0].z();
+  }
+  EXPECT_EQ(chosen(clip, {SignedAxis{}}).doubt, "");
+}
+
+// Files rarely have x up. A body that seems to stand along it, but not at height 0, rather lies on
+// the floor of y.
+TEST(ChooseUp, PrefersTheFloorOfACommonAxisToStandingAlongARareOne) {
+  const auto turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX());
+  Clip clip = scaled_and_turned(PostureClips(recorded_clip("walk")).make(Posture::kStanding, 0.0),
+                                1.0, turn);
+  rest_along(clip, 1);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    clip.translations(frame)[0] += Eigen::Vector3d(100.0, 0.0, 2.0 * frame);
+  }
+  const SignedAxis z{2, false};
+  for (const KnownUp& known : {KnownUp{z, {}}, KnownUp{{}, z}}) {
+    const UpChoice choice = chosen(clip, known);
+    EXPECT_EQ(choice.axis, SignedAxis{}) << to_text(choice.axis);
+    EXPECT_THAT(choice.doubt, testing::HasSubstr("or lies on a floor perpendicular to +y"));
+  }
+}
+
 // Where a body that lies along the zero pose's axis is on the floor along both axes, none is certain.
 TEST(ChooseUp, WarnsIfAZeroPoseHasAFloorToo) {
   Clip clip = recorded_clip("wave");

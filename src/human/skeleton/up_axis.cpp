@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -19,6 +20,9 @@ namespace {
 // Mean cosines of trunk and legs to an axis: clearly standing, hardly standing, and the bounds for
 // negative axes, which files rarely use as up.
 constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
+
+// Up axes of files.
+constexpr std::array kCommonAxes = {SignedAxis{1, false}, SignedAxis{2, false}};
 
 // y counts as up if it scores at least this share of the best axis.
 constexpr double kCustomShare = 0.7;
@@ -201,7 +205,7 @@ class UpChooser {
 
   // A common axis with floor evidence that the other axis lacks.
   [[nodiscard]] std::optional<SignedAxis> axis_of_floor(const SignedAxis& other) const {
-    for (const SignedAxis axis : {SignedAxis{1, false}, SignedAxis{2, false}}) {
+    for (const SignedAxis& axis : kCommonAxes) {
       if (axis != other && has_floor_rather_than(axis, other)) return axis;
     }
     return std::nullopt;
@@ -214,44 +218,77 @@ class UpChooser {
                         taken_text(guess_.axis))};
   }
 
+  // Whether the body, which seems to stand along an axis, may lie or crawl along the other one.
+  [[nodiscard]] bool may_lie_along(const SignedAxis& other, const SignedAxis& axis) const {
+    constexpr double kLower = 0.2;  // Legs.
+    const FloorEvidence along = floor(axis), rival = floor(other);
+    if (!along.on_floor()) return rival.resting() || (along.is_far() && rival.may_rest());
+    return rival.resting() && rival.hips < along.hips - kLower && guess_.certainty < kBeyondDoubt;
+  }
+
+  // A common axis along which the body may lie or crawl instead.
+  [[nodiscard]] std::optional<SignedAxis> rival_of(const SignedAxis& axis) const {
+    for (const SignedAxis& other : kCommonAxes) {
+      if (other != axis && may_lie_along(other, axis)) return other;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] UpChoice standing_or_lying(const SignedAxis& standing, const SignedAxis& lying,
+                                           const SignedAxis& taken) const {
+    return {taken,
+            fmt::format("the body stands along {} or lies on a floor perpendicular to {}: {}",
+                        to_text(standing), to_text(lying), taken_text(taken))};
+  }
+
+  // The common axis with a floor, if the body seems to stand along an axis that files rarely use,
+  // but is not clearly upright on a floor there.
+  [[nodiscard]] std::optional<UpChoice> lying_rather(const SignedAxis& known) const {
+    const bool is_common = std::ranges::count(kCommonAxes, guess_.axis) > 0;
+    const bool stands = floor(guess_.axis).on_floor() && guess_.certainty > kBeyondDoubt;
+    if (is_common || stands || known_.of_fall) return std::nullopt;
+    const auto lying = floor(known).on_floor() ? std::optional(known) : axis_of_floor(known);
+    if (!lying) return std::nullopt;
+    return standing_or_lying(guess_.axis, *lying, *lying);
+  }
+
+  [[nodiscard]] UpChoice moving_against(const Declared& declared, const SignedAxis& other,
+                                        const SignedAxis& taken) const {
+    return {taken, fmt::format(
+                       "{} has {} up, but the body moves on a floor perpendicular to {}: {}",
+                       declared.source, to_text(declared.axis), to_text(other), taken_text(taken))};
+  }
+
   // Keeps the declared axis. Adds a warning if the floor is evidence for another axis, or if posture
   // is and no floor shows that the body lies.
   [[nodiscard]] UpChoice keep(const Declared& declared) const {
-    if (known_.of_fall && *known_.of_fall != declared.axis) {
-      return {declared.axis,
-              fmt::format("{} has {} up, but the body falls along the {} axis: {}", declared.source,
-                          to_text(declared.axis), std::string(1, "xyz"[known_.of_fall->axis]),
-                          taken_text(declared.axis))};
+    const SignedAxis& up = declared.axis;
+    const auto kept = [&](const std::string& why) {
+      return UpChoice{up, why + ": " + taken_text(up)};
+    };
+    if (known_.of_fall && *known_.of_fall != up) {
+      return kept(fmt::format("{} has {} up, but the body falls along the {} axis", declared.source,
+                              to_text(up), std::string(1, "xyz"[known_.of_fall->axis])));
     }
-    const bool agrees = guess_.axis == declared.axis;
-    const auto other = axis_of_floor(declared.axis);
-    if (rises_most_along(declared.axis)) {
-      return {declared.axis, fmt::format("the body climbs along {}, or swims or crawls: {}",
-                                         to_text(declared.axis), taken_text(declared.axis))};
+    if (rises_most_along(up)) {
+      return kept(fmt::format("the body climbs along {}, or swims or crawls", to_text(up)));
     }
-    // A body that stands far above or below height 0 may lie at height 0 along another axis.
-    if (agrees && floor(declared.axis).standing() && !(other && floor(*other).resting())) {
-      return {declared.axis, {}};
+    const bool agrees = guess_.axis == up, on_floor = floor(up).on_floor();
+    const auto rival = agrees || !on_floor ? rival_of(up) : std::nullopt;
+    if (rival && on_floor) return standing_or_lying(up, *rival, up);
+    if (rival) return moving_against(declared, *rival, up);
+    if (agrees && floor(up).standing()) return {up, {}};
+    if (const auto other = axis_of_floor(up)) return moving_against(declared, *other, up);
+    if (!agrees && is_plain() && !has_floor_rather_than(up, guess_.axis)) {
+      return kept(
+          fmt::format("trunk and legs point along {}, but {} has {} up, so the body lies or hangs",
+                      to_text(guess_.axis), declared.source, to_text(up)));
     }
-    if (other) {
-      return {declared.axis,
-              fmt::format("{} has {} up, but the body moves on a floor perpendicular to {}: {}",
-                          declared.source, to_text(declared.axis), to_text(*other),
-                          taken_text(declared.axis))};
+    if (floats_on_side(up)) {
+      return kept(fmt::format("{} has {} up, but then the body lies on its side without a floor",
+                              declared.source, to_text(up)));
     }
-    if (!agrees && is_plain() && !has_floor_rather_than(declared.axis, guess_.axis)) {
-      return {declared.axis,
-              fmt::format(
-                  "trunk and legs point along {}, but {} has {} up, so the body lies or hangs: {}",
-                  to_text(guess_.axis), declared.source, to_text(declared.axis),
-                  taken_text(declared.axis))};
-    }
-    if (floats_on_side(declared.axis)) {
-      return {declared.axis,
-              fmt::format("{} has {} up, but then the body lies on its side without a floor: {}",
-                          declared.source, to_text(declared.axis), taken_text(declared.axis))};
-    }
-    return {declared.axis, {}};
+    return {up, {}};
   }
 
   [[nodiscard]] UpChoice by_file(const Declared& file) const {
@@ -266,10 +303,22 @@ class UpChooser {
     return stands_rather_than(kind) && (known_.of_fall || !floor(kind).on_floor());
   }
 
+  // The axis along which the body rests in a file that was rotated away from the kind's axis: the
+  // body neither stands nor climbs along that one.
+  [[nodiscard]] std::optional<SignedAxis> rotated_axis(const SignedAxis& kind) const {
+    const FloorEvidence along = floor(kind);
+    const auto other = axis_of_floor(kind);
+    if (!other || known_.of_fall || rises_most_along(kind) || along.standing()) return std::nullopt;
+    return along.is_far() && floor(*other).resting() ? other : std::nullopt;
+  }
+
   // Converters rotate files, so the floor outweighs the skeleton's kind.
   [[nodiscard]] UpChoice by_kind(const Declared& kind) const {
+    if (const auto other = rotated_axis(kind.axis)) return moving_against(kind, *other, *other);
     if (guess_.axis == kind.axis) return keep(kind);
-    if (stands_against_kind(kind.axis)) return standing_against(kind);
+    if (stands_against_kind(kind.axis)) {
+      return lying_rather(kind.axis).value_or(standing_against(kind));
+    }
     if (is_plain() && has_floor_rather_than(guess_.axis, kind.axis)) return standing_against(kind);
     return keep(kind);
   }
@@ -284,10 +333,9 @@ class UpChooser {
     if (guess_.axis == zero.axis) return keep(zero);
     const bool is_upright = guess_.certainty >= plainly;
     if (is_upright && stands_rather_than(zero.axis)) {
+      if (auto lying = lying_rather(zero.axis)) return *lying;
       if (!floor(zero.axis).resting()) return {guess_.axis, {}};
-      return {guess_.axis,
-              fmt::format("the body stands along {} or lies on a floor perpendicular to {}: {}",
-                          to_text(guess_.axis), to_text(zero.axis), taken_text(guess_.axis))};
+      return standing_or_lying(guess_.axis, zero.axis, guess_.axis);
     }
     const bool has_floor = is_upright ? has_floor_rather_than(guess_.axis, zero.axis)
                                       : floor_supports(body_, poses_, guess_.axis, zero.axis);
@@ -324,16 +372,13 @@ class UpChooser {
     if (clearly_stands(upright, floor(*other))) return choice;
     // Of two axes, y is the convention.
     if (guess_.axis != SignedAxis{}) choice.axis = *other;
-    choice.doubt =
-        fmt::format("the body stands along {} or lies on a floor perpendicular to {}: {}",
-                    to_text(guess_.axis), to_text(*other), taken_text(choice.axis));
-    return choice;
+    return standing_or_lying(guess_.axis, *other, choice.axis);
   }
 
   // A body that moves head first without standing swims or crawls.
   [[nodiscard]] UpChoice doubt_travel(UpChoice choice, const FloorEvidence& upright) const {
     if (upright.standing()) return choice;
-    for (const SignedAxis other : {SignedAxis{1, false}, SignedAxis{2, false}}) {
+    for (const SignedAxis& other : kCommonAxes) {
       if (other.axis == choice.axis.axis || !climbs_along(upright, floor(other))) continue;
       choice.doubt = fmt::format("the body climbs along {}, or swims or crawls: {}",
                                  to_text(choice.axis), taken_text(choice.axis));

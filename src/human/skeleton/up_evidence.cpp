@@ -132,6 +132,7 @@ namespace {
 // Lengths in legs.
 constexpr double kNearFloor = 0.2, kSteady = 0.1;
 constexpr double kStandingHips = 0.6;  // Excludes squatting and kneeling.
+constexpr double kMotionless = 1e-6;   // Recorded hips always move.
 
 // Whether a foot stands flat; nothing if its direction is unknown.
 std::optional<bool> stands_flat(const Body& body, const JointPoses& pose, Side side,
@@ -150,7 +151,19 @@ bool FloorEvidence::on_floor() const {
 }
 
 bool FloorEvidence::resting() const {
-  return on_floor() && level >= 0.0;
+  // Recorded joints sink into the floor by centimetres.
+  constexpr double kSinks = 0.1;
+  return on_floor() && level >= -kSinks && is_moving;
+}
+
+bool FloorEvidence::may_rest() const {
+  constexpr double kSteadyEnough = 0.2;
+  return std::abs(level) <= kNearFloor && wander < kSteadyEnough && is_moving;
+}
+
+bool FloorEvidence::is_far() const {
+  constexpr double kFar = 0.5;
+  return std::abs(level) > kFar;
 }
 
 bool FloorEvidence::standing() const {
@@ -164,7 +177,7 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   const double leg = leg_length(body);
   if (leg <= 0.0 || poses.empty() || !body.has(Bone::kHips)) return found;
   const Eigen::Vector3d direction = up.direction();
-  std::vector<double> levels, hips;
+  std::vector<double> levels, hips, roots;
   int flat = 0, seen = 0;
   for (const JointPoses& pose : poses) {
     const auto height = [&](Bone bone) {
@@ -175,7 +188,8 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
       if (body.has(bone)) lowest = std::min(lowest, height(bone));
     }
     levels.push_back(lowest);
-    hips.push_back(height(Bone::kHips) - lowest);
+    roots.push_back(height(Bone::kHips));
+    hips.push_back(roots.back() - lowest);
     bool is_flat = false, is_seen = false;
     for (const Side side : kSides) {
       const Bone ankle = side_bone(side, LimbBone::kFoot);
@@ -191,6 +205,7 @@ FloorEvidence floor_evidence(const Body& body, const std::vector<JointPoses>& po
   found.level = median(levels);
   found.wander = found.level - percentile(levels, 10.0);
   found.hips = median(hips);
+  found.is_moving = percentile(roots, 100.0) - percentile(roots, 0.0) > kMotionless;
   if (seen > 0) found.flat = static_cast<double>(flat) / seen;
   return found;
 }

@@ -32,11 +32,16 @@ struct FloorEvidence {
   /// Share of the poses in which a foot stands flat near the lowest joint. Empty: the foot
   /// directions are unknown.
   std::optional<double> flat;
+  bool is_moving = false;  ///< Whether the hips move along the axis. False in centred motions.
 
   /// Whether the lowest joint stays at height 0, as in nearly all recordings along the true axis.
   [[nodiscard]] bool on_floor() const;
-  /// Whether the body rests on a floor at height 0: all joints, which are inside limbs, are above it.
+  /// Whether the body rests on a floor at height 0: no joint is far below it, and the hips move.
   [[nodiscard]] bool resting() const;
+  /// Weaker than resting(): the lowest joint is near height 0, and the hips move.
+  [[nodiscard]] bool may_rest() const;
+  /// Whether the lowest joint is far from height 0.
+  [[nodiscard]] bool is_far() const;
   /// Whether the hips are at standing height above flat feet.
   [[nodiscard]] bool standing() const;
 };
