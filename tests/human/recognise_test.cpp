@@ -351,5 +351,24 @@ TEST(Recognise, Lafan1NamesWithOtherAxesHaveAnotherProfile) {
   EXPECT_NE(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")))->profile, "lafan1");
 }
 
+// Skeletons with HumanIK's names call the toes LeftToeBase or, as LAFAN1, LeftToe.
+TEST(Recognise, ProfilesWithHumanIkNamesKnowBothNamesOfToes) {
+  const auto map = recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")));
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(map->profile, "human_ik");
+  for (const Bone bone : {Bone::kLeftToe, Bone::kRightToe}) {
+    EXPECT_GE(map->joint_of_bone[bone], 0) << bone_name(bone);
+  }
+  for (const SkeletonProfile& profile : shipped_profiles()) {
+    const auto& required = profile.required;
+    const auto& names = profile.names[Bone::kLeftToe];
+    if (std::ranges::count(names, "LeftToeBase") == 0 ||
+        std::ranges::count(required, "LeftToeBase") > 0 || profile.name == "mixamo") {
+      continue;
+    }
+    EXPECT_EQ(std::ranges::count(names, "LeftToe"), 1) << profile.name;
+  }
+}
+
 }  // namespace
 }  // namespace retarget

@@ -216,8 +216,11 @@ std::vector<ProfileMatch> match_profiles(const BodySource& source,
                                          const std::vector<SkeletonProfile>& profiles) {
   std::vector<ProfileMatch> matches;
   for (const bool past_helpers : {false, true}) {
-    if (!matches.empty()) break;
+    const bool is_any = !matches.empty();
     for (const SkeletonProfile& profile : profiles) {
+      // Helpers may hide the directions of a profile, whose names another profile has, too.
+      const bool is_known = std::ranges::count(matches, &profile, &ProfileMatch::profile) > 0;
+      if (is_any && (is_known || profile.directions.empty())) continue;
       std::optional<ProfileMatch> match = Matcher(source, profile, past_helpers).run();
       if (!match || match->score < kMinScore) continue;
       complete_trunk(source, match->map);
@@ -248,7 +251,8 @@ std::optional<BoneMap> recognise_by_profile(const BodySource& source,
       if (matches[i].hints == matches[0].hints) return std::nullopt;
       continue;
     }
-    alike.push_back(matches[i].profile->name);
+    // Directions confirm a profile; others with its names and without directions are no rivals.
+    if (matches[0].profile->directions.empty()) alike.push_back(matches[i].profile->name);
   }
   if (!alike.empty()) map.notes.push_back("the same joints as in " + list_names(alike));
   return map;
