@@ -189,7 +189,8 @@ int interpolate_held_frames(Clip& clip, FrameRange part) {
   constexpr double kCaughtUp = 0.4;           // Share of the movement during the run.
   constexpr double kLeastShare = 1.0 / 12.0;  // Of the frames that move.
   constexpr int kFewest = 6;
-  if (part.end - part.begin < kFewest) return 0;
+  const std::vector<FrameRange> runs = runs_of_equal_frames(clip, part);
+  if (part.end - part.begin - static_cast<int>(runs.size()) < kFewest) return 0;
   const double frame_time = clip.rate().frame_time();
   const std::vector<double> turns = turns_of_body(clip, part);
   const std::vector<double> sums = running_sums(turns);
@@ -201,7 +202,6 @@ int interpolate_held_frames(Clip& clip, FrameRange part) {
     return (sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first)]) /
            std::max(1, last - first);
   };
-  const std::vector<FrameRange> runs = runs_of_equal_frames(clip, part);
   int repeated = 0, moving = 0, longest = 0;
   for (const FrameRange& run : runs) {
     const int length = run.end - run.begin;
