@@ -34,8 +34,9 @@ struct ContactEdit {
 [[nodiscard]] std::vector<std::string> contact_part_names();
 
 /// Reads edits from JSON: `{"contacts": [{"part": "left_foot", "start": 1.2, "end": 1.8, "action":
-/// "add"}, ...]}`. `by` is required for `shift` and an error otherwise, `height` is optional for `add`. Errors (kConfig),
-/// all at once: unknown parts and actions, with the nearest name; missing or invalid times.
+/// "add"}, ...]}`. `by` is required for `shift` and an error otherwise, `height` is optional for
+/// `add`. Errors (kConfig), all at once: unknown parts and actions, with the nearest name; missing
+/// or invalid times.
 /// @param file  file name for messages.
 [[nodiscard]] Result<std::vector<ContactEdit>> parse_contact_edits(std::string_view text,
                                                                    const std::string& file);

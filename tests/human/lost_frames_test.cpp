@@ -216,7 +216,7 @@ TEST(Spikes, FastMovementsAndCutsAreNone) {
   before = cut;
   EXPECT_THAT(bridge_spikes(cut, kWhole, 1.0), IsEmpty());
   EXPECT_TRUE(same_clips(before, cut));
-  // Units: 0.5 cm is no jump.
+  // In centimetres, the same number is below the smallest jump.
   Clip small = clip;
   small.translations(40)[0].z() += 0.5;
   EXPECT_THAT(bridge_spikes(small, kWhole, 0.01), IsEmpty());

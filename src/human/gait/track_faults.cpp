@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/math/banded_system.h"
+#include "human/gait/bridge_frames.h"
 #include "human/gait/frame_runs.h"
 #include "retarget/so3.h"
 #include "retarget/statistics.h"
@@ -23,31 +24,6 @@ bool is_zero(const Quaterniond& rotation) {
 
 double angle_between_rotations(const Quaterniond& a, const Quaterniond& b) {
   return log_so3(a.conjugate() * b).norm();
-}
-
-// Interpolates the rotations of one joint between two known frames.
-void bridge_joint(Clip& clip, int joint, int begin, int end) {
-  const auto at = static_cast<std::size_t>(joint);
-  const Quaterniond before = clip.rotations(begin - 1)[at], after = clip.rotations(end)[at];
-  const Eigen::Vector3d turn = log_so3(before.conjugate() * after);
-  for (int frame = begin; frame < end; ++frame) {
-    const double share = (frame - begin + 1.0) / (end - begin + 1.0);
-    clip.rotations(frame)[at] = before * exp_so3(share * turn);
-  }
-}
-
-void bridge_body(Clip& clip, int begin, int end) {
-  for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
-    bridge_joint(clip, joint, begin, end);
-  }
-  for (std::size_t slot = 0; slot < clip.translations(begin).size(); ++slot) {
-    const Eigen::Vector3d before = clip.translations(begin - 1)[slot];
-    const Eigen::Vector3d after = clip.translations(end)[slot];
-    for (int frame = begin; frame < end; ++frame) {
-      const double share = (frame - begin + 1.0) / (end - begin + 1.0);
-      clip.translations(frame)[slot] = before + share * (after - before);
-    }
-  }
 }
 
 // Marks frames of the zero pose: a calibration pose is not a lost joint.
@@ -144,7 +120,7 @@ std::vector<std::string> bridge_lost_joints(Clip& clip, FrameRange part) {
       runs.push_back({begin, end});
       lost += end - begin;
     });
-    for (const FrameRange& run : runs) bridge_joint(clip, joint, run.begin, run.end);
+    for (const FrameRange& run : runs) bridge_rotations(clip, at, run);
     if (lost == 0) continue;
     found.push_back(clip.skeleton().joint(joint).name + " was lost in " +
                     count_text(lost, "frame"));
@@ -220,7 +196,7 @@ int interpolate_held_frames(Clip& clip, FrameRange part) {
   for (const FrameRange& run : runs) {
     const int length = run.end - run.begin;
     if (length > longest || run.end == part.end) continue;
-    if (length > 1) bridge_body(clip, run.begin + 1, run.end);
+    if (length > 1) bridge_body(clip, {run.begin + 1, run.end});
     interpolated += length - 1;
   }
   return interpolated;
@@ -249,7 +225,7 @@ int bridge_frozen_frames(Clip& clip, FrameRange part) {
     frozen += length - 1;
   }
   if (3 * frozen > part.end - part.begin) return 0;
-  for (const FrameRange& run : runs) bridge_body(clip, run.begin, run.end);
+  for (const FrameRange& run : runs) bridge_body(clip, run);
   return frozen;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "human/gait/bridge_frames.h"
 #include "retarget/so3.h"
 #include "retarget/text.h"
 
@@ -53,11 +54,7 @@ int bridge_spikes_of(FrameRange part, double least, const Distance& distance,
   return count;
 }
 
-double share_of(FrameRange gap, int frame) {
-  return (frame - gap.begin + 1.0) / (gap.end - gap.begin + 1.0);
-}
-
-int bridge_rotations(Clip& clip, FrameRange part, std::size_t joint) {
+int bridge_turns(Clip& clip, FrameRange part, std::size_t joint) {
   constexpr double kLeastTurn = std::numbers::pi / 6.0;
   const auto rotation = [&](int frame) -> const Quaterniond& {
     return std::as_const(clip).rotations(frame)[joint];
@@ -65,16 +62,10 @@ int bridge_rotations(Clip& clip, FrameRange part, std::size_t joint) {
   return bridge_spikes_of(
       part, kLeastTurn,
       [&](int a, int b) { return log_so3(rotation(a).conjugate() * rotation(b)).norm(); },
-      [&](FrameRange gap) {
-        const Quaterniond before = rotation(gap.begin - 1);
-        const Vector3d turn = log_so3(before.conjugate() * rotation(gap.end));
-        for (int frame = gap.begin; frame < gap.end; ++frame) {
-          clip.rotations(frame)[joint] = before * exp_so3(share_of(gap, frame) * turn);
-        }
-      });
+      [&](FrameRange gap) { bridge_rotations(clip, joint, gap); });
 }
 
-int bridge_translations(Clip& clip, FrameRange part, std::size_t slot, double metres_per_unit) {
+int bridge_moves(Clip& clip, FrameRange part, std::size_t slot, double metres_per_unit) {
   constexpr double kLeastMove = 0.15;  // Metres.
   const auto place = [&](int frame) -> const Vector3d& {
     return std::as_const(clip).translations(frame)[slot];
@@ -82,12 +73,7 @@ int bridge_translations(Clip& clip, FrameRange part, std::size_t slot, double me
   return bridge_spikes_of(
       part, kLeastMove / metres_per_unit,
       [&](int a, int b) { return (place(a) - place(b)).norm(); },
-      [&](FrameRange gap) {
-        const Vector3d before = place(gap.begin - 1), after = place(gap.end);
-        for (int frame = gap.begin; frame < gap.end; ++frame) {
-          clip.translations(frame)[slot] = before + share_of(gap, frame) * (after - before);
-        }
-      });
+      [&](FrameRange gap) { bridge_translations(clip, slot, gap); });
 }
 
 }  // namespace
@@ -97,10 +83,10 @@ std::vector<std::string> bridge_spikes(Clip& clip, FrameRange part, double metre
   std::vector<std::string> found;
   if (clip.rate().frame_time() > kLongestFrame) return found;
   for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
-    int frames = bridge_rotations(clip, part, static_cast<std::size_t>(joint));
+    int frames = bridge_turns(clip, part, static_cast<std::size_t>(joint));
     if (const int slot = clip.skeleton().translation_slot(joint); slot >= 0) {
-      frames = std::max(
-          frames, bridge_translations(clip, part, static_cast<std::size_t>(slot), metres_per_unit));
+      frames = std::max(frames,
+                        bridge_moves(clip, part, static_cast<std::size_t>(slot), metres_per_unit));
     }
     if (frames == 0) continue;
     found.push_back(clip.skeleton().joint(joint).name + " jumped away in " +

@@ -251,7 +251,7 @@ std::optional<BoneMap> recognise_by_profile(const BodySource& source,
       if (matches[i].hints == matches[0].hints) return std::nullopt;
       continue;
     }
-    // Directions confirm a profile; others with its names and without directions are no rivals.
+    // Matching directions decide for a profile against those with the same names.
     if (matches[0].profile->directions.empty()) alike.push_back(matches[i].profile->name);
   }
   if (!alike.empty()) map.notes.push_back("the same joints as in " + list_names(alike));

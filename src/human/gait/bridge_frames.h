@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+
+#include "retarget/clip.h"
+
+namespace retarget {
+
+/// Interpolates the rotations of a joint in a gap, between the frames before and after it.
+/// @pre a frame precedes the gap and one follows it
+void bridge_rotations(Clip& clip, std::size_t joint, FrameRange gap);
+
+/// The same for the translations of a slot (Skeleton::translation_slot).
+void bridge_translations(Clip& clip, std::size_t slot, FrameRange gap);
+
+/// The same for all joints.
+void bridge_body(Clip& clip, FrameRange gap);
+
+}  // namespace retarget
