@@ -109,17 +109,19 @@ class Follow(LiveTest):
         packets = [taken.recv(65536) for _ in range(FRAMES)]
         standing = self.vmc(packets)
         walking = self.vmc([walking_vmc(packet, i / 30) for i, packet in enumerate(packets)])
-        compared = 0
+        errors = []
         for (begin, before), (end, after) in zip(walking, walking[1:]):
             for seconds, expected in standing:
                 if not begin <= seconds < end:
                     continue
                 share = (seconds - begin) / (end - begin)
                 found = [a + share * (b - a) for a, b in zip(before, after)]
-                # Both are sampled thirty times a second, at different times.
-                self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), 0.03, seconds)
-                compared += 1
-        self.assertGreater(compared, FRAMES // 2)
+                errors.append(max(abs(a - b) for a, b in zip(found, expected)))
+        self.assertGreater(len(errors), FRAMES // 2)
+        # Both are sampled thirty times a second, at different times. A busy machine delays single packets, a walk
+        # that reached the arms would bend them in every frame.
+        errors.sort()
+        self.assertLess(errors[len(errors) * 9 // 10], 0.03)
 
     def test_offline(self):
         for method in ("fit", "gmr"):
