@@ -70,16 +70,14 @@ bool JointDemand::reaches(int frame, int joint, bool upper) {
   if (frame != frame_) {
     frame_ = frame;
     posed_.update(clip_.qpos(frame));
-    world_from_target_.resize(static_cast<std::size_t>(targets_->target_count()));
-    targets_->build(human_->frame(frame), world_from_target_);
   }
+  const HumanPose& human = human_->frame(frame);
   const auto& [before, beyond] = *spans_[joint];
-  const Eigen::Quaterniond robot_from_target =
-      posed_.world_from_body(before.body).rotation *
-      world_from_target_[before.index].rotation.conjugate();
+  const Eigen::Quaterniond robot_from_target = posed_.world_from_body(before.body).rotation *
+                                               targets_->rotation(before.index, human).conjugate();
   double demand = 0.0;
   for (const Target& target : beyond) {
-    const Eigen::Quaterniond wanted = robot_from_target * world_from_target_[target.index].rotation;
+    const Eigen::Quaterniond wanted = robot_from_target * targets_->rotation(target.index, human);
     const Eigen::Quaterniond away =
         wanted * posed_.world_from_body(target.body).rotation.conjugate();
     demand += log_so3(away).dot(posed_.axis(joint)) / static_cast<double>(beyond.size());

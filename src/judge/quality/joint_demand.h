@@ -24,7 +24,7 @@ class JointDemand {
               int frames);
 
   /// Whether the pose demands a position beyond the current one, or less than 0.02 rad before it.
-  /// False if no target depends on the joint or the frame has no source. Keeps the targets of the
+  /// False if no target depends on the joint or the frame has no source. Keeps the robot's pose of the
   /// last frame, so that further joints of the same frame take less time.
   /// @param upper  whether `beyond` means greater.
   [[nodiscard]] bool reaches(int frame, int joint, bool upper);
@@ -49,7 +49,6 @@ class JointDemand {
   std::vector<std::optional<Span>> spans_;  // By joint.
   int frame_ = -1;                          // The last evaluated frame.
   TreeState posed_;
-  std::vector<Pose> world_from_target_;
 };
 
 }  // namespace retarget

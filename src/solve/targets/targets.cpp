@@ -269,6 +269,14 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
   }
 }
 
+Eigen::Quaterniond TargetBuilder::rotation(int target, const HumanPose& world_from_bone) const {
+  const Rule& rule = rules_[static_cast<std::size_t>(target)];
+  const bool of_trunk = rule.part == Part::kPelvis || rule.part == Part::kTorso;
+  const auto aimed = trunk_ && of_trunk ? trunk_->aim(world_from_bone) : std::nullopt;
+  const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
+  return held_ ? (held_->turn(world_from_bone) * rotation).normalized() : rotation;
+}
+
 std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
                                               const ResolvedConfig& config,
                                               const TargetBuilder& targets,

@@ -139,6 +139,9 @@ class TargetBuilder {
   /// @param world_from_bone    world poses of the bones, metres, Z up.
   /// @param world_from_target  target_count() poses; overwritten.
   void build(const HumanPose& world_from_bone, std::span<Pose> world_from_target) const;
+  /// Computes the rotation of one target, the same as build(). Solves the lines of the trunk only
+  /// for targets that depend on them.
+  [[nodiscard]] Eigen::Quaterniond rotation(int target, const HumanPose& world_from_bone) const;
 
  private:
   enum class Part : unsigned char { kOther, kPelvis, kTorso, kUpperLimb, kLowerLimb };
