@@ -269,9 +269,11 @@ struct HumanOptions {
   int tpose_frame = -1;    ///< Source frame that holds the T-pose; negative: not given.
   std::string tpose_file;  ///< BVH of the same skeleton whose first frame is the T-pose.
   std::string unit;        ///< `m`, `dm`, `cm`, `mm`, `inch`, `cmu`, or metres; empty: detected.
-  std::optional<SignedAxis> up, forward;  ///< In the file's axes.
-  double height = 0.0;                    ///< Metres; 0: estimated.
-  bool unit_optional = false;             ///< Accept an unknown unit.
+  /// Unit vector in the file's axes: along an axis, or near one for a world that is not level.
+  std::optional<Eigen::Vector3d> up;
+  std::optional<SignedAxis> forward;  ///< In the file's axes.
+  double height = 0.0;                ///< Metres; 0: estimated.
+  bool unit_optional = false;         ///< Accept an unknown unit.
   CleanRule clean = CleanRule::kAuto;
 };
 

@@ -2,6 +2,7 @@
 give one robot motion."""
 
 import json
+import math
 import re
 import unittest
 
@@ -74,6 +75,28 @@ class OneMovementStoredDifferently(ToolTest):
             with self.subTest(sample=name):
                 self.assert_twin(name, under_a_root(name, ("0", "0", "90")))
                 self.assert_twin(name, under_a_root(name, ("0", "0", "0")))
+
+    def test_worlds_that_are_not_level(self):
+        tilted = self.write("leaning.bvh", under_a_root("walk", ("0", "0", "20")))
+        result = self.retarget("--method", "gmr", bvh=tilted)
+        self.assert_done(result)
+        warning = re.search(r"warning: the floor is tilted by 20 degrees: .*(--up \S+) levels", result.stderr)
+        self.assertIsNotNone(warning, result.stderr)
+        up = warning[1].split()
+        levelled = self.retarget("--precision", 9, "--method", "gmr", *up, bvh=tilted)
+        self.assert_done(levelled)
+        self.assertNotIn("is tilted", levelled.stderr)
+        self.assertIn("up +y levelled by", levelled.stderr)
+        judged = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", tilted, *up)
+        self.assertIn("levelled by", judged.stderr)
+        self.assertNotIn("is tilted", judged.stderr)
+        y, z = math.cos(math.radians(20)), math.sin(math.radians(20))
+        original = self.retarget("--precision", 9, "--method", "gmr", bvh=sample("walk"), output="-")
+        self.assertIsNone(difference(self.rows_of(tilted.read_text(), "--up", f"0,{y!r},{z!r}"),
+                                     read_rows(original.stdout), 1e-6))
+        # The user's axis decides.
+        quiet = self.retarget("--method", "gmr", "--up", "y", bvh=tilted)
+        self.assertNotIn("is tilted", quiet.stderr)
 
     def test_prefixes_of_names(self):
         self.assert_twin("walk", renamed("walk", lambda joint: "Actor1:" + joint))
@@ -150,7 +173,7 @@ class WhatIsUnderstood(ToolTest):
 
     def test_wrong_values_are_explained(self):
         for options, words in (
-                (("--unit", "ell"), ("--unit", "cm")), (("--up", "w"), ("--up",)),
+                (("--unit", "ell"), ("--unit", "cm")), (("--up", "w"), ("--up",)), (("--up", "0,0,0"), ("0,0,0",)), (("--up", "0,1"), ("0.1,0.99,0",)),
                 (("--up", "y", "--forward", "-y"), ("forward",)),
                 (("--rest", "first", "--tpose-frame", "1"), ("--rest", "--tpose-frame")),
                 (("--tpose-frame", "100000"), ("100000",)),

@@ -294,11 +294,25 @@ TEST(Calibrate, FindsUpAxisOfALyingBody) {
   EXPECT_EQ(found->rest_pose, "lafan1");
 }
 
+TEST(Calibrate, LevelsTheWorldAlongAGivenVector) {
+  const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
+  CalibrationOptions options;
+  options.up = Eigen::Vector3d(0.0, 2.0, 1.0).normalized();
+  const Calibration found = calibrated(clip, options);
+  EXPECT_EQ(found.up, SignedAxis{});
+  EXPECT_LT((found.human_from_source * *options.up - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_LT((found.human_from_source * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(),
+            1e-12);
+  EXPECT_THAT(found.description, testing::HasSubstr("up +y levelled by 26.6 degrees"));
+  options.up = Eigen::Vector3d::UnitY();
+  EXPECT_EQ(calibrated(clip, options).human_from_source, calibrated(clip).human_from_source);
+}
+
 TEST(Calibrate, UsesGivenOptions) {
   const Clip clip = with_t_pose_as_zero(recorded_clip("walk"));
   CalibrationOptions options;
   options.metres_per_unit = 0.02;
-  options.up = SignedAxis{1, false};
+  options.up = Eigen::Vector3d::UnitY();
   options.height = 1.9;
   options.rest = RestPose::kFrame;
   options.rest_frame = 3;

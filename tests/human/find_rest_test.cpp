@@ -35,7 +35,7 @@ HumanClip true_human(const Clip& clip) {
 
 Calibration rest_found(const Clip& clip) {
   CalibrationOptions options;
-  options.up = SignedAxis{};
+  options.up = Eigen::Vector3d::UnitY();
   const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options);
   EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
   return found.value_or(Calibration{});

@@ -78,7 +78,7 @@ inline PostureTarget posture_target(const SkeletonProfile& profile, const Clip& 
   }
   auto skeleton = std::make_shared<const Skeleton>(std::move(joints));
   CalibrationOptions options;
-  options.up = up;
+  options.up = up.direction();
   options.metres_per_unit = metres_per_unit;
   Calibration calibration = calibrate(Clip(skeleton, FrameRate{}, 1), map, options).value();
   return {profile.name + " " + to_text(up), {skeleton, std::move(map), std::move(calibration)}, {}};

@@ -82,7 +82,7 @@ TEST(OptionTable, RunsRoundTrip) {
   retarget::Run run;
   run.motion = "a \xff.bvh";  // The name is not valid UTF-8.
   run.robot.name = "unitree_g1";
-  run.options.human.up = SignedAxis{2, true};
+  run.options.human.up = -Eigen::Vector3d::UnitZ();
   run.options.human.rest = RestPose::kLearned;
   run.options.time.fps = std::nullopt;
   run.options.save.formats = {MotionFormat::kCsv, MotionFormat::kPklGmr};

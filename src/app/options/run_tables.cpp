@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
 #include <utility>
 
+#include "app/options/number_list.h"
 #include "app/options/scene_options.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -41,14 +43,44 @@ std::string axis_text(const std::optional<SignedAxis>& axis) {
   return std::string(axis->negative ? "-" : "") + "xyz"[axis->axis];
 }
 
+std::optional<SignedAxis> read_axis(const std::string& text) {
+  const bool is_signed = !text.empty() && (text.front() == '-' || text.front() == '+');
+  const std::string letter = is_signed ? text.substr(1) : text;
+  if (letter != "x" && letter != "y" && letter != "z") return std::nullopt;
+  return SignedAxis{letter.front() - 'x', text.front() == '-'};
+}
+
 Result<std::optional<SignedAxis>> axis_from_text(const std::string& text) {
   if (text.empty()) return std::optional<SignedAxis>();
-  const bool is_signed = text.front() == '-' || text.front() == '+';
-  const std::string letter = is_signed ? text.substr(1) : text;
-  if (letter == "x" || letter == "y" || letter == "z") {
-    return std::optional(SignedAxis{letter.front() - 'x', text.front() == '-'});
-  }
+  if (const auto axis = read_axis(text)) return axis;
   return usage_failure(fmt::format("expected x, y, z, -x, -y or -z, found \"{}\"", text));
+}
+
+std::string direction_text(const std::optional<Eigen::Vector3d>& direction) {
+  if (!direction) return {};
+  for (const bool negative : {false, true}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const SignedAxis along{axis, negative};
+      if (along.direction() == *direction) return axis_text(along);
+    }
+  }
+  return fmt::format("{},{},{}", direction->x(), direction->y(), direction->z());
+}
+
+Result<std::optional<Eigen::Vector3d>> direction_from_text(const std::string& text) {
+  if (text.empty()) return std::optional<Eigen::Vector3d>();
+  if (const auto axis = read_axis(text)) return std::optional(axis->direction());
+  if (const auto numbers = numbers_in(text, ','); numbers && numbers->size() == 3) {
+    constexpr double kUnit = 1e-12;  // Keeps written directions bitwise.
+    const Eigen::Vector3d direction((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    const double length = direction.norm();
+    if (std::abs(length - 1.0) < kUnit) return std::optional(direction);
+    if (length > 0.0 && std::isfinite(length)) {
+      return std::optional<Eigen::Vector3d>(direction / length);
+    }
+  }
+  return usage_failure(fmt::format(
+      "expected x, y, z, -x, -y, -z or a vector such as 0.1,0.99,0, found \"{}\"", text));
 }
 
 std::string plain_text(const std::string& text) {
@@ -196,8 +228,9 @@ OptionTable human_table(HumanOptions& options) {
       text_option("unit", options.unit, kHumanGroup, "UNIT",
                   "Length unit: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit,
                   {.uses = kHuman}),
-      text_option("up", options.up, kHumanGroup, "AXIS", "Up axis of the source: y, z, -y, ...",
-                  axis_text, axis_from_text, {.uses = kHuman}),
+      text_option("up", options.up, kHumanGroup, "AXIS",
+                  "Up axis of the source: y, z, -y, ..., or a vector X,Y,Z, which levels the clip",
+                  direction_text, direction_from_text, {.uses = kHuman}),
       text_option("forward", options.forward, kHumanGroup, "AXIS",
                   "Facing direction of the source's rest pose", axis_text, axis_from_text,
                   {.uses = kHuman}),

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/options/number_list.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "retarget/text.h"
@@ -27,19 +28,6 @@ constexpr double kMaxShift = 2.0;  // Metres.
 
 std::string scene_text(const std::string& text) {
   return text;
-}
-
-// Parses numbers separated by a character. Returns nothing unless all of them are valid.
-std::optional<std::vector<double>> numbers_in(std::string_view text, char separator) {
-  std::vector<double> numbers;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    const auto number = parse_number<double>(text.substr(begin, end - begin));
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
-    begin = end + 1;
-  }
-  return numbers;
 }
 
 bool is_within(double value, double min, double max) {

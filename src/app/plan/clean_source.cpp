@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "app/plan/set_up_robot.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "human/gait/clean_clip.h"
+#include "human/gait/floor_tilt.h"
 #include "human/gait/track_faults.h"
 #include "human/gait/travel.h"
 #include "human/skeleton/robot_human.h"
@@ -101,6 +103,20 @@ void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan) {
   look_above_noise(report.foot_speed, plan.fit);
   constexpr double kNoisySpeed = 0.15;  // m/s: standing feet of video estimates, after smoothing.
   plan.fit = options_for_noise(plan.fit, std::min(1.0, report.foot_speed / kNoisySpeed));
+}
+
+void doubt_level(const Clip& clip, Plan& plan) {
+  if (plan.options.human.up || is_of_robot(clip) || !plan.options.solve.scene.empty()) return;
+  HumanPoser poser(clip, plan.human.calibration);
+  const auto tilt = find_floor_tilt(poser, plan.part);
+  if (!tilt) return;
+  const Eigen::Vector3d up = plan.human.calibration.human_from_source.transpose() * tilt->up;
+  plan.clip_doubts.push_back(
+      {0, 0,
+       fmt::format(
+           "the floor is tilted by {:.0f} degrees: standing feet and the trunk agree; " OPTION(
+               "up") " {:.3f},{:.3f},{:.3f} levels the clip",
+           tilt->angle * 180.0 / std::numbers::pi, up.x(), up.y(), up.z())});
 }
 
 Result<void> scale_source_travel(Clip& clip, Plan& plan) {

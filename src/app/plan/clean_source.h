@@ -25,6 +25,12 @@ struct SourceNotes {
 /// @pre the plan's options, human, part and fit are known
 void clean_source(Clip& clip, const SourceNotes& notes, Plan& plan);
 
+/// Warns if the floor of a plan's clip is tilted (find_floor_tilt). The warning contains the value of
+/// HumanOptions::up that levels the clip. Omitted for clips of robots, with scenes, and if the
+/// options contain an up direction.
+/// @pre the plan's options, human and part are known
+void doubt_level(const Clip& clip, Plan& plan);
+
 /// Scales the travel of a plan's clip (scale_travel) according to SolveOptions::travel or the preset,
 /// and records the factors. Does not change the clip for a robot that does not travel.
 ///

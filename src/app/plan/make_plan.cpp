@@ -177,6 +177,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
   clean_source(clip, source_notes, plan);
+  doubt_level(clip, plan);
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
   leave_out_unknown_rotations(clip, plan);
   note_hands(clip, plan);

@@ -75,7 +75,7 @@ std::string skeleton_text(const std::string& profile) {
 
 // One human-readable line about the results.
 std::string describe_calibration(const Calibration& calibration, const std::string& evidence) {
-  const std::string height = metres_text(calibration.height), up = to_text(calibration.up);
+  const std::string height = metres_text(calibration.height), up = up_text(calibration);
   if (calibration.rest_pose.starts_with("lafan1")) {
     return fmt::format("LAFAN1 skeleton, unit {}, up {}, body height {}", calibration.unit, up,
                        height);
@@ -106,7 +106,8 @@ class Calibrator {
     TRY(has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result));
     result.up = movement_.up;
     const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
-                              result.up == SignedAxis{} && !options_.height;
+                              result.up == SignedAxis{} && tilt_degrees(result) == 0.0 &&
+                              !options_.height;
     if (options_.height) {
       result.height = result.size = *options_.height;
     } else if (!is_published && !options_.metres_per_unit) {
@@ -143,7 +144,8 @@ class Calibrator {
     if (options_.tpose && options_.rest != RestPose::kAuto) {
       return usage_failure("a T-pose file and a rest pose cannot be combined");
     }
-    if (options_.up && options_.forward && options_.up->axis == options_.forward->axis) {
+    if (options_.up && options_.forward &&
+        nearest_axis(*options_.up).axis == options_.forward->axis) {
       return usage_failure("forward cannot be along the up axis");
     }
     return {};
@@ -154,7 +156,7 @@ class Calibrator {
     movement_.frames = sampled_frames(clip_, movement_.lead_in);
     for (const int frame : movement_.frames) movement_.poses.push_back(frame_pose(clip_, frame));
     if (options_.up) {
-      movement_.up = *options_.up;
+      movement_.up = nearest_axis(*options_.up);
       return;
     }
     KnownUp known;
@@ -272,7 +274,7 @@ class Calibrator {
       result.size = height_of_legs(body_, zero) * unit.metres;
     }
     complete_ends(zero, result.bones);
-    result.human_from_source = z_up_from_file(movement_.up);
+    result.human_from_source = z_up_from_file(options_.up.value_or(movement_.up.direction()));
     if (const auto best = best_frame(rest())) {
       result.forward = nearest_axis(best->second.axes.row(0));
       result.rest_deviation = deviation_from_t(body_, best->second).mean;
@@ -296,7 +298,7 @@ class Calibrator {
     evidence_ = found.evidence;
     if (!found.doubt.empty()) doubt(found.doubt);
     result.metres_per_unit = unit.metres;
-    result.human_from_source = z_up_from_file(movement_.up);
+    result.human_from_source = z_up_from_file(options_.up.value_or(movement_.up.direction()));
     result.bones = bone_sources(body_, found.axes, posed.pose);
     const double height = estimated_height(body_, posed.pose) * unit.metres;
     result.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
@@ -352,6 +354,12 @@ class Calibrator {
 
 std::string to_text(const SignedAxis& axis) {
   return std::string(axis.negative ? "-" : "+") + "xyz"[axis.axis];
+}
+
+std::string up_text(const Calibration& calibration) {
+  const double tilt = tilt_degrees(calibration);
+  const std::string axis = to_text(calibration.up);
+  return tilt == 0.0 ? axis : fmt::format("{} levelled by {:.1f} degrees", axis, tilt);
 }
 
 Result<Calibration> calibrate(const Clip& clip, const BoneMap& map,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "human/skeleton/human_clip.h"
 #include "retarget/clip.h"
@@ -15,7 +16,8 @@ struct CalibrationOptions {
   std::optional<double> metres_per_unit;  ///< Default: inferred from leg length.
   /// If no unit fits, assume an average person and warn; for callers that do not need a unit.
   bool unit_optional = false;
-  std::optional<SignedAxis> up;  ///< Default: inferred from the movement.
+  /// Unit vector in the file's axes; default: an axis, inferred from the movement.
+  std::optional<Eigen::Vector3d> up;
   /// Facing in the rest pose; default: inferred from hips and shoulders. Not along `up`.
   std::optional<SignedAxis> forward;
   std::optional<double> height;  ///< Body height in metres; default: estimated.
@@ -26,11 +28,15 @@ struct CalibrationOptions {
   std::optional<Clip> tpose;
 };
 
+/// The up axis of a calibration and the tilt that it corrects: `+y`, `+y levelled by 12.0 degrees`.
+[[nodiscard]] std::string up_text(const Calibration& calibration);
+
 /// Determines unit, up axis, facing, height and T-pose of a clip, and from them the calibration to
 /// the canonical human. docs/human.md describes the method.
 ///
 /// The world stays as recorded: human_from_source is the fixed rotation that maps `up` to z (a
-/// quarter turn about x for y up). The facing only affects the bones' constants. A skeleton with
+/// quarter turn about x for y up). If `up` is not along an axis, the rotation that maps the nearest
+/// axis to z is followed by the smallest rotation that maps `up` to z. The facing only affects the bones' constants. A skeleton with
 /// profile `lafan1` and matching axes and unit gets lafan1_calibration with its joint axes
 /// unchanged; a height in the options only replaces the 1.75 m.
 ///

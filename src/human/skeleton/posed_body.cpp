@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <span>
 
 #include "base/math/se3.h"
 #include "human/skeleton/skeleton_tree.h"
+#include "retarget/so3.h"
 
 namespace retarget {
 namespace {
@@ -186,6 +188,18 @@ Eigen::Matrix3d z_up_from_file(const SignedAxis& up) {
   axes(2, up.axis) = up.negative ? -1.0 : 1.0;
   axes.row(1) = axes.row(2).cross(axes.row(0));
   return axes;
+}
+
+Eigen::Matrix3d z_up_from_file(const Eigen::Vector3d& up) {
+  const SignedAxis nearest = nearest_axis(up);
+  const Eigen::Matrix3d axes = z_up_from_file(nearest);
+  if (up == nearest.direction()) return axes;
+  return rotation_between(axes * up, Eigen::Vector3d::UnitZ()).toRotationMatrix() * axes;
+}
+
+double tilt_degrees(const Calibration& calibration) {
+  const Eigen::Vector3d up = calibration.human_from_source.row(2);
+  return angle_between(up, calibration.up.direction()) * 180.0 / std::numbers::pi;
 }
 
 namespace {

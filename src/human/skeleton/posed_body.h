@@ -102,6 +102,14 @@ using BodyFromFile = Eigen::Matrix3d;
 /// determinant is +1 for every axis.
 [[nodiscard]] Eigen::Matrix3d z_up_from_file(const SignedAxis& up);
 
+/// The same for a unit vector: the rotation of its nearest axis, then the smallest rotation that
+/// maps the vector to z.
+[[nodiscard]] Eigen::Matrix3d z_up_from_file(const Eigen::Vector3d& up);
+
+/// Angle between the up direction of a calibration and the nearest axis of the file, degrees; 0 for
+/// an axis.
+[[nodiscard]] double tilt_degrees(const Calibration& calibration);
+
 /// Joint positions of a skeleton in several poses; file units and axes.
 struct BodyPoses {
   struct Pose {

@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include "human/skeleton/calibrate.h"
 #include "human/skeleton/posed_body.h"
 #include "human/skeleton/robot_human.h"
 #include "human/skeleton/up_axis.h"
@@ -250,10 +251,10 @@ Calibration calibration_of_robot(const Clip& clip, const BoneMap& map) {
   return calibration;
 }
 
-void settle_robot_up(const Clip& clip, const BoneMap& map, const std::optional<SignedAxis>& told,
-                     Calibration& calibration) {
+void settle_robot_up(const Clip& clip, const BoneMap& map,
+                     const std::optional<Eigen::Vector3d>& told, Calibration& calibration) {
   if (told) {
-    calibration.up = *told;
+    calibration.up = nearest_axis(*told);
   } else {
     const Body body(clip.skeleton(), map);
     std::vector<JointPoses> poses;
@@ -265,9 +266,10 @@ void settle_robot_up(const Clip& clip, const BoneMap& map, const std::optional<S
     calibration.up = choice.axis;
     if (!choice.doubt.empty()) calibration.doubts.push_back({0, 0, std::move(choice.doubt)});
   }
-  if (calibration.up == SignedAxis{2, false}) return;
-  calibration.human_from_source = z_up_from_file(calibration.up);
-  calibration.description += ", " + to_text(calibration.up) + " up";
+  const Eigen::Vector3d up = told.value_or(calibration.up.direction());
+  if (up == Eigen::Vector3d::UnitZ()) return;
+  calibration.human_from_source = z_up_from_file(up);
+  calibration.description += ", " + up_text(calibration) + " up";
 }
 
 }  // namespace retarget

@@ -46,8 +46,8 @@ struct RobotHuman {
 /// as for humans (choose_up).
 /// @param clip  of clip_of_robot_human
 /// @param map   of bone_map_of_robot
-/// @param told  the user's axis, which decides.
-void settle_robot_up(const Clip& clip, const BoneMap& map, const std::optional<SignedAxis>& told,
-                     Calibration& calibration);
+/// @param told  the user's up direction, which decides.
+void settle_robot_up(const Clip& clip, const BoneMap& map,
+                     const std::optional<Eigen::Vector3d>& told, Calibration& calibration);
 
 }  // namespace retarget
