@@ -39,13 +39,20 @@ function(retarget_group_by_rooms target)
       math(EXPR index "${index} + 1")
       set_source_files_properties(${file} PROPERTIES UNITY_GROUP ${name}_${unit})
     endforeach()
+    set(options "")
     if(RETARGET_QUICK_CODE AND target STREQUAL retarget AND wings IN_LIST retarget_hot_wings)
-      # The precompiled headers would bring their own level with them.
+      list(APPEND options ${retarget_hot_level})
+    endif()
+    if(target STREQUAL retarget AND wings MATCHES "^(${retarget_unchecked_wing}|${retarget_unchecked_wing} .*)$")
+      list(APPEND options ${retarget_unchecked_options})
+    endif()
+    if(options)
+      # The precompiled headers would bring their own level and definitions with them.
       math(EXPR last "${units} - 1")
       foreach(unit RANGE ${last})
         set_source_files_properties(
           ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_${unit}_cxx.cxx
-          PROPERTIES COMPILE_OPTIONS ${retarget_hot_level} SKIP_PRECOMPILE_HEADERS ON)
+          PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
       endforeach()
     endif()
   endforeach()

@@ -8,6 +8,9 @@ include(CheckLinkerFlag)
 include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
 set(retarget_is_hardened OFF)  # For the tests.
+# The solvers read no files, and the assertions would take 4 % of a run (docs/building.md).
+set(retarget_unchecked_wing solve)
+set(retarget_unchecked_options "")
 
 # The Python module is a shared library of the same objects; its symbols are never interposed.
 set(retarget_position_independent "")
@@ -21,6 +24,7 @@ if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR
   return()
 endif()
 set(retarget_is_hardened ON)
+set(retarget_unchecked_options -U_GLIBCXX_ASSERTIONS)
 
 # On Windows the linker randomises addresses and forbids code in data by default.
 if(MINGW)

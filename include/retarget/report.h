@@ -67,7 +67,8 @@ struct FitStatus {
   /// Predicted relative cost decrease of the last step; 1 if it failed or no step was taken. For
   /// the clip: the maximum over the windows.
   double predicted_decrease = 1.0;
-  double cost_before = 0.0, cost_after = 0.0;  ///< Total cost of all terms, summed over the frames.
+  /// Total cost of all terms, summed over the frames; 0 without SolveControl::fit_costs.
+  double cost_before = 0.0, cost_after = 0.0;
   /// Number of frames without the term `dynamics`, because their contacts are unknown.
   int distrusted_frames = 0;
   /// Whether the steps were repeated without the term `dynamics`, because it did not improve the
@@ -94,7 +95,7 @@ struct FitReport {
   double floor_height = 0.0;  ///< Distance by which the targets were lowered, metres.
   bool floor_found = false;   ///< False: the source's feet never stand; the height is an estimate.
   int contact_phases = 0;     ///< Number of heel and toe contact phases.
-  std::vector<FitTermReport> terms;
+  std::vector<FitTermReport> terms;  ///< Empty without SolveControl::fit_costs.
   std::vector<FitBoundReport> bounded;
   FitStatus status;                ///< Summary over the whole clip.
   std::vector<FitStatus> windows;  ///< Windows in order, then the seams between them.

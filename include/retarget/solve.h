@@ -30,7 +30,7 @@ struct Progress {
   int done = 0, total = 0;
 };
 
-/// Callbacks and threads of solve(); they do not affect the result.
+/// Callbacks, threads and the extent of the report of solve(); they do not affect the motion.
 struct SolveControl {
   /// Called periodically with the progress, possibly from another thread. Returning false stops the
   /// run with ErrorKind::kInterrupted.
@@ -39,6 +39,8 @@ struct SolveControl {
   /// caller's thread.
   std::function<void(int frame, std::span<const double> qpos)> frame_solved;
   int threads = 0;  ///< Number of threads; 0: automatic.
+  /// Whether to measure the costs of a fit's terms, which takes 7 % of its time.
+  bool fit_costs = true;
 };
 
 /// A robot's motion and its provenance.

@@ -304,6 +304,21 @@ TEST_F(FitTest, ThreadCountDoesNotChangeTheResult) {
   }
 }
 
+TEST_F(FitTest, MotionDoesNotDependOnTheCostsInTheReport) {
+  const Clip clip = sample("squat.bvh");
+  FitRun run;
+  run.costs = false;
+  const FitResult with = fitted(clip), without = fitted(clip, {}, run);
+  for (int t = 0; t < with.clip.frame_count(); ++t) {
+    ASSERT_TRUE(std::ranges::equal(with.clip.qpos(t), without.clip.qpos(t))) << t;
+  }
+  EXPECT_FALSE(with.report.terms.empty());
+  EXPECT_GT(with.report.status.cost_before, 0.0);
+  EXPECT_TRUE(without.report.terms.empty());
+  EXPECT_EQ(without.report.status.cost_before, 0.0);
+  EXPECT_EQ(with.report.status.converged, without.report.status.converged);
+}
+
 TEST_F(FitTest, WindowsMatchTheWholeClip) {
   const Clip clip = cut(sample("walk.bvh"), 40, 110);
   FitOptions options;

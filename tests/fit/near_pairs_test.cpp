@@ -100,5 +100,36 @@ TEST_F(NearPairsTest, FindsAllNearPairsAlongAPath) {
   EXPECT_GT(changes, 50U);
 }
 
+// While a list is kept, no distance changes by more than `stay`.
+TEST_F(NearPairsTest, KeepsAListWhileThePoseHardlyChanges) {
+  constexpr double kWithin = 0.04, kStay = 0.015;
+  NearPairs search(model_);
+  TreeState pose(model_.tree);
+  const std::vector<double> from = random_configuration(0.4, 0.8);
+  const std::vector<double> to = random_configuration(0.4, 5.0);
+  NearList list;
+  int kept = 0;
+  for (int step = 0; step < 400; ++step) {
+    std::vector<double> qpos(from.size());
+    for (std::size_t i = 0; i < qpos.size(); ++i)
+      qpos[i] = from[i] + step / 400.0 * (to[i] - from[i]);
+    pose.update(qpos);
+    const NearList before = list;
+    search.update(pose, kWithin, kStay, list);
+    const std::vector<std::uint32_t> sure = near_pairs_of(model_, pose, kWithin - kStay);
+    const std::vector<std::uint32_t> possible = near_pairs_of(model_, pose, kWithin + kStay);
+    EXPECT_TRUE(std::ranges::includes(list.pairs, sure)) << step;
+    EXPECT_TRUE(std::ranges::includes(possible, list.pairs)) << step;
+    const bool is_same =
+        !before.places.empty() && before.places.back().centre == list.places.back().centre;
+    if (is_same) ++kept;
+  }
+  EXPECT_GT(kept, 100);
+  EXPECT_LT(kept, 390);
+  list.forget();
+  search.update(pose, kWithin, kStay, list);
+  EXPECT_EQ(list.pairs, near_pairs_of(model_, pose, kWithin));
+}
+
 }  // namespace
 }  // namespace retarget

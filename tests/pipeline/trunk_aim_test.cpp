@@ -246,12 +246,35 @@ TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
     const Bone bone = bone_from_name(side + "FootMod").value();
     const Pose& foot = world_from_target[static_cast<std::size_t>(targets.target_of(bone))];
     const Vector3d ankle = foot * of.limbs.body_from_joint[bone];
+    EXPECT_FALSE(targets.is_of_trunk(targets.target_of(bone)));
     const double sign = side == "Left" ? 1.0 : -1.0;
     EXPECT_NEAR(ankle.y(), sign * 0.5 * of.limbs.hip_line.norm(), 1e-6);
     EXPECT_NEAR(ankle.x(), 0.0, 1e-6);
   }
   // 4 cm farther out than the scaled human's.
   EXPECT_GT(of.limbs.hip_line.norm(), 0.18 * of.limbs.lengths.leg / 0.9 + 0.07);
+}
+
+TEST(TrunkAim, SingleRotationsAreThoseOfAllTargets) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  const ResolvedConfig config =
+      load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
+  HumanPose bones = human(exp_so3(Vector3d(0.1, 0.4, 0.2)), exp_so3(Vector3d(0.2, 0.6, -0.1)));
+  bones[Bone::kLeftForeArm].translation += Vector3d(0.1, 0.3, 0.2);
+  const TargetBuilder targets(config, of.limbs, LimbLengths{0.9, 0.5, 0.5}, of.aim);
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
+  targets.build(bones, world_from_target);
+  const auto trunk = targets.aim_trunk(bones);
+  ASSERT_TRUE(trunk);
+  int of_trunk = 0;
+  for (int target = 0; target < targets.target_count(); ++target) {
+    const Eigen::Quaterniond rotation =
+        targets.rotation(target, bones, targets.is_of_trunk(target) ? trunk : std::nullopt);
+    EXPECT_EQ(rotation.coeffs(),
+              world_from_target[static_cast<std::size_t>(target)].rotation.coeffs());
+    if (targets.is_of_trunk(target)) ++of_trunk;
+  }
+  EXPECT_EQ(of_trunk, 2);
 }
 
 TEST(TrunkAim, RequiresATrunk) {

@@ -152,6 +152,7 @@ class TimeScaleSearch {
   TimeScaleSearch(const Plan& plan, const SolveControl& control, double duration)
       : plan_(plan), control_(control), planner_(duration, plan.rate) {
     control_.frame_solved = {};
+    control_.fit_costs = false;
   }
 
   Result<std::optional<TimeScale>> run() {

@@ -93,6 +93,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   run.contact_edits = plan.contact_edits;
   run.object_motion = plan.options.solve.object_motion;
   run.limit_speeds = limit_speeds;
+  run.costs = control.fit_costs;
   const HandTrack hands = hand_track(plan, *motion.source);
   if (!hands.empty() && motion.source->frame_count() > 0) {
     run.held = plan.robot.robot->zero_configuration();

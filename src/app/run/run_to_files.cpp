@@ -34,11 +34,18 @@ struct SolvedMotion {
   std::optional<QualityReport> quality;
 };
 
+// Whether a file or the summary contains the costs of the fit's terms.
+bool shows_fit_costs(const RunRequest& request) {
+  return request.verbose || request.sidecar || !request.report.empty() ||
+         std::ranges::any_of(request.drawings, &RunDrawing::needs_report);
+}
+
 // Solves a motion. The first motion is written while it is solved.
 Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs* outputs,
                               Observer& observer) {
   SolveControl control;
   control.threads = request.threads;
+  control.fit_costs = shows_fit_costs(request);
   control.keep_going = [&](const Progress& progress) {
     observer.progress(progress);
     return !observer.is_stopped();

@@ -64,20 +64,30 @@ void JointDemand::find_spans(const Robot& robot, const std::vector<Target>& targ
   }
 }
 
+// Solves the trunk at most once per frame, because that takes much longer than the rest.
+Eigen::Quaterniond JointDemand::world_from_target(int target) {
+  const HumanPose& human = human_->frame(frame_);
+  if (!has_trunk_ && targets_->is_of_trunk(target)) {
+    trunk_ = targets_->aim_trunk(human);
+    has_trunk_ = true;
+  }
+  return targets_->rotation(target, human, trunk_);
+}
+
 bool JointDemand::reaches(int frame, int joint, bool upper) {
   constexpr double kNearly = 0.02;  // Radians; TrunkAim keeps waists farther inside their ranges.
   if (!targets_ || frame >= frames_ || !spans_[joint]) return false;
   if (frame != frame_) {
     frame_ = frame;
     posed_.update(clip_.qpos(frame));
+    has_trunk_ = false;
   }
-  const HumanPose& human = human_->frame(frame);
   const auto& [before, beyond] = *spans_[joint];
-  const Eigen::Quaterniond robot_from_target = posed_.world_from_body(before.body).rotation *
-                                               targets_->rotation(before.index, human).conjugate();
+  const Eigen::Quaterniond robot_from_target =
+      posed_.world_from_body(before.body).rotation * world_from_target(before.index).conjugate();
   double demand = 0.0;
   for (const Target& target : beyond) {
-    const Eigen::Quaterniond wanted = robot_from_target * targets_->rotation(target.index, human);
+    const Eigen::Quaterniond wanted = robot_from_target * world_from_target(target.index);
     const Eigen::Quaterniond away =
         wanted * posed_.world_from_body(target.body).rotation.conjugate();
     demand += log_so3(away).dot(posed_.axis(joint)) / static_cast<double>(beyond.size());

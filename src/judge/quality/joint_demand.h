@@ -41,6 +41,7 @@ class JointDemand {
     std::vector<Target> beyond;
   };
   void find_spans(const Robot& robot, const std::vector<Target>& targets);
+  [[nodiscard]] Eigen::Quaterniond world_from_target(int target);
 
   const RobotClip& clip_;
   const HumanClip* human_ = nullptr;
@@ -49,6 +50,8 @@ class JointDemand {
   std::vector<std::optional<Span>> spans_;  // By joint.
   int frame_ = -1;                          // The last evaluated frame.
   TreeState posed_;
+  bool has_trunk_ = false;  // Whether trunk_ is that of this frame.
+  std::optional<TrunkAim::Aimed> trunk_;
 };
 
 }  // namespace retarget

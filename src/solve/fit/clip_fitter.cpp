@@ -61,7 +61,7 @@ class WindowFitter final : public MovingFit {
     std::vector<double> damping, cost;
     std::vector<BoundSide> held;
     std::vector<Eigen::Vector2d> anchor_pushes;
-    std::vector<std::vector<std::uint32_t>> pairs;
+    std::vector<NearList> pairs;
     FitStatus status;
   };
 
@@ -100,8 +100,11 @@ class WindowFitter final : public MovingFit {
   TreeState pose_;
   JointSpeeds speeds_;
   BlockChain chain_;
-  std::vector<std::vector<std::uint32_t>> pairs_;  // By frame.
-  std::vector<double> damping_, cost_;             // By frame.
+  std::vector<NearList> pairs_;  // By frame.
+  // Largest change of a distance for which the pairs stay: half of that after which a shape that
+  // was not near may overlap. The other half is for the steps until the next update.
+  double pairs_stay_;
+  std::vector<double> damping_, cost_;  // By frame.
   HeldLimits held_;
   std::vector<int> ages_;  // By frame: number of steps so far; only for a sliding window.
   std::vector<StepTerm> steps_before_, steps_after_;  // Step terms before and after the current
@@ -129,6 +132,8 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       speeds_(model, options, clip.frame_time),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
+      pairs_stay_(
+          std::max(0.0, 0.5 * (kPairsWithin - options.self_collision_margin - kOverlapBand))),
       damping_(pairs_.size(), 0.0),
       cost_(pairs_.size(), 1e300),
       held_(model, pairs_.size()),
@@ -306,14 +311,14 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
   pose_.update(clip_.frame(frame, model_.configuration_size));
   const int age = ages_.empty() ? -1 : ages_[at(t)];
   if (options_.self_collision && (age < 0 ? look_for_pairs : age % kPairsEvery == 0)) {
-    terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
+    terms_.update_near_pairs(pose_, kPairsWithin, pairs_stay_, pairs_[at(t)]);
   }
   double* const h = chain_.block(t);
   double* const g = chain_.right(t);
   TermCosts costs{};
   FrameGoals goals = clip_.goals(frame, model_.tasks.size());
   goals.anchor_hold = age < 0 ? anchor_hold_ : hold_after(age);
-  terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
+  terms_.assemble(pose_, goals, pairs_[at(t)].pairs, g, h, chain_.stride(), costs);
   add_limit_margins(model_, options_, clip_.frame(frame, model_.configuration_size), g, h,
                     chain_.stride(), costs);
   worst_overlap_ =
@@ -446,7 +451,7 @@ void WindowFitter::move(int begin, int forgotten) {
   // Rotating instead of erasing keeps the lists' memory.
   std::rotate(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(gone), pairs_.end());
   pairs_.resize(size);
-  for (std::size_t i = kept; i < size; ++i) pairs_[i].clear();
+  for (std::size_t i = kept; i < size; ++i) pairs_[i].forget();
   places_.resize();
 }
 

@@ -259,7 +259,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   const int threads = options_.threads > 0 ? options_.threads
                                            : static_cast<int>(std::thread::hardware_concurrency());
   StartFrames starts(model_, path_, options_.floor, clip_);
-  WindowSolver windows(model_, options_, plan, clip_, threads);
+  WindowSolver windows(model_, options_, plan, clip_, threads, run_.costs);
   SolveFramesOptions options = run_.retarget;
   options.settle = true;
   options.frame_solved = [&](int frame, std::span<const double> qpos) {
@@ -277,7 +277,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   TRY(check_finite());
   keep_bounds(result.report);
   const std::vector<TermCosts> costs = windows.costs_now();
-  report_terms(clip_, windows.costs_before(), costs, result.report);
+  if (run_.costs) report_terms(clip_, windows.costs_before(), costs, result.report);
   report_status(windows.statuses(), windows.costs_before(), costs, result.report);
   return {};
 }
@@ -308,7 +308,7 @@ Result<void> Fit::follow_hands_of_robot(const FitWindows& plan, int threads, Fit
 }
 
 Result<void> Fit::solve_again(const FitWindows& plan, int threads) {
-  WindowSolver windows(model_, options_, plan, clip_, threads);
+  WindowSolver windows(model_, options_, plan, clip_, threads, false);
   windows.starts_are_there(clip_.frame_count);
   if (!windows.finish(run_.keep_going)) return interrupted_failure();
   return {};

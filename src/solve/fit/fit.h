@@ -43,6 +43,8 @@ struct FitRun {
   /// these joints there, so that the self-collision term uses their final positions. Empty: the
   /// robot's zero configuration.
   std::vector<double> held;
+  /// Whether to measure the costs of the terms for the report.
+  bool costs = true;
   /// Whether limbs on a wrong branch of their inverse kinematics move to another branch.
   bool recover_limbs = true;
   /// The scene around the human, one pose per frame of the clip; null: only the floor. The fit

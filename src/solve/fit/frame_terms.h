@@ -120,6 +120,10 @@ class FrameTerms {
   void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs) {
     near_pairs_.find(pose, within, pairs);
   }
+  /// The same for a list that is kept while distances change by at most `stay`.
+  void update_near_pairs(const TreeState& pose, double within, double stay, NearList& list) {
+    near_pairs_.update(pose, within, stay, list);
+  }
 
  private:
   void add_terms(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);

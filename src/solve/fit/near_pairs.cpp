@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "retarget/pose.h"
 #include "solve/fit/shorthand.h"
@@ -23,7 +24,49 @@ NearPairs::NearPairs(const FitModel& model)
       group_far_until_(model.pair_groups.size()),
       near_until_(model.pairs.size()),
       placed_(model.shapes.size()),
-      placed_in_(model.shapes.size(), 0) {}
+      placed_in_(model.shapes.size(), 0) {
+  std::set<int> links;
+  for (const FitPairGroup& group : model.pair_groups) {
+    links.insert(group.link_a);
+    links.insert(group.link_b);
+  }
+  paired_links_.assign(links.begin(), links.end());
+}
+
+NearList::Place NearPairs::place_of(const Pose& base_from_world, const TreeState& pose,
+                                    int link) const {
+  const Pose base_from_link = base_from_world * pose.world_from_link[at(link)];
+  return {base_from_link * model_.link_spheres[at(link)].centre, base_from_link.rotation};
+}
+
+// A distance changes at most by the sum of the largest motions of two links.
+bool NearPairs::stays(const TreeState& pose, double stay, const NearList& list) const {
+  if (list.places.empty()) return false;
+  const Pose base_from_world = pose.world_from_link[0].inverse();
+  double largest = 0.0, second = 0.0;
+  for (std::size_t i = 0; i < paired_links_.size(); ++i) {
+    const int link = paired_links_[i];
+    const NearList::Place now = place_of(base_from_world, pose, link);
+    const NearList::Place& before = list.places[i];
+    const double chord = 2.0 * (before.rotation.conjugate() * now.rotation).vec().norm();
+    const double moved =
+        (now.centre - before.centre).norm() + chord * model_.link_spheres[at(link)].radius;
+    second = std::max(second, std::min(largest, moved));
+    largest = std::max(largest, moved);
+    if (largest + second > stay) return false;
+  }
+  return true;
+}
+
+void NearPairs::update(const TreeState& pose, double within, double stay, NearList& list) {
+  if (stays(pose, stay, list)) return;
+  find(pose, within, list.pairs);
+  const Pose base_from_world = pose.world_from_link[0].inverse();
+  list.places.clear();
+  for (const int link : paired_links_) {
+    list.places.push_back(place_of(base_from_world, pose, link));
+  }
+}
 
 // Adds the motion since the last pose to the paths. A point of a link's shapes moves at most as far
 // as the centre of the bounding sphere, plus the chord of the rotation times the radius. Paths are

@@ -10,6 +10,21 @@
 
 namespace retarget {
 
+/// The near pairs of one pose, and the links' places in it, to bound later changes of distances.
+struct NearList {
+  struct Place {
+    Eigen::Vector3d centre;       ///< Centre of the bounding sphere, base frame.
+    Eigen::Quaterniond rotation;  ///< Base from link.
+  };
+  std::vector<std::uint32_t> pairs;
+  std::vector<Place> places;  ///< By link with shapes; empty: nothing is known.
+
+  void forget() {
+    pairs.clear();
+    places.clear();
+  }
+};
+
 /// Finds the pairs of a robot's shapes that are near each other, in a sequence of poses.
 ///
 /// It keeps the last distance of each pair and a bound on the motion of its links since then, and
@@ -23,6 +38,9 @@ class NearPairs {
   /// @param within  metres.
   /// @param pairs   receives the indices of the pairs that are less than `within` apart, ascending.
   void find(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
+  /// The same for a list that is kept while no distance may have changed by more than `stay` since
+  /// the pairs were found.
+  void update(const TreeState& pose, double within, double stay, NearList& list);
 
  private:
   struct LinkPath {
@@ -32,10 +50,14 @@ class NearPairs {
   };
 
   void follow(const TreeState& pose);
+  [[nodiscard]] NearList::Place place_of(const Pose& base_from_world, const TreeState& pose,
+                                         int link) const;
+  [[nodiscard]] bool stays(const TreeState& pose, double stay, const NearList& list) const;
   [[nodiscard]] double path_of(int link_a, int link_b) const;
   [[nodiscard]] const RoundedShape& in_world(const TreeState& pose, int shape);
 
   const FitModel& model_;
+  std::vector<int> paired_links_;
   std::vector<LinkPath> paths_;  // By link.
   bool started_ = false;
   double within_ = -1.0;

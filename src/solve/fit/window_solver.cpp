@@ -20,12 +20,13 @@ std::int64_t frames_of(const std::vector<FitWindow>& windows) {
 }  // namespace
 
 WindowSolver::WindowSolver(const FitModel& model, const FitOptions& options, const FitWindows& plan,
-                           FitClip& clip, int threads)
+                           FitClip& clip, int threads, bool with_costs)
     : model_(model),
       options_(options),
       plan_(plan),
       clip_(clip),
       threads_(threads),
+      with_costs_(with_costs),
       costs_before_(at(clip.frame_count)),
       statuses_(plan.windows.size() + plan.seams.size()),
       all_(std::max<std::int64_t>(
@@ -36,9 +37,11 @@ std::vector<TaskGraph::Task> WindowSolver::tasks() {
   std::vector<TaskGraph::Task> tasks;
   for (const FitWindow& window : plan_.windows) {
     tasks.push_back({[this, &window, &status = statuses_[tasks.size()]] {
-                       const auto begin = at(window.begin), count = at(window.end) - begin;
-                       frame_costs(model_, options_, clip_, window,
-                                   std::span(costs_before_).subspan(begin, count));
+                       if (with_costs_) {
+                         const auto begin = at(window.begin), count = at(window.end) - begin;
+                         frame_costs(model_, options_, clip_, window,
+                                     std::span(costs_before_).subspan(begin, count));
+                       }
                        solve(window, status);
                      },
                      1});
@@ -76,6 +79,7 @@ bool WindowSolver::finish(const std::function<bool(double done)>& keep_going) {
 
 std::vector<TermCosts> WindowSolver::costs_now() const {
   std::vector<TermCosts> costs(at(clip_.frame_count));
+  if (!with_costs_) return costs;
   std::vector<TaskGraph::Task> tasks;
   for (const FitWindow& window : plan_.windows) {
     tasks.push_back({[this, &window, &costs] {

@@ -24,8 +24,9 @@ namespace retarget {
 /// Keeps references to its arguments.
 class WindowSolver {
  public:
+  /// @param with_costs  whether to measure costs; false: all costs are 0.
   WindowSolver(const FitModel& model, const FitOptions& options, const FitWindows& plan,
-               FitClip& clip, int threads);
+               FitClip& clip, int threads, bool with_costs);
 
   /// Starts the windows that need no more than the first `count` frames. Call it when the first
   /// stage has solved these frames.
@@ -52,6 +53,7 @@ class WindowSolver {
   const FitWindows& plan_;
   FitClip& clip_;
   int threads_;
+  bool with_costs_;
   std::vector<TermCosts> costs_before_;
   std::vector<FitStatus> statuses_;
   std::size_t released_ = 0;  // Number of windows whose input is complete.

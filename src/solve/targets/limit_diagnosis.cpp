@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -171,6 +172,8 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
   std::vector<PushSum> sums;
   for (const IkPass& pass : problem->passes) sums.emplace_back(robot, pass);
   find_passes(sums, candidates);
+  std::set<int> passes;
+  for (const Candidate& candidate : candidates) passes.insert(candidate.pass);
   HumanPose world_from_bone;
   std::vector<Pose> world_from_target(targets.target_count());
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -180,7 +183,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
       const double q = qpos[robot.joints()[candidate.found.joint].qpos_address];
       if (!is_at(limits, candidate.found.joint, candidate.found.at_upper, q)) continue;
       if (!is_set) {
-        for (PushSum& sum : sums) sum.set_frame(qpos);
+        for (const int pass : passes) sums[pass].set_frame(qpos);
         poses(frame, world_from_bone);
         targets.build(world_from_bone, world_from_target);
         is_set = true;

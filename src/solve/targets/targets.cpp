@@ -239,7 +239,7 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
                           std::span<Pose> world_from_target) const {
   const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
   const Eigen::Vector3d scaled_root = rules_.front().scale * root;
-  const auto aimed = trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
+  const auto aimed = aim_trunk(world_from_bone);
   Eigen::Vector3d shoulders_moved = Eigen::Vector3d::Zero(), left_hip_moved = shoulders_moved;
   if (aimed) {
     shoulders_moved = aimed->chord - trunk_scale_ * trunk_lines(world_from_bone).chord;
@@ -269,11 +269,15 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
   }
 }
 
-Eigen::Quaterniond TargetBuilder::rotation(int target, const HumanPose& world_from_bone) const {
+bool TargetBuilder::is_of_trunk(int target) const {
+  const Part part = rules_[static_cast<std::size_t>(target)].part;
+  return part == Part::kPelvis || part == Part::kTorso;
+}
+
+Eigen::Quaterniond TargetBuilder::rotation(int target, const HumanPose& world_from_bone,
+                                           const std::optional<TrunkAim::Aimed>& trunk) const {
   const Rule& rule = rules_[static_cast<std::size_t>(target)];
-  const bool of_trunk = rule.part == Part::kPelvis || rule.part == Part::kTorso;
-  const auto aimed = trunk_ && of_trunk ? trunk_->aim(world_from_bone) : std::nullopt;
-  const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
+  const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, trunk);
   return held_ ? (held_->turn(world_from_bone) * rotation).normalized() : rotation;
 }
 

@@ -139,9 +139,16 @@ class TargetBuilder {
   /// @param world_from_bone    world poses of the bones, metres, Z up.
   /// @param world_from_target  target_count() poses; overwritten.
   void build(const HumanPose& world_from_bone, std::span<Pose> world_from_target) const;
-  /// Computes the rotation of one target, the same as build(). Solves the lines of the trunk only
-  /// for targets that depend on them.
-  [[nodiscard]] Eigen::Quaterniond rotation(int target, const HumanPose& world_from_bone) const;
+  /// Whether the rotation of a target depends on aim_trunk().
+  [[nodiscard]] bool is_of_trunk(int target) const;
+  /// The robot's trunk in a frame; empty without a TrunkAim.
+  [[nodiscard]] std::optional<TrunkAim::Aimed> aim_trunk(const HumanPose& world_from_bone) const {
+    return trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
+  }
+  /// Computes the rotation of one target, the same as build().
+  /// @param trunk  result of aim_trunk(); ignored for targets that do not depend on it.
+  [[nodiscard]] Eigen::Quaterniond rotation(int target, const HumanPose& world_from_bone,
+                                            const std::optional<TrunkAim::Aimed>& trunk) const;
 
  private:
   enum class Part : unsigned char { kOther, kPelvis, kTorso, kUpperLimb, kLowerLimb };
