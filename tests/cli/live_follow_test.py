@@ -109,19 +109,22 @@ class Follow(LiveTest):
         packets = [taken.recv(65536) for _ in range(FRAMES)]
         standing = self.vmc(packets)
         walking = self.vmc([walking_vmc(packet, i / 30) for i, packet in enumerate(packets)])
-        errors = []
-        for (begin, before), (end, after) in zip(walking, walking[1:]):
-            for seconds, expected in standing:
-                if not begin <= seconds < end:
-                    continue
-                share = (seconds - begin) / (end - begin)
-                found = [a + share * (b - a) for a, b in zip(before, after)]
-                errors.append(max(abs(a - b) for a, b in zip(found, expected)))
-        self.assertGreater(len(errors), FRAMES // 2)
-        # Both are sampled thirty times a second, at different times. A busy machine delays single packets, a walk
-        # that reached the arms would bend them in every frame.
-        errors.sort()
-        self.assertLess(errors[len(errors) * 9 // 10], 0.03)
+        compared = 0
+        for seconds, expected in standing:
+            # Both are sampled thirty times a second, at different times, and a busy machine delays single packets.
+            # The arms must pass the same positions at about the same time.
+            near = [pair for pair in zip(walking, walking[1:])
+                    if pair[0][0] - 0.15 <= seconds < pair[1][0] + 0.15]
+            if not near:
+                continue
+            errors = []
+            for (_, before), (_, after) in near:
+                for step in range(21):
+                    found = [a + step / 20 * (b - a) for a, b in zip(before, after)]
+                    errors.append(max(abs(a - b) for a, b in zip(found, expected)))
+            self.assertLess(min(errors), 0.03, seconds)
+            compared += 1
+        self.assertGreater(compared, FRAMES // 2)
 
     def test_offline(self):
         for method in ("fit", "gmr"):
