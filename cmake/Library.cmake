@@ -52,7 +52,7 @@ macro(retarget_add_library name)
     target_compile_options(${target} PRIVATE ${retarget_position_independent})
     if(RETARGET_UNITY_BUILD)
       retarget_group_by_rooms(${target} ${sources})
-    elseif(retarget_unchecked_options)
+    elseif(${name} STREQUAL retarget AND retarget_unchecked_options)
       list(FILTER sources INCLUDE REGEX "/src/${retarget_unchecked_wing}/")
       set_source_files_properties(${sources}
         PROPERTIES COMPILE_OPTIONS "${retarget_unchecked_options}" SKIP_PRECOMPILE_HEADERS ON)

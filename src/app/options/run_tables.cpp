@@ -7,6 +7,7 @@
 #include "app/options/scene_options.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/skeleton/posed_body.h"
 #include "retarget/option_table.h"
 #include "retarget/reference.h"
 #include "retarget/text.h"
@@ -58,12 +59,8 @@ Result<std::optional<SignedAxis>> axis_from_text(const std::string& text) {
 
 std::string direction_text(const std::optional<Eigen::Vector3d>& direction) {
   if (!direction) return {};
-  for (const bool negative : {false, true}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const SignedAxis along{axis, negative};
-      if (along.direction() == *direction) return axis_text(along);
-    }
-  }
+  const SignedAxis nearest = nearest_axis(*direction);
+  if (nearest.direction() == *direction) return axis_text(nearest);
   return fmt::format("{},{},{}", direction->x(), direction->y(), direction->z());
 }
 

@@ -34,9 +34,9 @@ struct SolvedMotion {
   std::optional<QualityReport> quality;
 };
 
-// Whether a file or the summary contains the costs of the fit's terms.
-bool shows_fit_costs(const RunRequest& request) {
-  return request.verbose || request.sidecar || !request.report.empty() ||
+// Whether a file of the run contains the report.
+bool writes_report(const RunRequest& request) {
+  return request.sidecar || !request.report.empty() ||
          std::ranges::any_of(request.drawings, &RunDrawing::needs_report);
 }
 
@@ -45,7 +45,7 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
                               Observer& observer) {
   SolveControl control;
   control.threads = request.threads;
-  control.fit_costs = shows_fit_costs(request);
+  control.fit_costs = request.verbose || writes_report(request);
   control.keep_going = [&](const Progress& progress) {
     observer.progress(progress);
     return !observer.is_stopped();
@@ -138,9 +138,7 @@ Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& ru
                                              const RunRequest& request, const Observer& observer) {
   // A verdict for the summary alone must not make the run fail. After a solver failure the motion
   // is always measured, so that the summary shows its defects.
-  const bool asked = request.measure || request.dynamics || request.sidecar ||
-                     !request.report.empty() ||
-                     std::ranges::any_of(request.drawings, &RunDrawing::needs_report) ||
+  const bool asked = request.measure || request.dynamics || writes_report(request) ||
                      request.gates.has_value() || !motion.solver_failures.empty();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
   auto report =

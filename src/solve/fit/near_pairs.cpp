@@ -39,6 +39,14 @@ NearList::Place NearPairs::place_of(const Pose& base_from_world, const TreeState
   return {base_from_link * model_.link_spheres[at(link)].centre, base_from_link.rotation};
 }
 
+// Bound on the motion of every point of a link's shapes: the motion of the centre of the bounding
+// sphere, plus the chord of the rotation times the radius.
+double NearPairs::motion(int link, const NearList::Place& before,
+                         const NearList::Place& now) const {
+  const double chord = 2.0 * (before.rotation.conjugate() * now.rotation).vec().norm();
+  return (now.centre - before.centre).norm() + chord * model_.link_spheres[at(link)].radius;
+}
+
 // A distance changes at most by the sum of the largest motions of two links.
 bool NearPairs::stays(const TreeState& pose, double stay, const NearList& list) const {
   if (list.places.empty()) return false;
@@ -46,11 +54,7 @@ bool NearPairs::stays(const TreeState& pose, double stay, const NearList& list) 
   double largest = 0.0, second = 0.0;
   for (std::size_t i = 0; i < paired_links_.size(); ++i) {
     const int link = paired_links_[i];
-    const NearList::Place now = place_of(base_from_world, pose, link);
-    const NearList::Place& before = list.places[i];
-    const double chord = 2.0 * (before.rotation.conjugate() * now.rotation).vec().norm();
-    const double moved =
-        (now.centre - before.centre).norm() + chord * model_.link_spheres[at(link)].radius;
+    const double moved = motion(link, list.places[i], place_of(base_from_world, pose, link));
     second = std::max(second, std::min(largest, moved));
     largest = std::max(largest, moved);
     if (largest + second > stay) return false;
@@ -61,29 +65,19 @@ bool NearPairs::stays(const TreeState& pose, double stay, const NearList& list) 
 void NearPairs::update(const TreeState& pose, double within, double stay, NearList& list) {
   if (stays(pose, stay, list)) return;
   find(pose, within, list.pairs);
-  const Pose base_from_world = pose.world_from_link[0].inverse();
   list.places.clear();
-  for (const int link : paired_links_) {
-    list.places.push_back(place_of(base_from_world, pose, link));
-  }
+  for (const int link : paired_links_) list.places.push_back(paths_[at(link)].place);
 }
 
-// Adds the motion since the last pose to the paths. A point of a link's shapes moves at most as far
-// as the centre of the bounding sphere, plus the chord of the rotation times the radius. Paths are
-// relative to the base, because a common motion changes no distance.
+// Adds the motion since the last pose to the paths. They are relative to the base, because a common
+// motion changes no distance.
 void NearPairs::follow(const TreeState& pose) {
   const Pose base_from_world = pose.world_from_link[0].inverse();
-  for (std::size_t link = 0; link < paths_.size(); ++link) {
-    LinkPath& path = paths_[link];
-    const BoundingSphere& sphere = model_.link_spheres[link];
-    const Pose base_from_link = base_from_world * pose.world_from_link[link];
-    const Eigen::Vector3d centre = base_from_link * sphere.centre;
-    if (started_) {
-      const Eigen::Quaterniond turn = path.rotation.conjugate() * base_from_link.rotation;
-      path.length += (centre - path.centre).norm() + 2.0 * turn.vec().norm() * sphere.radius;
-    }
-    path.centre = centre;
-    path.rotation = base_from_link.rotation;
+  for (int link = 0; link < static_cast<int>(paths_.size()); ++link) {
+    LinkPath& path = paths_[at(link)];
+    const NearList::Place now = place_of(base_from_world, pose, link);
+    if (started_) path.length += motion(link, path.place, now);
+    path.place = now;
   }
   started_ = true;
 }
@@ -116,7 +110,7 @@ void NearPairs::find(const TreeState& pose, double within, std::vector<std::uint
     const double path = path_of(group.link_a, group.link_b);
     if (path < group_far_until_[g]) continue;
     const double apart =
-        (paths_[at(group.link_a)].centre - paths_[at(group.link_b)].centre).norm() -
+        (paths_[at(group.link_a)].place.centre - paths_[at(group.link_b)].place.centre).norm() -
         model_.link_spheres[at(group.link_a)].radius - model_.link_spheres[at(group.link_b)].radius;
     if (apart > within) {
       group_far_until_[g] = path + (apart - within);

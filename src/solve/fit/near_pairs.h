@@ -44,14 +44,15 @@ class NearPairs {
 
  private:
   struct LinkPath {
-    Eigen::Vector3d centre;       // Centre of the bounding sphere, base frame.
-    Eigen::Quaterniond rotation;  // Base from link.
-    double length = 0.0;          // Bound on the path of every point of the link's shapes, metres.
+    NearList::Place place;  // In the last pose.
+    double length = 0.0;    // Bound on the path of every point of the link's shapes, metres.
   };
 
   void follow(const TreeState& pose);
   [[nodiscard]] NearList::Place place_of(const Pose& base_from_world, const TreeState& pose,
                                          int link) const;
+  [[nodiscard]] double motion(int link, const NearList::Place& before,
+                              const NearList::Place& now) const;
   [[nodiscard]] bool stays(const TreeState& pose, double stay, const NearList& list) const;
   [[nodiscard]] double path_of(int link_a, int link_b) const;
   [[nodiscard]] const RoundedShape& in_world(const TreeState& pose, int shape);
