@@ -51,6 +51,8 @@ struct QualitySource {
   const ResolvedConfig* config = nullptr;  ///< Defines the tracked targets; nullptr: no tracking.
   /// Scaling rule of the targets.
   ScaleRule scale = ScaleRule::kTable;
+  /// Trunk rule of the targets with which the motion was solved.
+  TrunkRule trunk = TrunkRule::kLines;
   /// The scene around the human, in the same frames; null: only the floor.
   const SceneWorld* scene = nullptr;
   /// The scene around the robot; null: `scene`, scaled like the paths.
@@ -76,7 +78,7 @@ struct QualityOptions {
 
 /// Adds the dynamics metrics: the forces and torques that a motion requires by inverse dynamics,
 /// and the part that contacts cannot supply. Needs no source. Adds no metric for a robot without
-/// mass and for fewer than three frames.
+/// mass or with a fixed base, and for fewer than three frames.
 /// @param scene  scene around the robot, in the frames of the motion; null: only the floor.
 void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene = nullptr,
                   const QualityOptions& options = {});
@@ -91,6 +93,12 @@ void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld
 /// @param map     its bone map.
 void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
                QualityReport& report);
+
+/// Adds the joints that are at a limit in many frames, and the tasks that push them there.
+/// @param clip    in the position and heading in which it was solved.
+/// @param limits  limits with which it was solved.
+void add_limited_joints(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
+                        QualityReport& report);
 
 /// Adds `solver_failures` to the report of a newly solved motion.
 void add_solver_failures(std::span<const SolverFailure> failures, QualityReport& report);
@@ -109,6 +117,7 @@ struct MeasuredSource {
   ResolvedConfig config;
   std::string config_file;  ///< Name of the configuration's file for reports.
   ScaleRule scale = ScaleRule::kTable;
+  TrunkRule trunk = TrunkRule::kLines;
   std::optional<TravelReport> travel;      ///< As in Plan.
   std::optional<TimeScale> time_scale;     ///< As in Plan.
   std::vector<ContactEdit> contact_edits;  ///< As in Plan.

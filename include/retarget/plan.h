@@ -109,8 +109,15 @@ struct Plan {
 /// Checks for contradictory options (kUsage), and for values and files that are wrong for any clip.
 [[nodiscard]] Result<void> check_options(const Options& options);
 
+/// Error (kUsage): the base of the robot is fixed, so that its motions have no contacts.
+[[nodiscard]] Result<void> check_has_contacts(const Robot& robot);
+
 /// Resolves options for a robot: limits, configurations and fit options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(LoadedRobot robot, const Options& options);
+
+/// The configuration with which a motion of a plan is measured. Unlike Plan::config, it has the
+/// tasks of bones that the human lacks.
+[[nodiscard]] ResolvedConfig measured_config(const Plan& plan, const RobotSetup& robot);
 
 /// Makes the plan for retargeting a clip to a robot.
 ///

@@ -23,6 +23,9 @@ enum class TrunkRule : unsigned char {
   kLines,  ///< The lines between the joints of trunk and limbs, so that both lean like the human's.
 };
 
+/// Share of the rotation weight with which a body follows a guessed rotation.
+inline constexpr double kGuessedRotationShare = 0.3;
+
 /// Weights and offsets with which a robot body follows a bone.
 struct IkTask {
   double position_weight = 0.0;
@@ -31,7 +34,15 @@ struct IkTask {
   /// bone_from_body: the body's orientation relative to the bone.
   Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
 
+  /// Whether the source does not state the rotation of the bone, which follows its neighbours. The
+  /// body then follows it with kGuessedRotationShare of its weight, so that its joints do not drift.
+  bool rotation_is_guess = false;
+
   [[nodiscard]] bool has_weight() const { return position_weight != 0.0 || rotation_weight != 0.0; }
+  /// Whether the body should have the rotation of the bone.
+  [[nodiscard]] bool compares_rotation() const {
+    return rotation_weight > 0.0 && !rotation_is_guess;
+  }
 };
 
 /// One row of a retargeting configuration: a robot body follows a human bone.

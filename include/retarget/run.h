@@ -34,7 +34,8 @@ struct OutputItem {
 /// A written file. If a run only computes hashes, the file does not exist.
 struct WrittenFile {
   OutputItem item;
-  std::string hash;  ///< Hash of its content, `sha256:...`.
+  std::string hash;     ///< Hash of its content, `sha256:...`.
+  std::string sidecar;  ///< Text of its sidecar; empty: it has none.
 };
 
 /// Returns the files for an output name and its formats. With one format the output is the file's
@@ -158,9 +159,9 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] Result<SourceOptions> recorded_source(const std::string& path, SourceOptions options,
                                                     const DataFolder& data_folder);
 
-/// The robot's variant recorded in the sidecar of a motion; empty without a sidecar or if
-/// it is not used.
-[[nodiscard]] std::string recorded_variant(const std::string& path);
+/// The choice of the robot recorded in the sidecar of a motion; empty without a sidecar or if it is
+/// not used.
+[[nodiscard]] std::optional<RobotChoice> recorded_robot(const std::string& path);
 
 /// The travel (SolveOptions::travel, also that of a preset) recorded likewise; empty for none.
 [[nodiscard]] std::string recorded_travel(const std::string& path);
@@ -186,7 +187,9 @@ struct RecordedRun {
 [[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor,
                                                  bool verbose);
 /// Minimum distance to the joint limits, and joints that stay at a limit with the reason.
-[[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
+/// @param report  of the motion; null: only the distance.
+[[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion,
+                                                   const QualityReport* report);
 
 /// A missed gate: `jumps 3 (at most 0)`, or `jumps (not measured)`.
 [[nodiscard]] std::string missed_text(const GateResult& gate);
@@ -265,11 +268,11 @@ struct RunOutcome {
     const RobotClip& clip, const std::optional<FootContacts>& contacts, const std::string& output,
     const SaveOptions& options, Observer& observer);
 
-/// Checks that the run recorded in a sidecar still gives the bytes that were recorded, by repeating
+/// Checks that the run recorded in a sidecar still gives the recorded bytes and report, by repeating
 /// it without writing. Reports inputs that have changed since, and the agreement. Inputs that moved
 /// together with the sidecar are found next to it.
 /// Errors: not a sidecar, or a motion that cannot be read again (kInput); the errors of the run;
-/// the output differs, or its file has changed (kRun).
+/// the output or its report differs, or its file has changed (kRun).
 [[nodiscard]] Result<void> verify_run(const std::string& sidecar, const DataFolder& data_folder,
                                       Observer& observer);
 

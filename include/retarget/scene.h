@@ -89,6 +89,9 @@ struct SceneClip {
 /// supported; numbers that are not finite.
 [[nodiscard]] Result<Scene> load_scene(const std::string& file);
 
+/// The file of a track's specification, FILE or BODY=FILE. A file may have such a name itself.
+[[nodiscard]] std::string object_track_file(const std::string& spec);
+
 /// Reads the track of an object from NPZ, NPY, CSV, or the columns of InterMimic's tensors.
 /// @param spec  FILE, or BODY=FILE.
 [[nodiscard]] Result<ObjectTrack> load_object_track(const std::string& spec);

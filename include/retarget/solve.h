@@ -12,6 +12,7 @@
 #include "retarget/export.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/motion_io.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
@@ -74,6 +75,10 @@ struct Motion {
 /// Errors: those of prepare_clip; a mapped bone missing in the clip (kInput); weights that produce
 /// non-finite values (kConfig); a stop by SolveControl::keep_going (kInterrupted).
 [[nodiscard]] Result<Motion> solve(Plan plan, const SolveControl& control = {});
+
+/// Returns when the ends of the robot's feet are planted. Empty: the motion was not fitted, so that
+/// no term holds the feet, or the base of the robot is fixed.
+[[nodiscard]] std::optional<FootContacts> contacts_of(const Motion& motion);
 
 /// The contacts of the robot's bodies with surfaces: feet and, in a scene, knees, elbows, hands,
 /// seat and back. Empty if the motion was not fitted. Without a scene, the surface under every foot

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def verify(sidecar: StrPath, *, data_dir: StrPath | None = None) -> list[str]:
-    """Repeats a recorded run without writing, and checks that its bytes are the recorded ones.
+    """Repeats a recorded run without writing, and checks that its bytes and report are the recorded ones.
 
     Args:
         sidecar: FILE.json, which `retarget` and batch() write with `sidecar`; or a certificate of
@@ -29,7 +29,7 @@ def verify(sidecar: StrPath, *, data_dir: StrPath | None = None) -> list[str]:
         The lines of `retarget verify`: inputs that have changed since, and the agreement.
 
     Raises:
-        RunError: the output differs, or its file has changed; a figure of the certificate differs.
+        RunError: the output or its report differs, or its file has changed; a figure of the certificate differs.
         InputError: neither a sidecar nor a certificate, or a motion that cannot be read again.
     """
     return _retarget.verify(sidecar, data_dir)

@@ -89,9 +89,7 @@ Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip
   }
   RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
   RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
-  // Restores the tasks of bones that the human lacks, as the command does: they are measured as
-  // well.
-  plan.config = setup.config_for(plan.human);
+  plan.config = measured_config(plan, setup);
   RETARGET_TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
   RETARGET_TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
   return measure_motion(at_rate, limits, &source, dynamics).report;

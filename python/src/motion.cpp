@@ -24,18 +24,7 @@ namespace retarget::python {
 using namespace nb::literals;
 
 std::optional<FootContacts> foot_contacts(const MotionHandle& motion) {
-  if (!motion.solved) return motion.contacts;
-  if (!motion.solved->fit) return std::nullopt;
-  FootContacts contacts;
-  contacts.planted.resize(4 * static_cast<std::size_t>(motion.clip->frame_count()), 0);
-  for (std::size_t end = 0; end < 4; ++end) {
-    for (const ContactPhase& phase : motion.solved->contacts[end]) {
-      for (int frame = phase.begin; frame < phase.end; ++frame) {
-        contacts.planted[4 * static_cast<std::size_t>(frame) + end] = 1;
-      }
-    }
-  }
-  return contacts;
+  return motion.solved ? contacts_of(*motion.solved) : motion.contacts;
 }
 
 namespace {

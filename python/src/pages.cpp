@@ -57,8 +57,7 @@ Result<ShownMotion> shown_beside(const MotionHandle& motion, const ClipHandle* c
   options.solve.limits = motion.robot->limits_for({});
   RETARGET_TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
   RETARGET_TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
-  // Bones that the human lacks are measured as well.
-  plan.config = setup.config_for(plan.human);
+  plan.config = measured_config(plan, setup);
   RETARGET_TRY_ASSIGN(MeasuredSource source, measured_source(std::move(plan)));
   const MotionMeasure measured = measure_motion(shown.clip, shown.limits, &source);
   shown.report = measured.report;

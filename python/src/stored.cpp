@@ -55,7 +55,7 @@ Result<std::string> decisions_of(const Plan& plan) {
     archive(table.used);
     for (const ConfigTask& task : table.tasks) {
       archive(task.body, task.bone, task.position_weight, task.rotation_weight,
-              task.position_offset, task.rotation_offset);
+              task.position_offset, task.rotation_offset, task.rotation_is_guess);
     }
   }
   FitOptions fit = plan.fit;

@@ -23,7 +23,7 @@ def batch(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_verify_repeats_a_run(batch: Path, data: Path, command, tmp_path: Path) -> None:
     copy = Path(shutil.copytree(batch, tmp_path / "copy"))
     lines = retarget.verify(copy / "wave.csv.json")
-    assert lines[-1] == "verified: wave.csv: the output is identical"
+    assert lines[-1] == "verified: wave.csv: the output and its report are identical"
     command("verify", copy / "wave.csv.json")
     (copy / "wave.csv").write_text("1\n")
     with pytest.raises(retarget.RunError, match="has changed since"):

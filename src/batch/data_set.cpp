@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batch/batch_report.h"
+#include "batch/batch_runner.h"
 #include "batch/certify_clip.h"
 #include "batch/duplicates.h"
 #include "retarget/file.h"
@@ -40,6 +41,7 @@ void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::s
     const auto of = repeated.find(is_derived ? entry.variant.original() : entry.relative);
     if (of != repeated.end()) {
       entry.repeated = of->second;
+      if (entry.variant.is_mirrored()) entry.repeated->mirrored = !entry.repeated->mirrored;
     } else if (entry.done) {
       entry.repeated.reset();
     }
@@ -61,20 +63,44 @@ std::string cell_of(const std::string& text) {
   return cell;
 }
 
-// The motions among the outputs, without sidecars and certificates.
-std::vector<std::string> motions_of(const ManifestEntry& entry) {
-  const auto is_about = [&](const FileRecord& output, std::string_view ending) {
-    if (!output.file.ends_with(ending)) return false;
-    const std::string of = output.file.substr(0, output.file.size() - ending.size());
-    return std::ranges::find(entry.outputs, of, &FileRecord::file) != entry.outputs.end();
+// The output itself, or its folder if the motion is a folder.
+std::string file_or_folder(const ManifestEntry& entry, const std::string& output) {
+  const fs::path path(output);
+  const std::string folder = path.parent_path().generic_string();
+  const std::string stem = output_stem(entry.relative);
+  // Files of the clip itself, also in the folder of a robot with the same name.
+  if (path.filename().string().starts_with(fs::path(stem).filename().string() + ".")) return output;
+  const auto is_motion = [&](std::string_view name) {
+    return name == stem || name.starts_with(stem + ".");
   };
-  std::vector<std::string> files;
-  for (const FileRecord& output : entry.outputs) {
-    if (is_about(output, ".json") || is_about(output, ".certificate.json")) continue;
-    files.push_back(output.file);
-  }
-  return files;
+  const std::string apart = entry.robot + "/";
+  const bool is_member =
+      is_motion(folder) || (folder.starts_with(apart) && is_motion(folder.substr(apart.size())));
+  return is_member ? folder : output;
 }
+
+}  // namespace
+
+std::vector<std::string> motions_of(const ManifestEntry& entry) {
+  std::set<std::string> outputs;
+  for (const FileRecord& output : entry.outputs) {
+    outputs.insert(file_or_folder(entry, output.file));
+  }
+  const std::string contacts = contacts_output(entry.relative);
+  const auto is_about = [&](const std::string& output, std::string_view ending) {
+    return output.ends_with(ending) &&
+           outputs.contains(output.substr(0, output.size() - ending.size()));
+  };
+  std::vector<std::string> motions;
+  for (const std::string& output : outputs) {
+    const bool is_contacts = output == contacts || output == entry.robot + "/" + contacts;
+    if (is_contacts || is_about(output, ".json") || is_about(output, ".certificate.json")) continue;
+    motions.push_back(output);
+  }
+  return motions;
+}
+
+namespace {
 
 // A sorted list of files, one per line.
 class FileList {

@@ -37,6 +37,10 @@ void judge_quality(const Gates& gates, ClipQuality& quality);
 void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
                    const std::set<std::string>* asked = nullptr);
 
+/// The motions among the outputs of an entry, without sidecars, certificates and files of contacts.
+/// A motion that is a folder (csv-sonic) is listed as such.
+[[nodiscard]] std::vector<std::string> motions_of(const ManifestEntry& entry);
+
 /// Whether an entry is used for training: done, no missed gate, not a duplicate.
 [[nodiscard]] bool has_passed(const ManifestEntry& entry);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <system_error>
 
+#include "batch/data_set.h"
 #include "batch/input_variants.h"
 #include "batch/resume.h"
 #include "retarget/file.h"
@@ -86,10 +87,11 @@ Result<BatchFolder> read_batch_folder(const std::string& folder) {
 std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry) {
   constexpr std::array<std::string_view, 5> kEndings = {".csv", ".npz", ".pkl", ".pickle",
                                                         ".joblib"};
+  const std::vector<std::string> motions = motions_of(entry);
   for (const std::string_view ending : kEndings) {
-    for (const FileRecord& output : entry.outputs) {
-      if (output.file.ends_with(ending) && lies_in(batch.folder, output.file)) {
-        return (fs::path(batch.folder) / output.file).generic_string();
+    for (const std::string& motion : motions) {
+      if (motion.ends_with(ending) && lies_in(batch.folder, motion)) {
+        return (fs::path(batch.folder) / motion).generic_string();
       }
     }
   }

@@ -151,6 +151,26 @@ TEST_F(DataSetTest, ListsPassedAndFailedClips) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "train.txt"));
 }
 
+TEST_F(DataSetTest, MotionsAreNeitherTheirSidecarsNorContacts) {
+  const auto motions = [](const char* clip, const std::vector<const char*>& outputs) {
+    ManifestEntry entry;
+    entry.relative = clip;
+    entry.robot = "g1";
+    for (const char* output : outputs) entry.outputs.push_back({output});
+    return motions_of(entry);
+  };
+  using Motions = std::vector<std::string>;
+  EXPECT_EQ(motions("a/walk.bvh", {"a/walk.csv", "a/walk.csv.json", "a/walk.csv.certificate.json",
+                                   "a/walk.contacts.csv"}),
+            Motions({"a/walk.csv"}));
+  EXPECT_EQ(motions("walk.bvh", {"g1/walk.sonic/joint_pos.csv", "g1/walk.sonic/metadata.txt",
+                                 "g1/walk.sonic.json", "g1/walk.gmr.pkl", "g1/walk.contacts.csv"}),
+            Motions({"g1/walk.gmr.pkl", "g1/walk.sonic"}));
+  EXPECT_EQ(motions("walk.bvh", {"walk/joint_pos.csv", "walk/metadata.txt"}), Motions({"walk"}));
+  // The folder of a robot is not a motion, whatever the name of the clip.
+  EXPECT_EQ(motions("g1.bvh", {"g1/g1.csv", "g1/g1.csv.json"}), Motions({"g1/g1.csv"}));
+}
+
 TEST_F(DataSetTest, ListsAndOmitsDuplicates) {
   for (const char* name : {"a.bvh", "b.bvh", "c.bvh"}) entries_.push_back(done(name, 0.0));
   entries_[0].signature = entries_[2].signature = signature(3);
@@ -165,7 +185,7 @@ TEST_F(DataSetTest, ListsAndOmitsDuplicates) {
   EXPECT_EQ(written("passed.txt"), "a.csv\nb.csv\n");
   EXPECT_EQ(written("duplicates.tsv"),
             "file\tof\tkind\tdistance_deg\trobot\nc.bvh\ta.bvh\tsame\t0.00\tg1\n"
-            "c_mirrored.bvh\ta.bvh\tsame\t0.00\tg1\n");
+            "c_mirrored.bvh\ta.bvh\tmirrored\t0.00\tg1\n");
   // Merging keeps the recorded duplicates; a run without the option drops them.
   judge_entries(entries_, {});
   EXPECT_TRUE(entries_[2].repeated);

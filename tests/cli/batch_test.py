@@ -108,6 +108,21 @@ class Outputs(BatchTest):
         self.assert_done(result)
         self.assertIn("all.npz: 1 clip,", result.stderr)
 
+    def test_a_changed_mesh_of_the_scene_is_noticed(self):
+        self.clips("a.bvh", frames=10)
+        mesh = "v 0 3 0\nv 1 3 0\nv 0 4 0\nv 0 3 {}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+        self.write("step.obj", mesh.format(0.1))
+        self.write("scene.json", json.dumps(
+            {"bodies": [{"name": "step", "shapes": [{"type": "mesh", "file": "step.obj"}]}]}))
+        options = ("--scene", "scene.json")
+        self.assert_done(self.batch(*options, fast=False))
+        again = self.batch(*options, "--resume", fast=False)
+        self.assertIn("1 of 1 are done", again.stderr)
+        self.write("step.obj", mesh.format(0.2))
+        changed = self.batch(*options, "--resume", fast=False)
+        self.assert_done(changed)
+        self.assertNotIn("are done", changed.stderr)
+
     def test_base_takes_a_folder_as_its_former_meaning(self):
         self.clips("a/walk.bvh", "b/walk.bvh")
         self.write("list.txt", "in/a/walk.bvh\nin/b/walk.bvh\n")

@@ -55,6 +55,17 @@ class Gates(DataSetTest):
         after = {e["relative"]: e["finished"] for e in self.manifest()}
         self.assertEqual(before, after)
 
+    def test_lists_contain_motions_only(self):
+        self.clips("a.bvh", "sub/b.bvh", frames=20)
+        self.assert_done(self.batch("--gate", "none", "--contacts", "--sidecar", "--format",
+                                    "pkl-gmr,csv-sonic", "--split", "0.5:1", fast=False))
+        motions = ["a.gmr.pkl", "a.sonic", "sub/b.gmr.pkl", "sub/b.sonic"]
+        self.assertEqual(self.lines("passed.txt"), motions)
+        self.assertEqual(sorted(self.lines("train.txt") + self.lines("validation.txt")), motions)
+        for motion in motions:
+            self.assert_done(self.run_tool("evaluate", self.folder / "out" / motion, "--robot", "g1",
+                                           "--gate", "none"))
+
     def test_a_missed_gate_fails_no_clip_of_a_batch(self):
         self.clips("a.bvh")
         self.assert_done(self.measured("--gate", "peak_speed<=0"))
@@ -423,8 +434,9 @@ class Duplicates(DataSetTest):
         self.assertEqual(header, ["file", "of", "kind", "distance_deg", "robot"])
         kinds = {row[0]: (row[1], row[2]) for row in rows}
         self.assertEqual(kinds["image.bvh"], ("a.bvh", "mirrored"))
-        for name in ("m50.bvh", "trimmed.bvh", "m50_mirrored.bvh"):
+        for name in ("m50.bvh", "trimmed.bvh", "image_mirrored.bvh"):
             self.assertEqual(kinds[name], ("a.bvh", "same"))
+        self.assertEqual(kinds["m50_mirrored.bvh"], ("a.bvh", "mirrored"))
         status = {e["relative"]: e["status"] for e in self.manifest()}
         self.assertEqual(status["image.bvh"], "duplicate")
         again = self.batch("--dedupe", "--mirror", "--resume")

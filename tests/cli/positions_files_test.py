@@ -65,6 +65,27 @@ class PositionsFiles(PositionsTest):
                     write(file)
                 self.assertEqual(self.rows_of(name, *options)[0], expected)
 
+    def test_unknown_hand_rotations_let_no_wrist_drift(self):
+        numpy.savez(self.folder / "walk.npz", joints=self.smpl_places(), joint_names=SMPL, fps=30)
+        for method in ("fit", "gmr"):
+            rows = numpy.loadtxt(io.BytesIO(self.rows_of("walk.npz", "--method", method)[0]),
+                                 delimiter=",")
+            for wrist in (19, 26):  # Roll, pitch and yaw.
+                joints = rows[:, 7 + wrist:7 + wrist + 3]
+                self.assertLess((joints.max(axis=0) - joints.min(axis=0)).max(), 0.25, method)
+
+    def test_evaluate_ignores_unknown_rotations_as_the_run_does(self):
+        numpy.savez(self.folder / "walk.npz", joints=self.smpl_places(), joint_names=SMPL, fps=30)
+        self.assert_done(self.run_tool("walk.npz", "g1", "-o", "out.csv", "--report", "run.json"))
+        self.assert_done(self.run_tool("evaluate", "out.csv", "--robot", "g1", "--bvh", "walk.npz",
+                                       "--json", "e.json", "--gate", "none"))
+        run, found = (json.loads((self.folder / name).read_text())["motions"][0]
+                      for name in ("run.json", "e.json"))
+        self.assertEqual(found["track_rot_deg"], run["track_rot_deg"])
+        hands = [row for row in found["tracking"] if "wrist" in row["body"]]
+        self.assertTrue(hands)
+        self.assertFalse([row for row in hands if row.get("rotation_deg") is not None])
+
     def test_units_axes_and_sides(self):
         places = self.smpl_places()
         numpy.savez(self.folder / "metres.npz", joints=places, fps=20)
@@ -84,7 +105,7 @@ class PositionsFiles(PositionsTest):
         shown = self.run_tool("inspect", "clip.npz")
         self.assert_done(shown)
         self.assertIn("left_wrist", shown.stdout)
-        self.assertIn("is unknown and ignored", shown.stderr)
+        self.assertIn("is unknown and follows neighbouring joints", shown.stderr)
         self.assert_done(self.run_tool("inspect", "clip.npz", "--html", "page.html"))
         self.assert_done(self.run_tool("edit", "mirror", "clip.npz", "-o", "mirrored.bvh"))
         self.assert_done(self.run_tool("inspect", "mirrored.bvh"))

@@ -5,7 +5,7 @@ import shutil
 import unittest
 
 from motion_formats import FormatsTest
-from tool import sample
+from tool import SOURCE, sample
 
 
 class Provenance(FormatsTest):
@@ -61,6 +61,86 @@ class Provenance(FormatsTest):
         self.write("out.csv", csv + csv.splitlines()[-1] + "\n")
         self.assert_fails(self.verify(), 1, "changed since the sidecar was written")
         self.assert_fails(self.verify("in.bvh"), 3, "not a run's sidecar")
+
+    def test_altered_facts_and_metrics_are_found(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:60", "--sidecar",
+                                       bvh="in.bvh"))
+        text = (self.folder / "out.csv.json").read_text()
+        self.assert_done(self.verify())
+        report = json.loads(text)["quality"]["motions"][0]
+
+        def altered(change):
+            sidecar = json.loads(text)
+            change(sidecar["found"], sidecar["quality"]["motions"][0])
+            self.write("out.csv.json", json.dumps(sidecar))
+            return self.verify()
+
+        self.assert_fails(altered(lambda found, motion: found.update(fps=60.0)), 1, "found.fps")
+        self.assert_fails(altered(lambda found, motion: found.update(skeleton="other")), 1,
+                          "found.skeleton")
+        jumps = report["jumps"] + 77
+        self.assert_fails(altered(lambda found, motion: motion.update(jumps=jumps)), 1,
+                          "quality.jumps")
+        self.assert_fails(altered(lambda found, motion: motion.update(passed=not motion["passed"])),
+                          1, "quality.gates")
+        self.assert_fails(altered(lambda found, motion: motion["gates"][0].update(
+            passed=not motion["gates"][0]["passed"])), 1, "quality.gates")
+        self.assert_done(altered(lambda found, motion: None))
+
+    def test_gates_and_dynamics_of_the_run(self):
+        missed = self.retarget("--frames", "0:60", "--sidecar", "--dynamics", "--gate",
+                               "peak_speed<=0.5", bvh="in.bvh")
+        self.assertEqual(missed.returncode, 1, missed.stderr)
+        report = json.loads((self.folder / "out.csv.json").read_text())["quality"]["motions"][0]
+        self.assertIn("dynamics_bad_pct", report)
+        self.assertFalse(report["passed"])
+        self.assert_done(self.verify())
+
+    def test_files_behind_a_scene_are_recorded(self):
+        self.write("step.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.1\n"
+                               "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        self.write("scene.json", json.dumps(
+            {"bodies": [{"name": "step", "shapes": [{"type": "mesh", "file": "step.obj"}]}]}))
+        self.write("track.csv", "".join("5,5,0,0,0,0,1\n" for _ in range(121)))
+        self.assert_done(self.retarget("--frames", "0:40", "--sidecar", "--scene", "scene.json",
+                                       "--object-track", "step=track.csv", bvh="in.bvh"))
+        self.assert_done(self.verify())
+        roles = [each["role"] for each in json.loads(
+            (self.folder / "out.csv.json").read_text())["inputs"]]
+        self.assertIn("scene geometry", roles)
+        self.assertIn("object-track 1", roles)
+        text = (self.folder / "step.obj").read_text()
+        self.write("step.obj", text.replace("0.1", "0.2"))
+        changed = self.verify()
+        self.assertIn("the scene geometry scene.json has changed", changed.stderr)
+
+    def test_files_that_moved_change_no_report(self):
+        limits = {"left_elbow_joint": [-0.5, 1.5]}
+        self.write("lim.json", json.dumps(limits))
+        shutil.copy(SOURCE / "configs/lafan1_to_unitree_g1.json", self.folder / "cfg.json")
+        self.assert_done(self.retarget("--frames", "0:40", "--sidecar", "--limits", "lim.json",
+                                       "--ik-config", "cfg.json", bvh="in.bvh"))
+        moved = self.folder / "moved"
+        moved.mkdir()
+        for name in ("in.bvh", "out.csv", "out.csv.json", "lim.json", "cfg.json"):
+            shutil.move(self.folder / name, moved / name)
+        self.assert_done(self.verify(moved / "out.csv.json"))
+
+    def test_a_sidecar_of_another_build_is_compared_by_bytes(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar",
+                                       bvh="in.bvh"))
+        sidecar = json.loads((self.folder / "out.csv.json").read_text())
+        # The order of members does not matter, and damaged ones are no crash.
+        self.write("out.csv.json", json.dumps(sidecar, sort_keys=True))
+        done = self.verify()
+        self.assert_done(done)
+        self.assertIn("the output and its report are identical", done.stderr)
+        self.write("out.csv.json", json.dumps(sidecar | {"found": None}))
+        self.assert_fails(self.verify(), 1, "found.fps")
+        self.write("out.csv.json", json.dumps(sidecar | {"build": ["another"], "found": []}))
+        done = self.verify()
+        self.assert_done(done)
+        self.assertIn("its report was not compared", done.stderr)
 
     def test_an_output_with_only_its_sidecar(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:2", "--sidecar",

@@ -62,6 +62,12 @@ class TerrainTest(ToolTest):
                                "stairs:0.1x0.3")
         self.assertEqual(missed.returncode, 1, missed.stdout)
 
+    def test_evaluate_names_a_moved_start(self):
+        run = ("--bvh", sample("walk"), *ROBOT, "--terrain", "slope:6", "--end", "4")
+        self.assert_done(self.run_tool(*run, "--normalize-start", "--sidecar", "-o", "out.csv"))
+        result = self.run_tool("evaluate", "out.csv", *run, "--gate", "none")
+        self.assertIn("the sidecar records --normalize-start", result.stderr)
+
     def contact_frames(self, *arguments):
         """By part: the frames of its contacts, and the surfaces."""
         result = self.run_tool("contacts", sample("walk"), *ROBOT, *arguments, "--json", "-")

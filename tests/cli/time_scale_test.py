@@ -89,6 +89,16 @@ class Auto(TimeScaleTest):
             self.assertEqual(len(slow["contacts"][end]), len(phases), end)
         self.assert_done(self.run_tool("verify", "slow.csv.json"))
 
+    def test_the_pace_does_not_depend_on_formats(self):
+        options = (*FAST, "--time-scale", "auto", "--sidecar")
+        for output, formats in (("both", "csv,npz-mjlab"), ("alone.npz", "npz-mjlab")):
+            self.assert_done(self.retarget(*options, "--format", formats, output=output))
+        self.assertEqual((self.folder / "both.mjlab.npz").read_bytes(),
+                         (self.folder / "alone.npz").read_bytes())
+        self.assertTrue(json.loads((self.folder / "both.csv.json").read_text())["found"]["time_scale"])
+        for name in ("both.csv", "both.mjlab.npz"):
+            self.assert_done(self.run_tool("verify", name + ".json"))
+
     def test_evaluate_uses_the_times_of_the_sidecar(self):
         self.run_sample("wave", "slow.csv", *FAST, "--time-scale", "auto", "--report", "run.json",
                         "--sidecar")
@@ -101,6 +111,7 @@ class Auto(TimeScaleTest):
 
         found = evaluate()
         self.assertEqual(found["limb_angle_deg"], wanted["limb_angle_deg"])
+        self.assertEqual(found["time_scale"], wanted["time_scale"])
         for key in ("lag_s", "root_slide_mean"):
             self.assertAlmostEqual(found[key], wanted[key], delta=1e-9)
         (self.folder / "slow.csv.json").unlink()

@@ -220,7 +220,7 @@ TEST(JointClipTest, WarnsAboutUnknownRotations) {
   EXPECT_THAT(clip.origin().unknown_rotations,
               testing::UnorderedElementsAre("left_wrist", "right_wrist", "head"));
   EXPECT_THAT(warnings_of(clip), HasSubstr("left_wrist"));
-  EXPECT_THAT(warnings_of(clip), HasSubstr("is unknown and ignored"));
+  EXPECT_THAT(warnings_of(clip), HasSubstr("is unknown and follows neighbouring joints"));
   EXPECT_THAT(warnings_of(clip), Not(HasSubstr("limb lengths vary")));
 }
 

@@ -262,6 +262,27 @@ TEST_F(MeasureQuality, MeasuresRootJerk) {
   EXPECT_NEAR(figure(report, "root_jerk_p99"), 6.0, 1e-9);
 }
 
+// At 1,000 frames per second, the rounding of files would dominate the differences of consecutive
+// positions: 2,000 m/s^3 and 0.6 mm/s.
+TEST_F(MeasureQuality, RoundingHardlyChangesJerkAndSlipAtHighRates) {
+  constexpr int kFrames = 2000;
+  const auto report_of = [&](double unit) {
+    RobotClip clip(robot_, {1000, 1}, kFrames);
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const double time = frame / 1000.0;
+      clip.qpos(frame)[kZ] = 0.5;
+      clip.qpos(frame)[kX] = std::round(0.01 * std::sin(1.7 * time) / unit) * unit;
+    }
+    const HumanClip human = standing_human(kFrames);
+    const QualitySource source{&human};
+    return measure_quality(clip, robot_->model_limits(), &source);
+  };
+  const QualityReport exact = report_of(1e-12), rounded = report_of(1e-6);
+  EXPECT_NEAR(figure(exact, "root_jerk_mean"), 0.04, 0.01);
+  EXPECT_NEAR(figure(rounded, "root_jerk_mean"), figure(exact, "root_jerk_mean"), 4.0);
+  EXPECT_NEAR(figure(rounded, "contact_slip_mean"), figure(exact, "contact_slip_mean"), 1e-5);
+}
+
 TEST_F(MeasureQuality, ListsAFewFaultsWorstFirst) {
   // 20 one-frame ranges, ever farther beyond the limit of 1.
   const QualityReport report = measure(40, [](int frame, auto qpos) {

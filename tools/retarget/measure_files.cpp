@@ -155,7 +155,7 @@ Result<void> compare(const CompareArguments& arguments, Console& console) {
   return check_agreement(found, arguments.tolerance, arguments.a, arguments.b);
 }
 
-// `retarget verify`: checks that a run still gives the bytes recorded in its sidecar.
+// `retarget verify`: checks that a run still gives the bytes and the report in its sidecar.
 
 Result<void> verify(const VerifyArguments& arguments, Console& console) {
   return verify_run(arguments.file, DataFolder{arguments.common.data_dir}, console);

@@ -46,9 +46,8 @@ void doubt_level(const Clip& clip, Plan& plan);
 /// @pre the plan's options, robot, human, part, configuration, scale and fit are known
 [[nodiscard]] Result<void> scale_source_travel(Clip& clip, Plan& plan);
 
-/// Sets the rotation weights to zero for tasks of bones whose rotations are unknown
-/// (ClipOrigin::unknown_rotations).
-/// @pre the plan has its human and its configuration
-void leave_out_unknown_rotations(const Clip& clip, Plan& plan);
+/// Marks the tasks of bones whose rotations are unknown (ClipOrigin::unknown_rotations).
+void mark_guessed_rotations(const Clip& clip, const Calibration& calibration,
+                            ResolvedConfig& config);
 
 }  // namespace retarget

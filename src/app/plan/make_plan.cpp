@@ -82,17 +82,24 @@ Result<void> leave_out_missing(Plan& plan) {
 
 }  // namespace
 
-void leave_out_unknown_rotations(const Clip& clip, Plan& plan) {
+void mark_guessed_rotations(const Clip& clip, const Calibration& calibration,
+                            ResolvedConfig& config) {
   const std::vector<std::string>& unknown = clip.origin().unknown_rotations;
   if (unknown.empty()) return;
-  for (ResolvedConfig::Table& table : plan.config.match_tables) {
+  for (ResolvedConfig::Table& table : config.match_tables) {
     for (ConfigTask& task : table.tasks) {
-      const int joint = plan.human.calibration.bones[task.bone].position_joint;
+      const int joint = calibration.bones[task.bone].position_joint;
       if (joint < 0) continue;
       const std::string& name = clip.skeleton().joint(joint).name;
-      if (std::ranges::find(unknown, name) != unknown.end()) task.rotation_weight = 0.0;
+      task.rotation_is_guess = std::ranges::find(unknown, name) != unknown.end();
     }
   }
+}
+
+ResolvedConfig measured_config(const Plan& plan, const RobotSetup& robot) {
+  ResolvedConfig config = robot.config_for(plan.human);
+  if (plan.clip) mark_guessed_rotations(*plan.clip, plan.human.calibration, config);
+  return config;
 }
 
 namespace {
@@ -179,7 +186,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   clean_source(clip, source_notes, plan);
   doubt_level(clip, plan);
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
-  leave_out_unknown_rotations(clip, plan);
+  mark_guessed_rotations(clip, plan.human.calibration, plan.config);
   note_hands(clip, plan);
   for (SummaryLine& line : follow_lines(plan.robot, plan.limits)) {
     plan.config_notes.push_back(std::move(line));

@@ -33,16 +33,23 @@ Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& finger
 
 // The source, with its lead-in or without.
 QualitySource quality_source(const MeasuredSource& measured, bool lead_in) {
-  return {lead_in ? &*measured.human_with_lead_in : &measured.human, &measured.config,
-          measured.scale, (lead_in ? measured.scene_with_lead_in : measured.scene).get(), nullptr,
+  return {.human = lead_in ? &*measured.human_with_lead_in : &measured.human,
+          .config = &measured.config,
+          .scale = measured.scale,
+          .trunk = measured.trunk,
+          .scene = (lead_in ? measured.scene_with_lead_in : measured.scene).get(),
           // Their times count from the end of the lead-in.
-          lead_in ? std::span<const ContactEdit>() : measured.contact_edits};
+          .contact_edits = lead_in ? std::span<const ContactEdit>() : measured.contact_edits};
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
                              const MeasuredSource& measured, bool lead_in) {
   const QualitySource source = quality_source(measured, lead_in);
   return measure_quality(motion, limits, &source);
+}
+
+TrunkRule trunk_rule(const Plan& plan) {
+  return plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines;
 }
 
 // Mean angle between the limbs of robot and human, degrees.
@@ -60,6 +67,7 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.config = plan.config;
   source.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
   source.scale = plan.scale;
+  source.trunk = trunk_rule(plan);
   source.travel = plan.travel;
   source.time_scale = plan.time_scale;
   source.contact_edits = plan.contact_edits;
@@ -92,8 +100,10 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
       human = &*whole;
     }
   }
+  const QualitySource used = quality_source(*source, measure.has_lead_in);
+  add_limited_joints(motion, limits, used, measure.report);
   if (dynamics) {
-    const auto world = robot_world(quality_source(*source, measure.has_lead_in), motion.robot());
+    const auto world = robot_world(used, motion.robot());
     add_dynamics(motion, measure.report, world.get());
   }
   const auto& fingers = measure.has_lead_in ? source->fingers_with_lead_in : source->fingers;
@@ -144,13 +154,21 @@ Result<QualityReport> evaluate(const Motion& motion, bool dynamics) {
   if (plan.options.save.normalize_start) normalize_start(moved, world);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
-  const QualitySource source{&human,
-                             &plan.config,
-                             plan.scale,
-                             motion.scene ? motion.scene->human.get() : nullptr,
-                             world ? &*world : nullptr,
-                             plan.contact_edits};
+  const QualitySource source{.human = &human,
+                             .config = &plan.config,
+                             .scale = plan.scale,
+                             .trunk = trunk_rule(plan),
+                             .scene = motion.scene ? motion.scene->human.get() : nullptr,
+                             .around_robot = world ? &*world : nullptr,
+                             .contact_edits = plan.contact_edits};
   QualityReport report = measure_quality(printed, plan.limits, &source);
+  // Tasks pull towards the human, so the motion must not be moved away from it.
+  if (plan.options.save.normalize_start) {
+    TRY_ASSIGN(const RobotClip unmoved, printed_clip(motion.clip, plan.options.save.precision));
+    add_limited_joints(unmoved, plan.limits, source, report);
+  } else {
+    add_limited_joints(printed, plan.limits, source, report);
+  }
   add_hands(printed, *motion.source, plan.human.map, report);
   if (dynamics) add_dynamics(printed, report, source.around_robot);
   add_solver_failures(motion.solver_failures, report);

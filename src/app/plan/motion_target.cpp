@@ -45,7 +45,8 @@ Result<void> MotionTarget::commit() {
 }
 
 std::optional<FootContacts> contacts_of(const Motion& motion) {
-  if (!motion.fit) return std::nullopt;
+  // A fixed base has no floor.
+  if (!motion.fit || motion.clip.robot().fixed_base()) return std::nullopt;
   FootContacts contacts;
   const int frames = motion.clip.frame_count();
   contacts.planted.assign(kContactNames.size() * static_cast<std::size_t>(frames), 0);
@@ -65,8 +66,9 @@ Result<OutputFile> write_contacts(const std::string& path,
                                   const std::optional<ContactLabels>& labels) {
   if (!contacts) {
     return usage_failure("the motion has no contacts for " OPTION("contacts"),
-                         "the fit determines contacts, " OPTION("method") " gmr does not; NPZ, "
-                         "pkl-pbhc, protomotions and csv-sonic files can contain them");
+                         "the fit of a robot that moves freely determines contacts, " OPTION(
+                             "method") " gmr does not; NPZ, pkl-pbhc, protomotions and csv-sonic "
+                                       "files can contain them");
   }
   TRY_ASSIGN(OutputFile file, OutputFile::create(path));
   TRY(file.write(format_contacts_csv(*contacts, rate, labels ? &*labels : nullptr)));

@@ -35,10 +35,6 @@ class MotionTarget {
   std::variant<OutputFile, OutputFolder> place_;
 };
 
-/// Returns when the ends of the robot's feet are planted. Empty: the motion was not fitted, so
-/// no term holds the feet.
-[[nodiscard]] std::optional<FootContacts> contacts_of(const Motion& motion);
-
 /// Writes contacts as CSV to a file that is not committed yet. Error (kUsage): contacts are
 /// unknown.
 /// @param labels  contacts in a scene; empty: no scene.

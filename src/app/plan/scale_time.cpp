@@ -22,6 +22,7 @@ namespace retarget {
 namespace {
 
 constexpr double kKnotTime = 0.1;  // Seconds.
+constexpr int kSearchRate = 30;    // Most frames per second of the solves of a search.
 constexpr double kAim = 0.95;      // Share of a limit that a slowed interval uses.
 constexpr int kMaxRounds = 5;      // Maximum number of slowed solves.
 constexpr double kMostSlower = 1.0 / kLeastTimeScale;
@@ -358,7 +359,13 @@ Result<Plan> decide_time_scale(Plan plan, const SolveControl& control) {
   if (given != "auto" || plan.time_scale || !plan.clip) return plan;
   const double duration = part_duration(plan);
   if (duration <= 0.0) return plan;
-  TRY_ASSIGN(plan.time_scale, TimeScaleSearch(plan, control, duration).run());
+  // The pace of a motion is the same in all of its formats. A lower rate than usual has a lower
+  // limit on speeds (FitOptions::max_joint_step).
+  Plan searched = plan;
+  const auto& fps = plan.options.time.fps;
+  searched.rate = fps ? frame_rate_from_fps(*fps) : plan.clip->rate();
+  if (searched.rate.fps() > kSearchRate) searched.rate = {kSearchRate, 1};
+  TRY_ASSIGN(plan.time_scale, TimeScaleSearch(searched, control, duration).run());
   if (plan.time_scale) {
     for (SummaryLine& line : time_scale_lines(*plan.time_scale)) {
       plan.clip_notes.push_back(std::move(line));

@@ -79,10 +79,19 @@ const ResolvedConfig& RobotSetup::config_for(const HumanInClip& human) const {
   return config_of_others && !human.is_lafan1() ? *config_of_others : config;
 }
 
+Result<void> check_has_contacts(const Robot& robot) {
+  if (!robot.fixed_base()) return {};
+  return usage_failure("the base of the robot is fixed, so the motion has no contacts",
+                       "omit " OPTION("contacts") " and " OPTION("contact-edits"));
+}
+
 Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   TRY(check_solving_options(options));
   const Robot& robot = *loaded.robot;
   const SolveOptions& solve = options.solve;
+  if (!options.save.contacts.empty() || !solve.contact_edits.empty()) {
+    TRY(check_has_contacts(robot));
+  }
   RobotSetup setup;
   // The published method has its own, tighter limit set for some robots.
   const std::string method(enum_name(solve.method));

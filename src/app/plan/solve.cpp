@@ -104,7 +104,7 @@ Result<void> solve_fit(const Plan& plan, const std::shared_ptr<const SceneWorld>
   motion.clip = std::move(fitted.clip);
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
-  motion.contacts = fitted.contacts.of_ends();
+  if (!plan.robot.robot->fixed_base()) motion.contacts = fitted.contacts.of_ends();
   motion.scene = std::move(fitted.scene);
   if (motion.scene) motion.scene->human = scene;
   motion.solver_failures = motion.fit->failures;

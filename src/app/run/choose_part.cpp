@@ -55,15 +55,18 @@ std::vector<std::string> options_left_out(RecordedRun recorded, Run run) {
     OptionTable rows =
         without(rows_for(OptionUse::kMeasure, run_table(of)),
                 {"start", "end", "frames", "lead-in", "travel", "time-scale", "fps", "robot",
-                 "robot-xml", "robot-profile", "dof", "from-robot", "memory", "limits"});
+                 "robot-xml", "robot-profile", "dof", "from-robot", "memory"});
     std::erase_if(rows, [](const Option& row) { return !row.info.decides; });
     return rows;
   };
   const OptionTable plain = table(defaults), given = table(run), then = table(recorded.run);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < then.size(); ++i) {
-    const std::string unset = to_text(plain[i].get());
-    if (to_text(given[i].get()) != unset || to_text(then[i].get()) == unset) continue;
+    const std::string unset = to_text(plain[i].get()), now = to_text(given[i].get());
+    const std::string recorded_value = to_text(then[i].get());
+    // Measuring always has limits: those given, or the robot's default ones.
+    const bool is_given = then[i].name == "limits" ? now == recorded_value : now != unset;
+    if (is_given || recorded_value == unset) continue;
     names.push_back(spelled(then[i]));
   }
   return names;

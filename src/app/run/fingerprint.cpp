@@ -7,6 +7,8 @@
 
 #include "app/options/options_json.h"
 #include "app/plan/robot_source.h"
+#include "app/run/scene_hash.h"
+#include "app/run/sidecar.h"
 #include "base/try.h"
 #include "retarget/file.h"
 #include "retarget/fingerprint.h"
@@ -118,15 +120,14 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
   return {};
 }
 
-// Adds the files of object tracks, which options name as FILE or BODY=FILE.
-Result<void> add_object_tracks(const Run& run, Fingerprint& print) {
-  std::error_code ignored;
-  int number = 0;
-  for (const std::string& track : run.options.solve.object_tracks) {
-    const bool is_file = fs::is_regular_file(track, ignored);
-    const std::string file = is_file ? track : track.substr(track.find('=') + 1);
-    TRY(print.add_file("object-track " + std::to_string(++number), file));
+// Adds the shapes of the scene, which may come from other files, and the files of object tracks.
+Result<void> add_surroundings(const Run& run, Fingerprint& print) {
+  const SolveOptions& solve = run.options.solve;
+  if (is_file(solve.scene)) {
+    TRY_ASSIGN(const Scene scene, load_scene(solve.scene));
+    TRY_ASSIGN(print.hashed["scene_shapes"], scene_hash(scene));
   }
+  for (const auto& [role, file] : object_track_files(solve)) TRY(print.add_file(role, file));
   return {};
 }
 
@@ -174,7 +175,7 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   Fingerprint print;
   print.hashed["tool"] = version_text();
   TRY(add_options(run, setup, print));
-  TRY(add_object_tracks(run, print));
+  TRY(add_surroundings(run, print));
   print.hashed["options"]["sidecar"] = request.sidecar;
   print.hashed["options"]["measured"] = request.measure;
   if (request.dynamics) print.hashed["options"]["dynamics"] = true;

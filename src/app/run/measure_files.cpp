@@ -41,10 +41,12 @@ Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robo
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(std::move(robot), run.options));
   TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
   TRY(choose_time_scale(request.motions, plan, observer));
-  // Restores the tasks of bones that the human lacks, which the plan leaves out: they are measured
-  // as well.
-  plan.config = setup.config_for(plan.human);
+  plan.config = measured_config(plan, setup);
   TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
+  const auto recorded = recorded_run(request.motions.empty() ? "" : request.motions.front());
+  if (recorded && recorded->run.options.solve.method == Method::kGmr) {
+    measures.source->trunk = TrunkRule::kBones;
+  }
   measures.rate = measures.source->rate;
   return {};
 }
@@ -71,16 +73,25 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   return {std::move(clip), human, std::move(measure.report), std::nullopt};
 }
 
-// Returns the variant that all motions were made for, according to their sidecars; empty for the
-// whole robot or several variants.
-std::string variant_of(const std::vector<std::string>& motions) {
-  std::string common;
+bool is_same_variant(const RobotChoice& a, const RobotChoice& b) {
+  return a.variant == b.variant && a.base == b.base && a.follow == b.follow;
+}
+
+// Takes the variant, the base and the part that follows the human from the sidecars of all motions,
+// if these agree and the request leaves them open.
+RobotChoice recorded_choice(const std::vector<std::string>& motions, RobotChoice choice) {
+  std::optional<RobotChoice> common;
   for (const std::string& motion : motions) {
-    const std::string variant = recorded_variant(motion);
-    if (variant.empty() || (!common.empty() && variant != common)) return {};
-    common = variant;
+    auto recorded = recorded_robot(motion);
+    if (!recorded) return choice;
+    if (common && !is_same_variant(*common, *recorded)) return choice;
+    common = std::move(recorded);
   }
-  return common;
+  if (!common) return choice;
+  if (choice.variant.empty()) choice.variant = common->variant;
+  if (choice.base == RobotBase::kAuto) choice.base = common->base;
+  if (choice.follow == Follow::kAll) choice.follow = common->follow;
+  return choice;
 }
 
 // Loads the scene of motions without a source, whose world is the robot's.
@@ -147,15 +158,17 @@ Result<RobotClip> at_rate_of_source(RobotClip clip, const Measures& measures,
 
 // The scene of a motion from a file is the given one, scaled.
 void warn_of_moved_scene(const MeasureRequest& request, Observer& observer) {
-  if (request.run.options.solve.scene.empty()) return;
+  const SolveOptions& solve = request.run.options.solve;
+  if (solve.scene.empty() && solve.terrain.empty()) return;
   for (const std::string& motion : request.motions) {
     const std::string move = recorded_scene_move(motion);
     if (move.empty()) continue;
-    observer.warn({{0, 0,
-                    "the sidecar records " + move +
-                        ", but the scene is measured at its original position; the report of the "
-                        "run has the correct metrics"}},
-                  motion);
+    observer.warn(
+        {{0, 0,
+          "the sidecar records " + move +
+              ", but the scene or terrain is measured at its original position; the report "
+              "of the run has the correct metrics"}},
+        motion);
   }
 }
 
@@ -172,11 +185,15 @@ Result<Measures> load_measures(const MeasureRequest& request, Observer& observer
   TRY_ASSIGN(const std::string data_folder, find_data_folder(request.data_folder));
   TRY_ASSIGN(measures.gates, changed_gates(request.gates, data_folder));
   measures.dynamics = request.dynamics || measures.gates.need_dynamics();
-  const std::string variant = run.robot.variant.empty() ? variant_of(request.motions) : "";
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, request.data_folder, observer));
+  RobotChoice choice = recorded_choice(request.motions, run.robot);
   const auto& variants = robot.robot->profile().variants;
-  if (std::ranges::find(variants, variant, &RobotVariant::name) != variants.end()) {
-    run.robot.variant = variant;
+  // The robot given may not be the recorded one.
+  if (std::ranges::find(variants, choice.variant, &RobotVariant::name) == variants.end()) {
+    choice.variant = run.robot.variant;
+  }
+  if (!is_same_variant(choice, run.robot)) {
+    run.robot = std::move(choice);
     TRY_ASSIGN(robot, load_robot(run.robot, request.data_folder, observer));
   }
   measures.robot = robot.robot;

@@ -203,7 +203,7 @@ Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions,
       continue;
     }
     TRY_ASSIGN(auto hash, hash_files(*files));
-    written_[i] = {items_[i], std::move(hash)};
+    written_[i] = {items_[i], std::move(hash), {}};
     if (in_memory_) continue;
     TRY(others_[i]->write(*files));
   }
@@ -218,17 +218,19 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMot
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!sinks_[i]) continue;
     TRY_ASSIGN(auto hash, sinks_[i]->flush());
-    written_[i] = {items_[i], std::move(hash)};
+    written_[i] = {items_[i], std::move(hash), {}};
   }
   std::erase_if(written_, [](const WrittenFile& file) { return file.hash.empty(); });
+  for (WrittenFile& written : written_) {
+    if (!sidecar) break;
+    TRY_ASSIGN(written.sidecar, sidecar(written));
+  }
   if (in_memory_) return written_;
-  if (sidecar) {
-    for (const WrittenFile& written : written_) {
-      TRY_ASSIGN(const auto text, sidecar(written));
-      TRY_ASSIGN(auto file, OutputFile::create(written.item.path + ".json"));
-      TRY(file.write(text));
-      sidecars_.push_back(std::move(file));
-    }
+  for (const WrittenFile& written : written_) {
+    if (written.sidecar.empty()) continue;
+    TRY_ASSIGN(auto file, OutputFile::create(written.item.path + ".json"));
+    TRY(file.write(written.sidecar));
+    sidecars_.push_back(std::move(file));
   }
   TRY(write_beside(motions.front()));
   TRY(commit());
@@ -316,8 +318,15 @@ Result<std::vector<WrittenFile>> write_motion(const RobotClip& clip,
   TRY_ASSIGN(auto files, outputs->finish({&written, 1}));
   observer.lines(outputs->lines());
   warn_of_losses(clip, files, observer);
-  observer.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
-                             " at " + to_text(clip.rate()) + " fps");
+  std::string text = outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") + " at " +
+                     to_text(clip.rate()) + " fps";
+  for (const WrittenFile& file : files) {
+    const FrameRate rate = rate_of_format(file.item.format, options, clip.rate());
+    if (same_rate(rate, clip.rate())) continue;
+    text += "; " + std::string(format_name(file.item.format)) + " resampled to " + to_text(rate) +
+            " fps";
+  }
+  observer.line("wrote", text);
   return files;
 }
 

@@ -113,9 +113,9 @@ Result<SourceOptions> recorded_source(const std::string& path, SourceOptions opt
   return options;
 }
 
-std::string recorded_variant(const std::string& path) {
+std::optional<RobotChoice> recorded_robot(const std::string& path) {
   const auto sidecar = own_sidecar(path);
-  return sidecar ? sidecar->run.robot.variant : std::string();
+  return sidecar ? std::optional(sidecar->run.robot) : std::nullopt;
 }
 
 std::string recorded_travel(const std::string& path) {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -23,27 +22,29 @@
 #include "retarget/run.h"
 #include "retarget/text.h"
 #include "robot/model/limits.h"
-#include "solve/targets/limit_diagnosis.h"
 
 namespace retarget {
 namespace {
 
-// Joints at a limit in a smaller share of the frames are not named.
-constexpr double kNamedAtLimit = 0.05;
 constexpr std::size_t kMaxLines = 5;
 
-std::string push_text(const LimitPush& push) {
-  const double degrees = push.shortfall * 180.0 / std::numbers::pi;
-  return "task " + std::string(bone_name(push.bone)) +
-         (push.rotation ? " rotation, " + number_text(degrees, 1) + " degrees short"
-                        : " position, " + number_text(100.0 * push.shortfall, 1) + " cm short");
+std::string wider_text(const LimitedJoint& found, const Robot& robot, const LimitSet& limits) {
+  if (!found.wider) return "limit set " + found.wider_set + " has no limit there";
+  const auto joint = std::ranges::find(robot.joints(), found.joint, &RobotJoint::name);
+  const bool slides = joint != robot.joints().end() && joint->type != RobotJoint::Type::kHinge;
+  return "limit set " + limits.name + " is " + number_text(*found.wider, 2) +
+         (slides ? " m" : " rad") + " tighter than " + found.wider_set;
 }
 
-std::string wider_text(const JointAtLimit& found, const RobotJoint& joint, const LimitSet& limits) {
-  if (std::isinf(found.wider_by)) return "limit set " + found.wider_set + " has no limit there";
-  const std::string unit = joint.type == RobotJoint::Type::kHinge ? " rad" : " m";
-  return "limit set " + limits.name + " is " + number_text(found.wider_by, 2) + unit +
-         " tighter than " + found.wider_set;
+// Example: `knee_joint at its upper limit in 12 % of frames; task LeftLeg rotation, 3 degrees short`
+std::string limited_text(const LimitedJoint& found, const Robot& robot, const LimitSet& limits) {
+  std::string text = found.joint + " at its " + (found.at_upper ? "upper" : "lower") +
+                     " limit in " + number_text(found.frames_pct, 0) + " % of frames; task " +
+                     found.task + (found.rotation ? " rotation, " : " position, ") +
+                     number_text(found.shortfall, 1) +
+                     (found.rotation ? " degrees short" : " cm short");
+  if (!found.wider_set.empty()) text += "; " + wider_text(found, robot, limits);
+  return text;
 }
 
 // Minimum distance of the motion to its limits.
@@ -146,25 +147,16 @@ std::vector<SummaryLine> fit_lines(const FitReport& report, bool has_floor, bool
   return lines;
 }
 
-std::vector<SummaryLine> limit_lines(const Motion& motion) {
-  const Plan& plan = motion.plan;
-  const Robot& robot = *plan.robot.robot;
-  const LimitSet& limits = plan.limits;
+std::vector<SummaryLine> limit_lines(const Motion& motion, const QualityReport* report) {
+  const LimitSet& limits = motion.plan.limits;
   std::vector<SummaryLine> lines = distance_lines(motion.clip, limits);
-  const auto joints = joints_at_limits(
-      motion.clip, *motion.source, plan.human.calibration, plan.config, plan.scale,
-      plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines, limits,
-      kNamedAtLimit);
+  if (report == nullptr) return lines;
   std::size_t named = 0;
-  for (const JointAtLimit& found : joints) {
+  for (const LimitedJoint& found : report->limited_joints) {
     // Skip joints that only rest at a limit, as fingers do; no task is affected.
-    if (!found.push || named++ == kMaxLines) continue;
-    const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
-    std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
-                       " limit in " + number_text(100.0 * found.share, 0) + " % of frames";
-    text += "; " + push_text(*found.push);
-    if (!found.wider_set.empty()) text += "; " + wider_text(found, joint, limits);
-    lines.push_back({"", text});
+    if (found.task.empty()) continue;
+    if (named++ == kMaxLines) break;
+    lines.push_back({"", limited_text(found, motion.clip.robot(), limits)});
   }
   return lines;
 }
@@ -291,6 +283,9 @@ Result<void> check_written(const std::vector<std::string>& outputs,
 
 std::vector<std::string> files_of(const Run& run, const std::string& data_folder) {
   std::vector<std::string> files = {run.motion};
+  for (const std::string& track : run.options.solve.object_tracks) {
+    files.push_back(object_track_file(track));
+  }
   Run copy = run;
   for (const Option& row : run_table(copy)) {
     if (row.info.file != OptionFile::kNone) files.push_back(to_text(row.get()));

@@ -64,7 +64,6 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
                               " fps, " +
                               number_text(static_cast<double>(motion->ik_steps) / frames, 2) +
                               " IK steps per frame");
-  if (observer.is_read() && outputs != nullptr) observer.lines(limit_lines(*motion));
   return motion;
 }
 
@@ -192,6 +191,8 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
                      {},
                      std::nullopt};
   TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
+  const QualityReport* const quality = outcome.quality ? &*outcome.quality : nullptr;
+  if (observer.is_read()) observer.lines(limit_lines(motion, quality));
   solved.front().quality = outcome.quality;
   const std::vector<OutputMotion> motions = output_motions(solved);
   SidecarText sidecar;
@@ -206,7 +207,6 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
     TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
     outcome.others.push_back(request.report);
   }
-  const QualityReport* quality = outcome.quality ? &*outcome.quality : nullptr;
   std::vector<OutputFile> drawings;
   for (const RunDrawing& drawing : request.drawings) {
     TRY_ASSIGN(OutputFile file, write_drawing(drawing, motion, quality, observer));

@@ -7,6 +7,7 @@
 
 #include "app/options/options_json.h"
 #include "app/plan/robot_source.h"
+#include "app/run/scene_hash.h"
 #include "base/json.h"
 #include "base/try.h"
 #include "retarget/check_options.h"
@@ -17,6 +18,7 @@
 #include "retarget/human.h"
 #include "retarget/option_table.h"
 #include "retarget/plan.h"
+#include "retarget/scene.h"
 #include "retarget/version.h"
 
 namespace retarget {
@@ -53,6 +55,21 @@ Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
   return {};
 }
 
+// Adds the shapes of the scene, which may come from other files, and the object tracks.
+Result<void> add_surroundings(std::vector<ReadFile>& files, const SolveOptions& solve,
+                              const std::string& data_folder) {
+  if (is_file(solve.scene)) {
+    TRY_ASSIGN(const Scene scene, load_scene(solve.scene));
+    TRY_ASSIGN(std::string hash, scene_hash(scene));
+    files.push_back(
+        {"scene geometry", recorded_name(solve.scene, data_folder), solve.scene, std::move(hash)});
+  }
+  for (const auto& [role, file] : object_track_files(solve)) {
+    TRY(add_file(files, role, file, data_folder));
+  }
+  return {};
+}
+
 // The pace from its first coefficient above 1 to its last.
 Json time_scale_json(const TimeScale& scale) {
   const auto slowed = [](double pace) { return pace > 1.0; };
@@ -65,9 +82,27 @@ Json time_scale_json(const TimeScale& scale) {
           {"longer_s", scale.longer}};
 }
 
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 double number_of(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_number() ? found->get<double>() : -1.0;
+}
+
+// The parts of a time scale, as in a report.
+std::vector<SlowedStretch> stretches_from(const Json& report, const char* key) {
+  std::vector<SlowedStretch> stretches;
+  const auto list = report.find(key);
+  if (list == report.end() || !list->is_array()) return stretches;
+  for (const Json& each : *list) {
+    if (!each.is_object()) continue;
+    stretches.push_back({number_of(each, "begin"), number_of(each, "end"),
+                         number_of(each, "factor"), text_of(each, "cause")});
+  }
+  return stretches;
 }
 
 // The same read back; damaged members count as absent.
@@ -134,25 +169,31 @@ Json build_json() {
   return build;
 }
 
-std::string text_of(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 // The robot is recorded by name or folder; the report has the name of its profile.
-std::string robot_from(const Json& json, const RobotChoice& choice) {
+std::string robot_from(const Json& report, const RobotChoice& choice) {
   if (choice.name.empty()) return {};
-  const auto quality = json.find("quality");
-  if (quality != json.end() && quality->is_object()) {
-    const Json motions = quality->value("motions", Json::array());
-    if (motions.is_array() && !motions.empty() && motions[0].is_object()) {
-      if (std::string name = text_of(motions[0], "robot"); !name.empty()) return name;
-    }
-  }
+  if (std::string name = text_of(report, "robot"); !name.empty()) return name;
   return fs::path(choice.name).filename().string();
 }
 
 }  // namespace
+
+Json report_in(const Json& sidecar) {
+  const auto quality = sidecar.find("quality");
+  if (quality == sidecar.end() || !quality->is_object()) return Json::object();
+  const Json motions = quality->value("motions", Json::array());
+  const bool sound = motions.is_array() && !motions.empty() && motions[0].is_object();
+  return sound ? motions[0] : Json::object();
+}
+
+std::vector<std::pair<std::string, std::string>> object_track_files(const SolveOptions& options) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const std::string& track : options.object_tracks) {
+    files.emplace_back("object-track " + std::to_string(files.size() + 1),
+                       object_track_file(track));
+  }
+  return files;
+}
 
 Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
                                          const std::string& config) {
@@ -178,6 +219,7 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
     if (row.info.file == OptionFile::kOrName && !fs::is_regular_file(path, ignored)) continue;
     TRY(add_file(files, row.name, path, data_folder));
   }
+  TRY(add_surroundings(files, run.options.solve, data_folder));
   const fs::path profiles = fs::path(data_folder) / "configs" / "skeletons";
   TRY_ASSIGN(std::string hash, folder_hash(profiles, ".json"));
   files.push_back(
@@ -241,6 +283,16 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
       sidecar.fps = fps->get<double>();
     }
     sidecar.time_scale = time_scale_from(*found);
+    sidecar.limits = text_of(*found, "limits");
+  }
+  const Json report = report_in(json);
+  sidecar.has_dynamics = std::ranges::any_of(quality_metrics(), [&](const Metric& metric) {
+    return needs_dynamics(metric) && report.contains(std::string(metric.key));
+  });
+  const auto pace = report.find("time_scale");
+  if (sidecar.time_scale && pace != report.end() && pace->is_object()) {
+    sidecar.time_scale->stretches = stretches_from(*pace, "stretches");
+    sidecar.time_scale->left = stretches_from(*pace, "not_slowed");
   }
   // Sidecars from before these options existed describe runs that used all frames, uncleaned.
   sidecar.run.options.part.lead_in = LeadIn::kKeep;
@@ -251,7 +303,7 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     options.error().hint = "it may come from a newer version of this tool";
     return as_input(options.error());
   }
-  sidecar.robot = robot_from(json, sidecar.run.robot);
+  sidecar.robot = robot_from(report, sidecar.run.robot);
   const auto mirror = json.find("mirror");
   sidecar.mirror = mirror != json.end() && mirror->is_boolean() && mirror->get<bool>();
   for (const Json& each : json["inputs"]) {

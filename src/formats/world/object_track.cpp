@@ -315,15 +315,17 @@ Result<ObjectTrack> read_track(const std::string& file, const std::string& body)
 
 }  // namespace
 
+std::string object_track_file(const std::string& spec) {
+  const std::size_t equals = spec.find('=');
+  return equals == spec.npos || is_file(spec) ? spec : spec.substr(equals + 1);
+}
+
 Result<ObjectTrack> load_object_track(const std::string& spec) {
-  std::string body, file = spec;
-  // A file may have such a name itself.
-  if (const std::size_t equals = spec.find('='); equals != spec.npos && !is_file(spec)) {
-    body = spec.substr(0, equals);
-    file = spec.substr(equals + 1);
-    if (body.empty() || file.empty()) {
-      return input_failure("", "a track must be FILE or BODY=FILE, found \"" + spec + "\"");
-    }
+  const std::string file = object_track_file(spec);
+  const bool has_body = file.size() < spec.size();
+  const std::string body = has_body ? spec.substr(0, spec.size() - file.size() - 1) : std::string();
+  if (has_body && (body.empty() || file.empty())) {
+    return input_failure("", "a track must be FILE or BODY=FILE, found \"" + spec + "\"");
   }
   auto track = read_track(file, body);
   if (!track) track.error().kind = ErrorKind::kInput;

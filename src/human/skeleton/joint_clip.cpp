@@ -358,10 +358,10 @@ std::vector<Warning> warnings_of(const FoundTree& found, const std::vector<std::
     texts.push_back(fmt::format("no joints for {}: placed midway between left and right",
                                 list_names(found.tree.made)));
   }
-  texts.push_back(
-      fmt::format("joint positions without rotations: rotations were computed from limb directions "
-                  "and bending planes; the rotation of {} about {} is unknown and ignored",
-                  list_names(unknown), unknown.size() == 1 ? "itself" : "themselves"));
+  texts.push_back(fmt::format(
+      "joint positions without rotations: rotations were computed from limb directions "
+      "and bending planes; the rotation of {} about {} is unknown and follows neighbouring joints",
+      list_names(unknown), unknown.size() == 1 ? "itself" : "themselves"));
   constexpr double kSteadyLength = 0.02;
   if (const double change = limb_length_change(found.tree); change > kSteadyLength) {
     texts.push_back(fmt::format(

@@ -18,16 +18,17 @@ double distance(double x, double y) {
 
 void ContactMotion::add(const std::vector<Eigen::Vector3d>& places, int begin, double fps,
                         const std::string& name, FaultList& slipping) {
+  const auto stride = static_cast<std::size_t>(difference_stride(fps));
   std::vector<double> x, y;
   for (const Eigen::Vector3d& place : places) {
-    if (!x.empty()) {
-      const double slip = distance(place.x() - x.back(), place.y() - y.back()) * fps;
-      slips.push_back(slip);
-      const int frame = begin + static_cast<int>(x.size());
-      if (slip > kSlipping) slipping.add(name, frame - 1, slip);
-    }
+    const std::size_t i = x.size();
     x.push_back(place.x());
     y.push_back(place.y());
+    if (i < stride) continue;
+    const double slip =
+        distance(x[i] - x[i - stride], y[i] - y[i - stride]) * (fps / static_cast<double>(stride));
+    slips.push_back(slip);
+    if (slip > kSlipping) slipping.add(name, begin + static_cast<int>(i - stride), slip);
   }
   const double x0 = median(x), y0 = median(y);
   double drift = 0.0;

@@ -10,7 +10,8 @@ namespace retarget {
 
 /// Samples of slip, drift and height over all contacts of a clip.
 struct ContactMotion {
-  std::vector<double> slips;  ///< Horizontal speed between consecutive frames, m/s.
+  /// Horizontal speed between frames that are a difference_stride() apart, m/s.
+  std::vector<double> slips;
   /// By contact: maximum horizontal distance from the median position, metres.
   std::vector<double> drifts;
   std::vector<double> heights;  ///< By contact and frame, metres; filled by the callers.

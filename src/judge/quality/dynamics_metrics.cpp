@@ -110,6 +110,7 @@ void measure_support(const ReportBuilder& draft, const MotionDynamics& dynamics)
 
 void add_dynamics(const RobotClip& clip, QualityReport& report, const SceneWorld* scene,
                   const QualityOptions& options) {
+  if (clip.robot().fixed_base()) return;
   const MotionDynamics dynamics = analyse_dynamics(clip, scene);
   if (dynamics.samples.empty()) return;
   const ReportBuilder draft{clip, options, report};

@@ -31,7 +31,7 @@ JointDemand::JointDemand(const RobotClip& clip, const LimitSet& limits, const Qu
     for (const ConfigTask& task : tasks) {
       const int index = targets_->target_of(task.bone);
       const bool is_known = std::ranges::find(turned, task.body, &Target::body) != turned.end();
-      if (!used || task.body < 0 || index < 0 || task.rotation_weight == 0.0 || is_known) continue;
+      if (!used || task.body < 0 || index < 0 || !task.compares_rotation() || is_known) continue;
       turned.push_back({task.body, index});
     }
   }

@@ -170,14 +170,16 @@ Pose root_pose(std::span<const double> qpos) {
 
 void measure_root_jerk(const ReportBuilder& draft) {
   const RobotClip& clip = draft.clip;
-  const int count = clip.frame_count() - 3;
+  const int stride = difference_stride(clip.rate().fps());
+  const int count = clip.frame_count() - 3 * stride;
   if (count < 1) return;
-  const double fps = clip.rate().fps();
+  const double fps = clip.rate().fps() / stride;
   const auto root = [&clip](int frame) { return root_pose(clip.qpos(frame)).translation; };
   std::vector<double> jerks;
   jerks.reserve(count);
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d third = root(i + 3) - 3.0 * root(i + 2) + 3.0 * root(i + 1) - root(i);
+    const Eigen::Vector3d third =
+        root(i + 3 * stride) - 3.0 * root(i + 2 * stride) + 3.0 * root(i + stride) - root(i);
     jerks.push_back(third.norm() * fps * fps * fps);
   }
   draft.set("root_jerk_mean", mean(jerks));

@@ -106,7 +106,7 @@ std::vector<LimbDirections> TrackingMeasure::hand_directions() const {
   std::vector<LimbDirections> found;
   for (const Bone bone : {Bone::kLeftHand, Bone::kRightHand}) {
     const TrackedRow* row = human_.has(bone) ? row_of(bone) : nullptr;
-    if (row == nullptr || !(row->task->rotation_weight > 0.0)) continue;
+    if (row == nullptr || !row->task->compares_rotation()) continue;
     for (const int i : {0, 1, 2}) {
       const Vector3d axis = Vector3d::Unit(i);
       LimbDirections& hand = found.emplace_back();

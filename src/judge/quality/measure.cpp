@@ -68,24 +68,6 @@ LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int fr
   return joint;
 }
 
-// Finds joints that are at a limit in many frames, and the tasks that push them there.
-void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
-                         const QualitySource& source) {
-  constexpr double kMinShare = 0.05;
-  const HumanClip& human = *source.human;
-  if (human.frame_count < draft.clip.frame_count()) return;
-  const HumanPoseSource poses = poses_of(human);
-  const auto targets = make_targets(human, poses, draft.clip.robot(), *source.config, source.scale,
-                                    TrunkRule::kLines, &limits);
-  // Without the bones that the configuration requires, there are no targets.
-  if (!targets) return;
-  for (const JointAtLimit& found :
-       joints_at_limits(draft.clip, *source.config, *targets, poses, limits, kMinShare)) {
-    draft.report.limited_joints.push_back(
-        limited_joint(found, draft.clip.robot(), draft.clip.frame_count()));
-  }
-}
-
 // Measures a robot with a fixed base against the human in its base frame (HeldBase). It has no
 // floor.
 void measure_held(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
@@ -134,6 +116,22 @@ std::shared_ptr<const SceneWorld> robot_world(const QualitySource& source, const
   return std::make_shared<const SceneWorld>(scaled_world(*source.scene, *scale));
 }
 
+void add_limited_joints(const RobotClip& clip, const LimitSet& limits, const QualitySource& source,
+                        QualityReport& report) {
+  constexpr double kMinShare = 0.05;
+  const HumanClip& human = *source.human;
+  if (source.config == nullptr || human.frame_count < clip.frame_count()) return;
+  const HumanPoseSource poses = poses_of(human);
+  const auto targets =
+      make_targets(human, poses, clip.robot(), *source.config, source.scale, source.trunk, &limits);
+  // Without the bones that the configuration requires, there are no targets.
+  if (!targets) return;
+  for (const JointAtLimit& found :
+       joints_at_limits(clip, *source.config, *targets, poses, limits, kMinShare)) {
+    report.limited_joints.push_back(limited_joint(found, clip.robot(), clip.frame_count()));
+  }
+}
+
 QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
                               const QualitySource* source, const QualityOptions& options) {
   QualityReport report;
@@ -174,7 +172,6 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     measure_source_slide(draft, *source->human, frames);
     measure_on_floor(draft, tracks, *source, posture, frames);
     if (tracked) measure_tracking(draft, tracks, *source, limits, posture, frames);
-    if (tracked) find_limited_joints(draft, limits, *source);
   }
   std::ranges::sort(report.values, {}, &MetricValue::metric);
   return report;

@@ -19,7 +19,8 @@ constexpr std::string_view kContacts = "contacts of the source foot: contact_pla
 constexpr std::string_view kDynamics = "inverse dynamics: docs/dynamics.md";
 constexpr std::string_view kCertificate = "certificates: docs/certificate.md";
 
-// Steps are between consecutive frames; speeds are steps times the frame rate.
+// Steps are between consecutive frames; speeds are steps times the frame rate. difference_stride()
+// has the exception.
 constexpr auto kMetrics = std::to_array<Metric>({
     {"solver_failures", "count",
      "Frame ranges of a newly solved motion in which a solver met non-finite numbers: it rejected "
@@ -59,7 +60,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kNotes},
     {"acc_p99", "rad/s^2",
      "99th percentile over frames of the largest joint acceleration in a frame.", kNotes},
-    {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
+    {"root_jerk_mean", "m/s^3",
+     "Mean length of the root position's third difference, over steps of at least 1/180 s.",
      "PHUMA, under 50"},
     {"root_jerk_p99", "m/s^3", "99th percentile of the same length.", "PHUMA"},
     {"root_acc_p99", "m/s^2",

@@ -121,7 +121,7 @@ void TrackingMeasure::measure_rows() const {
       result.position_cm = mean(errors);
       result.position_p95_cm = percentile(errors, 95.0);
     }
-    if (row.task->rotation_weight > 0.0) {
+    if (row.task->compares_rotation()) {
       const std::vector<double> errors = rotation_errors(row);
       if (judged) append(rotations, errors);
       if (is_last) result.rotation_errors_deg.assign(errors.begin(), errors.end());

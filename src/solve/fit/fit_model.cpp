@@ -164,7 +164,8 @@ void ModelMaker::add_tasks() {
     task.link_from_body = attached.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =
         kind.position * importance(row.position_weight, kind.usual_position);
-    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation);
+    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation) *
+                           (row.rotation_is_guess ? kGuessedRotationShare : 1.0);
     model_.tasks.push_back(task);
   }
 }

@@ -168,7 +168,14 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
   std::vector<Candidate> candidates = find_candidates(clip, limits, min_share);
   if (candidates.empty()) return {};
   const Robot& robot = clip.robot();
-  const auto problem = make_problem(clip.shared_robot(), config, targets, limits);
+  // A guessed rotation is no reason.
+  ResolvedConfig known = config;
+  for (ResolvedConfig::Table& table : known.match_tables) {
+    for (ConfigTask& task : table.tasks) {
+      if (task.rotation_is_guess) task.rotation_weight = 0.0;
+    }
+  }
+  const auto problem = make_problem(clip.shared_robot(), known, targets, limits);
   std::vector<PushSum> sums;
   for (const IkPass& pass : problem->passes) sums.emplace_back(robot, pass);
   find_passes(sums, candidates);
@@ -200,20 +207,6 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
   }
   std::ranges::stable_sort(result, std::ranges::greater(), &JointAtLimit::frames);
   return result;
-}
-
-std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
-                                           const Calibration& calibration,
-                                           const ResolvedConfig& config, ScaleRule scale,
-                                           TrunkRule trunk, const LimitSet& limits,
-                                           double min_share) {
-  HumanPoser poser(clip, calibration);
-  const HumanPoseSource poses = poses_of(poser);
-  const auto targets =
-      make_targets(poser.info(), poses, robot_clip.robot(), config, scale, trunk, &limits);
-  // Cannot fail, because the clip was solved with these targets.
-  if (!targets) return {};
-  return joints_at_limits(robot_clip, config, *targets, poses, limits, min_share);
 }
 
 }  // namespace retarget

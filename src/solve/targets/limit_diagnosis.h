@@ -60,12 +60,4 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
                                                          const HumanPoseSource& poses,
                                                          const LimitSet& limits, double min_share);
 
-/// The same for a robot clip that was solved from a human clip.
-[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip,
-                                                         const Clip& clip,
-                                                         const Calibration& calibration,
-                                                         const ResolvedConfig& config,
-                                                         ScaleRule scale, TrunkRule trunk,
-                                                         const LimitSet& limits, double min_share);
-
 }  // namespace retarget

@@ -291,8 +291,9 @@ std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot
     IkPass pass;
     for (const ConfigTask& task : tasks) {
       if (!task.has_weight()) continue;
-      pass.push_back(
-          {task.body, targets.target_of(task.bone), task.position_weight, task.rotation_weight});
+      const double share = task.rotation_is_guess ? kGuessedRotationShare : 1.0;
+      pass.push_back({task.body, targets.target_of(task.bone), task.position_weight,
+                      share * task.rotation_weight});
     }
     problem->passes.push_back(std::move(pass));
   }
