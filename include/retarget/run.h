@@ -172,6 +172,7 @@ struct RecordedRun {
   Run run;
   bool mirror = false;      ///< RunRequest::mirror.
   std::string source_hash;  ///< Hash of its source; empty: unknown, as of standard input.
+  std::string limits;       ///< Name or file of its limit set; empty: unknown.
 };
 [[nodiscard]] std::optional<RecordedRun> recorded_run(const std::string& path);
 /// The option recorded likewise that moves a robot's scene from its scaled position; empty for

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "formats/bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/tiny_skeleton.h"
@@ -103,6 +105,20 @@ TEST(CalibrateSize, RejectsUnknownUnitUnlessHeightIsGiven) {
     EXPECT_EQ(found->height, 1.75);
     EXPECT_NEAR(found->metres_per_unit, 0.005, 2e-4);
     EXPECT_THAT(found->doubts, IsEmpty());
+  }
+}
+
+TEST(CalibrateSize, DoubtsAGivenUnitThatMakesAGiant) {
+  for (const auto& [unit, is_doubted] :
+       {std::pair{0.01, false}, {0.012, false}, {0.0254, true}, {0.001, true}}) {
+    CalibrationOptions told;
+    told.metres_per_unit = unit;
+    const auto found = calibrated_in_units(sample_in(1.0, false), false, told);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->doubts.size(), is_doubted ? 1U : 0U) << unit;
+    // A given height is the user's statement about the body.
+    told.height = 1.75;
+    EXPECT_THAT(calibrated_in_units(sample_in(1.0, false), false, told)->doubts, IsEmpty());
   }
 }
 

@@ -1,6 +1,7 @@
 #include "app/run/choose_part.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -55,18 +56,15 @@ std::vector<std::string> options_left_out(RecordedRun recorded, Run run) {
     OptionTable rows =
         without(rows_for(OptionUse::kMeasure, run_table(of)),
                 {"start", "end", "frames", "lead-in", "travel", "time-scale", "fps", "robot",
-                 "robot-xml", "robot-profile", "dof", "from-robot", "memory"});
+                 "robot-xml", "robot-profile", "dof", "from-robot", "memory", "limits"});
     std::erase_if(rows, [](const Option& row) { return !row.info.decides; });
     return rows;
   };
   const OptionTable plain = table(defaults), given = table(run), then = table(recorded.run);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < then.size(); ++i) {
-    const std::string unset = to_text(plain[i].get()), now = to_text(given[i].get());
-    const std::string recorded_value = to_text(then[i].get());
-    // Measuring always has limits: those given, or the robot's default ones.
-    const bool is_given = then[i].name == "limits" ? now == recorded_value : now != unset;
-    if (is_given || recorded_value == unset) continue;
+    const std::string unset = to_text(plain[i].get());
+    if (to_text(given[i].get()) != unset || to_text(then[i].get()) == unset) continue;
     names.push_back(spelled(then[i]));
   }
   return names;
@@ -80,6 +78,17 @@ void name_options_left_out(const std::string& motion, const RecordedRun& recorde
                                 motion + ", but not given");
 }
 
+// Measuring always has limits: those given, or the robot's default ones.
+void name_other_limits(const std::string& motion, const RecordedRun& recorded, const Run& run,
+                       Observer& observer) {
+  const auto name = [](const std::string& limits) {
+    return std::filesystem::path(limits).filename();
+  };
+  const std::string& measured = run.options.solve.limits;
+  if (recorded.limits.empty() || name(recorded.limits) == name(measured)) return;
+  observer.line("limits", measured + "; the sidecar of " + motion + " records " + recorded.limits);
+}
+
 }  // namespace
 
 void choose_part(const std::vector<std::string>& motions, Run& run, RunRequest& of_source,
@@ -89,7 +98,10 @@ void choose_part(const std::vector<std::string>& motions, Run& run, RunRequest& 
   std::optional<RecordedRun> first;
   for (const std::string& motion : motions) {
     auto recorded = recorded_run(motion);
-    if (recorded) name_options_left_out(motion, *recorded, run, observer);
+    if (recorded) {
+      name_options_left_out(motion, *recorded, run, observer);
+      name_other_limits(motion, *recorded, run, observer);
+    }
     shown.push_back(recorded ? shown_text(*recorded) : std::string());
     if (&motion == &motions.front()) first = std::move(recorded);
   }

@@ -131,7 +131,7 @@ std::optional<TimeScale> recorded_time_scale(const std::string& path) {
 std::optional<RecordedRun> recorded_run(const std::string& path) {
   auto sidecar = own_sidecar(path);
   if (!sidecar) return std::nullopt;
-  RecordedRun recorded{std::move(sidecar->run), sidecar->mirror, {}};
+  RecordedRun recorded{std::move(sidecar->run), sidecar->mirror, {}, std::move(sidecar->limits)};
   const auto source = std::ranges::find(sidecar->files, "motion", &ReadFile::role);
   if (source != sidecar->files.end()) recorded.source_hash = source->hash;
   return recorded;

@@ -110,7 +110,9 @@ class Calibrator {
                               !options_.height;
     if (options_.height) {
       result.height = result.size = *options_.height;
-    } else if (!is_published && !options_.metres_per_unit) {
+    } else if (options_.metres_per_unit) {
+      doubt_given_unit(result);
+    } else if (!is_published) {
       doubt_height(result);
     }
     result.doubts.insert(result.doubts.end(), doubts_.begin(), doubts_.end());
@@ -337,6 +339,14 @@ class Calibrator {
     if (height >= kSmall && height <= kTall) return;
     doubt("a body height of " + metres_text(height) + " is unusual: " + "if the unit is not " +
           found.unit + ", give " OPTION("unit"));
+  }
+
+  // Children and characters may have other heights than adults.
+  void doubt_given_unit(const Calibration& found) {
+    constexpr double kSmall = 0.6, kTall = 2.8;  // metres
+    if (found.height >= kSmall && found.height <= kTall) return;
+    doubt("a body height of " + metres_text(found.height) +
+          " is unusual: " OPTION("unit") " may be wrong");
   }
 
   void doubt(std::string text) { doubts_.push_back({0, 0, std::move(text)}); }
