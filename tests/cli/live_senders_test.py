@@ -59,17 +59,32 @@ class Connections(SendersTest):
         self.assertEqual((taken, malformed), (120, 0), messages)
         self.assertEqual(messages.count("ignoring 127.0.0.1:"), 1, messages)
 
-    def test_many_strangers(self):
+    def send_among_strangers(self):
+        """Returns the packets, and the longest time between two lines of the sender."""
         process, port = self.listen("-o", "live.csv", transport="tcp")
         sender = self.connect(port)
         sender.sendall(self.lines[0])
+        latest, longest = time.monotonic(), 0.0
         time.sleep(0.3)
-        for line in self.lines[1:40]:
-            self.connect(port).sendall(b"{}\n")
-            sender.sendall(line)
-            time.sleep(0.01)
+        try:
+            for line in self.lines[1:40]:
+                self.connect(port).sendall(b"{}\n")
+                longest, latest = max(longest, time.monotonic() - latest), time.monotonic()
+                sender.sendall(line)
+                time.sleep(0.01)
+        except ConnectionError:
+            pass  # Counts as a lost packet.
         time.sleep(0.3)
-        self.assertEqual(self.packets(process)[:2], (40, 0))
+        return self.packets(process)[:2], longest
+
+    def test_many_strangers(self):
+        # If a busy machine stops the sender for a second, a stranger may replace it.
+        for _ in range(5):
+            packets, longest = self.send_among_strangers()
+            if longest < 0.8:
+                break
+        self.assertLess(longest, 0.8, "the machine is too busy for this test")
+        self.assertEqual(packets, (40, 0))
 
     def test_next_sender_replaces_one_that_ends(self):
         process, port = self.listen("-o", "live.csv", transport="tcp")
