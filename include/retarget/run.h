@@ -159,11 +159,8 @@ void report_reading(const std::string& file, const RobotMotion& motion, Observer
 [[nodiscard]] Result<SourceOptions> recorded_source(const std::string& path, SourceOptions options,
                                                     const DataFolder& data_folder);
 
-/// The choice of the robot recorded in the sidecar of a motion; empty without a sidecar or if it is
-/// not used.
-[[nodiscard]] std::optional<RobotChoice> recorded_robot(const std::string& path);
-
-/// The travel (SolveOptions::travel, also that of a preset) recorded likewise; empty for none.
+/// The travel (SolveOptions::travel, also that of a preset) recorded in the sidecar of a motion; empty
+/// for none, without a sidecar or if it is not used.
 [[nodiscard]] std::string recorded_travel(const std::string& path);
 /// The time scaling recorded likewise; empty for none.
 [[nodiscard]] std::optional<TimeScale> recorded_time_scale(const std::string& path);

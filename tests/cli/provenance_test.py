@@ -130,7 +130,7 @@ class Provenance(FormatsTest):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:40", "--sidecar",
                                        bvh="in.bvh"))
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
-        # The order of members does not matter, and damaged ones are no crash.
+        # The order of members does not matter, and damaged members do not crash the command.
         self.write("out.csv.json", json.dumps(sidecar, sort_keys=True))
         done = self.verify()
         self.assert_done(done)

@@ -46,8 +46,4 @@ void doubt_level(const Clip& clip, Plan& plan);
 /// @pre the plan's options, robot, human, part, configuration, scale and fit are known
 [[nodiscard]] Result<void> scale_source_travel(Clip& clip, Plan& plan);
 
-/// Marks the tasks of bones whose rotations are unknown (ClipOrigin::unknown_rotations).
-void mark_guessed_rotations(const Clip& clip, const Calibration& calibration,
-                            ResolvedConfig& config);
-
 }  // namespace retarget

@@ -80,8 +80,7 @@ Result<void> leave_out_missing(Plan& plan) {
   return {};
 }
 
-}  // namespace
-
+// Marks the tasks of bones whose rotations are unknown (ClipOrigin::unknown_rotations).
 void mark_guessed_rotations(const Clip& clip, const Calibration& calibration,
                             ResolvedConfig& config) {
   const std::vector<std::string>& unknown = clip.origin().unknown_rotations;
@@ -95,6 +94,8 @@ void mark_guessed_rotations(const Clip& clip, const Calibration& calibration,
     }
   }
 }
+
+}  // namespace
 
 ResolvedConfig measured_config(const Plan& plan, const RobotSetup& robot) {
   ResolvedConfig config = robot.config_for(plan.human);

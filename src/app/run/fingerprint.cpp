@@ -124,8 +124,7 @@ Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& p
 Result<void> add_surroundings(const Run& run, Fingerprint& print) {
   const SolveOptions& solve = run.options.solve;
   if (is_file(solve.scene)) {
-    TRY_ASSIGN(const Scene scene, load_scene(solve.scene));
-    TRY_ASSIGN(print.hashed["scene_shapes"], scene_hash(scene));
+    TRY_ASSIGN(print.hashed["scene_shapes"], scene_hash(solve.scene));
   }
   for (const auto& [role, file] : object_track_files(solve)) TRY(print.add_file(role, file));
   return {};

@@ -42,11 +42,10 @@ Result<void> add_source(const MeasureRequest& request, Run run, LoadedRobot robo
   TRY_ASSIGN(Plan plan, read_and_plan(run, of_source, setup, observer));
   TRY(choose_time_scale(request.motions, plan, observer));
   plan.config = measured_config(plan, setup);
-  TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
+  // The method that solved the motion determines the targets of its trunk.
   const auto recorded = recorded_run(request.motions.empty() ? "" : request.motions.front());
-  if (recorded && recorded->run.options.solve.method == Method::kGmr) {
-    measures.source->trunk = TrunkRule::kBones;
-  }
+  if (recorded) plan.options.solve.method = recorded->run.options.solve.method;
+  TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
   measures.rate = measures.source->rate;
   return {};
 }
@@ -82,10 +81,10 @@ bool is_same_variant(const RobotChoice& a, const RobotChoice& b) {
 RobotChoice recorded_choice(const std::vector<std::string>& motions, RobotChoice choice) {
   std::optional<RobotChoice> common;
   for (const std::string& motion : motions) {
-    auto recorded = recorded_robot(motion);
+    auto recorded = recorded_run(motion);
     if (!recorded) return choice;
-    if (common && !is_same_variant(*common, *recorded)) return choice;
-    common = std::move(recorded);
+    if (common && !is_same_variant(*common, recorded->run.robot)) return choice;
+    common = std::move(recorded->run.robot);
   }
   if (!common) return choice;
   if (choice.variant.empty()) choice.variant = common->variant;

@@ -221,9 +221,10 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMot
     written_[i] = {items_[i], std::move(hash), {}};
   }
   std::erase_if(written_, [](const WrittenFile& file) { return file.hash.empty(); });
-  for (WrittenFile& written : written_) {
-    if (!sidecar) break;
-    TRY_ASSIGN(written.sidecar, sidecar(written));
+  if (sidecar) {
+    for (WrittenFile& written : written_) {
+      TRY_ASSIGN(written.sidecar, sidecar(written));
+    }
   }
   if (in_memory_) return written_;
   for (const WrittenFile& written : written_) {

@@ -113,11 +113,6 @@ Result<SourceOptions> recorded_source(const std::string& path, SourceOptions opt
   return options;
 }
 
-std::optional<RobotChoice> recorded_robot(const std::string& path) {
-  const auto sidecar = own_sidecar(path);
-  return sidecar ? std::optional(sidecar->run.robot) : std::nullopt;
-}
-
 std::string recorded_travel(const std::string& path) {
   const auto sidecar = own_sidecar(path);
   return sidecar ? chosen_travel(sidecar->run.options.solve) : std::string();

@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "retarget/hash.h"
+#include "retarget/scene.h"
 
 namespace retarget {
 namespace {
@@ -61,7 +62,8 @@ class SceneHasher {
 
 }  // namespace
 
-Result<std::string> scene_hash(const Scene& scene) {
+Result<std::string> scene_hash(const std::string& file) {
+  TRY_ASSIGN(const Scene scene, load_scene(file));
   TRY_ASSIGN(auto content, ContentHasher::create());
   SceneHasher hasher(std::move(content));
   for (const SceneBody& body : scene.bodies) hasher.add(body);

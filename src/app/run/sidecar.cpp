@@ -59,8 +59,7 @@ Result<void> add_motion(std::vector<ReadFile>& files, const std::string& motion,
 Result<void> add_surroundings(std::vector<ReadFile>& files, const SolveOptions& solve,
                               const std::string& data_folder) {
   if (is_file(solve.scene)) {
-    TRY_ASSIGN(const Scene scene, load_scene(solve.scene));
-    TRY_ASSIGN(std::string hash, scene_hash(scene));
+    TRY_ASSIGN(std::string hash, scene_hash(solve.scene));
     files.push_back(
         {"scene geometry", recorded_name(solve.scene, data_folder), solve.scene, std::move(hash)});
   }

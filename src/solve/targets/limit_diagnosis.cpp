@@ -168,7 +168,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
   std::vector<Candidate> candidates = find_candidates(clip, limits, min_share);
   if (candidates.empty()) return {};
   const Robot& robot = clip.robot();
-  // A guessed rotation is no reason.
+  // A guessed rotation does not explain why a joint is at its limit.
   ResolvedConfig known = config;
   for (ResolvedConfig::Table& table : known.match_tables) {
     for (ConfigTask& task : table.tasks) {
